@@ -1,0 +1,1 @@
+"""Guidance, navigation and control, without simulator or MAVLink."""

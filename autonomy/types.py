@@ -1,0 +1,82 @@
+"""The vocabulary of guidance, navigation and control: states, references, setpoints.
+
+World frame ENU, body frame FLU, SI units, radians, quaternions `wxyz` body to world. Vectors are
+tuples of floats: the code that fills and reads them runs at 50 Hz or more in plain Python.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+from autonomy.model.quadrotor import Vector3
+
+Quaternion = tuple[float, float, float, float]
+
+NAN3: Vector3 = (math.nan, math.nan, math.nan)
+ZERO3: Vector3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class State:
+    """Rigid-body state, true or estimated."""
+
+    time_us: int
+    position_enu_m: Vector3
+    velocity_enu_mps: Vector3
+    quat_wxyz: Quaternion
+    angular_rate_flu_radps: Vector3
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FlatReference:
+    """A point of a trajectory in the quadrotor's flat outputs, position and yaw."""
+
+    position_enu_m: Vector3
+    velocity_enu_mps: Vector3 = ZERO3
+    acceleration_enu_mps2: Vector3 = ZERO3
+    jerk_enu_mps3: Vector3 = ZERO3
+    yaw_rad: float = 0.0
+    yaw_rate_radps: float = 0.0
+
+
+class ControlLevel(IntEnum):
+    """How deep a setpoint enters the cascade of controllers."""
+
+    OFF = 0
+    """Rotors stopped."""
+    IDLE = 1
+    """Armed on the ground, rotors at idle speed."""
+    TRAJECTORY = 2
+    """Position, velocity and acceleration; NaN leaves an axis of that quantity free."""
+    ATTITUDE = 3
+    """Attitude quaternion and normalised collective thrust."""
+    RATE = 4
+    """Body rates and normalised collective thrust."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Setpoint:
+    """What the outer loops ask of the inner ones until the next setpoint.
+
+    At `TRAJECTORY` each axis follows position where it is finite, else velocity where it is
+    finite, else the acceleration alone; finite lower derivatives are feed-forward. A NaN yaw
+    leaves the heading to `yaw_rate_radps` (0 holds it).
+    """
+
+    level: ControlLevel
+    position_enu_m: Vector3 = NAN3
+    velocity_enu_mps: Vector3 = NAN3
+    acceleration_enu_mps2: Vector3 = NAN3
+    jerk_enu_mps3: Vector3 = ZERO3
+    yaw_rad: float = math.nan
+    yaw_rate_radps: float = 0.0
+    quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    angular_rate_flu_radps: Vector3 = ZERO3
+    thrust: float = 0.0
+    """Collective thrust as a fraction of the maximum, 0 to 1; for `ATTITUDE` and `RATE`."""
+
+
+OFF = Setpoint(level=ControlLevel.OFF)
+IDLE = Setpoint(level=ControlLevel.IDLE)

@@ -1,0 +1,1 @@
+"""The simulated world, its vehicles, sensors and autopilot, and their MAVLink."""

@@ -1,0 +1,104 @@
+"""Conversions at the edge to MAVLink: ENU/FLU to NED/FRD, local to geodetic.
+
+Both axis changes are their own inverse, so one function serves both directions.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import Quaternion
+
+# WGS 84, NGA.STND.0036.
+_SEMI_MAJOR_AXIS_M = 6378137.0
+_ECCENTRICITY_SQUARED = 6.69437999014e-3
+_HALF_SQRT_2 = math.sqrt(0.5)
+
+
+def swap_enu_ned(vector: Vector3) -> Vector3:
+    """A vector in NED from the same in ENU, or the other way round."""
+    x, y, z = vector
+    return (y, x, -z)
+
+
+def swap_flu_frd(vector: Vector3) -> Vector3:
+    """A vector in FRD from the same in FLU, or the other way round."""
+    x, y, z = vector
+    return (x, -y, -z)
+
+
+def swap_quat_enu_flu_ned_frd(quat_wxyz: Quaternion) -> Quaternion:
+    """Attitude FRD to NED from attitude FLU to ENU, or the other way round; w >= 0.
+
+    The axis changes are half turns: about (1, 1, 0)/sqrt(2) for the world and about x for the body.
+    """
+    w, x, y, z = quat_wxyz
+    swapped = (
+        _HALF_SQRT_2 * (w + z),
+        _HALF_SQRT_2 * (x + y),
+        _HALF_SQRT_2 * (x - y),
+        _HALF_SQRT_2 * (w - z),
+    )
+    return swapped if swapped[0] >= 0 else (-swapped[0], -swapped[1], -swapped[2], -swapped[3])
+
+
+def swap_yaw_enu_ned(yaw_rad: float) -> float:
+    """Heading clockwise from north from yaw counter-clockwise from east, or back; in (-pi, pi]."""
+    swapped = math.pi / 2 - yaw_rad
+    return -((math.pi - swapped) % (2 * math.pi) - math.pi)
+
+
+def euler_rpy_rad(quat_wxyz: Quaternion) -> Vector3:
+    """Roll, pitch and yaw (intrinsic z-y-x) of an attitude, in its own pair of frames."""
+    w, x, y, z = quat_wxyz
+    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
+    yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return (roll, pitch, yaw)
+
+
+@dataclass(frozen=True, slots=True)
+class Geodetic:
+    """A place on the WGS 84 ellipsoid; altitude above mean sea level."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+
+
+class LocalFrame:
+    """ENU plane tangent to the ellipsoid at an origin.
+
+    Uses the radii of curvature at the origin: within 1 km of it the error stays below 0.2 m, and
+    one conversion costs under a microsecond. The vertical is the altitude difference.
+    """
+
+    def __init__(self, origin: Geodetic) -> None:
+        self.origin = origin
+        latitude = math.radians(origin.latitude_deg)
+        w = 1.0 - _ECCENTRICITY_SQUARED * math.sin(latitude) ** 2
+        meridian_m = _SEMI_MAJOR_AXIS_M * (1.0 - _ECCENTRICITY_SQUARED) / w**1.5
+        normal_m = _SEMI_MAJOR_AXIS_M / math.sqrt(w)
+        self._metres_per_degree_north = math.radians(meridian_m + origin.altitude_m)
+        self._metres_per_degree_east = math.radians(
+            (normal_m + origin.altitude_m) * math.cos(latitude)
+        )
+
+    def geodetic_from_enu(self, position_enu_m: Vector3) -> Geodetic:
+        """Latitude, longitude and altitude of a local position."""
+        east, north, up = position_enu_m
+        return Geodetic(
+            self.origin.latitude_deg + north / self._metres_per_degree_north,
+            self.origin.longitude_deg + east / self._metres_per_degree_east,
+            self.origin.altitude_m + up,
+        )
+
+    def enu_from_geodetic(self, place: Geodetic) -> Vector3:
+        """Local position of a latitude, longitude and altitude."""
+        return (
+            (place.longitude_deg - self.origin.longitude_deg) * self._metres_per_degree_east,
+            (place.latitude_deg - self.origin.latitude_deg) * self._metres_per_degree_north,
+            place.altitude_m - self.origin.altitude_m,
+        )

@@ -1,0 +1,1 @@
+"""Airframes, their rotor model and their battery."""

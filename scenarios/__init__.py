@@ -1,0 +1,1 @@
+"""Tasks, trials, recordings and the command line."""

@@ -1,0 +1,1 @@
+"""The commands `aeroscene-sitl` and `aeroscene`."""

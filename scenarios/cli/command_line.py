@@ -1,0 +1,54 @@
+"""From the shell to a frozen configuration and back: parsing, errors in one line, exit status."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import sys
+from collections.abc import Callable
+from typing import NoReturn, TypeVar
+
+import tyro
+
+Command = TypeVar("Command")
+
+EXIT_DONE = 0
+EXIT_NEGATIVE = 1
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 130
+
+_BOX = re.compile(r"[╭╮╰╯│─]+")
+
+
+def parse(command: Callable[..., Command], prog: str, args: list[str] | None = None) -> Command:
+    """Parse a command line into the dataclass `command`.
+
+    Prints one line and exits with status 2 where the command line is malformed.
+    """
+    errors = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(errors):
+            return tyro.cli(
+                command,
+                prog=prog,
+                args=args,
+                config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
+            )
+    except SystemExit as stop:
+        if stop.code == EXIT_BAD_INPUT:
+            fail(prog, f"{_one_line(errors.getvalue())}; see {prog} --help")
+        raise
+
+
+def fail(prog: str, message: str) -> NoReturn:
+    """Say in one line on standard error what was wrong, and exit with status 2."""
+    sys.stderr.write(f"{prog}: error: {' '.join(message.split())}\n")
+    sys.exit(EXIT_BAD_INPUT)
+
+
+def _one_line(tyro_box: str) -> str:
+    """What tyro says inside the first compartment of its error box, on one line."""
+    lines = tyro_box.splitlines()[1:]
+    end = next((i for i, line in enumerate(lines) if "───" in line), len(lines))
+    return " ".join(_BOX.sub("", line).strip() for line in lines[:end]).strip().rstrip(".")
