@@ -1,0 +1,37 @@
+"""Plane frames in which the grammar of a place is written: u along, v across, a heading."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+QUARTER = math.pi / 2
+STREETWARD = -QUARTER
+"""Turn of an object that faces the street, in a frame whose v axis leads away from the street."""
+INWARD = QUARTER
+"""Turn of an object that faces away from the street."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """An origin and a heading in the world's horizontal plane."""
+
+    x: float
+    y: float
+    yaw: float
+
+    def point(self, u: float, v: float) -> tuple[float, float]:
+        """World position of local coordinates."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return (self.x + c * u - s * v, self.y + s * u + c * v)
+
+    def moved(self, u: float, v: float, turn: float = 0.0) -> Frame:
+        """A frame at a local place, turned by an angle."""
+        x, y = self.point(u, v)
+        return Frame(x, y, self.yaw + turn)
+
+    def local(self, x: float, y: float) -> tuple[float, float]:
+        """Local coordinates of a world position."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        dx, dy = x - self.x, y - self.y
+        return (c * dx + s * dy, c * dy - s * dx)

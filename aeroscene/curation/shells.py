@@ -1,0 +1,175 @@
+"""Furnished buildings: shell, slabs, rooms and partitions, so that windows stay open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from aeroscene.curation.builder import Builder, Placed
+from aeroscene.curation.draw import Draw
+from aeroscene.curation.frame import QUARTER, Frame
+from aeroscene.scene import AttributeValue
+from aeroscene.shapes.buildings import FINISH_M
+from aeroscene.shapes.facade import (
+    LINTEL_M,
+    SILL_M,
+    SLAB_M,
+    SLAB_TOP_M,
+    WALL_M,
+    FacadePlan,
+    bay_borders,
+    count_bays,
+    opening_width,
+)
+
+PARTITION_M = 0.12
+STOREY_M = 3.3
+DOOR_M = 1.5
+"""Width of a door in a partition."""
+_APRON_M = 1.3
+"""Depth of the air kept free on either side of an opening."""
+
+
+@dataclass(frozen=True, slots=True)
+class RoomSpace:
+    """A room to furnish: x towards the building's front, y to its left."""
+
+    placed: Placed
+    storey: int
+    is_wide: bool
+    """Whether it runs the building's whole length."""
+
+    @property
+    def floor(self) -> float:
+        """Height on which furniture stands."""
+        return self.placed.base + FINISH_M
+
+
+@dataclass(frozen=True, slots=True)
+class Shell:
+    """A building with its rooms."""
+
+    building: Placed
+    rooms: tuple[RoomSpace, ...]
+    height: float
+
+
+def raise_shell(
+    builder: Builder,
+    draw: Draw,
+    frame: Frame,
+    at: tuple[float, float],
+    *,
+    name: str,
+    depth: float,
+    length: float,
+    storeys: int,
+    base: float,
+    turn: float,
+    colour: str,
+) -> Shell | None:
+    """Place an enterable building with slabs, partitions and rooms, or None if it does not fit."""
+    height = round(storeys * STOREY_M, 3)
+    attributes: dict[str, AttributeValue] = {
+        "is_enterable": True,
+        "storeys": storeys,
+        "colour": colour,
+    }
+    size = (depth, length, height)
+    shell = builder.place(
+        name, frame, *at, size, base=base, turn=turn, margin=0.6, attributes=attributes
+    )
+    if shell is None:
+        return None
+    rooms: list[RoomSpace] = []
+    for storey in range(storeys):
+        rooms += _fit_out_storey(builder, draw, shell, storey, storeys)
+    _keep_openings_free(builder, shell, storeys)
+    return Shell(shell, tuple(rooms), height)
+
+
+def _fit_out_storey(
+    builder: Builder, draw: Draw, shell: Placed, storey: int, storeys: int
+) -> list[RoomSpace]:
+    depth, length = shell.size[0] - 2 * WALL_M, shell.size[1] - 2 * WALL_M
+    foot = shell.base + storey * STOREY_M
+    under = SLAB_TOP_M - SLAB_M if storey else 0.0
+    builder.place(
+        "floor",
+        shell.frame,
+        0,
+        0,
+        (depth, length, SLAB_TOP_M - under),
+        base=foot + under,
+        parent=shell,
+        domain="indoor",
+    )
+    ceiling = STOREY_M if storey == storeys - 1 else STOREY_M + SLAB_TOP_M - SLAB_M
+    clear = ceiling - SLAB_TOP_M
+    cuts = _partition_places(draw, shell.size[1])
+    doors: list[tuple[float, float]] = []
+    for cut in cuts:
+        offset = draw.between(-0.25, 0.25) * depth
+        builder.place(
+            "wall",
+            shell.frame,
+            0,
+            cut,
+            (PARTITION_M, depth, clear),
+            base=foot + SLAB_TOP_M,
+            turn=QUARTER,
+            parent=shell,
+            domain="indoor",
+            attributes={"door_m": DOOR_M, "door_offset_m": offset, "colour": "white"},
+        )
+        doors.append((-offset, cut))
+    edges = [-length / 2, *cuts, length / 2]
+    rooms: list[RoomSpace] = []
+    for index, (low, high) in enumerate(zip(edges, edges[1:], strict=False)):
+        low_gap = PARTITION_M / 2 if index else 0.0
+        high_gap = PARTITION_M / 2 if index < len(cuts) else 0.0
+        low, high = low + low_gap, high - high_gap
+        placed = builder.place(
+            "room",
+            shell.frame,
+            0,
+            (low + high) / 2,
+            (depth, high - low, clear),
+            base=foot + SLAB_TOP_M,
+            parent=shell,
+            domain="indoor",
+            attributes={"finish": draw.one_of(("parquet", "floor_tiles", "carpet"))},
+        )
+        if placed:
+            rooms.append(RoomSpace(placed, storey, not cuts))
+    for u, v in doors:  # the partition's own y axis is the building's -x axis
+        apron = (DOOR_M + 0.2, 2 * _APRON_M, 2.5)
+        builder.reserve(shell.frame, u, v, apron, foot + SLAB_TOP_M + 0.1)
+    return rooms
+
+
+def _partition_places(draw: Draw, length: float) -> list[float]:
+    """Borders between bays that part a storey into rooms of at least two bays each."""
+    borders = bay_borders(length)
+    n_bays = len(borders) + 1
+    if n_bays < 4 or draw.chance(0.12):
+        return []
+    if n_bays >= 6:
+        return [borders[1], borders[-2]] if draw.chance(0.5) else [borders[n_bays // 2 - 1]]
+    return [borders[1 + draw.count(0, n_bays - 4)]]
+
+
+def _keep_openings_free(builder: Builder, shell: Placed, storeys: int) -> None:
+    """Reserve the air before and behind each window and door, so that a drone can pass."""
+    depth, length, _ = shell.size
+    door_bay = count_bays(length) // 2
+    plan = FacadePlan(length, storeys, STOREY_M, door_bay, "open")
+    for storey in range(storeys):
+        foot = shell.base + storey * STOREY_M
+        for bay in range(plan.n_bays):
+            low, high = plan.opening(bay)
+            for sign in (-1, 1):
+                is_door = sign > 0 and storey == 0 and bay == door_bay
+                sill = SLAB_TOP_M + 0.03 if is_door else SILL_M + 0.05
+                size = (2 * _APRON_M, opening_width(length), LINTEL_M - sill)
+                at = sign * (depth / 2 - WALL_M / 2)
+                builder.reserve(shell.frame, at, (low + high) / 2, size, foot + sill)

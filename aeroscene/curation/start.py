@@ -1,0 +1,111 @@
+"""Where a flight starts: a pad on open ground under open sky."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from aeroscene.catalogue import by_name
+from aeroscene.curation.builder import Builder, Placed
+from aeroscene.curation.draw import Draw
+from aeroscene.curation.frame import Frame
+from aeroscene.scene import SceneObject
+
+PAD_M = 2.6
+FREE_RADIUS_M = 3.6
+"""Half the side of the square that stays free around the pad."""
+FREE_HEIGHT_M = 60.0
+_GRID_M = 1.5
+_GROUNDS = ("lawn", "plaza", "parking_lot", "road")
+
+
+class NoStartError(RuntimeError):
+    """A ground plan that leaves no open place to start from."""
+
+
+def place_start(builder: Builder, draw: Draw, site_half: tuple[float, float]) -> Placed:
+    """Put the home pad on a free spot of the ground, and keep the air around it free.
+
+    Raises:
+        NoStartError: If no spot is free of structures.
+    """
+    for name in _GROUNDS:
+        spots = [
+            (ground, u, v)
+            for ground in builder.objects
+            if ground.category == name and ground.parent_id is None
+            for u, v in _grid(ground)
+            if _is_open(builder, ground, u, v, site_half)
+        ]
+        for index in draw.shuffled(range(len(spots)))[:8]:
+            ground, u, v = spots[index]
+            pad = _pad(builder, ground, u, v)
+            if pad:
+                return pad
+    raise NoStartError(f"{builder.scene_id}: no free square of {2 * FREE_RADIUS_M} m to start from")
+
+
+def _grid(ground: SceneObject) -> Sequence[tuple[float, float]]:
+    reach_u, reach_v = (s / 2 - PAD_M / 2 - 0.3 for s in ground.bbox.s[:2])
+    if min(reach_u, reach_v) < 0:
+        return []
+    steps_u, steps_v = (max(1, int(2 * r / _GRID_M)) for r in (reach_u, reach_v))
+    return [
+        (-reach_u + 2 * reach_u * i / steps_u, -reach_v + 2 * reach_v * j / steps_v)
+        for i in range(steps_u + 1)
+        for j in range(steps_v + 1)
+    ]
+
+
+def _frame(ground: SceneObject) -> Frame:
+    return Frame(ground.bbox.p[0], ground.bbox.p[1], ground.bbox.yaw_rad)
+
+
+def _top(ground: SceneObject) -> float:
+    return ground.bbox.p[2] + ground.bbox.s[2] / 2
+
+
+def _is_open(
+    builder: Builder, ground: SceneObject, u: float, v: float, half: tuple[float, float]
+) -> bool:
+    frame = _frame(ground)
+    x, y = frame.point(u, v)
+    if abs(x) > half[0] - FREE_RADIUS_M or abs(y) > half[1] - FREE_RADIUS_M:
+        return False
+    side = 2 * FREE_RADIUS_M
+    base = max(_top(ground), 0.2)  # curbs and paths beside the pad are no obstacle
+    return builder.is_free(frame, u, v, (side, side, FREE_HEIGHT_M), base)
+
+
+def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | None:
+    bearer = Placed(
+        ground.id,
+        ground.category,
+        _frame(ground),
+        ground.bbox.s,
+        _top(ground) - ground.bbox.s[2],
+        "outdoor",
+    )
+    pad = builder.place(
+        "landing_pad",
+        bearer.frame,
+        u,
+        v,
+        (PAD_M, PAD_M, 0.05),
+        base=bearer.top,
+        parent=bearer,
+        within=bearer,
+        attributes={"is_start": True},
+    )
+    if pad:
+        side = 2 * FREE_RADIUS_M
+        builder.reserve(pad.frame, 0, 0, (side, side, FREE_HEIGHT_M), pad.top)
+    return pad
+
+
+def start_yaw(pad: Placed) -> float:
+    """Heading of a vehicle on the pad: towards the middle of the site."""
+    return math.atan2(-pad.frame.y, -pad.frame.x)
+
+
+assert set(_GROUNDS) <= set(by_name())

@@ -1,0 +1,130 @@
+"""From objects to primitives in the world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from aeroscene.geometry import quat_product, rotation_matrix
+from aeroscene.scene import Scene, SceneObject
+from aeroscene.shapes import (
+    buildings,
+    furniture,
+    ground,
+    household,
+    rooftop,
+    street,
+    vegetation,
+    vehicles,
+)
+from aeroscene.shapes.look import Look, Shape
+from aeroscene.shapes.primitive import Primitive
+
+SHAPES: Mapping[str, Shape] = MappingProxyType(
+    {
+        "building": buildings.building,
+        "house": buildings.building,
+        "tower": buildings.tower,
+        "warehouse": buildings.warehouse,
+        "garage": buildings.garage,
+        "shed": buildings.shed,
+        "kiosk": buildings.kiosk,
+        "container": buildings.container,
+        "canopy": ground.canopy,
+        "bridge": ground.bridge,
+        "deck": ground.deck,
+        "pond": ground.pond,
+        "roof": buildings.roof,
+        "floor": buildings.floor,
+        "room": buildings.room,
+        "wall": buildings.wall,
+        "road": ground.road,
+        "sidewalk": ground.sidewalk,
+        "lawn": ground.lawn,
+        "parking_lot": ground.parking_lot,
+        "plaza": ground.plaza,
+        "fence": ground.fence,
+        "stairs": ground.stairs,
+        "car": vehicles.car,
+        "van": vehicles.van,
+        "truck": vehicles.truck,
+        "bus": vehicles.bus,
+        "bicycle": vehicles.bicycle,
+        "tree": vegetation.tree,
+        "bush": vegetation.bush,
+        "street_lamp": street.street_lamp,
+        "traffic_light": street.traffic_light,
+        "sign": street.sign,
+        "bench": street.bench,
+        "bin": street.bin_,
+        "hydrant": street.hydrant,
+        "mailbox": street.mailbox,
+        "planter": vegetation.planter,
+        "crate": street.crate,
+        "barrel": street.barrel,
+        "pallet": street.pallet,
+        "landing_pad": street.landing_pad,
+        "ac_unit": rooftop.ac_unit,
+        "chimney": rooftop.chimney,
+        "solar_panel": rooftop.solar_panel,
+        "water_tank": rooftop.water_tank,
+        "antenna": rooftop.antenna,
+        "table": furniture.table,
+        "chair": furniture.chair,
+        "sofa": furniture.sofa,
+        "armchair": household.armchair,
+        "bed": furniture.bed,
+        "desk": furniture.desk,
+        "cabinet": furniture.cabinet,
+        "wardrobe": household.wardrobe,
+        "shelf": furniture.shelf,
+        "coffee_table": furniture.coffee_table,
+        "nightstand": furniture.nightstand,
+        "counter": furniture.counter,
+        "fridge": household.fridge,
+        "stove": household.stove,
+        "television": household.television,
+        "lamp": furniture.lamp,
+        "plant": vegetation.plant,
+        "laptop": household.laptop,
+        "monitor": household.monitor,
+        "plate": household.plate,
+        "cup": household.cup,
+        "book": household.book,
+        "box": household.box,
+    }
+)
+"""The shape of every category."""
+
+
+def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
+    """Primitives of one object in the world, ENU."""
+    box = obj.bbox
+    look = Look(box.s, obj.attributes, obj.id)
+    rows = rotation_matrix(box.q).tolist()
+    floor = box.s[2] / 2
+    primitives = []
+    for part in SHAPES[obj.category](look):
+        x, y, z = part.position_m
+        z -= floor
+        position = tuple(
+            box.p[i] + rows[i][0] * x + rows[i][1] * y + rows[i][2] * z for i in range(3)
+        )
+        primitives.append(
+            Primitive(
+                kind=part.kind,
+                position_enu_m=position,  # pyright: ignore[reportArgumentType]
+                quat_wxyz=quat_product(box.q, part.quat_wxyz),  # pyright: ignore[reportArgumentType]
+                size_m=part.size_m,
+                material=part.material,
+                object_id=obj.id,
+                collides=part.collides,
+                vertices_m=part.vertices_m,
+            )
+        )
+    return tuple(primitives)
+
+
+def scene_primitives(scene: Scene) -> tuple[Primitive, ...]:
+    """Primitives of every object of a scene, in the order of the objects."""
+    return tuple(primitive for obj in scene.objects for primitive in object_primitives(obj))

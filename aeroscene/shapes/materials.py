@@ -1,0 +1,152 @@
+"""Materials by name: colour, texture, friction. A renderer draws the textures it knows.
+
+Textures are grey or lightly coloured tiles that the colour tints: `brick`, `windows` (one bay of
+a facade), `asphalt`, `grass`, `wood`, `tiles`, `paving`, `concrete`, `plaster`, `roof_tiles`,
+`corrugated`, `gravel`, `leaves`, `fabric`, `water`, `solar`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+FACADE_BAY_M = (3.0, 3.2)
+"""Width and height of the piece of facade that one `windows` tile shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """How a surface looks and grips."""
+
+    name: str
+    rgba: tuple[float, float, float, float]
+    texture: str | None = None
+    texture_size_m: tuple[float, float] = (1.0, 1.0)
+    """Length and height that one tile of the texture covers."""
+    friction: float = 0.8
+    """Sliding friction coefficient."""
+    specular: float = 0.1
+    """0 matt to 1."""
+    shininess: float = 0.2
+    """0 wide highlight to 1 narrow."""
+
+
+def _grey(level: float) -> tuple[float, float, float, float]:
+    return (level, level, level, 1.0)
+
+
+def _facade(name: str, red: float, green: float, blue: float) -> Material:
+    return Material(f"facade_{name}", (red, green, blue, 1.0), "windows", FACADE_BAY_M, 0.8, 0.25)
+
+
+def _plaster(name: str, red: float, green: float, blue: float) -> Material:
+    return Material(f"plaster_{name}", (red, green, blue, 1.0), "plaster", (3.0, 3.0), 0.8, 0.0)
+
+
+def _paint(name: str, red: float, green: float, blue: float) -> Material:
+    return Material(f"paint_{name}", (red, green, blue, 1.0), friction=0.6, specular=0.6)
+
+
+def _fabric(name: str, red: float, green: float, blue: float) -> Material:
+    return Material(f"fabric_{name}", (red, green, blue, 1.0), "fabric", (0.5, 0.5), 0.9, 0.0)
+
+
+WALL_COLOURS = ("cream", "sand", "rose", "sky", "sage", "white", "ochre", "slate")
+"""Colours of facades and of plaster."""
+PAINT_COLOURS = ("red", "blue", "white", "silver", "black", "green", "yellow", "orange")
+"""Colours of vehicles, containers and doors."""
+FABRIC_COLOURS = ("teal", "rust", "navy", "beige", "moss", "plum")
+"""Colours of upholstery and bedding."""
+
+_WALL_RGB = (
+    (0.93, 0.88, 0.76),
+    (0.86, 0.76, 0.60),
+    (0.88, 0.68, 0.62),
+    (0.68, 0.78, 0.87),
+    (0.70, 0.79, 0.66),
+    (0.94, 0.94, 0.92),
+    (0.88, 0.70, 0.38),
+    (0.55, 0.60, 0.66),
+)
+_PAINT_RGB = (
+    (0.72, 0.10, 0.10),
+    (0.12, 0.28, 0.62),
+    (0.92, 0.92, 0.90),
+    (0.62, 0.65, 0.68),
+    (0.10, 0.10, 0.12),
+    (0.14, 0.40, 0.24),
+    (0.92, 0.74, 0.12),
+    (0.88, 0.42, 0.10),
+)
+_FABRIC_RGB = (
+    (0.16, 0.46, 0.47),
+    (0.66, 0.32, 0.20),
+    (0.17, 0.22, 0.40),
+    (0.80, 0.73, 0.60),
+    (0.40, 0.46, 0.26),
+    (0.42, 0.22, 0.38),
+)
+
+_PLAIN = (
+    Material("asphalt", _grey(0.34), "asphalt", (4.0, 4.0), 1.0, 0.0),
+    Material("concrete", (0.70, 0.69, 0.66, 1.0), "concrete", (4.0, 4.0), 0.9, 0.0),
+    Material("dark_concrete", (0.48, 0.48, 0.48, 1.0), "concrete", (4.0, 4.0), 0.9, 0.0),
+    Material("paving", (0.76, 0.73, 0.69, 1.0), "paving", (1.2, 1.2), 0.9, 0.0),
+    Material("red_paving", (0.72, 0.52, 0.44, 1.0), "paving", (0.8, 0.8), 0.9, 0.0),
+    Material("gravel", (0.66, 0.62, 0.55, 1.0), "gravel", (2.0, 2.0), 0.8, 0.0),
+    Material("grass", (0.38, 0.56, 0.26, 1.0), "grass", (3.0, 3.0), 0.8, 0.0),
+    Material("soil", (0.36, 0.26, 0.18, 1.0), "gravel", (1.0, 1.0), 0.8, 0.0),
+    Material("water", (0.20, 0.42, 0.55, 1.0), "water", (3.0, 3.0), 0.4, 0.8, 0.8),
+    Material("brick", (0.72, 0.42, 0.33, 1.0), "brick", (1.0, 1.0), 0.9, 0.0),
+    Material("roof_red", (0.68, 0.30, 0.22, 1.0), "roof_tiles", (1.5, 1.5), 0.8, 0.05),
+    Material("roof_slate", (0.36, 0.39, 0.44, 1.0), "roof_tiles", (1.5, 1.5), 0.8, 0.05),
+    Material("roofing", (0.55, 0.54, 0.52, 1.0), "gravel", (2.5, 2.5), 0.9, 0.0),
+    Material("corrugated", (0.68, 0.71, 0.73, 1.0), "corrugated", (1.0, 1.0), 0.6, 0.4),
+    Material("wood", (0.66, 0.46, 0.28, 1.0), "wood", (1.5, 1.5), 0.7, 0.05),
+    Material("dark_wood", (0.40, 0.26, 0.16, 1.0), "wood", (1.5, 1.5), 0.7, 0.05),
+    Material("pale_wood", (0.84, 0.72, 0.54, 1.0), "wood", (1.5, 1.5), 0.7, 0.05),
+    Material("parquet", (0.72, 0.53, 0.34, 1.0), "wood", (2.0, 2.0), 0.7, 0.2),
+    Material("floor_tiles", (0.86, 0.86, 0.83, 1.0), "tiles", (1.2, 1.2), 0.7, 0.3),
+    Material("carpet", (0.46, 0.48, 0.55, 1.0), "fabric", (1.0, 1.0), 1.0, 0.0),
+    Material("bark", (0.36, 0.26, 0.18, 1.0), "wood", (0.6, 0.6), 0.9, 0.0),
+    Material("leaves", (0.24, 0.44, 0.18, 1.0), "leaves", (1.5, 1.5), 0.8, 0.0),
+    Material("leaves_dark", (0.14, 0.33, 0.17, 1.0), "leaves", (1.5, 1.5), 0.8, 0.0),
+    Material("leaves_autumn", (0.72, 0.47, 0.16, 1.0), "leaves", (1.5, 1.5), 0.8, 0.0),
+    Material("hedge", (0.20, 0.37, 0.17, 1.0), "leaves", (1.0, 1.0), 0.8, 0.0),
+    Material("glass", (0.45, 0.60, 0.70, 1.0), None, (1.0, 1.0), 0.4, 0.9, 0.9),
+    Material("dark_glass", (0.12, 0.16, 0.20, 1.0), None, (1.0, 1.0), 0.4, 0.9, 0.9),
+    Material("metal", (0.62, 0.64, 0.66, 1.0), None, (1.0, 1.0), 0.6, 0.5, 0.5),
+    Material("dark_metal", (0.20, 0.21, 0.23, 1.0), None, (1.0, 1.0), 0.6, 0.4, 0.5),
+    Material("rubber", (0.07, 0.07, 0.08, 1.0), None, (1.0, 1.0), 1.1, 0.05),
+    Material("plastic_white", (0.92, 0.92, 0.92, 1.0), None, (1.0, 1.0), 0.6, 0.3),
+    Material("plastic_black", (0.08, 0.08, 0.09, 1.0), None, (1.0, 1.0), 0.6, 0.3),
+    Material("plastic_green", (0.16, 0.38, 0.20, 1.0), None, (1.0, 1.0), 0.6, 0.3),
+    Material("cardboard", (0.68, 0.52, 0.34, 1.0), "plaster", (1.0, 1.0), 0.7, 0.0),
+    Material("ceramic", (0.95, 0.94, 0.91, 1.0), None, (1.0, 1.0), 0.6, 0.5, 0.6),
+    Material("stone", (0.80, 0.79, 0.76, 1.0), "concrete", (2.0, 2.0), 0.7, 0.3),
+    Material("terracotta", (0.74, 0.42, 0.28, 1.0), "plaster", (1.0, 1.0), 0.8, 0.0),
+    Material("solar", (0.16, 0.22, 0.42, 1.0), "solar", (1.0, 1.0), 0.5, 0.7, 0.7),
+    Material("screen", (0.10, 0.16, 0.26, 1.0), None, (1.0, 1.0), 0.5, 0.8, 0.8),
+    Material("marking_white", (0.93, 0.93, 0.93, 1.0), None, (1.0, 1.0), 0.9, 0.0),
+    Material("marking_yellow", (0.95, 0.78, 0.15, 1.0), None, (1.0, 1.0), 0.9, 0.0),
+    Material("light_warm", (1.0, 0.93, 0.72, 1.0), None, (1.0, 1.0), 0.6, 0.5),
+    Material("light_red", (0.85, 0.12, 0.10, 1.0), None, (1.0, 1.0), 0.6, 0.5),
+    Material("light_green", (0.10, 0.75, 0.30, 1.0), None, (1.0, 1.0), 0.6, 0.5),
+    Material("paper", (0.90, 0.87, 0.78, 1.0), None, (1.0, 1.0), 0.7, 0.0),
+)
+
+
+def _build() -> dict[str, Material]:
+    materials = list(_PLAIN)
+    for name, rgb in zip(WALL_COLOURS, _WALL_RGB, strict=True):
+        materials += [_facade(name, *rgb), _plaster(name, *rgb)]
+    materials += [_paint(name, *rgb) for name, rgb in zip(PAINT_COLOURS, _PAINT_RGB, strict=True)]
+    materials += [
+        _fabric(name, *rgb) for name, rgb in zip(FABRIC_COLOURS, _FABRIC_RGB, strict=True)
+    ]
+    return {material.name: material for material in materials}
+
+
+MATERIALS: Mapping[str, Material] = MappingProxyType(_build())
+"""Every material that a shape may name."""

@@ -1,0 +1,138 @@
+"""Primitives in the world and parts in an object's own frame: pure data.
+
+A part is placed in the frame of its object's box: x forwards, y left, origin in the middle of the
+box's bottom, so that z is the height above what the object stands on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from aeroscene.scene import Quaternion, Vector3
+
+PrimitiveKind = Literal["box", "cylinder", "ellipsoid", "mesh"]
+Interval = tuple[float, float]
+Axis = Literal["x", "y", "z"]
+
+IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+_HALF_SQRT_2 = 0.5**0.5
+_QUAT_Z_TO: dict[Axis, Quaternion] = {
+    "x": (_HALF_SQRT_2, 0.0, _HALF_SQRT_2, 0.0),
+    "y": (_HALF_SQRT_2, -_HALF_SQRT_2, 0.0, 0.0),
+    "z": IDENTITY,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Primitive:
+    """A convex solid in the world, from which a geom or a mesh is built."""
+
+    kind: PrimitiveKind
+    """A cylinder stands along its local z; a mesh is the convex hull of its vertices."""
+    position_enu_m: Vector3
+    """Centre of the bounding box in the local frame."""
+    quat_wxyz: Quaternion
+    """Local to world."""
+    size_m: Vector3
+    """Full local extents: a cylinder's are (diameter, diameter, length)."""
+    material: str
+    """Name in `MATERIALS`."""
+    object_id: int
+    collides: bool
+    """False for paint, panes of colour and other skins that touch nothing."""
+    vertices_m: tuple[Vector3, ...] = ()
+    """Of a mesh, in its local frame; empty otherwise."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A primitive in the frame of its object."""
+
+    kind: PrimitiveKind
+    position_m: Vector3
+    quat_wxyz: Quaternion
+    size_m: Vector3
+    material: str
+    collides: bool = True
+    vertices_m: tuple[Vector3, ...] = ()
+
+
+def block(x: Interval, y: Interval, z: Interval, material: str, *, collides: bool = True) -> Part:
+    """A box along the axes, from its intervals in m."""
+    return Part(
+        kind="box",
+        position_m=((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (z[0] + z[1]) / 2),
+        quat_wxyz=IDENTITY,
+        size_m=(x[1] - x[0], y[1] - y[0], z[1] - z[0]),
+        material=material,
+        collides=collides,
+    )
+
+
+def centred_block(
+    centre_m: Vector3, size_m: Vector3, material: str, *, collides: bool = True
+) -> Part:
+    """A box along the axes, from its centre and full extents."""
+    return Part(
+        kind="box",
+        position_m=centre_m,
+        quat_wxyz=IDENTITY,
+        size_m=size_m,
+        material=material,
+        collides=collides,
+    )
+
+
+def cylinder(
+    centre_m: Vector3,
+    diameter_m: float,
+    length_m: float,
+    material: str,
+    *,
+    axis: Axis = "z",
+    collides: bool = True,
+) -> Part:
+    """A cylinder along one of the axes."""
+    return Part(
+        kind="cylinder",
+        position_m=centre_m,
+        quat_wxyz=_QUAT_Z_TO[axis],
+        size_m=(diameter_m, diameter_m, length_m),
+        material=material,
+        collides=collides,
+    )
+
+
+def ellipsoid(x: Interval, y: Interval, z: Interval, material: str) -> Part:
+    """The ellipsoid inscribed in the box of three intervals, in m."""
+    return Part(
+        kind="ellipsoid",
+        position_m=((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (z[0] + z[1]) / 2),
+        quat_wxyz=IDENTITY,
+        size_m=(x[1] - x[0], y[1] - y[0], z[1] - z[0]),
+        material=material,
+    )
+
+
+def hull(vertices_m: list[Vector3], material: str, *, collides: bool = True) -> Part:
+    """The convex hull of some points."""
+    low = tuple(min(v[i] for v in vertices_m) for i in range(3))
+    high = tuple(max(v[i] for v in vertices_m) for i in range(3))
+    centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
+    return Part(
+        kind="mesh",
+        position_m=centre,
+        quat_wxyz=IDENTITY,
+        size_m=(high[0] - low[0], high[1] - low[1], high[2] - low[2]),
+        material=material,
+        collides=collides,
+        vertices_m=tuple(
+            (v[0] - centre[0], v[1] - centre[1], v[2] - centre[2]) for v in vertices_m
+        ),
+    )
+
+
+def centred(length_m: float) -> Interval:
+    """The interval of a length about zero."""
+    return (-length_m / 2, length_m / 2)

@@ -1,0 +1,89 @@
+"""Rotor thrusts from collective thrust and torque, by priority when not all fits.
+
+Roll and pitch torque come first, since they decide survival; then the collective; then yaw. Each
+gets the largest share of its demand that leaves the earlier ones as they are:
+
+    f = s_rp (A1 Mx + A2 My) + A0 T' + s_y A3 Mz,      A = allocation, columns of the inverse
+
+with f within [min, max] for each rotor, T' the collective nearest to T that fits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from autonomy.jit import kernel
+
+
+@kernel
+def allocate(
+    A: np.ndarray,
+    collective_n: float,
+    torque_flu_nm: np.ndarray,
+    low_n: np.ndarray,
+    high_n: np.ndarray,
+    thrust_n: np.ndarray,
+) -> None:
+    """Fill `thrust_n` (4,) with thrusts inside [low_n, high_n].
+
+    Args:
+        A: Allocation matrix (4, 4), inverse of `thrust_torque_matrix`; its first column positive.
+        collective_n: Demanded sum of the thrusts.
+        torque_flu_nm: Demanded torque (3,).
+        low_n: Least thrust of each rotor (4,).
+        high_n: Largest thrust of each rotor (4,).
+        thrust_n: Result.
+    """
+    mx, my, mz = torque_flu_nm[0], torque_flu_nm[1], torque_flu_nm[2]
+    for i in range(4):
+        thrust_n[i] = A[i, 1] * mx + A[i, 2] * my
+    share = _largest_tilt_share(A, thrust_n, low_n, high_n)
+    least, most = -np.inf, np.inf
+    for i in range(4):
+        thrust_n[i] *= share
+        least = max(least, (low_n[i] - thrust_n[i]) / A[i, 0])
+        most = min(most, (high_n[i] - thrust_n[i]) / A[i, 0])
+    collective = min(max(collective_n, least), most)
+    yaw_share = 1.0
+    for i in range(4):
+        thrust_n[i] += A[i, 0] * collective
+        yaw_share = min(yaw_share, _fitting_share(thrust_n[i], A[i, 3] * mz, low_n[i], high_n[i]))
+    for i in range(4):
+        total = thrust_n[i] + yaw_share * A[i, 3] * mz
+        thrust_n[i] = min(max(total, low_n[i]), high_n[i])  # rounding only
+
+
+@kernel
+def _largest_tilt_share(
+    A: np.ndarray, tilt_n: np.ndarray, low_n: np.ndarray, high_n: np.ndarray
+) -> float:
+    """Largest s <= 1 for which some collective T fits: low <= s tilt + A0 T <= high."""
+    share = 1.0
+    for i in range(4):
+        for j in range(4):
+            slope = tilt_n[j] / A[j, 0] - tilt_n[i] / A[i, 0]
+            room = high_n[j] / A[j, 0] - low_n[i] / A[i, 0]
+            if slope * share > room:
+                share = max(room / slope, 0.0)
+    return share
+
+
+@kernel
+def _fitting_share(base: float, step: float, low: float, high: float) -> float:
+    """Largest s >= 0 with low <= base + s step <= high, infinite if there is none."""
+    if step > 0.0:
+        return max(0.0, (high - base) / step)
+    if step < 0.0:
+        return max(0.0, (low - base) / step)
+    return np.inf
+
+
+@kernel
+def lead_command(
+    speed_radps: float, wanted_radps: float, tau_s: float, response_s: float, dt_s: float
+) -> float:
+    """Speed command that brings a rotor of lag tau to where one of lag `response_s` would be."""
+    if tau_s <= response_s:
+        return wanted_radps
+    lead = (1.0 - np.exp(-dt_s / response_s)) / (1.0 - np.exp(-dt_s / tau_s))
+    return speed_radps + lead * (wanted_radps - speed_radps)

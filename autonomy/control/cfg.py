@@ -1,0 +1,64 @@
+"""Gains and limits of the controller."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from autonomy.model.quadrotor import QuadrotorParams
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ControllerCfg:
+    """Gains as natural frequency and damping, limits in SI units."""
+
+    position_bandwidth_radps: float = 4.0
+    """wx: kx = m wx^2."""
+    position_damping: float = 0.9
+    """zeta: kv = 2 m zeta wx."""
+    integral_gain: float = 5.0
+    """1/s^3: acceleration gained a second and metre of position error."""
+    max_integral_mps2: float = 4.0
+    attitude_bandwidth_radps: float = 10.0
+    """wR of roll and pitch: kR = J wR^2, kW = 2 J zeta wR."""
+    attitude_damping: float = 0.9
+    yaw_bandwidth_radps: float = 5.0
+    rate_bandwidth_radps: float = 18.0
+    """Of the body rates at the `RATE` level, 1/s; yaw gets half."""
+    max_tilt_rad: float = math.radians(40.0)
+    max_feedback_mps2: float = 6.0
+    """Acceleration that position and velocity errors may demand, horizontally and vertically."""
+    max_thrust_fraction: float = 0.95
+    """Of the collective that trajectories may use; the rest is left to torques."""
+    idle_speed_fraction: float = 0.12
+    """Of the maximum rotor speed: what armed rotors never fall below."""
+    rotor_response_s: float = 0.006
+    """Rotors faster than this stay as they are, slower ones are led to it by their command."""
+
+    approach_gain_radps: float = 1.0
+    """Reference speed per metre left to a bare position setpoint."""
+    velocity_response_radps: float = 3.0
+    """Rate at which the reference follows a velocity setpoint."""
+    max_acceleration_mps2: float = 4.0
+    """Horizontal, of the reference towards bare position and velocity setpoints."""
+    max_acceleration_vertical_mps2: float = 3.0
+    max_jerk_mps3: float = 25.0
+    max_speed_mps: float = 12.0
+    """Horizontal, of the reference towards a bare position setpoint, as are the next two."""
+    max_climb_mps: float = 3.0
+    max_descent_mps: float = 1.5
+    leash_m: float = 1.0
+    """The reference waits when the vehicle falls behind by this much, half of it vertically."""
+    max_yaw_rate_radps: float = 1.6
+    max_yaw_acceleration_radps2: float = 5.0
+    yaw_gain_radps: float = 2.0
+
+
+def controller_cfg_for(quadrotor: QuadrotorParams) -> ControllerCfg:
+    """Defaults with the attitude loop as fast as the vehicle's inertia lets it be.
+
+    The same torque per radian gives 10 rad/s on the Iris; lighter vehicles stop at 16 rad/s, where
+    the lag of their rotors begins to count.
+    """
+    bandwidth = 1.7 / math.sqrt(max(quadrotor.inertia_flu_kgm2[:2]))
+    return ControllerCfg(attitude_bandwidth_radps=min(max(bandwidth, 7.0), 16.0))

@@ -1,0 +1,108 @@
+"""The controller: one tick from setpoint and estimate to rotor speed commands."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.control.allocation import allocate, lead_command
+from autonomy.control.geometric import (
+    attitude_torque,
+    command_attitude,
+    demand_force,
+    rate_torque,
+)
+from autonomy.control.reference import accept_setpoint, start_reference, update_reference
+from autonomy.jit import kernel
+from autonomy.rotation import matrix_from_quat
+
+_OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE = 0.0, 1.0, 2.0, 3.0, 4.0
+
+
+@kernel
+def control(c: np.record, s: np.record, f: np.record, is_new: bool) -> None:
+    """One control tick; the result stands in `c.rotor_command_radps`.
+
+    Args:
+        c: The controller.
+        s: The setpoint.
+        f: The filter, whose estimate is the state.
+        is_new: Whether the setpoint arrived since the tick before.
+    """
+    if s.level == _OFF or s.level == _IDLE:
+        _rest(c, s.level)
+        start_reference(c, f)
+    else:
+        _fly(c, s, f, is_new)
+    c.level = s.level
+    _model_rotors(c)
+
+
+@kernel
+def _rest(c: np.record, level: float) -> None:
+    for i in range(4):
+        c.rotor_command_radps[i] = c.idle_speed_radps[i] if level == _IDLE else 0.0
+        c.rotor_thrust_n[i] = c.min_rotor_thrust_n[i] if level == _IDLE else 0.0
+    c.collective_n = 0.0
+    c.thrust_fraction = 0.0
+    c.rate_cmd_flu_radps[:] = 0.0
+    c.torque_flu_nm[:] = 0.0
+
+
+@kernel
+def _fly(c: np.record, s: np.record, f: np.record, is_new: bool) -> None:
+    if s.level != c.level or c.level != _TRAJECTORY:
+        start_reference(c, f)
+    matrix_from_quat(f.quat_wxyz, c.R)
+    if s.level == _TRAJECTORY:
+        if is_new:
+            accept_setpoint(c, s)
+        update_reference(c, s, f)
+        demand_force(c, f)
+        command_attitude(c)
+        force, R = c.force_enu_mps2, c.R
+        along = force[0] * R[0, 2] + force[1] * R[1, 2] + force[2] * R[2, 2]
+        c.collective_n = c.mass_kg * max(along, 0.0)
+        attitude_torque(c, f.angular_rate_flu_radps)
+    else:
+        c.collective_n = min(max(s.thrust, 0.0), 1.0) * c.max_thrust_n
+        for i in range(3):
+            c.rate_cmd_flu_radps[i] = s.angular_rate_flu_radps[i]
+        if s.level == _ATTITUDE:
+            matrix_from_quat(s.quat_wxyz, c.R_cmd)
+            attitude_torque(c, f.angular_rate_flu_radps)
+        else:
+            rate_torque(c, f.angular_rate_flu_radps)
+    _command_rotors(c)
+
+
+@kernel
+def _command_rotors(c: np.record) -> None:
+    allocate(
+        c.allocation,
+        c.collective_n,
+        c.torque_flu_nm,
+        c.min_rotor_thrust_n,
+        c.max_rotor_thrust_n,
+        c.rotor_thrust_n,
+    )
+    total = 0.0
+    for i in range(4):
+        total += c.rotor_thrust_n[i]
+        wanted = math.sqrt(c.rotor_thrust_n[i] / c.thrust_constant[i])
+        speed = c.rotor_model_radps[i]
+        tau = c.time_constant_s[i, 0 if wanted >= speed else 1]
+        command = lead_command(speed, wanted, tau, c.rotor_response_s, c.dt_s)
+        least, most = c.idle_speed_radps[i], c.max_rotor_speed_radps[i]
+        c.rotor_command_radps[i] = min(max(command, least), most)
+    c.thrust_fraction = total / c.max_thrust_n
+
+
+@kernel
+def _model_rotors(c: np.record) -> None:
+    """Carry on the speeds that the commands make: nobody measures them."""
+    for i in range(4):
+        change = c.rotor_command_radps[i] - c.rotor_model_radps[i]
+        tau = c.time_constant_s[i, 0 if change >= 0.0 else 1]
+        c.rotor_model_radps[i] += change * (1.0 - math.exp(-c.dt_s / tau))

@@ -1,0 +1,180 @@
+"""The records that the control kernels work on: a setpoint, and all that a controller remembers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.control.cfg import ControllerCfg
+from autonomy.model.dynamics import thrust_torque_matrix
+from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
+from autonomy.types import Setpoint
+
+SETPOINT_DTYPE = np.dtype(
+    [
+        ("level", "f8"),
+        ("position_enu_m", "f8", 3),
+        ("velocity_enu_mps", "f8", 3),
+        ("acceleration_enu_mps2", "f8", 3),
+        ("jerk_enu_mps3", "f8", 3),
+        ("yaw_rad", "f8"),
+        ("yaw_rate_radps", "f8"),
+        ("quat_wxyz", "f8", 4),
+        ("angular_rate_flu_radps", "f8", 3),
+        ("thrust", "f8"),
+    ]
+)
+"""`autonomy.types.Setpoint` in the order of its fields."""
+
+CONTROLLER_DTYPE = np.dtype(
+    [
+        # what it remembers
+        ("level", "f8"),
+        ("setpoint_age_s", "f8"),
+        ("is_direct", "i8"),  # the reference is the trajectory's own point
+        ("reference_position_enu_m", "f8", 3),
+        ("reference_velocity_enu_mps", "f8", 3),
+        ("reference_acceleration_enu_mps2", "f8", 3),
+        ("reference_jerk_enu_mps3", "f8", 3),
+        ("reference_yaw_rad", "f8"),
+        ("reference_yaw_rate_radps", "f8"),
+        ("is_free", "i8", 3),  # axes without position and velocity feedback
+        ("last_acceleration_enu_mps2", "f8", 3),  # of the setpoint before
+        ("setpoint_jerk_enu_mps3", "f8", 3),  # derived from accelerations where it is NaN
+        ("integral_mps2", "f8", 3),
+        ("is_saturated", "i8"),
+        ("rotor_model_radps", "f8", 4),  # speeds that the commands should have made
+        # what it commands
+        ("force_enu_mps2", "f8", 3),  # demanded specific thrust
+        ("R_cmd", "f8", (3, 3)),
+        ("rate_cmd_flu_radps", "f8", 3),
+        ("collective_n", "f8"),
+        ("torque_flu_nm", "f8", 3),
+        ("rotor_thrust_n", "f8", 4),
+        ("rotor_command_radps", "f8", 4),
+        ("thrust_fraction", "f8"),
+        # the vehicle
+        ("dt_s", "f8"),
+        ("mass_kg", "f8"),
+        ("inertia_flu_kgm2", "f8", 3),
+        ("allocation", "f8", (4, 4)),  # rotor thrusts from (collective, torques)
+        ("thrust_constant", "f8", 4),
+        ("drag_coefficient", "f8", 4),
+        ("max_rotor_thrust_n", "f8", 4),
+        ("min_rotor_thrust_n", "f8", 4),
+        ("max_rotor_speed_radps", "f8", 4),
+        ("idle_speed_radps", "f8", 4),
+        ("time_constant_s", "f8", (4, 2)),  # up, down
+        ("max_thrust_n", "f8"),
+        ("gravity_mps2", "f8"),
+        # gains and limits, see ControllerCfg
+        ("position_gain", "f8"),
+        ("velocity_gain", "f8"),
+        ("integral_gain", "f8"),
+        ("max_integral_mps2", "f8"),
+        ("attitude_gain", "f8", 3),
+        ("angular_rate_gain", "f8", 3),
+        ("rate_level_gain", "f8", 3),
+        ("max_tilt_tangent", "f8"),
+        ("max_feedback_mps2", "f8"),
+        ("max_thrust_mps2", "f8"),
+        ("rotor_response_s", "f8"),
+        ("approach_gain_radps", "f8"),
+        ("velocity_response_radps", "f8"),
+        ("max_acceleration_mps2", "f8"),
+        ("max_acceleration_vertical_mps2", "f8"),
+        ("max_jerk_mps3", "f8"),
+        ("max_speed_mps", "f8"),
+        ("max_climb_mps", "f8"),
+        ("max_descent_mps", "f8"),
+        ("leash_m", "f8"),
+        ("max_yaw_rate_radps", "f8"),
+        ("max_yaw_acceleration_radps2", "f8"),
+        ("yaw_gain_radps", "f8"),
+        # scratch
+        ("R", "f8", (3, 3)),
+        ("R_error", "f8", (3, 3)),
+        ("target", "f8", 3),
+    ],
+    align=True,
+)
+
+_SAME_NAME = (
+    "integral_gain",
+    "max_integral_mps2",
+    "max_feedback_mps2",
+    "rotor_response_s",
+    "approach_gain_radps",
+    "velocity_response_radps",
+    "max_acceleration_mps2",
+    "max_acceleration_vertical_mps2",
+    "max_jerk_mps3",
+    "max_speed_mps",
+    "max_climb_mps",
+    "max_descent_mps",
+    "leash_m",
+    "max_yaw_rate_radps",
+    "max_yaw_acceleration_radps2",
+    "yaw_gain_radps",
+)
+
+
+def new_controller(quadrotor: QuadrotorParams, cfg: ControllerCfg, *, dt_s: float) -> np.ndarray:
+    """A controller with its rotors off, as one record in an array of shape (1,)."""
+    controllers = np.zeros(1, CONTROLLER_DTYPE)
+    c = controllers[0]
+    c["dt_s"] = dt_s
+    c["gravity_mps2"] = GRAVITY_MPS2
+    _write_vehicle(c, quadrotor, cfg)
+    wx, wr, wy = (
+        cfg.position_bandwidth_radps,
+        cfg.attitude_bandwidth_radps,
+        cfg.yaw_bandwidth_radps,
+    )
+    c["position_gain"] = wx**2
+    c["velocity_gain"] = 2.0 * cfg.position_damping * wx
+    c["attitude_gain"] = (wr**2, wr**2, wy**2)
+    damping = 2.0 * cfg.attitude_damping
+    c["angular_rate_gain"] = (damping * wr, damping * wr, damping * wy)
+    rate = cfg.rate_bandwidth_radps
+    c["rate_level_gain"] = (rate, rate, 0.5 * rate)
+    c["max_tilt_tangent"] = math.tan(cfg.max_tilt_rad)
+    c["max_thrust_mps2"] = cfg.max_thrust_fraction * quadrotor.max_thrust_n / quadrotor.mass_kg
+    for name in _SAME_NAME:
+        c[name] = getattr(cfg, name)
+    return controllers
+
+
+def setpoint_row(setpoint: Setpoint) -> tuple[float, ...]:
+    """The numbers of a setpoint in the order of `SETPOINT_DTYPE`."""
+    return (
+        float(setpoint.level),
+        *setpoint.position_enu_m,
+        *setpoint.velocity_enu_mps,
+        *setpoint.acceleration_enu_mps2,
+        *setpoint.jerk_enu_mps3,
+        setpoint.yaw_rad,
+        setpoint.yaw_rate_radps,
+        *setpoint.quat_wxyz,
+        *setpoint.angular_rate_flu_radps,
+        setpoint.thrust,
+    )
+
+
+def _write_vehicle(c: np.void, quadrotor: QuadrotorParams, cfg: ControllerCfg) -> None:
+    rotors = quadrotor.rotors
+    speed = np.array([rotor.max_speed_radps for rotor in rotors])
+    kf = np.array([rotor.thrust_constant for rotor in rotors])
+    idle = cfg.idle_speed_fraction * speed
+    c["mass_kg"] = quadrotor.mass_kg
+    c["inertia_flu_kgm2"] = quadrotor.inertia_flu_kgm2
+    c["allocation"] = np.linalg.inv(thrust_torque_matrix(quadrotor))
+    c["thrust_constant"] = kf
+    c["drag_coefficient"] = [rotor.drag_coefficient for rotor in rotors]
+    c["max_rotor_speed_radps"] = speed
+    c["idle_speed_radps"] = idle
+    c["max_rotor_thrust_n"] = kf * speed**2
+    c["min_rotor_thrust_n"] = kf * idle**2
+    c["time_constant_s"] = [[r.time_constant_up_s, r.time_constant_down_s] for r in rotors]
+    c["max_thrust_n"] = quadrotor.max_thrust_n

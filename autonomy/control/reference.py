@@ -1,0 +1,211 @@
+"""From a setpoint to a reference that a quadrotor can follow.
+
+A trajectory's points (position and velocity given, near where the reference is) are the reference
+themselves, carried on between setpoints by their derivatives. Bare positions and velocities
+are targets of a model of limited jerk, acceleration and speed whose state is the reference, so
+that a step never tilts the vehicle more than its limits say. An axis without position and velocity
+follows its acceleration alone; one without anything brakes.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.jit import kernel
+from autonomy.rotation import wrap_angle, yaw_from_quat
+
+MAX_EXTRAPOLATION_S = 0.02
+"""A setpoint is carried on for one tick of 50 Hz, then its reference stands."""
+
+_MAX_JERK_AGE_S = 0.11
+_MAX_DERIVED_JERK_MPS3 = 60.0
+_ENTER_DIRECT_M = 0.2
+_ENTER_DIRECT_MPS = 0.5
+_LEAVE_DIRECT_M = 2.0
+_MAX_YAW_LEAD_RAD = 0.6
+
+
+@kernel
+def start_reference(c: np.record, f: np.record) -> None:
+    """Let the reference begin where the vehicle is."""
+    for i in range(3):
+        c.reference_position_enu_m[i] = f.position_enu_m[i]
+        c.reference_velocity_enu_mps[i] = f.velocity_enu_mps[i]
+        c.reference_acceleration_enu_mps2[i] = 0.0
+        c.reference_jerk_enu_mps3[i] = 0.0
+        c.integral_mps2[i] = 0.0
+        c.last_acceleration_enu_mps2[i] = math.nan
+    c.reference_yaw_rad = yaw_from_quat(f.quat_wxyz)
+    c.reference_yaw_rate_radps = 0.0
+    c.is_direct = 0
+
+
+@kernel
+def accept_setpoint(c: np.record, s: np.record) -> None:
+    """Take a new setpoint in: its jerk, from the accelerations before and now if not given."""
+    elapsed = c.setpoint_age_s
+    for i in range(3):
+        jerk = s.jerk_enu_mps3[i]
+        if math.isnan(jerk):
+            change = s.acceleration_enu_mps2[i] - c.last_acceleration_enu_mps2[i]
+            jerk = change / elapsed if 0.0 < elapsed < _MAX_JERK_AGE_S else 0.0
+            jerk = min(max(jerk, -_MAX_DERIVED_JERK_MPS3), _MAX_DERIVED_JERK_MPS3)
+        c.setpoint_jerk_enu_mps3[i] = 0.0 if math.isnan(jerk) else jerk
+        c.last_acceleration_enu_mps2[i] = s.acceleration_enu_mps2[i]
+    c.setpoint_age_s = 0.0
+
+
+@kernel
+def update_reference(c: np.record, s: np.record, f: np.record) -> None:
+    """Advance the reference by one control tick."""
+    _choose_direct(c, s, f)
+    if c.is_direct == 1:
+        _follow_directly(c, s)
+    else:
+        _aim(c, s)
+        _follow_by_model(c, s, f)
+        _keep_on_leash(c, f)
+    _turn(c, s, f)
+    c.setpoint_age_s += c.dt_s
+
+
+@kernel
+def _choose_direct(c: np.record, s: np.record, f: np.record) -> None:
+    to_reference, to_vehicle, difference = 0.0, 0.0, 0.0
+    for i in range(3):
+        p, v = s.position_enu_m[i], s.velocity_enu_mps[i]
+        to_reference += (p - c.reference_position_enu_m[i]) ** 2
+        to_vehicle += (p - f.position_enu_m[i]) ** 2
+        difference += (v - c.reference_velocity_enu_mps[i]) ** 2
+    if not math.isfinite(to_reference + difference):
+        c.is_direct = 0
+    elif c.is_direct == 1:
+        c.is_direct = 1 if to_vehicle < _LEAVE_DIRECT_M**2 else 0
+    elif to_reference < _ENTER_DIRECT_M**2 and difference < _ENTER_DIRECT_MPS**2:
+        c.is_direct = 1
+
+
+@kernel
+def _follow_directly(c: np.record, s: np.record) -> None:
+    t = min(c.setpoint_age_s, MAX_EXTRAPOLATION_S)
+    for i in range(3):
+        v, a, j = s.velocity_enu_mps[i], s.acceleration_enu_mps2[i], c.setpoint_jerk_enu_mps3[i]
+        a = a if math.isfinite(a) else 0.0
+        c.reference_position_enu_m[i] = (
+            s.position_enu_m[i] + v * t + 0.5 * a * t * t + j * t * t * t / 6.0
+        )
+        c.reference_velocity_enu_mps[i] = v + a * t + 0.5 * j * t * t
+        c.reference_acceleration_enu_mps2[i] = a + j * t
+        c.reference_jerk_enu_mps3[i] = j
+        c.is_free[i] = 0
+
+
+@kernel
+def _approach_speed(distance_m: float, gain: float, deceleration: float) -> float:
+    """Speed towards a target so that it is reached without more than the deceleration."""
+    linear_m = deceleration / (gain * gain)
+    if distance_m <= linear_m:
+        return gain * distance_m
+    return math.sqrt(2.0 * deceleration * (distance_m - 0.5 * linear_m))
+
+
+@kernel
+def _aim(c: np.record, s: np.record) -> None:
+    """Target velocity of the model in `c.target`: towards positions, or as the setpoint says."""
+    target, gain = c.target, c.approach_gain_radps
+    square = 0.0
+    for i in range(2):
+        left = s.position_enu_m[i] - c.reference_position_enu_m[i]
+        square += left * left if math.isfinite(left) else 0.0
+    distance = math.sqrt(square)
+    # half of the acceleration is left for turning and for the lag of the model
+    speed = min(
+        _approach_speed(distance, gain, 0.5 * c.max_acceleration_mps2), c.max_speed_mps
+    )
+    for i in range(3):
+        left = s.position_enu_m[i] - c.reference_position_enu_m[i]
+        v = s.velocity_enu_mps[i]
+        target[i] = v if math.isfinite(v) else 0.0
+        if not math.isfinite(left):
+            continue
+        if i < 2:
+            target[i] += left / max(distance, 1e-9) * speed
+        else:
+            climb = _approach_speed(abs(left), gain, 0.5 * c.max_acceleration_vertical_mps2)
+            limit = c.max_climb_mps if left > 0.0 else c.max_descent_mps
+            target[i] += math.copysign(min(climb, limit), left)
+
+
+@kernel
+def _follow_by_model(c: np.record, s: np.record, f: np.record) -> None:
+    dt = c.dt_s
+    ax, ay = _model_acceleration(c, s, 0), _model_acceleration(c, s, 1)
+    az = _model_acceleration(c, s, 2)
+    factor = min(1.0, c.max_acceleration_mps2 / max(math.sqrt(ax * ax + ay * ay), 1e-9))
+    limit = c.max_acceleration_vertical_mps2
+    wanted = (ax * factor, ay * factor, min(max(az, -limit), limit))
+    for i in range(3):
+        jerk = (wanted[i] - c.reference_acceleration_enu_mps2[i]) / dt
+        jerk = min(max(jerk, -c.max_jerk_mps3), c.max_jerk_mps3)
+        c.reference_acceleration_enu_mps2[i] += jerk * dt
+        c.reference_jerk_enu_mps3[i] = jerk
+        c.reference_velocity_enu_mps[i] += c.reference_acceleration_enu_mps2[i] * dt
+        c.reference_position_enu_m[i] += c.reference_velocity_enu_mps[i] * dt
+        c.is_free[i] = 1 if _is_acceleration_only(s, i) else 0
+        if c.is_free[i] == 1:
+            c.reference_acceleration_enu_mps2[i] = s.acceleration_enu_mps2[i]
+            c.reference_velocity_enu_mps[i] = f.velocity_enu_mps[i]
+            c.reference_position_enu_m[i] = f.position_enu_m[i]
+            c.reference_jerk_enu_mps3[i] = 0.0
+
+
+@kernel
+def _is_acceleration_only(s: np.record, i: int) -> bool:
+    return (
+        not math.isfinite(s.position_enu_m[i])
+        and not math.isfinite(s.velocity_enu_mps[i])
+        and math.isfinite(s.acceleration_enu_mps2[i])
+    )
+
+
+@kernel
+def _model_acceleration(c: np.record, s: np.record, i: int) -> float:
+    """Acceleration towards the target velocity, with the setpoint's as feed-forward."""
+    wanted = c.velocity_response_radps * (c.target[i] - c.reference_velocity_enu_mps[i])
+    forward = s.acceleration_enu_mps2[i]
+    return wanted + forward if math.isfinite(forward) else wanted
+
+
+@kernel
+def _keep_on_leash(c: np.record, f: np.record) -> None:
+    """Hold the reference near a vehicle that cannot follow, such as one that has landed."""
+    ex = c.reference_position_enu_m[0] - f.position_enu_m[0]
+    ey = c.reference_position_enu_m[1] - f.position_enu_m[1]
+    factor = min(1.0, c.leash_m / max(math.sqrt(ex * ex + ey * ey), 1e-9))
+    c.reference_position_enu_m[0] = f.position_enu_m[0] + factor * ex
+    c.reference_position_enu_m[1] = f.position_enu_m[1] + factor * ey
+    ez = c.reference_position_enu_m[2] - f.position_enu_m[2]
+    limit = 0.5 * c.leash_m
+    c.reference_position_enu_m[2] = f.position_enu_m[2] + min(max(ez, -limit), limit)
+
+
+@kernel
+def _turn(c: np.record, s: np.record, f: np.record) -> None:
+    """Yaw by a model of limited rate and angular acceleration."""
+    dt = c.dt_s
+    wanted = s.yaw_rate_radps if math.isfinite(s.yaw_rate_radps) else 0.0
+    if math.isfinite(s.yaw_rad):
+        ahead = min(c.setpoint_age_s, MAX_EXTRAPOLATION_S) * wanted
+        left = wrap_angle(s.yaw_rad + ahead - c.reference_yaw_rad)
+        speed = _approach_speed(abs(left), c.yaw_gain_radps, 0.5 * c.max_yaw_acceleration_radps2)
+        wanted += math.copysign(speed, left)
+    wanted = min(max(wanted, -c.max_yaw_rate_radps), c.max_yaw_rate_radps)
+    step = c.max_yaw_acceleration_radps2 * dt
+    change = wanted - c.reference_yaw_rate_radps
+    c.reference_yaw_rate_radps += min(max(change, -step), step)
+    yaw = yaw_from_quat(f.quat_wxyz)
+    lead = wrap_angle(c.reference_yaw_rad + c.reference_yaw_rate_radps * dt - yaw)
+    lead = min(max(lead, -_MAX_YAW_LEAD_RAD), _MAX_YAW_LEAD_RAD)
+    c.reference_yaw_rad = wrap_angle(yaw + lead)

@@ -1,0 +1,108 @@
+"""Start of the filter from sensors at rest: tilt by gravity, heading by the magnetic field."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.estimation.error_state import ACCEL_BIAS, ATTITUDE, N_PAST, N_STATES
+from autonomy.jit import kernel
+from autonomy.rotation import matrix_from_quat, quat_from_rotation_vector, quat_multiply
+
+_MIN_FIXES = 3
+_MIN_SAMPLES = 10
+
+
+@kernel
+def collect_imu(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.ndarray) -> None:
+    """Add a sample to the means; starts again when the vehicle does not rest."""
+    f.tick += 1
+    f.n_imu += 1
+    for i in range(3):
+        f.accel_sum[i] += accel_flu_mps2[i]
+        f.gyro_sum[i] += gyro_flu_radps[i]
+        f.gyro_square_sum += gyro_flu_radps[i] * gyro_flu_radps[i]
+    limit = f.max_align_rate_radps * f.max_align_rate_radps
+    if f.n_imu % 50 == 0 and f.gyro_square_sum > 3.0 * limit * f.n_imu:
+        restart_alignment(f)
+
+
+@kernel
+def restart_alignment(f: np.record) -> None:
+    """Forget what has been collected."""
+    f.n_imu = f.n_gnss = f.n_mag = f.n_baro = 0
+    f.gyro_square_sum = 0.0
+    f.baro_sum = 0.0
+    for i in range(3):
+        f.accel_sum[i] = f.gyro_sum[i] = f.mag_sum[i] = f.gnss_sum[i] = 0.0
+
+
+@kernel
+def collect_vector(total: np.ndarray, sample: np.ndarray) -> None:
+    """total += sample, three components."""
+    for i in range(3):
+        total[i] += sample[i]
+
+
+@kernel
+def align_when_ready(f: np.record) -> None:
+    """Start the filter as soon as every sensor has been heard long enough."""
+    if f.n_imu < f.n_align or f.n_gnss < _MIN_FIXES:
+        return
+    if f.n_mag < _MIN_SAMPLES or f.n_baro < _MIN_SAMPLES:
+        return
+    _align_attitude(f)
+    for i in range(3):
+        f.gyro_bias_flu_radps[i] = f.gyro_sum[i] / f.n_imu
+        f.position_enu_m[i] = f.gnss_sum[i] / f.n_gnss
+        f.velocity_enu_mps[i] = 0.0
+        f.past_velocity_enu_mps[:, i] = 0.0
+        for slot in range(N_PAST):
+            f.past_position_enu_m[slot, i] = f.position_enu_m[i]
+    f.baro_offset_m = f.baro_sum / f.n_baro - f.position_enu_m[2]
+    _start_covariance(f)
+    f.last_gnss_tick = f.tick
+    f.is_aligned = 1
+
+
+@kernel
+def _start_covariance(f: np.record) -> None:
+    """Diagonal, but for the tilt: levelling takes an accelerometer's bias b for a tilt b/g.
+
+    The tilt error theta hides the bias: g [e3]x theta = -R b, as long as the vehicle rests.
+    """
+    P, R, g = f.covariance, f.work_R, f.gravity_mps2
+    P[:] = 0.0
+    for i in range(N_STATES):
+        P[i, i] = f.aligned_sigma[i] * f.aligned_sigma[i]
+    matrix_from_quat(f.quat_wxyz, R)
+    for j in range(3):
+        k = ACCEL_BIAS + j
+        tilt_x, tilt_y = -R[1, j] / g, R[0, j] / g  # by a unit of this bias
+        P[ATTITUDE, k] = P[k, ATTITUDE] = tilt_x * P[k, k]
+        P[ATTITUDE + 1, k] = P[k, ATTITUDE + 1] = tilt_y * P[k, k]
+        P[ATTITUDE, ATTITUDE] += tilt_x * tilt_x * P[k, k]
+        P[ATTITUDE + 1, ATTITUDE + 1] += tilt_y * tilt_y * P[k, k]
+        cross = tilt_x * tilt_y * P[k, k]
+        P[ATTITUDE, ATTITUDE + 1] += cross
+        P[ATTITUDE + 1, ATTITUDE] += cross
+
+
+@kernel
+def _align_attitude(f: np.record) -> None:
+    ax, ay, az = f.accel_sum[0], f.accel_sum[1], f.accel_sum[2]
+    mx, my, mz = f.mag_sum[0], f.mag_sum[1], f.mag_sum[2]
+    roll = math.atan2(ay, az)
+    pitch = math.atan2(-ax, math.sqrt(ay * ay + az * az))
+    sr, cr, sp, cp = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
+    level_x = cp * mx + sp * sr * my + sp * cr * mz
+    level_y = cr * my - sr * mz
+    azimuth = math.atan2(f.field_enu_ut[1], f.field_enu_ut[0])
+    yaw = azimuth - math.atan2(level_y, level_x)
+    q = f.quat_wxyz
+    quat_from_rotation_vector(0.0, 0.0, yaw, q)
+    quat_from_rotation_vector(0.0, pitch, 0.0, f.work_quat)
+    quat_multiply(q, f.work_quat, q)
+    quat_from_rotation_vector(roll, 0.0, 0.0, f.work_quat)
+    quat_multiply(q, f.work_quat, q)

@@ -1,0 +1,123 @@
+"""Compiled kernels: numba with a file cache that notices every change of a kernel's source.
+
+numba's own cache looks at the file of the compiled function only: after an edit of a function
+that lives in another file it serves the stale machine code. So the cache directory of a module is
+named by a hash of its source and of all our modules that it imports, directly or not.
+"""
+
+from __future__ import annotations
+
+import functools
+import gc
+import hashlib
+import logging
+import re
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import platformdirs
+
+_LOG = logging.getLogger(__name__)
+_ROOT = Path(__file__).parents[1]
+_IMPORT = re.compile(rb"^\s*(?:from|import)\s+([\w.]+)", re.MULTILINE)
+_KEPT_CACHES = 4
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+
+def kernel(function: _F) -> _F:
+    """Compile `function` on its first call (or by `compile_ahead`) and keep the code on disk.
+
+    One whose name begins with an underscore is part of another kernel: it is compiled with that
+    one, cannot be called from Python, and needs no cache of its own.
+    """
+    is_part = function.__name__.startswith("_")
+    if not is_part:
+        numba.config.CACHE_DIR = str(cache_directory(function.__module__))
+    return numba.njit(
+        cache=not is_part,
+        error_model="numpy",
+        fastmath=False,
+        no_cfunc_wrapper=True,
+        no_cpython_wrapper=is_part,
+    )(function)
+
+
+@functools.cache
+def cache_directory(module: str) -> Path:
+    """Where the compiled kernels of a module are kept, by the hash of all that they may call."""
+    digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
+    for path in sorted(_sources(_path_of(module))):
+        digest.update(path.read_bytes())
+    root = Path(platformdirs.user_cache_dir("aeroscene")) / "kernels" / module
+    directory = root / digest.hexdigest()
+    if not directory.exists():
+        _forget_old_caches(root)
+    return directory
+
+
+def compile_ahead(
+    compiled: Any, arguments: Sequence[object], title: str, expected_seconds: float
+) -> None:
+    """Compile a kernel for arguments of these types now, and say so when it is not cached.
+
+    Args:
+        compiled: What `kernel` made.
+        arguments: One example of each argument; only their types matter.
+        title: What the kernel is, for the message.
+        expected_seconds: How long a cold compilation takes, for the message.
+    """
+    signature = tuple(numba.typeof(argument) for argument in arguments)
+    if signature in compiled.overloads:
+        return
+    directory = cache_directory(compiled.__module__)
+    mark = directory / f"{compiled.__name__}.compiled"
+    if not mark.exists():
+        _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
+    was_enabled = gc.isenabled()
+    gc.disable()  # numba makes millions of objects that live on: a tenth of the time
+    try:
+        compiled.compile(signature)
+    finally:
+        if was_enabled:
+            gc.enable()
+    if directory.exists():
+        mark.touch()
+
+
+def _path_of(module: str) -> Path | None:
+    """Source file of one of our modules, None for anybody else's."""
+    stem = _ROOT.joinpath(*module.split("."))
+    for path in (stem.with_name(f"{stem.name}.py"), stem / "__init__.py"):
+        if path.exists():
+            return path
+    return None
+
+
+def _sources(first: Path | None) -> set[Path]:
+    """A source file and all of ours that it imports, directly or not."""
+    found: set[Path] = set()
+    waiting = [first]
+    while waiting:
+        path = waiting.pop()
+        if path is not None and path not in found:
+            found.add(path)
+            waiting.extend(_imported(path))
+    return found
+
+
+@functools.cache
+def _imported(path: Path) -> tuple[Path | None, ...]:
+    names = {match.decode() for match in _IMPORT.findall(path.read_bytes())}
+    return tuple(_path_of(name) for name in sorted(names))
+
+
+def _forget_old_caches(root: Path) -> None:
+    """Leave the newest few directories: every edit of a kernel begins another one."""
+    if not root.exists():
+        return
+    caches = sorted(root.iterdir(), key=lambda path: path.stat().st_mtime)
+    for directory in caches[:-_KEPT_CACHES]:
+        shutil.rmtree(directory, ignore_errors=True)

@@ -1,0 +1,184 @@
+"""From a path of cells to a safe corridor: few straight legs, a convex polytope about each.
+
+The corridor knows the obstacles exactly, not as cells. For a leg and an obstacle, both convex, the
+plane that touches the obstacle nearest to the leg separates them; moved towards the leg by the
+vehicle's radius and a margin it bounds where the centre of the vehicle may be. Obstacles that lie
+wholly beyond planes already there need none of their own, so a dozen planes usually do.
+
+Source: separating planes about a path as in Liu et al. 2017 (safe flight corridors), taken here
+from the solids themselves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.jit import kernel
+from autonomy.planning.errors import CertificateError
+from autonomy.planning.obstacles import Obstacles, gap_to_sphere, plane_to_segment, support
+
+MAX_PLANES = 28
+REACH_M = 6.0
+"""How far a polytope extends beyond its leg along each axis."""
+_SLACK_M = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Corridor:
+    """Polytopes in flight order; neighbours share the gate between them."""
+
+    planes: Float[np.ndarray, "n planes 4"]
+    """Unit normal n and offset d: inside, n.x <= d for all. Unused ones are (0, 0, 0, 1)."""
+    gates_enu_m: Float[np.ndarray, "n_plus_1 3"]
+    """Start, a point in each overlap, goal."""
+
+    def __len__(self) -> int:
+        return len(self.planes)
+
+
+def straighten(
+    points_enu_m: Float[np.ndarray, "n 3"],
+    obstacles: Obstacles,
+    *,
+    comfortable_m: float,
+) -> Float[np.ndarray, "m 3"]:
+    """Leave out points of a path wherever the straight line costs no clearance.
+
+    A line may replace a part whose smallest distance it does not undercut, up to the comfortable
+    distance, which is enough anywhere.
+    """
+    points = np.ascontiguousarray(points_enu_m, dtype=float)
+    room_m = np.minimum(obstacles.signed_distance(points)[0], comfortable_m)
+    return points[_straighten(points, room_m, obstacles.solids)]
+
+
+def build_corridor(
+    legs_enu_m: Float[np.ndarray, "n_plus_1 3"],
+    obstacles: Obstacles,
+    bounds_enu_m: tuple[np.ndarray, np.ndarray],
+    *,
+    wanted_m: float,
+    least_m: float,
+    max_leg_m: float,
+) -> Corridor:
+    """Polytopes about the legs of a polyline.
+
+    Args:
+        legs_enu_m: Vertices, start first.
+        obstacles: What to stay away from.
+        bounds_enu_m: Lower and upper corner of where flight is allowed.
+        wanted_m: Distance to keep, centre of the vehicle to obstacle.
+        least_m: Distance to keep where a leg offers less than `wanted_m`: half of what it offers
+            beyond this is kept, the other half is freedom for the optimiser.
+        max_leg_m: Longer legs get their polytope several times, one for each piece to fly.
+
+    Raises:
+        CertificateError: If a leg comes closer to an obstacle than `least_m`.
+    """
+    planes, gates = [], [legs_enu_m[:1]]
+    for a, b in zip(legs_enu_m[:-1], legs_enu_m[1:], strict=True):
+        offered_m = float(_segment_clearance(a, b, wanted_m * 2, obstacles.solids))
+        if offered_m <= least_m:
+            raise CertificateError(
+                f"the leg from ({a[0]:.1f}, {a[1]:.1f}, {a[2]:.1f}) to "
+                f"({b[0]:.1f}, {b[1]:.1f}, {b[2]:.1f}) m passes {offered_m:.2f} m from an obstacle; "
+                f"valid: more than {least_m:.2f} m"
+            )
+        kept_m = min(wanted_m, (offered_m + least_m) / 2)
+        polytope = _polytope(a, b, kept_m, *_reach_box(a, b, bounds_enu_m), obstacles.solids)
+        n = max(1, int(np.ceil(np.linalg.norm(b - a) / max_leg_m)))
+        planes += [polytope] * n
+        gates.append(a + (b - a) * np.arange(1, n + 1)[:, None] / n)
+    return Corridor(planes=np.array(planes), gates_enu_m=np.concatenate(gates))
+
+
+def _reach_box(
+    a: np.ndarray, b: np.ndarray, bounds_enu_m: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    # The leg itself is always inside, whatever the bounds.
+    return (
+        np.minimum(np.maximum(low - REACH_M, bounds_enu_m[0]), low - 0.05),
+        np.maximum(np.minimum(high + REACH_M, bounds_enu_m[1]), high + 0.05),
+    )
+
+
+@kernel
+def _segment_clearance(p, q, enough, solids):
+    """Distance from a segment to the nearest solid; `enough` where it is at least that."""
+    middle = 0.5 * (p + q)
+    half = 0.5 * np.sqrt(np.sum((q - p) ** 2))
+    clearance = enough
+    for i in range(len(solids[0])):
+        gap = gap_to_sphere(middle[0], middle[1], middle[2], i, solids)
+        if gap - half < clearance:
+            clearance = min(clearance, plane_to_segment(p, q, i, solids)[0])
+    return clearance
+
+
+@kernel
+def _straighten(points, room, solids):
+    """Greedy: from each kept point jump to the farthest (by bisection) seen with no less room."""
+    kept = [0]
+    while kept[-1] < len(points) - 1:
+        at = kept[-1]
+        reach, beyond = at + 1, len(points)
+        while beyond - reach > 1:
+            to = (reach + beyond) // 2
+            needed = room[at : to + 1].min() - _SLACK_M
+            if _segment_clearance(points[at], points[to], needed, solids) >= needed:
+                reach = to
+            else:
+                beyond = to
+        kept.append(reach)
+    return np.array(kept)
+
+
+@kernel
+def _polytope(p, q, kept, low, high, solids):
+    """Planes about the segment from p to q: a box, then one for each obstacle in the way."""
+    planes = np.zeros((MAX_PLANES, 4))
+    planes[6:, 3] = 1.0
+    for axis in range(3):
+        planes[2 * axis, axis], planes[2 * axis, 3] = 1.0, high[axis]
+        planes[2 * axis + 1, axis], planes[2 * axis + 1, 3] = -1.0, -low[axis]
+    near, distance = _separating_planes(p, q, low, high, kept, solids)
+    count = 6
+    for n in np.argsort(distance):
+        i = int(near[n, 4])
+        if count < MAX_PLANES and not _is_beyond(i, planes[:count], kept, solids):
+            # The normal of the plane on the obstacle points at the vehicle; inside is n.x <= d.
+            planes[count, :3] = -near[n, :3]
+            planes[count, 3] = -near[n, 3] - kept
+            count += 1
+    return planes
+
+
+@kernel
+def _separating_planes(p, q, low, high, kept, solids):
+    """Plane (4) and index of each solid that may reach into a box, and its distance to the leg."""
+    planes = np.empty((len(solids[0]), 5))
+    distance = np.empty(len(solids[0]))
+    count = 0
+    middle = 0.5 * (low + high)
+    half = 0.5 * np.sqrt(np.sum((high - low) ** 2))
+    for i in range(len(solids[0])):
+        if gap_to_sphere(middle[0], middle[1], middle[2], i, solids) - half < kept:
+            d, nx, ny, nz, offset = plane_to_segment(p, q, i, solids)
+            planes[count] = np.array([nx, ny, nz, offset, float(i)])
+            distance[count] = d
+            count += 1
+    return planes[:count], distance[:count]
+
+
+@kernel
+def _is_beyond(i, planes, kept, solids):
+    """Whether one of the planes already keeps the vehicle away from all of solid i."""
+    for n in range(len(planes)):
+        f = planes[n]
+        if -support(-f[0], -f[1], -f[2], i, solids) >= f[3] + kept - _SLACK_M:
+            return True
+    return False

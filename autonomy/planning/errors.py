@@ -1,0 +1,23 @@
+"""Why there is no plan; every message names what stands in the way and what would help."""
+
+from __future__ import annotations
+
+
+class PlanningError(ValueError):
+    """No certified trajectory exists or could be found."""
+
+
+class BlockedError(PlanningError):
+    """Start or goal is in an obstacle, closer to one than the vehicle's radius, or out of bounds."""
+
+
+class UnreachableError(PlanningError):
+    """No free path joins start and goal."""
+
+
+class LimitsError(PlanningError):
+    """The dynamic limits contradict themselves or the state at the start."""
+
+
+class CertificateError(PlanningError):
+    """A trajectory was found, and every attempt broke the clearance or a limit when checked."""

@@ -1,0 +1,64 @@
+"""Distance field: how far from the nearest obstacle every cell of a grid is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.model.quadrotor import Vector3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DistanceField:
+    """Distances on a regular grid in ENU."""
+
+    origin_enu_m: Vector3
+    """Centre of the cell with index (0, 0, 0)."""
+    resolution_m: float
+    distance_m: Float[np.ndarray, "nx ny nz"]
+    """From the centre of a cell to the nearest occupied cell; 0 in occupied cells."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is not a field."""
+        if not self.resolution_m > 0:
+            raise ValueError(f"resolution_m {self.resolution_m} is not positive; valid: metres")
+        if self.distance_m.ndim != 3 or 0 in self.distance_m.shape:
+            raise ValueError(
+                f"distance_m has shape {self.distance_m.shape}; valid: three axes, none empty"
+            )
+
+    def cells(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> Int[np.ndarray, "*b 3"]:
+        """Indices of the cells that hold the points; outside the grid they lie outside its shape."""
+        offset = (np.asarray(points_enu_m) - self.origin_enu_m) / self.resolution_m
+        return np.rint(offset).astype(np.int64)
+
+    def centres(self, cells: Int[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
+        """Centres of cells, ENU."""
+        return np.asarray(self.origin_enu_m) + np.asarray(cells) * self.resolution_m
+
+    @property
+    def bounds_enu_m(self) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+        """Centres of the first and of the last cell."""
+        return np.array(self.origin_enu_m), self.centres(np.array(self.distance_m.shape) - 1)
+
+    def contains(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> np.ndarray:
+        """Which points lie in a cell of the grid."""
+        cells = self.cells(points_enu_m)
+        return np.all((cells >= 0) & (cells < self.distance_m.shape), axis=-1)
+
+    def distance(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b"]:
+        """Distance at points between the cells, trilinear, m; 0 outside the grid."""
+        points = np.asarray(points_enu_m, dtype=float)
+        offset = (points - self.origin_enu_m) / self.resolution_m
+        last = np.array(self.distance_m.shape) - 1
+        inside = np.clip(offset, 0, last)
+        low = np.minimum(inside.astype(np.int64), np.maximum(last - 1, 0))
+        fraction = inside - low
+        total = np.zeros(points.shape[:-1])
+        for corner in np.ndindex(2, 2, 2):
+            weight = np.prod(np.where(corner, fraction, 1.0 - fraction), axis=-1)
+            x, y, z = np.moveaxis(np.minimum(low + corner, last), -1, 0)
+            total += weight * self.distance_m[x, y, z]
+        return np.where(self.contains(points), total, 0.0)

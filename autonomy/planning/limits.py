@@ -1,0 +1,66 @@
+"""Dynamic limits of a flight, and what they leave for velocity and acceleration."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
+from autonomy.planning.errors import LimitsError
+
+MIN_ACCELERATION_MPS2 = 0.2
+"""With less room than this to accelerate there is no sensible flight."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FlightLimits:
+    """What a trajectory may ask of the vehicle."""
+
+    speed_horizontal_mps: float = 5.0
+    speed_vertical_mps: float = 2.0
+    acceleration_mps2: float = 3.0
+    """Horizontal, m/s^2."""
+    acceleration_vertical_mps2: float = 2.0
+    thrust_fraction: float = 0.85
+    """Of the maximum collective thrust; the rest is left to torques."""
+    tilt_rad: float = math.radians(30.0)
+    yaw_rate_radps: float = math.radians(90.0)
+    yaw_acceleration_radps2: float = math.radians(180.0)
+
+    def __post_init__(self) -> None:
+        """Refuse limits that nothing can keep."""
+        for name in self.__slots__:
+            value = getattr(self, name)
+            if not 0 < value < math.inf:
+                raise LimitsError(f"{name} {value} is not valid; valid: a positive number")
+        if not self.thrust_fraction <= 1:
+            raise LimitsError(f"thrust_fraction {self.thrust_fraction} exceeds 1; valid: 0 to 1")
+        if not self.tilt_rad < math.pi / 2:
+            raise LimitsError(f"tilt_rad {self.tilt_rad} is not valid; valid: below pi/2")
+
+    def max_specific_thrust_mps2(self, quadrotor: QuadrotorParams) -> float:
+        """Largest thrust over mass that a plan may use."""
+        return self.thrust_fraction * quadrotor.max_thrust_n / quadrotor.mass_kg
+
+    def accelerations_mps2(self, quadrotor: QuadrotorParams) -> tuple[float, float]:
+        """Horizontal and vertical bounds that keep thrust and tilt as well, by flatness.
+
+        Thrust over mass is |a + g e3| and tilt its angle to the vertical. With vertical
+        accelerations in +-v the worst of the first is at +v, of the second at -v.
+
+        Raises:
+            LimitsError: If hovering leaves too little of the thrust to accelerate.
+        """
+        thrust = self.max_specific_thrust_mps2(quadrotor)
+        vertical = min(self.acceleration_vertical_mps2, (thrust - GRAVITY_MPS2) / 2)
+        if vertical < MIN_ACCELERATION_MPS2:
+            raise LimitsError(
+                f"thrust_fraction {self.thrust_fraction} leaves {thrust - GRAVITY_MPS2:.2f} m/s^2 "
+                f"beyond hover; valid: at least {2 * MIN_ACCELERATION_MPS2:.2f}"
+            )
+        horizontal = min(
+            self.acceleration_mps2,
+            math.sqrt(thrust**2 - (GRAVITY_MPS2 + vertical) ** 2),
+            math.tan(self.tilt_rad) * (GRAVITY_MPS2 - vertical),
+        )
+        return horizontal, vertical

@@ -1,0 +1,285 @@
+"""Solid obstacles, the exact distance to them, and planes that separate from them.
+
+All solids are convex, so the point nearest to a solid gives a plane that touches it and has it
+on one side; with the solid's support function as offset that holds to the last bit, whatever the
+nearest point was rounded to. From outside, boxes, cylinders and ellipsoids are measured
+exactly. For a convex hull the plane is that of its farthest face or of its bounding box: exact in front
+of a face, too near beside some edges, never too far. So "farther than r" can always be believed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.jit import kernel
+
+_NEWTON_STEPS = 30
+_NEWTON_TOLERANCE = 1e-10
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+_GOLDEN_STEPS = 24
+_UNBOUNDED = 1e9
+
+
+Solids = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+class Shape(IntEnum):
+    """How an obstacle's local extents are to be read."""
+
+    BOX = 0
+    CYLINDER = 1
+    """About its local z; the first extent is the diameter."""
+    ELLIPSOID = 2
+    HULL = 3
+    """The intersection of half-spaces."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Obstacles:
+    """Solids in ENU."""
+
+    center_enu_m: Float[np.ndarray, "n 3"]
+    quat_wxyz: Float[np.ndarray, "n 4"]
+    """Local to world, unit."""
+    size_m: Float[np.ndarray, "n 3"]
+    """Full local extents."""
+    shape: Int[np.ndarray, " n"]
+    faces: Float[np.ndarray, "m 4"] = field(default_factory=lambda: np.zeros((0, 4)))
+    """Of hulls: outward unit normal n and offset d, local; a point x is beyond where n.x > d."""
+    faces_end: Int[np.ndarray, " n"]
+    """One past the last face of each obstacle; its first is where the one before ends."""
+
+    @classmethod
+    def boxes(
+        cls,
+        center_enu_m: Float[np.ndarray, "n 3"],
+        quat_wxyz: Float[np.ndarray, "n 4"],
+        size_m: Float[np.ndarray, "n 3"],
+    ) -> Obstacles:
+        """Oriented boxes only."""
+        n = len(center_enu_m)
+        return cls(
+            center_enu_m=np.asarray(center_enu_m, dtype=float).reshape(n, 3),
+            quat_wxyz=np.asarray(quat_wxyz, dtype=float).reshape(n, 4),
+            size_m=np.asarray(size_m, dtype=float).reshape(n, 3),
+            shape=np.full(n, int(Shape.BOX)),
+            faces_end=np.zeros(n, dtype=np.int64),
+        )
+
+    def __len__(self) -> int:
+        return len(self.center_enu_m)
+
+    @cached_property
+    def solids(self) -> Solids:
+        """What kernels take: centres, rotations local to world, half extents, shapes, faces."""
+        return (
+            self.center_enu_m,
+            rotation_matrices(self.quat_wxyz),
+            self.size_m / 2,
+            self.shape,
+            self.faces,
+            self.faces_end,
+        )
+
+    def signed_distance(
+        self, points_enu_m: Float[np.ndarray, "k 3"]
+    ) -> tuple[Float[np.ndarray, " k"], Int[np.ndarray, " k"]]:
+        """Distance from each point to the nearest obstacle, negative inside, and which one it is.
+
+        Without obstacles the distance is infinite and the index -1.
+        """
+        points = np.ascontiguousarray(points_enu_m, dtype=float)
+        return _signed_distance(points, self.solids)
+
+
+def join(groups: Sequence[Obstacles]) -> Obstacles:
+    """All obstacles of several groups, in order."""
+    ends, offset = [], 0
+    for group in groups:
+        ends.append(group.faces_end + offset)
+        offset += len(group.faces)
+    return Obstacles(
+        center_enu_m=np.concatenate([group.center_enu_m for group in groups]),
+        quat_wxyz=np.concatenate([group.quat_wxyz for group in groups]),
+        size_m=np.concatenate([group.size_m for group in groups]),
+        shape=np.concatenate([group.shape for group in groups]),
+        faces=np.concatenate([group.faces for group in groups]),
+        faces_end=np.concatenate(ends),
+    )
+
+
+def rotation_matrices(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
+    """Local to world, of unit quaternions."""
+    w, x, y, z = quat_wxyz.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))
+
+
+@kernel
+def _signed_distance(points, solids):
+    distance = np.full(len(points), np.inf)
+    nearest = np.full(len(points), -1)
+    for k in range(len(points)):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        for i in range(len(solids[0])):
+            if gap_to_sphere(x, y, z, i, solids) >= distance[k]:
+                continue
+            d = plane_between(x, y, z, i, solids)[0]
+            if d < distance[k]:
+                distance[k], nearest[k] = d, i
+    return distance, nearest
+
+
+@kernel
+def gap_to_sphere(x, y, z, i, solids):
+    """Distance from a point to the sphere about solid i: a quick lower bound."""
+    c, h = solids[0][i], solids[2][i]
+    away = math.sqrt((x - c[0]) ** 2 + (y - c[1]) ** 2 + (z - c[2]) ** 2)
+    return away - math.sqrt(h[0] ** 2 + h[1] ** 2 + h[2] ** 2)
+
+
+@kernel
+def plane_between(x, y, z, i, solids):
+    """Signed distance of a point to solid i, and the plane that touches the solid below it.
+
+    Returns:
+        Distance, unit normal (3) and offset d, ENU: the solid lies in n.x <= d, and for a point
+        outside n.point - d is the distance.
+    """
+    centers, rotations, halves, shapes, faces, faces_end = solids
+    r = rotations[i]
+    dx, dy, dz = x - centers[i, 0], y - centers[i, 1], z - centers[i, 2]
+    u = r[0, 0] * dx + r[1, 0] * dy + r[2, 0] * dz
+    v = r[0, 1] * dx + r[1, 1] * dy + r[2, 1] * dz
+    w = r[0, 2] * dx + r[1, 2] * dy + r[2, 2] * dz
+    a, b, c = halves[i, 0], halves[i, 1], halves[i, 2]
+    if shapes[i] == 1:
+        d, n, m, o, touch = _cylinder(u, v, w, a, c)
+    elif shapes[i] == 2:
+        d, n, m, o, touch = _ellipsoid(u, v, w, a, b, c)
+    else:
+        d, n, m, o, touch = _box(u, v, w, a, b, c)
+        for j in range(faces_end[i - 1] if i else 0, faces_end[i]):
+            f = faces[j]
+            beyond = f[0] * u + f[1] * v + f[2] * w - f[3]
+            if beyond > d:
+                d, n, m, o, touch = beyond, f[0], f[1], f[2], f[3]
+    nx = r[0, 0] * n + r[0, 1] * m + r[0, 2] * o
+    ny = r[1, 0] * n + r[1, 1] * m + r[1, 2] * o
+    nz = r[2, 0] * n + r[2, 1] * m + r[2, 2] * o
+    return d, nx, ny, nz, touch + nx * centers[i, 0] + ny * centers[i, 1] + nz * centers[i, 2]
+
+
+@kernel
+def support(nx, ny, nz, i, solids):
+    """Largest n.x of all points of solid i; for a hull that of its bounding box, which is more."""
+    centers, rotations, halves, shapes, _, _ = solids
+    r = rotations[i]
+    n = r[0, 0] * nx + r[1, 0] * ny + r[2, 0] * nz
+    m = r[0, 1] * nx + r[1, 1] * ny + r[2, 1] * nz
+    o = r[0, 2] * nx + r[1, 2] * ny + r[2, 2] * nz
+    a, b, c = halves[i, 0], halves[i, 1], halves[i, 2]
+    if shapes[i] == 1:
+        extent = a * math.sqrt(n * n + m * m) + c * abs(o)
+    elif shapes[i] == 2:
+        extent = math.sqrt((a * n) ** 2 + (b * m) ** 2 + (c * o) ** 2)
+    else:
+        extent = a * abs(n) + b * abs(m) + c * abs(o)
+    return extent + nx * centers[i, 0] + ny * centers[i, 1] + nz * centers[i, 2]
+
+
+@kernel
+def plane_to_segment(p, q, i, solids):
+    """`plane_between` for the point of the segment from p to q that is nearest to solid i.
+
+    The distance along the segment is convex: golden section, and the two ends.
+    """
+    low, high = 0.0, 1.0
+    s, t = 1.0 - _GOLDEN, _GOLDEN
+    at_s, at_t = _from_segment(p, q, s, i, solids), _from_segment(p, q, t, i, solids)
+    for _ in range(_GOLDEN_STEPS):
+        if at_s[0] < at_t[0]:
+            high, t, at_t = t, s, at_s
+            s = high - _GOLDEN * (high - low)
+            at_s = _from_segment(p, q, s, i, solids)
+        else:
+            low, s, at_s = s, t, at_t
+            t = low + _GOLDEN * (high - low)
+            at_t = _from_segment(p, q, t, i, solids)
+    nearest = at_s if at_s[0] < at_t[0] else at_t
+    for end in (0.0, 1.0):
+        at_end = _from_segment(p, q, end, i, solids)
+        if at_end[0] <= nearest[0]:
+            nearest = at_end
+    return nearest
+
+
+@kernel
+def _from_segment(p, q, s, i, solids):
+    x, y, z = p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1]), p[2] + s * (q[2] - p[2])
+    return plane_between(x, y, z, i, solids)
+
+
+@kernel
+def _box(x, y, z, a, b, c):
+    u, v, w = abs(x) - a, abs(y) - b, abs(z) - c
+    inside = max(u, max(v, w))
+    if inside > 0.0:
+        n, m, o = max(u, 0.0), max(v, 0.0), max(w, 0.0)
+    else:
+        n = 1.0 if u == inside else 0.0
+        m = 1.0 if v == inside else 0.0
+        o = 1.0 if w == inside else 0.0
+    length = math.sqrt(n * n + m * m + o * o)
+    n, m, o = n / length, m / length, o / length
+    distance = length if inside > 0.0 else inside
+    touch = n * a + m * b + o * c
+    n, m, o = n if x >= 0.0 else -n, m if y >= 0.0 else -m, o if z >= 0.0 else -o
+    return distance, n, m, o, touch
+
+
+@kernel
+def _cylinder(x, y, z, radius, half_length):
+    across = math.sqrt(x * x + y * y)
+    d, n, o, _, touch = _box(across, z, 0.0, radius, half_length, _UNBOUNDED)
+    if across > 0.0:
+        return d, n * x / across, n * y / across, o, touch
+    return d, n, 0.0, o, touch
+
+
+@kernel
+def _ellipsoid(x, y, z, a, b, c):
+    """Lagrange multiplier by Newton, from the left of the root.
+
+    The nearest point is (a^2 x / (a^2 + t), ...), where f(t) = sum (a x / (a^2 + t))^2 - 1 = 0;
+    f is convex and falls, so the iteration never passes the root. Inside, where the deepest
+    point is not unique, the smallest semi-axis times (gauge - 1) is a safe bound.
+    """
+    gauge = math.sqrt((x / a) ** 2 + (y / b) ** 2 + (z / c) ** 2)
+    shortest = min(a, min(b, c))
+    t = max(gauge - 1.0, 0.0) * shortest**2
+    for _ in range(_NEWTON_STEPS if gauge > 1.0 else 0):
+        p, q, r = a * x / (a * a + t), b * y / (b * b + t), c * z / (c * c + t)
+        value = p * p + q * q + r * r - 1.0
+        if value < _NEWTON_TOLERANCE:
+            break
+        slope = p * p / (a * a + t) + q * q / (b * b + t) + r * r / (c * c + t)
+        t += value / (2.0 * slope)
+    n, m, o = x / (a * a + t), y / (b * b + t), z / (c * c + t)
+    length = math.sqrt(n * n + m * m + o * o)
+    if length == 0.0:
+        return -shortest, 0.0, 0.0, 1.0, c
+    distance = t * length if gauge > 1.0 else (gauge - 1.0) * shortest
+    n, m, o = n / length, m / length, o / length
+    return distance, n, m, o, math.sqrt((a * n) ** 2 + (b * m) ** 2 + (c * o) ** 2)

@@ -1,0 +1,188 @@
+"""From here to there through free space: search, corridor, optimisation, proof."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.planning.certificate import certify
+from autonomy.planning.corridor import build_corridor, straighten
+from autonomy.planning.errors import BlockedError, CertificateError, LimitsError, PlanningError
+from autonomy.planning.field import DistanceField
+from autonomy.planning.limits import FlightLimits
+from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.optimiser import MotionBounds, optimise
+from autonomy.planning.search import shortest_path
+from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
+from autonomy.planning.yaw import STEP_S, yaw_along_path
+from autonomy.types import ZERO3, FlatReference
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PlannerCfg:
+    """How a plan is made."""
+
+    vehicle_radius_m: float
+    """Of a sphere about the centre of mass that holds the vehicle."""
+    margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
+    """Distance between that sphere and obstacles to aim at; the first that gives a plan is taken."""
+    min_margin_m: float = 0.05
+    """What the proof demands beyond the sphere."""
+    comfortable_m: float = 1.5
+    """Beyond this distance to the sphere, closeness to obstacles has no price in the search."""
+    max_piece_m: float = 12.0
+    """Longer legs are flown in several pieces."""
+
+
+def plan_trajectory(
+    start: FlatReference,
+    goal_enu_m: Vector3,
+    field: DistanceField,
+    obstacles: Obstacles,
+    limits: FlightLimits,
+    quadrotor: QuadrotorParams,
+    cfg: PlannerCfg,
+) -> Trajectory:
+    """A certified trajectory from the vehicle's state to rest at the goal.
+
+    Args:
+        start: Where the vehicle is and how it moves; its yaw is where the heading begins.
+        goal_enu_m: Where it shall stop.
+        field: Distances for search and corridor.
+        obstacles: The same obstacles exactly, for the proof.
+        limits: Of the motion.
+        quadrotor: Mass and thrust of the vehicle.
+        cfg: Vehicle's size and margins.
+
+    Raises:
+        BlockedError: If start or goal has no room.
+        UnreachableError: If free space does not join them.
+        LimitsError: If the limits contradict themselves or the start's velocity.
+        CertificateError: If no attempt could be proved.
+    """
+    bounds = _motion_bounds(start, limits, quadrotor)
+    _require_room(start.position_enu_m, "start", field, obstacles, cfg)
+    _require_room(goal_enu_m, "goal", field, obstacles, cfg)
+    reason: PlanningError | None = None
+    for margin_m in cfg.margins_m:
+        try:
+            trajectory = _attempt(
+                start, goal_enu_m, field, obstacles, bounds, limits, cfg, margin_m
+            )
+            proof = certify(
+                trajectory,
+                obstacles,
+                cfg.vehicle_radius_m,
+                limits,
+                quadrotor,
+                margin_m=cfg.min_margin_m,
+            )
+        except PlanningError as error:
+            # A wider plan that was found and failed says more than "cut off" for a narrower one.
+            reason = error if reason is None or not isinstance(reason, CertificateError) else reason
+        else:
+            return dataclasses.replace(trajectory, min_clearance_m=proof.min_clearance_m)
+    assert reason is not None
+    raise reason
+
+
+def vehicle_sphere_radius_m(
+    collision_radius_m: float, leg_spread_m: float, leg_length_m: float
+) -> float:
+    """Radius of a sphere about the centre of mass that holds rotors and soles."""
+    return max(collision_radius_m, math.hypot(leg_spread_m, leg_length_m))
+
+
+def _motion_bounds(
+    start: FlatReference, limits: FlightLimits, quadrotor: QuadrotorParams
+) -> MotionBounds:
+    horizontal, vertical = limits.accelerations_mps2(quadrotor)
+    speed = math.hypot(*start.velocity_enu_mps[:2])
+    for name, value, limit in (
+        ("horizontal speed", speed, limits.speed_horizontal_mps),
+        ("vertical speed", abs(start.velocity_enu_mps[2]), limits.speed_vertical_mps),
+        ("horizontal acceleration", math.hypot(*start.acceleration_enu_mps2[:2]), horizontal),
+        ("vertical acceleration", abs(start.acceleration_enu_mps2[2]), vertical),
+    ):
+        if value > limit:
+            raise LimitsError(f"start has a {name} of {value:.2f}; valid: at most {limit:.2f}")
+    return MotionBounds(
+        speed_horizontal_mps=limits.speed_horizontal_mps,
+        speed_vertical_mps=limits.speed_vertical_mps,
+        acceleration_horizontal_mps2=horizontal,
+        acceleration_vertical_mps2=vertical,
+    )
+
+
+def _require_room(
+    point_enu_m: Vector3, name: str, field: DistanceField, obstacles: Obstacles, cfg: PlannerCfg
+) -> None:
+    x, y, z = point_enu_m
+    where = f"{name} ({x:.2f}, {y:.2f}, {z:.2f}) m"
+    if not field.contains(np.array(point_enu_m)):
+        low, high = field.bounds_enu_m
+        raise BlockedError(f"{where} is outside the map; valid: {low.round(1)} to {high.round(1)}")
+    distance_m, nearest = obstacles.signed_distance(np.array([point_enu_m]))
+    needed_m = cfg.vehicle_radius_m + cfg.min_margin_m
+    if distance_m[0] <= needed_m:
+        raise BlockedError(
+            f"{where} is {distance_m[0]:.2f} m from obstacle {nearest[0]}; "
+            f"valid: more than {needed_m:.2f} m"
+        )
+
+
+def _attempt(
+    start: FlatReference,
+    goal_enu_m: Vector3,
+    field: DistanceField,
+    obstacles: Obstacles,
+    bounds: MotionBounds,
+    limits: FlightLimits,
+    cfg: PlannerCfg,
+    margin_m: float,
+) -> Trajectory:
+    ends = np.array([start.position_enu_m, goal_enu_m])
+    start_cell, goal_cell = field.cells(ends)
+    wanted_m = cfg.vehicle_radius_m + margin_m
+    # Start and goal may stand closer to something than one would fly by choice.
+    at_ends = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
+    required_m = min(wanted_m, max(at_ends, field.resolution_m / 4))
+    comfortable_m = cfg.vehicle_radius_m + cfg.comfortable_m
+    path = shortest_path(
+        field, start_cell, goal_cell, required_m=required_m, comfortable_m=comfortable_m
+    )
+    points = np.concatenate([ends[:1], field.centres(path[1:-1]), ends[1:]])
+    corridor = build_corridor(
+        straighten(points, obstacles, comfortable_m=comfortable_m),
+        obstacles,
+        field.bounds_enu_m,
+        wanted_m=wanted_m,
+        least_m=cfg.vehicle_radius_m + cfg.min_margin_m,
+        max_leg_m=cfg.max_piece_m,
+    )
+    nodes, durations_s = optimise(
+        np.array([start.position_enu_m, start.velocity_enu_mps, start.acceleration_enu_mps2]),
+        np.array([goal_enu_m, ZERO3, ZERO3]),
+        corridor,
+        bounds,
+    )
+    return _with_yaw(coefficients_from_nodes(nodes, durations_s), durations_s, start.yaw_rad, limits)
+
+
+def _with_yaw(
+    coefficients: np.ndarray, durations_s: np.ndarray, start_yaw_rad: float, limits: FlightLimits
+) -> Trajectory:
+    still = YawProfile(step_s=STEP_S, yaw_rad=np.array([start_yaw_rad]))
+    trajectory = Trajectory(durations_s=durations_s, coefficients=coefficients, yaw=still)
+    times = np.arange(0.0, trajectory.duration_s + STEP_S, STEP_S)
+    yaw = yaw_along_path(
+        trajectory.positions(times),
+        start_yaw_rad,
+        max_rate_radps=limits.yaw_rate_radps,
+        max_acceleration_radps2=limits.yaw_acceleration_radps2,
+    )
+    return dataclasses.replace(trajectory, yaw=yaw)

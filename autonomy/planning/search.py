@@ -1,0 +1,143 @@
+"""Shortest path through the cells of a distance field, with a price on closeness to obstacles.
+
+A* on the 26 neighbours of a cell. A diagonal step needs every cell of the block it crosses to be
+free, so that it cuts no corner. A step costs its length times the mean price of its two cells; the price is 1 where the distance is
+comfortable and rises with its square to `1 + NARROWNESS_PRICE` where it is just enough. The
+heuristic is the 26-neighbour distance of an empty grid, which is consistent, so the path is optimal.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+
+import numpy as np
+from jaxtyping import Int
+
+from autonomy.jit import kernel
+from autonomy.planning.errors import UnreachableError
+from autonomy.planning.field import DistanceField
+
+NARROWNESS_PRICE = 4.0
+_SQRT_2, _SQRT_3 = math.sqrt(2.0), math.sqrt(3.0)
+
+
+def shortest_path(
+    field: DistanceField,
+    start_cell: Int[np.ndarray, "3"],
+    goal_cell: Int[np.ndarray, "3"],
+    *,
+    required_m: float,
+    comfortable_m: float,
+) -> Int[np.ndarray, "n 3"]:
+    """Cells from start to goal, neighbours in a row, both ends included.
+
+    Args:
+        field: Where the obstacles are.
+        start_cell: Index of the first cell.
+        goal_cell: Index of the last cell.
+        required_m: Cells with less distance than this are not entered.
+        comfortable_m: From this distance on closeness has no price.
+
+    Raises:
+        UnreachableError: If free cells do not join the two.
+    """
+    # Backwards: a goal shut in a room empties its room and fails fast, a start rarely is shut in.
+    path = _search(
+        field.distance_m, goal_cell, start_cell, required_m, max(comfortable_m, required_m + 1e-3)
+    )
+    if len(path) == 0:
+        raise UnreachableError(
+            f"goal is cut off from the start for a vehicle that needs {required_m:.2f} m to every "
+            "obstacle; valid: a goal that free space joins to the start"
+        )
+    return path
+
+
+def path_cost(
+    field: DistanceField, path: Int[np.ndarray, "n 3"], *, required_m: float, comfortable_m: float
+) -> float:
+    """What `shortest_path` minimises, in cells."""
+    price = np.array([_price(field.distance_m[tuple(c)], required_m, comfortable_m) for c in path])
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    return float(np.sum(length * (price[:-1] + price[1:]) / 2))
+
+
+@kernel
+def _price(distance, required, comfortable):
+    lack = max(0.0, min(1.0, (comfortable - distance) / (comfortable - required)))
+    return 1.0 + NARROWNESS_PRICE * lack * lack
+
+
+@kernel
+def _empty_grid_distance(i, j, k):
+    a, b, c = abs(i), abs(j), abs(k)
+    low, high = min(a, min(b, c)), max(a, max(b, c))
+    middle = a + b + c - low - high
+    return (high - middle) + _SQRT_2 * (middle - low) + _SQRT_3 * low
+
+
+@kernel
+def _is_block_free(distance, i0, j0, k0, i1, j1, k1, required):
+    for i in range(min(i0, i1), max(i0, i1) + 1):
+        for j in range(min(j0, j1), max(j0, j1) + 1):
+            for k in range(min(k0, k1), max(k0, k1) + 1):
+                if distance[i, j, k] < required:
+                    return False
+    return True
+
+
+@kernel
+def _search(distance, start, goal, required, comfortable):
+    """Cells from goal back to start, so from end to end of a search that began at `start`."""
+    nx, ny, nz = distance.shape
+    cost = np.full(distance.size, np.inf, dtype=np.float32)
+    came_from = np.full(distance.size, -1, dtype=np.int32)
+    is_done = np.zeros(distance.size, dtype=np.bool_)
+    first = (start[0] * ny + start[1]) * nz + start[2]
+    last = (goal[0] * ny + goal[1]) * nz + goal[2]
+    cost[first] = 0.0
+    queue = [(0.0, 0.0, first)]
+    while len(queue) > 0:
+        _, _, here = heapq.heappop(queue)
+        if is_done[here]:
+            continue
+        is_done[here] = True
+        if here == last:
+            break
+        i, j, k = here // (ny * nz), here // nz % ny, here % nz
+        price_here = _price(distance[i, j, k], required, comfortable)
+        for di in range(-1, 2):
+            for dj in range(-1, 2):
+                for dk in range(-1, 2):
+                    u, v, w = i + di, j + dj, k + dk
+                    if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
+                        continue
+                    there = (u * ny + v) * nz + w
+                    if is_done[there] or distance[u, v, w] < required:
+                        continue
+                    length = math.sqrt(di * di + dj * dj + dk * dk)
+                    price = _price(distance[u, v, w], required, comfortable)
+                    total = cost[here] + length * 0.5 * (price_here + price)
+                    if total >= cost[there]:
+                        continue
+                    if not _is_block_free(distance, i, j, k, u, v, w, required):
+                        continue
+                    cost[there] = total
+                    came_from[there] = here
+                    ahead = _empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
+                    heapq.heappush(queue, (total + ahead, ahead, there))
+    return _trace(came_from, is_done, last, ny, nz)
+
+
+@kernel
+def _trace(came_from, is_done, last, ny, nz):
+    count, here = 0, last if is_done[last] else -1
+    while here >= 0:
+        count, here = count + 1, came_from[here]
+    path = np.empty((count, 3), dtype=np.int64)
+    here = last
+    for n in range(count):
+        path[n, 0], path[n, 1], path[n, 2] = here // (ny * nz), here // nz % ny, here % nz
+        here = came_from[here]
+    return path

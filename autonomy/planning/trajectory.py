@@ -1,0 +1,134 @@
+"""A trajectory: polynomials of degree 5 in time for position, a table of angles for yaw."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import FlatReference
+
+DEGREE = 5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class YawProfile:
+    """Heading on a regular grid of times, linear in between, constant beyond the end."""
+
+    step_s: float
+    yaw_rad: Float[np.ndarray, " n"]
+    """Unwrapped."""
+
+    @cached_property
+    def _angles(self) -> list[float]:
+        return self.yaw_rad.tolist()
+
+    def sample(self, t_s: float) -> tuple[float, float]:
+        """Heading and its rate."""
+        angles = self._angles
+        at = t_s / self.step_s
+        index = int(at)
+        if index >= len(angles) - 1:
+            return angles[-1], 0.0
+        rate = (angles[index + 1] - angles[index]) / self.step_s
+        return angles[index] + rate * (at - index) * self.step_s, rate
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trajectory:
+    """What to fly, from time 0 to `duration_s`; before and after it stands still."""
+
+    durations_s: Float[np.ndarray, " n"]
+    coefficients: Float[np.ndarray, "n 6 3"]
+    """Of rising powers of the time since a piece's beginning, ENU, m."""
+    yaw: YawProfile
+    min_clearance_m: float = field(default=float("nan"))
+    """Certified distance between the vehicle's sphere and the nearest obstacle."""
+
+    @cached_property
+    def ends_s(self) -> list[float]:
+        """When each piece ends."""
+        return np.cumsum(self.durations_s).tolist()
+
+    @cached_property
+    def duration_s(self) -> float:
+        """When the last piece ends."""
+        return self.ends_s[-1]
+
+    @cached_property
+    def _pieces(self) -> list[list[list[float]]]:
+        """By piece, axis and power: plain floats, because it is sampled at 50 Hz."""
+        return np.swapaxes(self.coefficients, 1, 2).tolist()
+
+    def sample(self, t_s: float) -> FlatReference:
+        """The reference at a time."""
+        t = min(max(t_s, 0.0), self.duration_s)
+        index = min(bisect_right(self.ends_s, t), len(self.ends_s) - 1)
+        since = t - (self.ends_s[index - 1] if index else 0.0)
+        x, y, z = (_derivatives(axis, since) for axis in self._pieces[index])
+        yaw, yaw_rate = self.yaw.sample(max(t_s, 0.0))
+        is_moving = t == t_s
+        return FlatReference(
+            position_enu_m=(x[0], y[0], z[0]),
+            velocity_enu_mps=_only_if(is_moving, x[1], y[1], z[1]),
+            acceleration_enu_mps2=_only_if(is_moving, x[2], y[2], z[2]),
+            jerk_enu_mps3=_only_if(is_moving, x[3], y[3], z[3]),
+            yaw_rad=yaw,
+            yaw_rate_radps=yaw_rate,
+        )
+
+    def positions(self, t_s: Float[np.ndarray, " k"]) -> Float[np.ndarray, "k 3"]:
+        """Positions at many times."""
+        return self.derivatives(t_s, 0)
+
+    def derivatives(self, t_s: Float[np.ndarray, " k"], order: int) -> Float[np.ndarray, "k 3"]:
+        """A time derivative of the position at many times within the trajectory."""
+        t = np.clip(t_s, 0.0, self.duration_s)
+        ends = np.array(self.ends_s)
+        index = np.minimum(np.searchsorted(ends, t, side="right"), len(ends) - 1)
+        since = t - (ends - self.durations_s)[index]
+        total = np.zeros((len(t), 3))
+        for power in range(DEGREE, order - 1, -1):
+            factor = np.prod(np.arange(power, power - order, -1))
+            total = total * since[:, None] + factor * self.coefficients[index, power]
+        return total
+
+
+def _only_if(holds: bool, x: float, y: float, z: float) -> Vector3:  # noqa: FBT001
+    return (x, y, z) if holds else (0.0, 0.0, 0.0)
+
+
+def _derivatives(c: list[float], t: float) -> tuple[float, float, float, float]:
+    """Value and first three derivatives of a polynomial of degree 5."""
+    return (
+        c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5])))),
+        c[1] + t * (2 * c[2] + t * (3 * c[3] + t * (4 * c[4] + t * 5 * c[5]))),
+        2 * c[2] + t * (6 * c[3] + t * (12 * c[4] + t * 20 * c[5])),
+        6 * c[3] + t * (24 * c[4] + t * 60 * c[5]),
+    )
+
+
+def coefficients_from_nodes(
+    nodes: Float[np.ndarray, "n_plus_1 3 3"], durations_s: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, "n 6 3"]:
+    """Polynomials that join node states (position, velocity, acceleration) in given times."""
+    t = durations_s[:, None]
+    (p0, v0, a0), (p1, v1, a1) = np.moveaxis(nodes[:-1], 1, 0), np.moveaxis(nodes[1:], 1, 0)
+    position = p1 - p0 - v0 * t - a0 * t**2 / 2
+    velocity = (v1 - v0 - a0 * t) * t
+    acceleration = (a1 - a0) * t**2
+    return np.stack(
+        [
+            p0,
+            v0,
+            a0 / 2,
+            (10 * position - 4 * velocity + acceleration / 2) / t**3,
+            (-15 * position + 7 * velocity - acceleration) / t**4,
+            (6 * position - 3 * velocity + acceleration / 2) / t**5,
+        ],
+        axis=1,
+    )

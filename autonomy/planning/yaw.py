@@ -1,0 +1,56 @@
+"""Heading along a path: look where the vehicle will be, turn no faster than allowed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.planning.trajectory import YawProfile
+
+LOOK_AHEAD_S = 0.8
+STEP_S = 0.05
+_MIN_TRAVEL_M = 0.4
+"""With less horizontal travel ahead the direction means nothing and the heading stays."""
+_BANDWIDTH_RADPS = 4.0
+
+
+def yaw_along_path(
+    positions_enu_m: Float[np.ndarray, "n 3"],
+    start_yaw_rad: float,
+    *,
+    max_rate_radps: float,
+    max_acceleration_radps2: float,
+) -> YawProfile:
+    """Heading for positions sampled every `STEP_S`.
+
+    A critically damped second-order filter with bounded rate and acceleration follows the
+    direction to where the vehicle will be `LOOK_AHEAD_S` later, so the camera sees what comes.
+    """
+    wanted = _wanted_yaw(positions_enu_m, start_yaw_rad)
+    yaw, rate, out = start_yaw_rad, 0.0, []
+    for target in wanted:
+        out.append(yaw)
+        error = math.remainder(target - yaw, 2 * math.pi)
+        # The speed from which a stop at the target is still possible.
+        stoppable = math.sqrt(2 * 0.5 * max_acceleration_radps2 * abs(error))
+        fastest = min(max_rate_radps, stoppable, 0.5 * _BANDWIDTH_RADPS * abs(error))
+        wanted_rate = math.copysign(fastest, error)
+        change = max_acceleration_radps2 * STEP_S
+        rate += min(max(wanted_rate - rate, -change), change)
+        yaw += rate * STEP_S
+    return YawProfile(step_s=STEP_S, yaw_rad=np.array(out))
+
+
+def _wanted_yaw(positions_enu_m: np.ndarray, start_yaw_rad: float) -> list[float]:
+    ahead = round(LOOK_AHEAD_S / STEP_S)
+    later = positions_enu_m[np.minimum(np.arange(len(positions_enu_m)) + ahead, -1 % len(positions_enu_m))]
+    travel = later - positions_enu_m
+    is_moving = np.hypot(travel[:, 0], travel[:, 1]) >= _MIN_TRAVEL_M
+    direction = np.arctan2(travel[:, 1], travel[:, 0])
+    wanted, latest = [], start_yaw_rad
+    for moves, angle in zip(is_moving.tolist(), direction.tolist(), strict=True):
+        latest = angle if moves else latest
+        wanted.append(latest)
+    return wanted

@@ -1,0 +1,413 @@
+"""The autopilot seen from outside: state to report, requests to make, streams to feed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import hypot, isfinite, isnan
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import OFF, Setpoint
+from flightsim.autopilot.arming import ArmingChecks
+from flightsim.autopilot.battery_monitor import BatteryMonitor
+from flightsim.autopilot.behaviours.hold import Hold
+from flightsim.autopilot.behaviours.land import Land
+from flightsim.autopilot.behaviours.mission import MissionFlight
+from flightsim.autopilot.behaviours.orbit import Orbit
+from flightsim.autopilot.behaviours.takeoff import Takeoff
+from flightsim.autopilot.commander import Commander
+from flightsim.autopilot.events import Event, EventLog, Severity
+from flightsim.autopilot.failsafes import Failsafes
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.mission_places import fence_breach
+from flightsim.autopilot.modes import (
+    BatteryWarning,
+    FailsafeReason,
+    LandedState,
+    Mode,
+    SystemState,
+)
+from flightsim.autopilot.parameters import Parameters
+from flightsim.autopilot.plant_like import PlantLike
+from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.autopilot.status import BatteryView, Health, Home, PrearmReport
+from flightsim.autopilot.streams import DatalinkWatch, Sticks
+from flightsim.autopilot.vehicle import Vehicle
+from flightsim.frames import Geodetic, LocalFrame
+from flightsim.vehicles.airframe import Airframe
+
+_GUARD_EVERY = 5
+"""Failsafes are looked at every 100 ms."""
+_REPORT_EVERY = 25
+"""Health, battery and arming report are refreshed every 500 ms."""
+_FARTHEST_M = 1e5
+_LEAST_CLIMB_M = 0.3
+
+
+class Autopilot:
+    """Commander, navigator and failsafes on top of a plant; `update` once every 20 ms.
+
+    Attributes:
+        parameters: Parameters; `set_parameter` or `parameters.set` changes them.
+        setpoint: Setpoint that was applied last.
+    """
+
+    def __init__(
+        self,
+        plant: PlantLike,
+        frame: LocalFrame,
+        *,
+        airframe: Airframe,
+        initial_parameters: Mapping[str, float] | None = None,
+    ) -> None:
+        """Wire the parts together.
+
+        Args:
+            plant: Vehicle with sensors, estimator and inner loops.
+            frame: Geodetic place of the local frame.
+            airframe: What the vehicle is.
+            initial_parameters: Values that replace defaults, read-only ones included.
+
+        Raises:
+            ParameterError: If one of the initial parameters is unknown or out of range.
+        """
+        hover = airframe.quadrotor.hover_thrust_fraction
+        self.parameters = Parameters(
+            **{
+                "BAT1_N_CELLS": airframe.battery.cells,
+                "BAT1_CAPACITY": airframe.battery.capacity_mah,
+                "MPC_THR_HOVER": min(max(hover, 0.1), 0.8),
+                **(initial_parameters or {}),
+            }
+        )
+        self._plant = plant
+        self._events = EventLog()
+        self._vehicle = Vehicle(plant, self.parameters, hover)
+        self._flight = Flight(self._vehicle, self.parameters, self._events, frame)
+        self._battery = BatteryMonitor(self.parameters, self._events, airframe.battery.cells)
+        self._datalink = DatalinkWatch(self.parameters)
+        self._checks = ArmingChecks(plant, self._flight, self._battery)
+        self._failsafes = Failsafes(self._flight, self._battery, self._datalink)
+        self._commander = Commander(self._flight, self._checks, self._failsafes)
+        self.mission = self._flight.mission
+        self.fence = self._flight.fence
+        self.rally = self._flight.rally
+        self.setpoint: Setpoint = OFF
+        self._n_ticks = 0
+
+    def update(self) -> None:
+        """One tick: read the plant, decide, apply a setpoint."""
+        vehicle, commander = self._vehicle, self._commander
+        vehicle.read()
+        self._events.time_us = vehicle.time_us
+        is_guarding = self._n_ticks % _GUARD_EVERY == 0
+        if is_guarding:
+            vehicle.read_slowly()
+        self._flight.land_detector.update(vehicle, is_armed=commander.is_armed)
+        if is_guarding:
+            commander.guard()
+            if self._n_ticks % _REPORT_EVERY == 0:
+                self._refresh_reports()
+        self._n_ticks += 1
+        setpoint = commander.tick()
+        self.setpoint = setpoint
+        self._plant.apply(setpoint)
+
+    def pop_events(self) -> list[Event]:
+        """Events since the last call."""
+        return self._events.pop()
+
+    # State
+
+    @property
+    def mode(self) -> Mode:
+        """Present mode."""
+        return self._commander.mode
+
+    @property
+    def is_armed(self) -> bool:
+        """Whether the rotors may turn."""
+        return self._commander.is_armed
+
+    @property
+    def landed_state(self) -> LandedState:
+        """Between ground and air."""
+        if self._vehicle.is_landed:
+            return LandedState.ON_GROUND
+        if self._commander.behaviour.is_landing:
+            return LandedState.LANDING
+        return LandedState.TAKEOFF if self.mode is Mode.TAKEOFF else LandedState.IN_AIR
+
+    @property
+    def system_state(self) -> SystemState:
+        """How the vehicle is."""
+        if self.mode is Mode.TERMINATION:
+            return SystemState.EMERGENCY
+        if not self.is_armed:
+            return SystemState.STANDBY
+        if self._battery.warning is BatteryWarning.EMERGENCY:
+            return SystemState.EMERGENCY
+        return SystemState.ACTIVE if self.failsafe is None else SystemState.CRITICAL
+
+    @property
+    def failsafe(self) -> FailsafeReason | None:
+        """Worst failsafe condition that is present."""
+        return self._failsafes.reason
+
+    @property
+    def home(self) -> Home | None:
+        """Where a return ends; None until there was a position."""
+        return self._flight.home
+
+    @property
+    def health(self) -> Health:
+        """Which parts work; refreshed twice a second."""
+        return self._checks.health
+
+    @property
+    def prearm(self) -> PrearmReport:
+        """Whether arming would be accepted; refreshed twice a second."""
+        return self._checks.report
+
+    @property
+    def battery(self) -> BatteryView:
+        """The battery; refreshed twice a second."""
+        return self._battery.view
+
+    @property
+    def target_enu_m(self) -> Vector3 | None:
+        """Where the present mode flies to, if anywhere."""
+        return self._flight.target_enu_m
+
+    @property
+    def is_mission_running(self) -> bool:
+        """Whether a mission is being flown."""
+        return self.is_armed and self.mode is Mode.MISSION and not self.mission.is_finished
+
+    @property
+    def armed_at_us(self) -> int | None:
+        """Time of arming; None while disarmed."""
+        return self._commander.armed_at_us
+
+    @property
+    def took_off_at_us(self) -> int | None:
+        """Time of the takeoff since arming, or of the last flight's."""
+        return self._commander.took_off_at_us
+
+    @property
+    def n_arms(self) -> int:
+        """How often the vehicle has been armed."""
+        return self._commander.n_arms
+
+    # Requests
+
+    def arm(self, *, is_forced: bool = False) -> Reply:
+        """Arm; forced skips the checks."""
+        return self._commander.arm(is_forced=is_forced)
+
+    def disarm(self, *, is_forced: bool = False) -> Reply:
+        """Disarm; in the air only if forced."""
+        return self._commander.disarm(is_forced=is_forced)
+
+    def set_mode(self, mode: Mode) -> Reply:
+        """Change the mode."""
+        return self._commander.request(mode)
+
+    def takeoff(
+        self,
+        altitude_amsl_m: float | None = None,
+        *,
+        yaw_rad: float | None = None,
+        latitude_deg: float | None = None,
+        longitude_deg: float | None = None,
+    ) -> Reply:
+        """Climb, once armed, then go to a place if one is given.
+
+        Without an altitude it climbs by MIS_TAKEOFF_ALT, without a yaw it keeps the heading.
+        """
+        height_m = None
+        if altitude_amsl_m is not None:
+            height_m = altitude_amsl_m - self._flight.frame.origin.altitude_m
+            if not abs(height_m) <= _FARTHEST_M:
+                return denied(f"takeoff altitude {altitude_amsl_m} m is out of range")
+            lowest_m = self._vehicle.position_enu_m[2] + _LEAST_CLIMB_M
+            if self._vehicle.is_landed and height_m < lowest_m:
+                height_m = None
+        place = self._place(latitude_deg, longitude_deg)
+        if place is not None and not hypot(*place) <= _FARTHEST_M:
+            return denied("takeoff place is out of range")
+        behaviour = Takeoff(self._flight, height_m, yaw_rad, place)
+        return self._commander.request(Mode.TAKEOFF, behaviour)
+
+    def land(
+        self,
+        *,
+        latitude_deg: float | None = None,
+        longitude_deg: float | None = None,
+        yaw_rad: float | None = None,
+    ) -> Reply:
+        """Land at a place, or here."""
+        place = self._place(latitude_deg, longitude_deg)
+        if place is not None and not hypot(*place) <= _FARTHEST_M:
+            return denied("landing place is out of range")
+        return self._commander.request(Mode.LAND, Land(self._flight, place, yaw_rad))
+
+    def return_to_launch(self) -> Reply:
+        """Return home and land."""
+        return self._commander.request(Mode.RETURN)
+
+    def goto(
+        self, place: Geodetic, *, yaw_rad: float | None = None, speed_mps: float | None = None
+    ) -> Reply:
+        """Fly to a place and hold there; NaN in the place keeps that coordinate."""
+        if not self.is_armed:
+            return rejected("reposition denied: not armed")
+        target = self._flight.frame.enu_from_geodetic(place)
+        if not all(isnan(c) or abs(c) <= _FARTHEST_M for c in target):
+            return denied("reposition denied: place is out of range")
+        x, y, z = (
+            h if isnan(t) else t for t, h in zip(target, self._vehicle.position_enu_m, strict=True)
+        )
+        breach = fence_breach(self._flight, (x, y, z))
+        if breach is not None and self.parameters["GF_ACTION"] > 1:
+            self._events.say(Severity.CRITICAL, f"Reposition denied: {breach}")
+            return denied(f"reposition denied: {breach}")
+        reply = self._commander.request(Mode.HOLD, Hold(self._flight, target, yaw_rad))
+        if reply.is_accepted and speed_mps is not None and speed_mps > 0.0:
+            self._flight.limits.use_speeds(cruise_mps=speed_mps)
+        return reply
+
+    def orbit(self, centre: Geodetic, *, radius_m: float, speed_mps: float) -> Reply:
+        """Circle a centre; a positive radius is clockwise. NaN in the centre is here."""
+        if not self.is_armed:
+            return rejected("orbit denied: not armed")
+        x, y, z = (
+            h if isnan(t) else t
+            for t, h in zip(
+                self._flight.frame.enu_from_geodetic(centre),
+                self._vehicle.position_enu_m,
+                strict=True,
+            )
+        )
+        if not (1.0 <= abs(radius_m) <= 1000.0 and 0.0 < abs(speed_mps) <= 100.0):
+            return denied(f"orbit of {radius_m} m at {speed_mps} m/s; radius is 1 to 1000 m")
+        if not max(abs(x), abs(y), abs(z)) <= _FARTHEST_M:
+            return denied("orbit denied: centre is out of range")
+        is_clockwise = (radius_m > 0.0) == (speed_mps > 0.0)
+        orbit = Orbit(
+            self._flight, (x, y, z), abs(radius_m), abs(speed_mps), is_clockwise=is_clockwise
+        )
+        return self._commander.request(Mode.ORBIT, orbit)
+
+    def set_yaw(self, yaw_rad: float, *, rate_radps: float | None = None) -> Reply:
+        """Take a heading while holding."""
+        behaviour = self._commander.behaviour
+        if not isinstance(behaviour, Hold) or not self.is_armed or not isfinite(yaw_rad):
+            return rejected("a heading can only be set while holding")
+        behaviour.turn_to(yaw_rad)
+        self._flight.heading.rate_limit_radps = rate_radps
+        return ACCEPTED
+
+    def set_speed(self, speed_mps: float | None) -> Reply:
+        """Fly automatically at a speed; None is MPC_XY_CRUISE."""
+        if speed_mps is not None and not 0.0 < speed_mps <= 100.0:
+            return denied(f"speed {speed_mps} m/s is out of range; valid are 0 to 100")
+        self._flight.limits.use_speeds(cruise_mps=speed_mps)
+        return ACCEPTED
+
+    def set_home(self, place: Geodetic | None) -> Reply:
+        """Set home to a place, or to here."""
+        if place is None and not self._vehicle.is_position_ok:
+            return rejected("no valid position estimate")
+        position = None if place is None else self._flight.frame.enu_from_geodetic(place)
+        if position is not None and not all(abs(c) <= _FARTHEST_M for c in position):
+            return denied("home is out of range")
+        self._flight.move_home(position)
+        return ACCEPTED
+
+    def start_mission(self, first: int = 0, last: int | None = None) -> Reply:
+        """Fly the mission from one item to another, once armed."""
+        n_items = len(self.mission)
+        if n_items and not (0 <= first < n_items and (last is None or first <= last)):
+            return denied(f"no mission items {first} to {last}; there are 0 to {n_items - 1}")
+        reply = self._commander.request(Mode.MISSION, MissionFlight(self._flight, last_index=last))
+        if reply.is_accepted and (first != self.mission.current_index or self.mission.is_finished):
+            self.mission.select(first)
+        return reply
+
+    def set_current_mission_item(self, index: int) -> Reply:
+        """Go on with another item of the mission."""
+        if not 0 <= index < len(self.mission):
+            return denied(f"no mission item {index}; there are {len(self.mission)}")
+        self.mission.select(index)
+        return ACCEPTED
+
+    def pause(self) -> Reply:
+        """Stop and hold."""
+        return self._commander.request(Mode.HOLD)
+
+    def resume(self) -> Reply:
+        """Go on with the mission."""
+        return self._commander.request(Mode.MISSION)
+
+    def terminate(self) -> Reply:
+        """Stop the rotors for good, wherever the vehicle is."""
+        self._commander.terminate()
+        return ACCEPTED
+
+    def run_prearm_checks(self) -> PrearmReport:
+        """Check now, and say what speaks against arming."""
+        report = self._checks.refresh(self.mode, is_armed=self.is_armed)
+        for reason in report.reasons:
+            self._events.say(Severity.WARNING, f"Preflight fail: {reason}")
+        return report
+
+    def set_parameter(self, name: str, value: float) -> float:
+        """Change a parameter and return it as stored.
+
+        Raises:
+            ParameterError: If it is unknown, read-only or the value is out of range.
+        """
+        return self.parameters.set(name, value)
+
+    # Streams
+
+    def set_offboard_setpoint(self, setpoint: Setpoint) -> None:
+        """Take an offboard setpoint; more than two a second keep offboard alive."""
+        self._flight.offboard.receive(setpoint, self._plant.time_us)
+
+    def set_manual_control(self, *, pitch: float, roll: float, throttle: float, yaw: float) -> None:
+        """Take stick positions; what is not finite is ignored.
+
+        Args:
+            pitch: Forward, -1 to 1.
+            roll: Right, -1 to 1.
+            throttle: Up, 0 to 1.
+            yaw: Clockwise from above, -1 to 1.
+        """
+        if not all(isfinite(c) for c in (pitch, roll, throttle, yaw)):
+            return
+        sticks = Sticks(
+            pitch=min(max(pitch, -1.0), 1.0),
+            roll=min(max(roll, -1.0), 1.0),
+            throttle=min(max(throttle, 0.0), 1.0),
+            yaw=min(max(yaw, -1.0), 1.0),
+        )
+        self._flight.sticks.receive(sticks, self._plant.time_us)
+
+    def on_link_heartbeat(self, _source: object = None) -> None:
+        """Take the heartbeat of a ground station."""
+        self._datalink.receive(self._plant.time_us)
+
+    def _place(
+        self, latitude_deg: float | None, longitude_deg: float | None
+    ) -> tuple[float, float] | None:
+        if latitude_deg is None or longitude_deg is None:
+            return None
+        x, y, _ = self._flight.frame.enu_from_geodetic(Geodetic(latitude_deg, longitude_deg, 0.0))
+        return (x, y)
+
+    def _refresh_reports(self) -> None:
+        self._battery.update(self._plant.battery, is_armed=self.is_armed)
+        if self._flight.home is None and self._vehicle.is_position_ok:
+            self._flight.move_home(None, is_manual=False)
+        self._checks.refresh(self.mode, is_armed=self.is_armed)

@@ -1,0 +1,57 @@
+"""Watches the battery and says when it runs low."""
+
+from __future__ import annotations
+
+from flightsim.autopilot.events import EventLog, Severity
+from flightsim.autopilot.modes import BatteryWarning
+from flightsim.autopilot.parameters import Parameters
+from flightsim.autopilot.plant_like import BatteryLike
+from flightsim.autopilot.status import BatteryView
+
+_TEXTS = {
+    BatteryWarning.LOW: (Severity.WARNING, "Low battery level, return advised"),
+    BatteryWarning.CRITICAL: (Severity.CRITICAL, "Critical battery level, land now"),
+    BatteryWarning.EMERGENCY: (Severity.EMERGENCY, "Dangerous battery level, landing is urgent"),
+}
+
+
+class BatteryMonitor:
+    """The battery's view for reports, with a warning level that only rises in flight."""
+
+    def __init__(self, parameters: Parameters, events: EventLog, n_cells: int) -> None:
+        self._parameters = parameters
+        self._events = events
+        self._n_cells = n_cells
+        self.warning = BatteryWarning.NONE
+        self.view = BatteryView(
+            voltage_v=0.0,
+            current_a=0.0,
+            consumed_mah=0.0,
+            remaining=1.0,
+            warning=BatteryWarning.NONE,
+            n_cells=n_cells,
+        )
+
+    def update(self, battery: BatteryLike, *, is_armed: bool) -> None:
+        """Read the battery; say so when it reaches the next warning level."""
+        remaining = battery.remaining
+        level = self._level(remaining)
+        if level > self.warning and level in _TEXTS:
+            self._events.say(*_TEXTS[level])
+        self.warning = max(level, self.warning) if is_armed else level
+        self.view = BatteryView(
+            voltage_v=battery.voltage_v,
+            current_a=battery.current_a,
+            consumed_mah=battery.consumed_mah,
+            remaining=remaining,
+            warning=self.warning,
+            n_cells=self._n_cells,
+        )
+
+    def _level(self, remaining: float) -> BatteryWarning:
+        p = self._parameters
+        if remaining < p["BAT_EMERGEN_THR"]:
+            return BatteryWarning.EMERGENCY
+        if remaining < p["BAT_CRIT_THR"]:
+            return BatteryWarning.CRITICAL
+        return BatteryWarning.LOW if remaining < p["BAT_LOW_THR"] else BatteryWarning.NONE

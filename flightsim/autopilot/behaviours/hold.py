@@ -1,0 +1,73 @@
+"""Hold: stay, or go to a place and stay there."""
+
+from __future__ import annotations
+
+from math import isnan
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import Setpoint
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.modes import Mode
+
+_TAKEOFF_MARGIN_M = 0.5
+"""A target this far above a landed vehicle makes it take off."""
+
+
+class Hold:
+    """Stop and stay, or fly straight to a target and stay; faces where it goes unless told."""
+
+    is_landing = False
+
+    def __init__(
+        self, flight: Flight, target_enu_m: Vector3 | None = None, yaw_rad: float | None = None
+    ) -> None:
+        """Prepare.
+
+        Args:
+            flight: Shared state.
+            target_enu_m: Where to go; NaN keeps that coordinate. None stays.
+            yaw_rad: Heading to take; None faces the target.
+        """
+        self._flight = flight
+        self._target_enu_m = target_enu_m
+        self._yaw_rad = yaw_rad
+        self._faces_target = target_enu_m is not None and yaw_rad is None
+        self.next_mode: Mode | None = None
+
+    def ready_to_lift(self) -> bool:
+        """Only for a target well above."""
+        target = self._target_enu_m
+        if target is None:
+            return False
+        return target[2] > self._flight.vehicle.position_enu_m[2] + _TAKEOFF_MARGIN_M
+
+    def turn_to(self, yaw_rad: float) -> None:
+        """Take another heading."""
+        self._faces_target = False
+        self._flight.heading.goal_yaw_rad = yaw_rad
+
+    def start(self) -> None:
+        """Set the goal."""
+        flight = self._flight
+        here = flight.path.position_enu_m
+        target = self._target_enu_m
+        if target is None:
+            target = flight.path.stopping_point(flight.limits.automatic)
+        else:
+            x, y, z = (h if isnan(t) else t for t, h in zip(target, here, strict=True))
+            target = (x, y, z)
+        self._target_enu_m = target
+        flight.heading.goal_yaw_rad = flight.heading.yaw_rad
+        if self._yaw_rad is not None:
+            flight.heading.goal_yaw_rad = self._yaw_rad
+
+    def update(self) -> Setpoint:
+        """Fly to the goal and stay."""
+        flight = self._flight
+        target = self._target_enu_m
+        assert target is not None
+        flight.target_enu_m = target
+        flight.path.fly_to(target, flight.limits.automatic)
+        if self._faces_target:
+            flight.face(target)
+        return flight.follow_path()

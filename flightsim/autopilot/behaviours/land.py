@@ -1,0 +1,125 @@
+"""Land: stop above a place, come down ever more slowly, stop the rotors on contact."""
+
+from __future__ import annotations
+
+from math import hypot
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import IDLE, Setpoint
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.modes import Mode
+
+_FAR_BELOW_M = 500.0
+_ABOVE_PLACE_M = 0.5
+
+
+class Land:
+    """Descend onto a place, or onto what is below where the vehicle can stop."""
+
+    def __init__(
+        self,
+        flight: Flight,
+        place_enu_m: tuple[float, float] | None = None,
+        yaw_rad: float | None = None,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            flight: Shared state.
+            place_enu_m: East and north of the place; None is here.
+            yaw_rad: Heading to take; None keeps it.
+        """
+        self._flight = flight
+        self._place_enu_m = place_enu_m
+        self._yaw_rad = yaw_rad
+        self._above_enu_m: Vector3 | None = None
+        self._touched = False
+        self.is_landing = False
+        self.next_mode: Mode | None = None
+
+    def ready_to_lift(self) -> bool:
+        """Landed is where it wants to be."""
+        return False
+
+    def start(self) -> None:
+        """Choose the point to descend from."""
+        flight = self._flight
+        x, y, z = flight.path.stopping_point(flight.limits.automatic)
+        if self._place_enu_m is not None:
+            x, y = self._place_enu_m
+        self._above_enu_m = (x, y, z)
+        self.is_landing = False
+        flight.heading.goal_yaw_rad = (
+            flight.heading.yaw_rad if self._yaw_rad is None else self._yaw_rad
+        )
+
+    def update(self) -> Setpoint:
+        """Get above the place, then descend."""
+        flight = self._flight
+        above = self._above_enu_m
+        assert above is not None
+        x, y, z = above
+        if not self.is_landing:
+            flight.target_enu_m = above
+            flight.path.fly_to(above, flight.limits.automatic)
+            px, py, _ = flight.vehicle.position_enu_m
+            self.is_landing = flight.path.is_at_rest and hypot(px - x, py - y) < _ABOVE_PLACE_M
+            return flight.follow_path()
+        if touches_down(flight):
+            self._touched = True
+            return IDLE
+        if self._touched:
+            self._touched = False
+            flight.start_references_here()
+        flight.target_enu_m = (x, y, 0.0 if flight.home is None else flight.home.position_enu_m[2])
+        flight.path.fly_to((x, y, z - _FAR_BELOW_M), flight.limits.automatic)
+        flight.path.speed_limit_mps = landing_speed(flight)
+        return flight.follow_path()
+
+
+class Descend:
+    """Come down level, without a position: the last resort."""
+
+    is_landing = True
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+        self.next_mode: Mode | None = None
+
+    def ready_to_lift(self) -> bool:
+        """Landed is where it wants to be."""
+        return False
+
+    def start(self) -> None:
+        """Keep the heading."""
+        flight = self._flight
+        flight.heading.goal_yaw_rad = flight.heading.yaw_rad
+        flight.target_enu_m = None
+
+    def update(self) -> Setpoint:
+        """Sink until something carries the vehicle."""
+        flight = self._flight
+        if touches_down(flight):
+            return IDLE
+        return flight.sink(landing_speed(flight))
+
+
+def touches_down(flight: Flight) -> bool:
+    """Whether the vehicle stands on something although it is not called landed yet."""
+    return flight.vehicle.is_landed or flight.land_detector.has_contact
+
+
+def landing_speed(flight: Flight) -> float:
+    """Descent speed for the present height: MPC_Z_V_AUTO_DN far up, MPC_LAND_CRWL at the end."""
+    p = flight.parameters
+    slow_mps = p["MPC_LAND_SPEED"]
+    height_m = flight.vehicle.height_m
+    if height_m is not None and height_m < p["MPC_LAND_ALT3"]:
+        return min(slow_mps, p["MPC_LAND_CRWL"])
+    if height_m is None:
+        home_m = 0.0 if flight.home is None else flight.home.position_enu_m[2]
+        height_m = flight.vehicle.position_enu_m[2] - home_m
+    fast_mps = max(slow_mps, flight.limits.automatic.speed_down_mps)
+    low_m, high_m = p["MPC_LAND_ALT2"], p["MPC_LAND_ALT1"]
+    share = (height_m - low_m) / max(high_m - low_m, 1e-3)
+    return slow_mps + (fast_mps - slow_mps) * min(max(share, 0.0), 1.0)

@@ -1,0 +1,176 @@
+"""Modes that a pilot's sticks steer: acro, manual (stabilized), altitude, position."""
+
+from __future__ import annotations
+
+from math import cos, hypot, pi, radians, sin, tan
+
+from autonomy.model.quadrotor import GRAVITY_MPS2, Vector3
+from autonomy.types import IDLE, NAN3, ControlLevel, Quaternion, Setpoint
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.modes import Mode
+from flightsim.autopilot.streams import Sticks, with_dead_zone
+from flightsim.autopilot.trajectory import VelocityMotion
+from flightsim.autopilot.vehicle import TICK_S
+
+_RISE_THROTTLE = 0.6
+_RAISED_THROTTLE = 0.05
+_YAW_ACCELERATION_RADPS2 = 2.0 * pi
+
+
+class Manual:
+    """Sticks command tilt, or rates in acro mode, and collective thrust."""
+
+    is_landing = False
+
+    def __init__(self, flight: Flight, *, is_acro: bool) -> None:
+        self._flight = flight
+        self._is_acro = is_acro
+        self.next_mode: Mode | None = None
+
+    def ready_to_lift(self) -> bool:
+        """Whether the throttle is up."""
+        return self._sticks().throttle > _RAISED_THROTTLE
+
+    def start(self) -> None:
+        """Keep the heading."""
+        self._flight.heading.reset(self._flight.vehicle.yaw_rad)
+
+    def update(self) -> Setpoint:
+        """Attitude or rates from the sticks."""
+        flight = self._flight
+        flight.target_enu_m = None
+        sticks = self._sticks()
+        if flight.vehicle.is_landed and sticks.throttle <= _RAISED_THROTTLE:
+            return IDLE
+        p = flight.parameters
+        thrust = _thrust(sticks.throttle, flight.vehicle.hover_thrust_fraction)
+        if self._is_acro:
+            return Setpoint(
+                level=ControlLevel.RATE,
+                angular_rate_flu_radps=(
+                    sticks.roll * radians(p["MC_ACRO_R_MAX"]),
+                    sticks.pitch * radians(p["MC_ACRO_P_MAX"]),
+                    -sticks.yaw * radians(p["MC_ACRO_Y_MAX"]),
+                ),
+                thrust=thrust,
+            )
+        rate_radps = _yaw_rate(flight, sticks)
+        flight.heading.step_rate(rate_radps, TICK_S, _YAW_ACCELERATION_RADPS2)
+        tilt_max_rad = radians(p["MPC_MAN_TILT_MAX"])
+        return Setpoint(
+            level=ControlLevel.ATTITUDE,
+            quat_wxyz=tilted(
+                sticks.pitch * tilt_max_rad,
+                sticks.roll * tilt_max_rad,
+                flight.heading.yaw_rad,
+                tilt_max_rad,
+            ),
+            angular_rate_flu_radps=(0.0, 0.0, flight.heading.yaw_rate_radps),
+            thrust=thrust,
+        )
+
+    def _sticks(self) -> Sticks:
+        return self._flight.sticks.current(self._flight.vehicle.time_us)
+
+
+class StickGuided:
+    """Altitude and position mode: the throttle commands climb, centred sticks hold."""
+
+    is_landing = False
+
+    def __init__(self, flight: Flight, *, holds_position: bool) -> None:
+        self._flight = flight
+        self._holds_position = holds_position
+        self._motion = VelocityMotion()
+        self.next_mode: Mode | None = None
+
+    def ready_to_lift(self) -> bool:
+        """Whether the throttle asks to rise."""
+        return self._sticks().throttle > _RISE_THROTTLE
+
+    def start(self) -> None:
+        """Go on from the present reference."""
+        path = self._flight.path
+        self._motion.reset(path.position_enu_m, path.velocity_enu_mps, path.acceleration_enu_mps2)
+        self._flight.heading.reset(self._flight.heading.yaw_rad)
+
+    def update(self) -> Setpoint:
+        """Velocity, or tilt and climb, from the sticks."""
+        flight = self._flight
+        flight.target_enu_m = None
+        sticks = self._sticks()
+        dead_zone = flight.parameters["MPC_HOLD_DZ"]
+        forward = with_dead_zone(sticks.pitch, dead_zone)
+        right = with_dead_zone(sticks.roll, dead_zone)
+        flight.heading.step_rate(_yaw_rate(flight, sticks), TICK_S, _YAW_ACCELERATION_RADPS2)
+        east, north = _rotated(forward, -right, flight.heading.yaw_rad)
+        limits = flight.limits.sticks
+        climb = with_dead_zone(2.0 * sticks.throttle - 1.0, dead_zone)
+        up_mps = climb * (limits.speed_up_mps if climb > 0.0 else limits.speed_down_mps)
+        is_piloted = flight.sticks.is_alive(flight.vehicle.time_us)
+        if self._holds_position or (not is_piloted and flight.vehicle.is_position_ok):
+            speed = limits.speed_xy_mps / max(1.0, hypot(east, north))
+            self._advance((east * speed, north * speed, up_mps), drifts=False)
+            x, y, z = self._motion.axes
+            return flight.follow((x.x, y.x, z.x), (x.v, y.v, z.v), (x.a, y.a, z.a))
+        self._advance((0.0, 0.0, up_mps), drifts=True)
+        return self._tilt(east, north)
+
+    def _advance(self, velocity_enu_mps: Vector3, *, drifts: bool) -> None:
+        """Move the reference; keep it near the vehicle, horizontally at it if that drifts."""
+        vehicle, motion = self._flight.vehicle, self._motion
+        motion.step(velocity_enu_mps, self._flight.limits.sticks, TICK_S)
+        for i, axis in enumerate(motion.axes):
+            here = vehicle.position_enu_m[i]
+            if drifts and i < 2:
+                axis.x, axis.v, axis.a = here, vehicle.velocity_enu_mps[i], 0.0
+            axis.x = min(max(axis.x, here - 1.0), here + 1.0)
+
+    def _tilt(self, east: float, north: float) -> Setpoint:
+        """Level the vehicle or tilt it; hold or change the height."""
+        flight = self._flight
+        z = self._motion.axes[2]
+        share = GRAVITY_MPS2 * tan(radians(flight.parameters["MPC_MAN_TILT_MAX"]))
+        share /= max(1.0, hypot(east, north))
+        return Setpoint(
+            level=ControlLevel.TRAJECTORY,
+            position_enu_m=(NAN3[0], NAN3[1], z.x),
+            velocity_enu_mps=(NAN3[0], NAN3[1], z.v),
+            acceleration_enu_mps2=(east * share, north * share, z.a),
+            yaw_rad=flight.heading.yaw_rad,
+            yaw_rate_radps=flight.heading.yaw_rate_radps,
+        )
+
+    def _sticks(self) -> Sticks:
+        return self._flight.sticks.current(self._flight.vehicle.time_us)
+
+
+def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: float) -> Quaternion:
+    """Attitude (FLU to ENU) with a heading and a tilt forward and to the right.
+
+    The tilt is about one horizontal axis and no greater than `tilt_max_rad`.
+    """
+    angle = hypot(pitch_rad, roll_rad)
+    half = 0.5 * min(angle, tilt_max_rad)
+    # About body y for forward, about body x for right (FLU: both are positive rotations).
+    k = sin(half) / angle if angle > 1e-9 else 0.0
+    w, x, y = cos(half), roll_rad * k, pitch_rad * k
+    c, s = cos(0.5 * yaw_rad), sin(0.5 * yaw_rad)
+    return (c * w, c * x - s * y, c * y + s * x, s * w)
+
+
+def _yaw_rate(flight: Flight, sticks: Sticks) -> float:
+    p = flight.parameters
+    return -with_dead_zone(sticks.yaw, p["MPC_HOLD_DZ"]) * radians(p["MPC_MAN_Y_MAX"])
+
+
+def _thrust(throttle: float, hover: float) -> float:
+    """Collective thrust with hover in the middle of the stick."""
+    if throttle <= 0.5:
+        return 2.0 * throttle * hover
+    return hover + (2.0 * throttle - 1.0) * (1.0 - hover)
+
+
+def _rotated(forward: float, left: float, yaw_rad: float) -> tuple[float, float]:
+    c, s = cos(yaw_rad), sin(yaw_rad)
+    return (c * forward - s * left, s * forward + c * left)

@@ -1,0 +1,77 @@
+"""Offboard: hand a companion's setpoints down, within the vehicle's limits of speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import hypot, isfinite, isnan
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import IDLE, ControlLevel, Setpoint
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.modes import Mode
+
+_CLIMB_MARGIN_M = 0.15
+_CLIMB_MARGIN_MPS = 0.05
+
+
+class Offboard:
+    """Follow the latest offboard setpoint; what happens without any is a failsafe's business."""
+
+    is_landing = False
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+        self._seen: Setpoint | None = None
+        self._limited: Setpoint = IDLE
+        self.next_mode: Mode | None = None
+
+    def ready_to_lift(self) -> bool:
+        """Whether the setpoint leads up."""
+        setpoint = self._flight.offboard.setpoint
+        if setpoint is None:
+            return False
+        if setpoint.level in {ControlLevel.ATTITUDE, ControlLevel.RATE}:
+            return setpoint.thrust > 0.0
+        if setpoint.level != ControlLevel.TRAJECTORY:
+            return False
+        z = setpoint.position_enu_m[2]
+        up_mps = setpoint.velocity_enu_mps[2]
+        if not isnan(z):
+            here_m = self._flight.vehicle.position_enu_m[2]
+            return z > here_m + _CLIMB_MARGIN_M or up_mps > _CLIMB_MARGIN_MPS
+        if not isnan(up_mps):
+            return up_mps > _CLIMB_MARGIN_MPS
+        return setpoint.acceleration_enu_mps2[2] > 0.0
+
+    def start(self) -> None:
+        """Nothing to prepare: the stream says it all."""
+
+    def update(self) -> Setpoint:
+        """The latest setpoint."""
+        flight = self._flight
+        setpoint = flight.offboard.setpoint
+        if setpoint is None:
+            flight.path.reset(flight.vehicle.position_enu_m, flight.vehicle.velocity_enu_mps)
+            return flight.follow_path()
+        if setpoint is not self._seen:
+            self._seen = setpoint
+            self._limited = self._within_limits(setpoint)
+            flight.target_enu_m = _finite(setpoint.position_enu_m)
+        return self._limited
+
+    def _within_limits(self, setpoint: Setpoint) -> Setpoint:
+        """The setpoint, with bare velocities no greater than the vehicle's maxima."""
+        if setpoint.level != ControlLevel.TRAJECTORY:
+            return setpoint
+        p = self._flight.parameters
+        vx, vy, vz = setpoint.velocity_enu_mps
+        speed = hypot(vx, vy)
+        share = p["MPC_XY_VEL_MAX"] / speed if speed > p["MPC_XY_VEL_MAX"] else 1.0
+        up = vz if isnan(vz) else min(max(vz, -p["MPC_Z_VEL_MAX_DN"]), p["MPC_Z_VEL_MAX_UP"])
+        if share == 1.0 and (up == vz or isnan(vz)):
+            return setpoint
+        return replace(setpoint, velocity_enu_mps=(vx * share, vy * share, up))
+
+
+def _finite(position_enu_m: Vector3) -> Vector3 | None:
+    return position_enu_m if all(isfinite(c) for c in position_enu_m) else None

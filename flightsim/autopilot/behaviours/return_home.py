@@ -1,0 +1,119 @@
+"""Return: climb, fly to home or to the nearest rally point, come down, land."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import hypot, radians, tan
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import Setpoint
+from flightsim.autopilot.behaviours.land import Land
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.modes import Mode
+from flightsim.autopilot.vehicle import TICK_S
+
+_FENCE_MARGIN_M = 1.0
+
+
+class ReturnHome:
+    """The legs of a return, one after the other."""
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+        self._land: Land | None = None
+        self._legs: list[tuple[Vector3, Callable[[], None]]] = []
+        self._waited_s = 0.0
+        self._place: tuple[float, float] = (0.0, 0.0)
+        self.next_mode: Mode | None = None
+
+    @property
+    def is_landing(self) -> bool:
+        """Whether it is in its last, vertical part."""
+        return self._land is not None and self._land.is_landing
+
+    def ready_to_lift(self) -> bool:
+        """Landed is where it wants to be."""
+        return False
+
+    def start(self) -> None:
+        """Lay out the legs from here."""
+        flight = self._flight
+        self._land = None
+        self._waited_s = 0.0
+        x, y, z = flight.path.stopping_point(flight.limits.automatic)
+        if flight.home is None:
+            self._begin_landing((x, y))
+            return
+        ground_m = flight.home.position_enu_m[2]
+        self._place = east_m, north_m = self._nearest_place((x, y))
+        height_m = return_height(flight, hypot(east_m - x, north_m - y), z)
+        descend_m = min(height_m, ground_m + flight.parameters["RTL_DESCEND_ALT"])
+        above = (east_m, north_m, height_m)
+        heading = flight.heading
+        heading.goal_yaw_rad = heading.yaw_rad
+        yaw_rad = flight.home.yaw_rad
+        self._legs = [
+            ((x, y, height_m), lambda: None),
+            (above, lambda: flight.face(above)),
+            ((east_m, north_m, descend_m), lambda: setattr(heading, "goal_yaw_rad", yaw_rad)),
+        ]
+        flight.events.say(
+            Severity.INFO,
+            f"RTL: climb to {height_m + flight.frame.origin.altitude_m:.0f} m "
+            f"({height_m - ground_m:.0f} m above destination)",
+        )
+
+    def update(self) -> Setpoint:
+        """Fly the present leg."""
+        flight = self._flight
+        if self._land is not None:
+            return self._land.update()
+        goal, turn = self._legs[0]
+        flight.target_enu_m = goal
+        flight.path.fly_to(goal, flight.limits.automatic)
+        turn()
+        if flight.path.is_at_rest:
+            self._finish_leg()
+        return flight.follow_path()
+
+    def _finish_leg(self) -> None:
+        if len(self._legs) > 1:
+            self._legs.pop(0)
+            return
+        delay_s = self._flight.parameters["RTL_LAND_DELAY"]
+        self._waited_s += TICK_S
+        if 0.0 <= delay_s <= self._waited_s:
+            self._begin_landing(self._place)
+
+    def _begin_landing(self, place_enu_m: tuple[float, float]) -> None:
+        self._flight.events.say(Severity.INFO, "RTL: landing")
+        self._land = Land(self._flight, place_enu_m, self._flight.heading.goal_yaw_rad)
+        self._land.start()
+
+    def _nearest_place(self, here_enu_m: tuple[float, float]) -> tuple[float, float]:
+        flight = self._flight
+        assert flight.home is not None
+        x, y = here_enu_m
+        home = flight.home.position_enu_m
+        places = [(home[0], home[1]), *flight.rally.points_enu_m]
+        return min(places, key=lambda place: hypot(place[0] - x, place[1] - y))
+
+
+def return_height(flight: Flight, distance_m: float, height_enu_m: float) -> float:
+    """ENU height at which to return from a distance; never below the present one.
+
+    Near home (RTL_MIN_DIST) there is no climb; inside the cone RTL_CONE_ANG the climb is
+    proportional to the distance; it stays below a fence's ceiling.
+    """
+    assert flight.home is not None
+    p = flight.parameters
+    if distance_m < p["RTL_MIN_DIST"]:
+        return height_enu_m
+    climb_m = p["RTL_RETURN_ALT"]
+    if p["GF_MAX_VER_DIST"] > 0.0:
+        climb_m = min(climb_m, max(p["GF_MAX_VER_DIST"] - _FENCE_MARGIN_M, 0.0))
+    if p["RTL_CONE_ANG"] > 0:
+        cone_m = distance_m / tan(radians(min(p["RTL_CONE_ANG"], 89.9)))
+        climb_m = min(climb_m, max(cone_m, min(climb_m, p["RTL_DESCEND_ALT"])))
+    return max(height_enu_m, flight.home.position_enu_m[2] + climb_m)

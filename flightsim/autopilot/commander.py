@@ -1,0 +1,303 @@
+"""Commander: who is in charge. Arming, mode changes, and what the vehicle does each tick."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from autonomy.types import IDLE, OFF, Setpoint
+from flightsim.autopilot.arming import ArmingChecks
+from flightsim.autopilot.behaviours import Behaviour
+from flightsim.autopilot.behaviours.hold import Hold
+from flightsim.autopilot.behaviours.land import Descend, Land
+from flightsim.autopilot.behaviours.manual import Manual, StickGuided
+from flightsim.autopilot.behaviours.mission import MissionFlight
+from flightsim.autopilot.behaviours.offboard import Offboard
+from flightsim.autopilot.behaviours.return_home import ReturnHome
+from flightsim.autopilot.behaviours.takeoff import Takeoff
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.failsafes import Action, Failsafes
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.mission_places import mission_obstacle
+from flightsim.autopilot.modes import POSITION_MODES, STICK_MODES, FailsafeReason, Mode
+from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.autopilot.vehicle import TICK_S
+
+_THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
+_WITHOUT_REFERENCES = (Offboard, Manual, Descend)
+_ONE_FLIGHT_MODES = frozenset(
+    {Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.DESCEND, Mode.TERMINATION}
+)
+"""Modes that end with the flight: a disarmed vehicle is in hold instead."""
+_ACTION_MODES = {
+    Action.HOLD: Mode.HOLD,
+    Action.RETURN: Mode.RETURN,
+    Action.LAND: Mode.LAND,
+    Action.DESCEND: Mode.DESCEND,
+    Action.TERMINATE: Mode.TERMINATION,
+}
+
+_MEASURES = {Mode.RETURN: Action.RETURN, Mode.LAND: Action.LAND, Mode.DESCEND: Action.DESCEND}
+"""Modes that are themselves as strong a measure as an action."""
+
+_BEHAVIOURS: dict[Mode, Callable[[Flight], Behaviour]] = {
+    Mode.TAKEOFF: Takeoff,
+    Mode.LAND: Land,
+    Mode.RETURN: ReturnHome,
+    Mode.MISSION: MissionFlight,
+    Mode.OFFBOARD: Offboard,
+    Mode.DESCEND: Descend,
+    Mode.ALTITUDE: partial(StickGuided, holds_position=False),
+    Mode.POSITION: partial(StickGuided, holds_position=True),
+    Mode.MANUAL: partial(Manual, is_acro=False),
+    Mode.STABILIZED: partial(Manual, is_acro=False),
+    Mode.ACRO: partial(Manual, is_acro=True),
+}
+"""How each mode flies unless a request says more; hold for the others."""
+
+
+class Commander:
+    """The state of the vehicle as a whole.
+
+    Attributes:
+        mode: Present mode.
+        is_armed: Whether the rotors may turn.
+        behaviour: How the present mode flies.
+        armed_at_us: When it was armed; None while disarmed.
+        took_off_at_us: When it left the ground in this armed period, if it did.
+        n_arms: How often it has been armed.
+    """
+
+    def __init__(self, flight: Flight, checks: ArmingChecks, failsafes: Failsafes) -> None:
+        self._flight = flight
+        self._checks = checks
+        self._failsafes = failsafes
+        self.mode = Mode.HOLD
+        self.is_armed = False
+        self.behaviour: Behaviour = Hold(flight)
+        self.armed_at_us: int | None = None
+        self.took_off_at_us: int | None = None
+        self.n_arms = 0
+        self._is_idle = True
+        self._idle_s = 0.0
+        self._failsafe_action = Action.WARN
+        self._was_landed = True
+
+    def arm(self, *, is_forced: bool) -> Reply:
+        """Let the rotors turn, unless a check speaks against it."""
+        if self.is_armed:
+            return ACCEPTED
+        events = self._flight.events
+        if not is_forced:
+            report = self._checks.refresh(self.mode, is_armed=False)
+            for reason in report.reasons:
+                events.say(Severity.CRITICAL, f"Arming denied: {reason}")
+            if report.reasons:
+                return rejected(f"arming denied: {report.reasons[0]}")
+        self.is_armed = True
+        self.n_arms += 1
+        self.armed_at_us = self._flight.vehicle.time_us
+        self.took_off_at_us = None
+        self._idle_s = 0.0
+        self._is_idle = self._was_landed = self._flight.vehicle.is_landed
+        self._failsafes.clear()
+        self._failsafe_action = Action.WARN
+        home = self._flight.home
+        if self._flight.vehicle.is_position_ok and (home is None or not home.is_manual):
+            self._flight.move_home(None, is_manual=False)
+        if self._flight.mission.is_finished:
+            self._flight.mission.rewind()
+        events.say(Severity.INFO, "Armed by external command")
+        if not self._is_idle:
+            self._flight.start_references_here()
+            self.behaviour.start()
+        return ACCEPTED
+
+    def disarm(self, *, is_forced: bool, why: str = "external command") -> Reply:
+        """Stop the rotors; in the air only if forced."""
+        if not self.is_armed:
+            return ACCEPTED
+        if not (self._flight.vehicle.is_landed or is_forced):
+            self._flight.events.say(Severity.CRITICAL, "Disarming denied: not landed")
+            return rejected("disarming denied: not landed")
+        self.is_armed = False
+        self.armed_at_us = None
+        self._failsafes.clear()
+        self._flight.target_enu_m = None
+        self._flight.limits.use_speeds()
+        mission = self._flight.mission
+        is_over = self.mode is Mode.MISSION and mission.is_finished
+        if mission.is_finished:
+            mission.rewind()
+        if self.mode in _ONE_FLIGHT_MODES or is_over:
+            self.mode = Mode.HOLD
+        self.behaviour = self._behaviour_of(self.mode)
+        self._flight.events.say(Severity.INFO, f"Disarmed by {why}")
+        return ACCEPTED
+
+    def request(self, mode: Mode, behaviour: Behaviour | None = None) -> Reply:
+        """Change the mode because a client asks for it.
+
+        Args:
+            mode: The mode.
+            behaviour: How to fly in it, unless as usual.
+        """
+        if mode is self.mode and behaviour is None and mode is not Mode.HOLD:
+            return ACCEPTED
+        reply = self._may_enter(mode, is_by_mode=behaviour is None)
+        if not reply.is_accepted:
+            self._flight.events.say(
+                Severity.CRITICAL, f"Switching to {mode.value} denied: {reply.reason}"
+            )
+            return reply
+        self._failsafe_action = Action.WARN
+        self._enter(mode, behaviour)
+        return ACCEPTED
+
+    def terminate(self) -> None:
+        """Stop the rotors for good, wherever the vehicle is."""
+        self._flight.events.say(Severity.EMERGENCY, "Flight termination")
+        self._enter(Mode.TERMINATION, None)
+
+    def tick(self) -> Setpoint:
+        """One tick of the present behaviour."""
+        if not self.is_armed:
+            return OFF
+        self._follow_landing()
+        if self._flight.vehicle.is_landed and not self._lifts_off():
+            self._idle_s += TICK_S
+            setpoint = IDLE
+            self._disarm_idle()
+        else:
+            setpoint = self.behaviour.update()
+        if self.behaviour.next_mode is not None:
+            self._enter(self.behaviour.next_mode, None)
+        return setpoint if self.is_armed and self.mode is not Mode.TERMINATION else OFF
+
+    def guard(self) -> None:
+        """Look for failsafe conditions and act on new ones; a few times a second suffice."""
+        flight = self._flight
+        self._failsafes.watch_links()
+        if not self.is_armed or self.mode is Mode.TERMINATION:
+            return
+        self._take_over_by_sticks()
+        if flight.vehicle.is_landed and self._is_idle:
+            return
+        for reason, action in self._failsafes.update(self.mode):
+            self._act(reason, action)
+
+    def _may_enter(self, mode: Mode, *, is_by_mode: bool) -> Reply:
+        flight = self._flight
+        if mode in {Mode.DESCEND, Mode.TERMINATION} or (mode is Mode.ORBIT and is_by_mode):
+            return denied(f"{mode.value} is no mode to switch to")
+        needs_position = mode in POSITION_MODES
+        if needs_position and not flight.vehicle.is_position_ok:
+            return rejected("no valid position estimate")
+        if mode is Mode.MISSION and (obstacle := mission_obstacle(flight)):
+            return denied(obstacle)
+        if mode is Mode.OFFBOARD and not flight.offboard.is_alive(flight.vehicle.time_us):
+            return rejected("no offboard setpoints arrive")
+        is_thrust = mode in _THRUST_MODES and self.is_armed
+        if is_thrust and not flight.sticks.is_alive(flight.vehicle.time_us):
+            return rejected("no manual control")
+        return ACCEPTED
+
+    def _enter(self, mode: Mode, behaviour: Behaviour | None) -> None:
+        flight = self._flight
+        if mode is not self.mode:
+            flight.limits.use_speeds()
+            flight.heading.rate_limit_radps = None
+        has_references = not isinstance(self.behaviour, _WITHOUT_REFERENCES)
+        self.mode = mode
+        self.behaviour = behaviour or self._behaviour_of(mode)
+        if not self.is_armed or (flight.vehicle.is_landed and self._is_idle):
+            return
+        if not has_references:
+            flight.start_references_here()
+        self.behaviour.start()
+
+    def _behaviour_of(self, mode: Mode) -> Behaviour:
+        return _BEHAVIOURS.get(mode, Hold)(self._flight)
+
+    def _follow_landing(self) -> None:
+        """Notice that the vehicle left the ground or came back to it."""
+        is_landed = self._flight.vehicle.is_landed
+        if is_landed == self._was_landed:
+            return
+        self._was_landed = is_landed
+        self._idle_s = 0.0
+        self._is_idle = is_landed
+        if not is_landed:
+            self.took_off_at_us = self._flight.vehicle.time_us
+        text = "Landing detected" if is_landed else "Takeoff detected"
+        self._flight.events.say(Severity.INFO, text)
+
+    def _lifts_off(self) -> bool:
+        """Whether a landed vehicle goes up now; else its rotors idle."""
+        spooled_us = self._flight.vehicle.time_us - (self.armed_at_us or 0)
+        is_ready = (
+            spooled_us >= 1e6 * self._flight.parameters["COM_SPOOLUP_TIME"]
+            and self.behaviour.ready_to_lift()
+        )
+        if is_ready == self._is_idle:
+            self._is_idle = not is_ready
+            self._idle_s = 0.0
+            if is_ready:
+                self._flight.start_references_here()
+                self.behaviour.start()
+        return is_ready
+
+    def _disarm_idle(self) -> None:
+        p = self._flight.parameters
+        if self.mode is Mode.MISSION and not self._flight.mission.is_finished:
+            return
+        has_flown = self.took_off_at_us is not None
+        limit_s = p["COM_DISARM_LAND"] if has_flown else p["COM_DISARM_PRFLT"]
+        if 0.0 <= limit_s <= self._idle_s:
+            why = "landing" if has_flown else "auto preflight disarming"
+            self.disarm(is_forced=True, why=why)
+
+    def _take_over_by_sticks(self) -> None:
+        flight = self._flight
+        if self.mode in STICK_MODES or flight.vehicle.is_landed:
+            return
+        bit = 2 if self.mode is Mode.OFFBOARD else 1
+        if not int(flight.parameters["COM_RC_OVERRIDE"]) & bit:
+            return
+        if not flight.sticks.is_moved(flight.vehicle.time_us):
+            return
+        mode = Mode.POSITION if flight.vehicle.is_position_ok else Mode.ALTITUDE
+        flight.events.say(Severity.INFO, "Pilot took over using sticks")
+        self.request(mode)
+
+    def _act(self, reason: FailsafeReason, action: Action) -> None:
+        """Do what a new failsafe condition asks for, unless something stronger is under way."""
+        flight = self._flight
+        if action is Action.WARN:
+            flight.events.say(Severity.WARNING, f"Failsafe warning: {reason.value}")
+            return
+        mode = self._mode_for(action)
+        if action <= max(self._failsafe_action, _MEASURES.get(self.mode, Action.WARN)):
+            return
+        self._failsafe_action = action
+        if action is Action.DISARM:
+            flight.events.say(Severity.EMERGENCY, f"Failsafe activated: {reason.value}, disarming")
+            self.disarm(is_forced=True, why="failsafe")
+            return
+        flight.events.say(
+            Severity.CRITICAL, f"Failsafe activated: {reason.value}, switching to {mode.value}"
+        )
+        self._enter(mode, None)
+
+    def _mode_for(self, action: Action) -> Mode:
+        flight = self._flight
+        if action is Action.STICKS:
+            wanted = {1: Mode.ALTITUDE, 2: Mode.STABILIZED}
+            has_sticks = flight.sticks.is_alive(flight.vehicle.time_us)
+            choice = int(flight.parameters["COM_OBL_RC_ACT"])
+            mode = wanted.get(choice, Mode.POSITION) if has_sticks else Mode.HOLD
+        else:
+            mode = _ACTION_MODES.get(action, Mode.HOLD)
+        if mode in POSITION_MODES and not flight.vehicle.is_position_ok:
+            return Mode.DESCEND
+        return mode

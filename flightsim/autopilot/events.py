@@ -1,0 +1,73 @@
+"""What the autopilot tells the outside without being asked."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from enum import IntEnum, unique
+
+
+@unique
+class Severity(IntEnum):
+    """Syslog severities, RFC 5424 section 6.2.1."""
+
+    EMERGENCY = 0
+    ALERT = 1
+    CRITICAL = 2
+    ERROR = 3
+    WARNING = 4
+    NOTICE = 5
+    INFO = 6
+    DEBUG = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Statustext:
+    """A line for people."""
+
+    time_us: int
+    severity: Severity
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class MissionItemReached:
+    """The mission has arrived at its item `index`."""
+
+    time_us: int
+    index: int
+
+
+Event = Statustext | MissionItemReached
+
+
+class EventLog:
+    """Events waiting to be fetched; bounded, and deaf to the same text within `quiet_us`."""
+
+    def __init__(self, *, capacity: int = 256, quiet_us: int = 2_000_000) -> None:
+        self.time_us = 0
+        self._quiet_us = quiet_us
+        self._waiting: deque[Event] = deque(maxlen=capacity)
+        self._last_said_us: dict[str, int] = {}
+
+    def say(self, severity: Severity, text: str) -> None:
+        """Queue a line, unless the same line was queued just before."""
+        last_us = self._last_said_us.get(text)
+        if last_us is not None and self.time_us - last_us < self._quiet_us:
+            return
+        if len(self._last_said_us) > 128:
+            self._last_said_us.clear()
+        self._last_said_us[text] = self.time_us
+        self._waiting.append(Statustext(self.time_us, severity, text))
+
+    def mission_item_reached(self, index: int) -> None:
+        """Queue the arrival at a mission item."""
+        self._waiting.append(MissionItemReached(self.time_us, index))
+
+    def pop(self) -> list[Event]:
+        """All waiting events, oldest first; they are waiting no longer."""
+        if not self._waiting:
+            return []
+        events = list(self._waiting)
+        self._waiting.clear()
+        return events

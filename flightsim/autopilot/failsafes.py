@@ -1,0 +1,201 @@
+"""What can go wrong in flight, and what is to be done about it.
+
+Each condition is looked at on its own; a new or a worse one asks for an action, once. What follows
+from the action is the commander's business, and a client may overrule it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import IntEnum, unique
+
+from autonomy.types import ControlLevel
+from flightsim.autopilot.battery_monitor import BatteryMonitor
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.mission_places import fence_breach
+from flightsim.autopilot.modes import (
+    POSITION_MODES,
+    STICK_MODES,
+    BatteryWarning,
+    FailsafeReason,
+    Mode,
+)
+from flightsim.autopilot.streams import DatalinkWatch
+
+
+@unique
+class Action(IntEnum):
+    """What a failsafe asks for; a greater number is the stronger measure."""
+
+    WARN = 0
+    HOLD = 1
+    STICKS = 2
+    """Back to the pilot: position mode, or hold while there are no sticks."""
+    RETURN = 3
+    LAND = 4
+    DESCEND = 5
+    DISARM = 6
+    TERMINATE = 7
+
+
+_LINK_ACTIONS = {
+    1: Action.HOLD,
+    2: Action.RETURN,
+    3: Action.LAND,
+    4: Action.LAND,
+    5: Action.TERMINATE,
+    6: Action.DISARM,
+}
+"""NAV_DLL_ACT and NAV_RCL_ACT."""
+_OFFBOARD_ACTIONS = {
+    0: Action.STICKS,
+    1: Action.STICKS,
+    2: Action.STICKS,
+    3: Action.RETURN,
+    4: Action.LAND,
+    5: Action.HOLD,
+    6: Action.TERMINATE,
+    7: Action.DISARM,
+}
+_FENCE_ACTIONS = {
+    1: Action.WARN,
+    2: Action.HOLD,
+    3: Action.RETURN,
+    4: Action.TERMINATE,
+    5: Action.LAND,
+}
+_GOING_DOWN = frozenset({Mode.RETURN, Mode.LAND, Mode.DESCEND, Mode.TERMINATION})
+_POSITION_GRACE_S = 0.5
+
+
+class Failsafes:
+    """Conditions that are present, and the actions that new ones ask for."""
+
+    def __init__(self, flight: Flight, battery: BatteryMonitor, datalink: DatalinkWatch) -> None:
+        self._flight = flight
+        self._battery = battery
+        self._datalink = datalink
+        self._present: dict[FailsafeReason, Action] = {}
+        self._had_sticks = False
+        self._was_link_lost = False
+        self._position_lost_us: int | None = None
+        self._checks: tuple[tuple[FailsafeReason, Callable[[Mode], Action | None]], ...] = (
+            (FailsafeReason.POSITION_LOST, self._position),
+            (FailsafeReason.BATTERY_EMERGENCY, self._battery_emergency),
+            (FailsafeReason.BATTERY_CRITICAL, self._battery_critical),
+            (FailsafeReason.BATTERY_LOW, self._battery_low),
+            (FailsafeReason.OFFBOARD_LOST, self._offboard),
+            (FailsafeReason.MANUAL_CONTROL_LOST, self._manual_control),
+            (FailsafeReason.DATALINK_LOST, self._datalink_lost),
+            (FailsafeReason.GEOFENCE, self._geofence),
+        )
+
+    @property
+    def reason(self) -> FailsafeReason | None:
+        """The present condition with the strongest measure; None if all is well."""
+        if not self._present:
+            return None
+        return max(self._present, key=lambda reason: self._present[reason])
+
+    def clear(self) -> None:
+        """Forget all conditions, as at arming and disarming."""
+        self._present.clear()
+        self._had_sticks = False
+        self._position_lost_us = None
+
+    def watch_links(self) -> None:
+        """Say when ground stations fall silent or come back; armed or not."""
+        is_lost = self._datalink.is_lost(self._flight.vehicle.time_us)
+        if is_lost != self._was_link_lost:
+            self._was_link_lost = is_lost
+            severity = Severity.WARNING if is_lost else Severity.INFO
+            text = "lost" if is_lost else "regained"
+            self._flight.events.say(severity, f"Connection to ground station {text}")
+
+    def update(self, mode: Mode) -> list[tuple[FailsafeReason, Action]]:
+        """Look at all conditions of an armed vehicle.
+
+        Returns:
+            Conditions that are new or worse than before, with what they ask for; strongest first.
+        """
+        now_us = self._flight.vehicle.time_us
+        self._had_sticks = self._had_sticks or self._flight.sticks.is_alive(now_us)
+        news: list[tuple[FailsafeReason, Action]] = []
+        for reason, check in self._checks:
+            action = check(mode)
+            if action is None:
+                self._present.pop(reason, None)
+                continue
+            before = self._present.get(reason)
+            if before is None or action > before:
+                self._present[reason] = action
+                news.append((reason, action))
+        if len(news) > 1:
+            news.sort(key=lambda pair: -pair[1])
+        return news
+
+    def _position(self, mode: Mode) -> Action | None:
+        vehicle = self._flight.vehicle
+        if vehicle.is_position_ok or not self._needs_position(mode):
+            self._position_lost_us = None
+            return None
+        if self._position_lost_us is None:
+            self._position_lost_us = vehicle.time_us
+        lost_s = 1e-6 * (vehicle.time_us - self._position_lost_us)
+        return Action.DESCEND if lost_s >= _POSITION_GRACE_S else None
+
+    def _needs_position(self, mode: Mode) -> bool:
+        if mode is Mode.OFFBOARD:
+            setpoint = self._flight.offboard.setpoint
+            return setpoint is not None and setpoint.level == ControlLevel.TRAJECTORY
+        return mode in POSITION_MODES
+
+    def _battery_low(self, _mode: Mode) -> Action | None:
+        return Action.WARN if self._battery.warning is BatteryWarning.LOW else None
+
+    def _battery_critical(self, _mode: Mode) -> Action | None:
+        if self._battery.warning is not BatteryWarning.CRITICAL:
+            return None
+        measures = {2: Action.LAND, 3: Action.RETURN}
+        return measures.get(int(self._flight.parameters["COM_LOW_BAT_ACT"]), Action.WARN)
+
+    def _battery_emergency(self, _mode: Mode) -> Action | None:
+        if self._battery.warning is not BatteryWarning.EMERGENCY:
+            return None
+        return Action.LAND if self._flight.parameters["COM_LOW_BAT_ACT"] >= 2 else Action.WARN
+
+    def _offboard(self, mode: Mode) -> Action | None:
+        if mode is not Mode.OFFBOARD:
+            return None
+        p = self._flight.parameters
+        limit_us = 1e6 * p["COM_OF_LOSS_T"]
+        if self._flight.offboard.is_alive(self._flight.vehicle.time_us, limit_us):
+            return None
+        return _OFFBOARD_ACTIONS[int(p["COM_OBL_RC_ACT"])]
+
+    def _manual_control(self, mode: Mode) -> Action | None:
+        if not self._had_sticks or mode in _GOING_DOWN:
+            return None
+        if self._flight.sticks.is_alive(self._flight.vehicle.time_us):
+            return None
+        excepted = int(self._flight.parameters["COM_RCL_EXCEPT"])
+        bit = {Mode.MISSION: 1, Mode.OFFBOARD: 4}.get(mode, 2)
+        if mode not in STICK_MODES and excepted & bit:
+            return None
+        return _LINK_ACTIONS[int(self._flight.parameters["NAV_RCL_ACT"])]
+
+    def _datalink_lost(self, mode: Mode) -> Action | None:
+        measure = int(self._flight.parameters["NAV_DLL_ACT"])
+        if measure == 0 or mode in _GOING_DOWN:
+            return None
+        if not self._datalink.is_lost(self._flight.vehicle.time_us):
+            return None
+        return _LINK_ACTIONS[measure]
+
+    def _geofence(self, _mode: Mode) -> Action | None:
+        flight = self._flight
+        measure = int(flight.parameters["GF_ACTION"])
+        if measure == 0 or fence_breach(flight, flight.vehicle.position_enu_m) is None:
+            return None
+        return _FENCE_ACTIONS[measure]

@@ -1,0 +1,221 @@
+"""Geofences and rally points: what ground stations upload, in metres once it is stored."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.autopilot.mission import (
+    Cmd,
+    MissionError,
+    MissionFault,
+    MissionItem,
+    check_horizontal_place,
+)
+from flightsim.frames import Geodetic, LocalFrame
+
+MAX_FENCE_ITEMS = 500
+MAX_RALLY_ITEMS = 100
+
+Point2 = tuple[float, float]
+
+_POLYGONS = {Cmd.FENCE_POLYGON_INCLUSION: True, Cmd.FENCE_POLYGON_EXCLUSION: False}
+_CIRCLES = {Cmd.FENCE_CIRCLE_INCLUSION: True, Cmd.FENCE_CIRCLE_EXCLUSION: False}
+
+
+@dataclass(frozen=True, slots=True)
+class PolygonFence:
+    """A closed polygon in the horizontal plane, ENU m; stay inside or stay outside."""
+
+    vertices_enu_m: tuple[Point2, ...]
+    is_inclusion: bool
+
+    def contains(self, east_m: float, north_m: float) -> bool:
+        """Whether a point lies inside, by the even-odd rule."""
+        is_inside = False
+        x0, y0 = self.vertices_enu_m[-1]
+        for x1, y1 in self.vertices_enu_m:
+            if (y0 > north_m) != (y1 > north_m):
+                crossing_m = x0 + (north_m - y0) / (y1 - y0) * (x1 - x0)
+                is_inside ^= east_m < crossing_m
+            x0, y0 = x1, y1
+        return is_inside
+
+
+@dataclass(frozen=True, slots=True)
+class CircleFence:
+    """A circle in the horizontal plane, ENU m; stay inside or stay outside."""
+
+    centre_enu_m: Point2
+    radius_m: float
+    is_inclusion: bool
+
+    def contains(self, east_m: float, north_m: float) -> bool:
+        """Whether a point lies inside."""
+        x, y = self.centre_enu_m
+        return math.hypot(east_m - x, north_m - y) <= self.radius_m
+
+
+class FenceStore:
+    """The uploaded fence. A place is allowed inside any inclusion and outside all exclusions."""
+
+    def __init__(self, frame: LocalFrame) -> None:
+        self._frame = frame
+        self.items: tuple[MissionItem, ...] = ()
+        self.fences: tuple[PolygonFence | CircleFence, ...] = ()
+        self.revision = 0
+        self._has_inclusion = False
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    def replace(self, items: Iterable[MissionItem]) -> None:
+        """Store a new fence.
+
+        Raises:
+            MissionError: If an item is no fence, or a polygon is incomplete; the old one remains.
+        """
+        candidate = tuple(items)
+        if len(candidate) > MAX_FENCE_ITEMS:
+            raise MissionError(
+                MissionFault.NO_SPACE,
+                f"{len(candidate)} fence items; at most {MAX_FENCE_ITEMS} fit",
+                index=None,
+            )
+        self.fences = _fences(candidate, self._frame)
+        self.items = candidate
+        self.revision += 1
+        self._has_inclusion = any(fence.is_inclusion for fence in self.fences)
+
+    def clear(self) -> None:
+        """Forget the fence."""
+        self.replace(())
+
+    def allows(self, position_enu_m: Vector3) -> bool:
+        """Whether the fence lets the vehicle be here."""
+        if not self.fences:
+            return True
+        east_m, north_m, _ = position_enu_m
+        is_included = not self._has_inclusion
+        for fence in self.fences:
+            if fence.contains(east_m, north_m):
+                if not fence.is_inclusion:
+                    return False
+                is_included = True
+        return is_included
+
+
+class RallyStore:
+    """Uploaded safe places to return to."""
+
+    def __init__(self, frame: LocalFrame) -> None:
+        self._frame = frame
+        self.items: tuple[MissionItem, ...] = ()
+        self.points_enu_m: tuple[Point2, ...] = ()
+        self.revision = 0
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    def replace(self, items: Iterable[MissionItem]) -> None:
+        """Store new rally points.
+
+        Raises:
+            MissionError: If an item is no rally point; the old ones remain.
+        """
+        candidate = tuple(items)
+        if len(candidate) > MAX_RALLY_ITEMS:
+            raise MissionError(
+                MissionFault.NO_SPACE,
+                f"{len(candidate)} rally points; at most {MAX_RALLY_ITEMS} fit",
+                index=None,
+            )
+        points = []
+        for index, item in enumerate(candidate):
+            if item.command != Cmd.RALLY_POINT:
+                raise _unsupported(index, item, "rally points (5100)")
+            points.append(_point(index, item, self._frame))
+        self.points_enu_m = tuple(points)
+        self.items = candidate
+        self.revision += 1
+
+    def clear(self) -> None:
+        """Forget the rally points."""
+        self.replace(())
+
+
+def _fences(
+    items: tuple[MissionItem, ...], frame: LocalFrame
+) -> tuple[PolygonFence | CircleFence, ...]:
+    fences: list[PolygonFence | CircleFence] = []
+    index = 0
+    while index < len(items):
+        item = items[index]
+        if item.command in _CIRCLES:
+            if not 0.0 < item.param1 <= 1e5:
+                raise _invalid(index, 1, f"radius = {item.param1} m; valid are 0 to 100000")
+            centre = _point(index, item, frame)
+            fences.append(CircleFence(centre, item.param1, _CIRCLES[Cmd(item.command)]))
+            index += 1
+        elif item.command in _POLYGONS:
+            fence = _polygon(items, index, frame)
+            fences.append(fence)
+            index += len(fence.vertices_enu_m)
+        elif item.command == Cmd.FENCE_RETURN_POINT:
+            _point(index, item, frame)
+            index += 1
+        else:
+            raise _unsupported(index, item, "fences (5000 to 5004)")
+    return tuple(fences)
+
+
+def _polygon(items: tuple[MissionItem, ...], start: int, frame: LocalFrame) -> PolygonFence:
+    first = items[start]
+    n_vertices = first.param1
+    if not (3 <= n_vertices <= MAX_FENCE_ITEMS and n_vertices == int(n_vertices)):
+        raise _invalid(start, 1, f"{n_vertices} vertices; a polygon has 3 or more")
+    vertices = []
+    for index in range(start, start + int(n_vertices)):
+        if index >= len(items):
+            raise MissionError(
+                MissionFault.INVALID_SEQUENCE,
+                f"item {start}: polygon of {n_vertices:g} vertices has only {index - start}",
+                index=start,
+            )
+        item = items[index]
+        if item.command != first.command or item.param1 != n_vertices:
+            raise MissionError(
+                MissionFault.INVALID_SEQUENCE,
+                f"item {index}: expected a vertex of the polygon that starts at item {start}",
+                index=index,
+            )
+        vertices.append(_point(index, item, frame))
+    return PolygonFence(tuple(vertices), _POLYGONS[Cmd(first.command)])
+
+
+def _point(index: int, item: MissionItem, frame: LocalFrame) -> Point2:
+    if not item.is_geodetic:
+        raise MissionError(
+            MissionFault.UNSUPPORTED_FRAME,
+            f"item {index}: frame {item.frame} is not global",
+            index=index,
+        )
+    check_horizontal_place(index, item)
+    east_m, north_m, _ = frame.enu_from_geodetic(Geodetic(item.x, item.y, 0.0))
+    return (east_m, north_m)
+
+
+def _invalid(index: int, param: int, what: str) -> MissionError:
+    return MissionError(
+        MissionFault.INVALID_PARAM, f"item {index}: {what}", index=index, param=param
+    )
+
+
+def _unsupported(index: int, item: MissionItem, valid: str) -> MissionError:
+    return MissionError(
+        MissionFault.UNSUPPORTED_COMMAND,
+        f"item {index}: command {item.command} is not supported here; valid are {valid}",
+        index=index,
+    )

@@ -1,0 +1,166 @@
+"""What all flight behaviours share: the vehicle, its references, its limits."""
+
+from __future__ import annotations
+
+from math import atan2, hypot, radians
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import NAN3, ZERO3, ControlLevel, Setpoint
+from flightsim.autopilot.events import EventLog
+from flightsim.autopilot.fence import FenceStore, RallyStore
+from flightsim.autopilot.flight_limits import FlightLimits
+from flightsim.autopilot.heading import HeadingMotion, wrap_angle
+from flightsim.autopilot.land_detector import LandDetector
+from flightsim.autopilot.mission import MissionStore
+from flightsim.autopilot.parameters import Parameters
+from flightsim.autopilot.status import Home
+from flightsim.autopilot.streams import OffboardStream, StickStream
+from flightsim.autopilot.trajectory import PathMotion
+from flightsim.autopilot.vehicle import TICK_S, Vehicle
+from flightsim.frames import LocalFrame
+
+_LAG_FREE_M = 0.5
+_LAG_STOP_M = 1.5
+_LAG_RESET_M = 5.0
+_MIN_BEARING_DISTANCE_M = 1.0
+
+
+class Flight:
+    """State and means of flying that outlive a single behaviour.
+
+    Attributes:
+        path: Position reference of automatic flight.
+        heading: Yaw reference.
+        limits: Limits of the references.
+        target_enu_m: Where the vehicle is flying to, for reports.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, parameters: Parameters, events: EventLog, frame: LocalFrame
+    ) -> None:
+        self.vehicle = vehicle
+        self.parameters = parameters
+        self.events = events
+        self.frame = frame
+        self.home: Home | None = None
+        self.mission = MissionStore()
+        self.fence = FenceStore(frame)
+        self.rally = RallyStore(frame)
+        self.sticks = StickStream(parameters)
+        self.offboard = OffboardStream()
+        self.land_detector = LandDetector(parameters)
+        self.path = PathMotion()
+        self.heading = HeadingMotion()
+        self.limits = FlightLimits(parameters)
+        self.target_enu_m: Vector3 | None = None
+
+    def move_home(self, position_enu_m: Vector3 | None, *, is_manual: bool = True) -> None:
+        """Set home to a place, or to where the vehicle is."""
+        position = self.vehicle.position_enu_m if position_enu_m is None else position_enu_m
+        self.home = Home(
+            position_enu_m=position,
+            geodetic=self.frame.geodetic_from_enu(position),
+            yaw_rad=self.vehicle.yaw_rad,
+            is_manual=is_manual,
+        )
+
+    def start_references_here(self) -> None:
+        """Let the references begin at the vehicle, at rest if it is landed."""
+        vehicle = self.vehicle
+        velocity = ZERO3 if vehicle.is_landed else vehicle.velocity_enu_mps
+        self.path.reset(vehicle.position_enu_m, velocity)
+        self.heading.reset(vehicle.yaw_rad)
+
+    def follow_path(self) -> Setpoint:
+        """Advance the references by one tick and return them as a setpoint.
+
+        The reference waits for a vehicle that falls behind, and starts over at one that is far.
+        """
+        path = self.path
+        (px, py, pz), (x, y, z) = path.position_enu_m, self.vehicle.position_enu_m
+        lag_m = abs(px - x) + abs(py - y) + abs(pz - z)
+        pace = 1.0
+        if lag_m > _LAG_FREE_M:
+            if lag_m > _LAG_RESET_M:
+                self._restart_path()
+            else:
+                pace = max(0.0, (_LAG_STOP_M - lag_m) / (_LAG_STOP_M - _LAG_FREE_M))
+        if pace > 0.0:
+            path.step(TICK_S * pace)
+        self.turn()
+        if pace >= 1.0:
+            return self._setpoint(
+                path.position_enu_m,
+                path.velocity_enu_mps,
+                path.acceleration_enu_mps2,
+                path.jerk_enu_mps3,
+            )
+        vx, vy, vz = path.velocity_enu_mps
+        ax, ay, az = path.acceleration_enu_mps2
+        square = pace * pace
+        return self._setpoint(
+            path.position_enu_m,
+            (vx * pace, vy * pace, vz * pace),
+            (ax * square, ay * square, az * square),
+            ZERO3,
+        )
+
+    def follow(self, position: Vector3, velocity: Vector3, acceleration: Vector3) -> Setpoint:
+        """Setpoint of a reference other than the path (ENU), which begins there when next used.
+
+        The heading stays as it is; `turn` advances it.
+        """
+        self.path.reset(position, velocity, acceleration)
+        return self._setpoint(position, velocity, acceleration, ZERO3)
+
+    def sink(self, speed_mps: float) -> Setpoint:
+        """Setpoint of a level descent without any position."""
+        self.turn()
+        return Setpoint(
+            level=ControlLevel.TRAJECTORY,
+            position_enu_m=NAN3,
+            velocity_enu_mps=(NAN3[0], NAN3[0], -speed_mps),
+            acceleration_enu_mps2=ZERO3,
+            yaw_rad=self.heading.yaw_rad,
+            yaw_rate_radps=self.heading.yaw_rate_radps,
+        )
+
+    def turn(self) -> None:
+        """Advance the yaw reference by one tick."""
+        p = self.parameters
+        self.heading.step(TICK_S, radians(p["MPC_YAWRAUTO_MAX"]), radians(p["MPC_YAWRAUTO_ACC"]))
+
+    def face(self, target_enu_m: Vector3) -> None:
+        """Turn as MPC_YAW_MODE says for a flight to a target, unless it is near."""
+        mode = self.parameters["MPC_YAW_MODE"]
+        x, y, _ = self.path.position_enu_m
+        if mode == 3:
+            dx, dy, _ = self.path.velocity_enu_mps
+            least = 0.5
+        elif mode == 0 or self.home is None:
+            dx, dy = target_enu_m[0] - x, target_enu_m[1] - y
+            least = _MIN_BEARING_DISTANCE_M
+        else:
+            dx, dy = self.home.position_enu_m[0] - x, self.home.position_enu_m[1] - y
+            dx, dy = (dx, dy) if mode == 1 else (-dx, -dy)
+            least = _MIN_BEARING_DISTANCE_M
+        if hypot(dx, dy) > least:
+            self.heading.goal_yaw_rad = wrap_angle(atan2(dy, dx))
+
+    def _setpoint(
+        self, position: Vector3, velocity: Vector3, acceleration: Vector3, jerk: Vector3
+    ) -> Setpoint:
+        return Setpoint(
+            level=ControlLevel.TRAJECTORY,
+            position_enu_m=position,
+            velocity_enu_mps=velocity,
+            acceleration_enu_mps2=acceleration,
+            jerk_enu_mps3=jerk,
+            yaw_rad=self.heading.yaw_rad,
+            yaw_rate_radps=self.heading.yaw_rate_radps,
+        )
+
+    def _restart_path(self) -> None:
+        goal_enu_m = self.path.goal_enu_m
+        self.path.reset(self.vehicle.position_enu_m, self.vehicle.velocity_enu_mps)
+        self.path.fly_to(goal_enu_m, self.limits.automatic)

@@ -1,0 +1,63 @@
+"""Yaw of the reference: turns the shorter way, with limited rate and acceleration."""
+
+from __future__ import annotations
+
+from math import pi
+
+from flightsim.autopilot.axis import AxisMotion
+
+_JERK_PER_ACCELERATION = 4.0
+"""The rate takes a quarter of a second to build up to full acceleration."""
+
+
+def wrap_angle(angle_rad: float) -> float:
+    """The same angle in [-pi, pi)."""
+    return (angle_rad + pi) % (2.0 * pi) - pi
+
+
+class HeadingMotion:
+    """A heading on its way to another."""
+
+    def __init__(self) -> None:
+        self.yaw_rad = 0.0
+        self.goal_yaw_rad = 0.0
+        self.rate_limit_radps: float | None = None
+        """Slower than usual, if given."""
+        self._motion = AxisMotion()
+
+    @property
+    def yaw_rate_radps(self) -> float:
+        """Present rate, counter-clockwise."""
+        return self._motion.v
+
+    @property
+    def remaining_rad(self) -> float:
+        """Angle left to turn."""
+        return abs(wrap_angle(self.goal_yaw_rad - self.yaw_rad))
+
+    def reset(self, yaw_rad: float) -> None:
+        """Rest at a heading."""
+        self.yaw_rad = self.goal_yaw_rad = yaw_rad
+        self.rate_limit_radps = None
+        self._motion = AxisMotion()
+
+    def step(self, dt: float, rate_max_radps: float, acceleration_max_radps2: float) -> None:
+        """Turn for one tick towards the goal."""
+        motion = self._motion
+        x = wrap_angle(self.yaw_rad - self.goal_yaw_rad)
+        if x == 0.0 and motion.v == 0.0 and motion.a == 0.0:
+            return
+        motion.x = x
+        if self.rate_limit_radps is not None:
+            rate_max_radps = min(rate_max_radps, self.rate_limit_radps)
+        jerk = _JERK_PER_ACCELERATION * acceleration_max_radps2
+        motion.step_to_goal(rate_max_radps, acceleration_max_radps2, jerk, dt)
+        self.yaw_rad = wrap_angle(self.goal_yaw_rad + motion.x)
+
+    def step_rate(self, rate_radps: float, dt: float, acceleration_max_radps2: float) -> None:
+        """Turn for one tick at a wanted rate; the goal comes along."""
+        motion = self._motion
+        motion.x = self.yaw_rad
+        jerk = _JERK_PER_ACCELERATION * acceleration_max_radps2
+        motion.step_to_velocity(rate_radps, acceleration_max_radps2, jerk, dt)
+        self.yaw_rad = self.goal_yaw_rad = wrap_angle(motion.x)

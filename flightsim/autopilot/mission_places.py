@@ -1,0 +1,93 @@
+"""Where mission items are, in local metres, and whether a mission can be flown from here."""
+
+from __future__ import annotations
+
+from math import hypot, isnan, radians
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.mission import (
+    FRAME_GLOBAL,
+    FRAME_LOCAL_NED,
+    IGNORED_COMMANDS,
+    PLACE_COMMANDS,
+    Cmd,
+    MissionItem,
+)
+from flightsim.frames import Geodetic, swap_enu_ned, swap_yaw_enu_ned
+
+_PASSED_OVER = IGNORED_COMMANDS | {Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOME}
+
+
+def place_of(item: MissionItem, flight: Flight) -> Vector3:
+    """ENU position of an item that flies somewhere; what it leaves open is where the path is."""
+    here = flight.path.position_enu_m
+    home_m = 0.0 if flight.home is None else flight.home.position_enu_m[2]
+    if item.is_geodetic:
+        origin_m = flight.frame.origin.altitude_m
+        up_m = item.z - origin_m if item.frame in FRAME_GLOBAL else home_m + item.z
+        east_m, north_m, _ = flight.frame.enu_from_geodetic(Geodetic(item.x, item.y, origin_m))
+    elif item.frame == FRAME_LOCAL_NED:
+        east_m, north_m, up_m = swap_enu_ned((item.x, item.y, item.z))
+    else:
+        east_m, north_m, up_m = item.x, item.y, item.z
+    if item.is_here:
+        east_m, north_m = here[0], here[1]
+    return (east_m, north_m, home_m if isnan(up_m) else up_m)
+
+
+def yaw_of(compass_deg: float) -> float | None:
+    """ENU yaw of a compass heading; None if it is NaN."""
+    return None if isnan(compass_deg) else swap_yaw_enu_ned(radians(compass_deg))
+
+
+def place_after(index: int, flight: Flight, height_enu_m: float) -> Vector3 | None:
+    """Where the mission goes on after an item at a height; None if it must stop there first."""
+    for item in flight.mission.items[index + 1 :]:
+        if item.command in _PASSED_OVER:
+            continue
+        is_flown_to = item.command in PLACE_COMMANDS and item.command != Cmd.TAKEOFF
+        if not is_flown_to or item.is_here or item.command == Cmd.LOITER_TURNS:
+            return None
+        east_m, north_m, up_m = place_of(item, flight)
+        if item.command == Cmd.LAND:
+            up_m = height_enu_m
+        return (east_m, north_m, up_m)
+    return None
+
+
+def mission_obstacle(flight: Flight) -> str | None:
+    """Why the mission cannot be flown from here, or None if it can."""
+    if not flight.mission.items:
+        return "no valid mission uploaded"
+    p = flight.parameters
+    home = flight.vehicle.position_enu_m if flight.home is None else flight.home.position_enu_m
+    is_first = True
+    for index, item in enumerate(flight.mission.items):
+        if item.command not in PLACE_COMMANDS or item.is_here:
+            continue
+        place = place_of(item, flight)
+        distance_m = hypot(place[0] - home[0], place[1] - home[1])
+        if is_first and 0.0 <= p["MIS_DIST_1WP"] < distance_m:
+            return f"first waypoint too far away: {distance_m:.0f} m"
+        is_first = False
+        if p["GF_ACTION"] > 0 and (reason := fence_breach(flight, place)):
+            return f"item {index} is outside the geofence ({reason})"
+    return None
+
+
+def fence_breach(flight: Flight, position_enu_m: Vector3) -> str | None:
+    """How a position lies outside the geofence, or None if it is inside."""
+    p = flight.parameters
+    farthest_m, highest_m = p["GF_MAX_HOR_DIST"], p["GF_MAX_VER_DIST"]
+    home = flight.home
+    if home is not None and (farthest_m > 0.0 or highest_m > 0.0):
+        x, y, z = position_enu_m
+        hx, hy, hz = home.position_enu_m
+        if farthest_m > 0.0 and (x - hx) ** 2 + (y - hy) ** 2 > farthest_m * farthest_m:
+            return f"more than {farthest_m:g} m from home"
+        if highest_m > 0.0 and z - hz > highest_m:
+            return f"more than {highest_m:g} m above home"
+    if not flight.fence.allows(position_enu_m):
+        return "outside the uploaded fence"
+    return None

@@ -1,0 +1,59 @@
+"""What the autopilot reports about itself besides its mode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.autopilot.modes import BatteryWarning
+from flightsim.frames import Geodetic
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Home:
+    """Where a return ends."""
+
+    position_enu_m: Vector3
+    geodetic: Geodetic
+    yaw_rad: float
+    """ENU heading of the vehicle when home was set."""
+    is_manual: bool
+    """Set by a client, so that arming leaves it alone."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Health:
+    """Which parts work; `is_armable` is whether arming in the present mode would be accepted."""
+
+    is_imu_ok: bool = False
+    is_mag_ok: bool = False
+    is_baro_ok: bool = False
+    is_gnss_ok: bool = False
+    is_rangefinder_ok: bool = False
+    is_attitude_ok: bool = False
+    is_position_ok: bool = False
+    is_home_set: bool = False
+    is_battery_ok: bool = False
+    is_geofence_ok: bool = False
+    is_armable: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PrearmReport:
+    """Whether arming would be accepted now and, if not, why."""
+
+    is_ok: bool
+    reasons: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BatteryView:
+    """The battery as the autopilot sees it."""
+
+    voltage_v: float
+    current_a: float
+    consumed_mah: float
+    remaining: float
+    """0 to 1."""
+    warning: BatteryWarning
+    n_cells: int

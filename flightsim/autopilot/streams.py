@@ -1,0 +1,104 @@
+"""What clients send continuously: offboard setpoints, sticks, heartbeats."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import copysign
+
+from autonomy.types import Setpoint
+from flightsim.autopilot.parameters import Parameters
+
+OFFBOARD_ENTRY_GAP_US = 500_000
+"""Setpoints must come at more than 2 Hz to enter offboard."""
+
+
+class OffboardStream:
+    """The latest offboard setpoint and its age."""
+
+    def __init__(self) -> None:
+        self.setpoint: Setpoint | None = None
+        self._received_us = 0
+
+    def receive(self, setpoint: Setpoint, time_us: int) -> None:
+        """Take a setpoint."""
+        self.setpoint = setpoint
+        self._received_us = time_us
+
+    def is_alive(self, time_us: int, limit_us: float = OFFBOARD_ENTRY_GAP_US) -> bool:
+        """Whether the latest setpoint is younger than a limit."""
+        return self.setpoint is not None and time_us - self._received_us <= limit_us
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sticks:
+    """A pilot's sticks: forward, right and clockwise positive, -1 to 1; throttle 0 to 1."""
+
+    pitch: float = 0.0
+    roll: float = 0.0
+    throttle: float = 0.5
+    yaw: float = 0.0
+
+
+CENTRED = Sticks()
+
+
+class StickStream:
+    """The latest stick positions and their age."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self._sticks = CENTRED
+        self._received_us: int | None = None
+
+    def receive(self, sticks: Sticks, time_us: int) -> None:
+        """Take stick positions, unless parameters say to ignore them."""
+        if self._parameters["COM_RC_IN_MODE"] != 4:
+            self._sticks = sticks
+            self._received_us = time_us
+
+    @property
+    def has_been_used(self) -> bool:
+        """Whether sticks have ever been received."""
+        return self._received_us is not None
+
+    def is_alive(self, time_us: int) -> bool:
+        """Whether sticks keep coming."""
+        if self._received_us is None:
+            return False
+        return time_us - self._received_us <= 1e6 * max(self._parameters["COM_RC_LOSS_T"], 0.1)
+
+    def current(self, time_us: int) -> Sticks:
+        """Stick positions; centred while none come."""
+        return self._sticks if self.is_alive(time_us) else CENTRED
+
+    def is_moved(self, time_us: int) -> bool:
+        """Whether the pilot deflects a stick so far that it means to take over."""
+        if not self.is_alive(time_us):
+            return False
+        sticks, limit = self._sticks, 0.01 * self._parameters["COM_RC_STICK_OV"]
+        return max(abs(sticks.pitch), abs(sticks.roll), abs(sticks.yaw)) > limit
+
+
+def with_dead_zone(deflection: float, dead_zone: float) -> float:
+    """Deflection with a dead zone in the middle and full travel at the end."""
+    if abs(deflection) <= dead_zone:
+        return 0.0
+    return copysign((abs(deflection) - dead_zone) / (1.0 - dead_zone), deflection)
+
+
+class DatalinkWatch:
+    """When a ground station was last heard."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self._heard_us: int | None = None
+
+    def receive(self, time_us: int) -> None:
+        """Take a heartbeat."""
+        self._heard_us = time_us
+
+    def is_lost(self, time_us: int) -> bool:
+        """Whether ground stations were there and are silent."""
+        if self._heard_us is None:
+            return False
+        return time_us - self._heard_us > 1e6 * self._parameters["COM_DL_LOSS_T"]

@@ -1,0 +1,94 @@
+"""What the autopilot knows of the vehicle in one tick, read once from the plant."""
+
+from __future__ import annotations
+
+from math import atan2, hypot, isfinite
+
+from autonomy.types import ZERO3
+from flightsim.autopilot.parameters import Parameters
+from flightsim.autopilot.plant_like import PlantLike
+
+TICK_S = 0.02
+
+
+class Vehicle:
+    """Estimates and readings of the present tick; never the truth."""
+
+    __slots__ = (
+        "_parameters",
+        "_plant",
+        "angular_rate_flu_radps",
+        "hover_thrust_fraction",
+        "is_attitude_ok",
+        "is_landed",
+        "is_position_ok",
+        "position_enu_m",
+        "quat_wxyz",
+        "range_m",
+        "resting_range_m",
+        "thrust_fraction",
+        "time_us",
+        "velocity_enu_mps",
+        "yaw_rad",
+    )
+
+    def __init__(
+        self, plant: PlantLike, parameters: Parameters, hover_thrust_fraction: float
+    ) -> None:
+        self._plant = plant
+        self._parameters = parameters
+        self.hover_thrust_fraction = hover_thrust_fraction
+        self.is_landed = True
+        """What the landing detector decided."""
+        self.resting_range_m = 0.0
+        """Reading of the rangefinder on the ground, as last seen there."""
+        self.time_us = 0
+        self.position_enu_m = self.velocity_enu_mps = self.angular_rate_flu_radps = ZERO3
+        self.quat_wxyz = (1.0, 0.0, 0.0, 0.0)
+        self.is_attitude_ok = self.is_position_ok = False
+        self.yaw_rad = self.thrust_fraction = 0.0
+        self.range_m = float("nan")
+
+    def read(self) -> None:
+        """Take the plant's present estimates and readings."""
+        plant = self._plant
+        state = plant.estimate
+        self.time_us = plant.time_us
+        self.position_enu_m = state.position_enu_m
+        self.velocity_enu_mps = state.velocity_enu_mps
+        self.angular_rate_flu_radps = state.angular_rate_flu_radps
+        self.quat_wxyz = w, x, y, z = state.quat_wxyz
+        self.yaw_rad = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        self.thrust_fraction = plant.collective_thrust_fraction
+
+    def read_slowly(self) -> None:
+        """Take what changes slowly or costs more to ask for; a few times a second."""
+        plant = self._plant
+        self.range_m = plant.sensors.range_m
+        estimator = plant.estimator
+        self.is_attitude_ok = estimator.is_attitude_valid
+        limit_m = self._parameters["COM_POS_FS_EPH"]
+        self.is_position_ok = (
+            estimator.is_position_valid
+            and isfinite(self.position_enu_m[0])
+            and (limit_m < 0.0 or estimator.sigma_horizontal_m <= limit_m)
+        )
+
+    @property
+    def speed_xy_mps(self) -> float:
+        """Horizontal speed."""
+        return hypot(self.velocity_enu_mps[0], self.velocity_enu_mps[1])
+
+    @property
+    def cos_tilt(self) -> float:
+        """Cosine of the angle between body z and up."""
+        _, x, y, _ = self.quat_wxyz
+        return 1.0 - 2.0 * (x * x + y * y)
+
+    @property
+    def height_m(self) -> float | None:
+        """Height over what the rangefinder sees, 0 at rest on it; None if it sees nothing."""
+        cosine = self.cos_tilt
+        if not isfinite(self.range_m) or cosine < 0.7:
+            return None
+        return self.range_m * cosine - self.resting_range_m

@@ -1,0 +1,1 @@
+"""What surrounds the vehicle: air, wind and the Earth's magnetic field."""

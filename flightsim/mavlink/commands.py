@@ -1,0 +1,143 @@
+"""Command protocol: COMMAND_LONG and COMMAND_INT come in, every one is acknowledged.
+
+https://mavlink.io/en/services/command.html; the handlers are in `flight_commands.py` and
+`message_commands.py`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.results import CommandResult, Reply, denied
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.mission_items import coordinate_from_int
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler, send
+from flightsim.mavlink.statustext import StatustextSender
+
+# MAV_RESULT
+_RESULTS = {
+    CommandResult.ACCEPTED: 0,
+    CommandResult.TEMPORARILY_REJECTED: 1,
+    CommandResult.DENIED: 2,
+    CommandResult.UNSUPPORTED: 3,
+    CommandResult.FAILED: 4,
+    CommandResult.IN_PROGRESS: 5,
+}
+_PROGRESS_UNKNOWN = 255
+UNSUPPORTED = Reply(CommandResult.UNSUPPORTED)
+
+_AMSL_FRAMES = frozenset({0, 5})
+_ABOVE_HOME_FRAMES = frozenset({3, 6})
+_TERRAIN_FRAMES = frozenset({10, 11})
+_PLACE_FRAMES = _AMSL_FRAMES | _ABOVE_HOME_FRAMES | _TERRAIN_FRAMES
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command with its parameters as both messages carry them; NaN is "not given"."""
+
+    number: int
+    """MAV_CMD."""
+    frame: int
+    """MAV_FRAME of the place; GLOBAL for COMMAND_LONG."""
+    param1: float
+    param2: float
+    param3: float
+    param4: float
+    x: float
+    """Parameter 5; degrees of latitude in places."""
+    y: float
+    """Parameter 6; degrees of longitude in places."""
+    z: float
+    """Parameter 7; altitude in places."""
+    channel: Channel
+
+    @property
+    def is_here(self) -> bool:
+        """Whether no horizontal place is named; (0, 0) comes from clients that know no NaN."""
+        return math.isnan(self.x) or math.isnan(self.y) or (self.x == 0.0 and self.y == 0.0)
+
+    def place_fault(self) -> str | None:
+        """What is wrong with the place, or None."""
+        if self.frame not in _PLACE_FRAMES:
+            return f"frame {self.frame} is no global one; valid are 0, 3, 5, 6, 10, 11"
+        if not self.is_here and not (abs(self.x) <= 90.0 and abs(self.y) <= 180.0):
+            return f"latitude {self.x:g}, longitude {self.y:g} is off the globe"
+        if abs(self.z) > 1e5:
+            return f"altitude {self.z:g} m; valid are -100000 to 100000"
+        return None
+
+    def altitude_amsl_m(self, home_altitude_m: float) -> float:
+        """Altitude above mean sea level; NaN if none is given. Terrain counts as home's height."""
+        return self.z if self.frame in _AMSL_FRAMES else self.z + home_altitude_m
+
+
+Executor = Callable[[Command], Reply]
+
+
+class CommandService:
+    """Finds who executes a command and tells the sender what came of it."""
+
+    def __init__(self, executors: Mapping[int, Executor], statustext: StatustextSender) -> None:
+        self._executors = executors
+        self._statustext = statustext
+        self.handlers: Mapping[str, Handler] = {
+            "COMMAND_LONG": self._on_long,
+            "COMMAND_INT": self._on_int,
+        }
+
+    def _on_long(self, channel: Channel, m: Message) -> None:
+        values = (m.param1, m.param2, m.param3, m.param4, m.param5, m.param6, m.param7)
+        self._execute(m, Command(m.command, 0, *values, channel))
+
+    def _on_int(self, channel: Channel, m: Message) -> None:
+        x, y = (coordinate_from_int(value, m.frame) for value in (m.x, m.y))
+        values = (m.param1, m.param2, m.param3, m.param4, x, y, m.z)
+        self._execute(m, Command(m.command, m.frame, *values, channel))
+
+    def _execute(self, message: Message, command: Command) -> None:
+        executor = self._executors.get(command.number)
+        if executor is None:
+            reply = UNSUPPORTED
+        elif any(map(math.isinf, _values(command))):
+            reply = denied("a parameter is infinite")
+        else:
+            reply = executor(command)
+        if reply.reason:
+            self._statustext.say(Severity.WARNING, _explanation(command, reply))
+        is_in_progress = reply.result is CommandResult.IN_PROGRESS
+        send(
+            command.channel,
+            "COMMAND_ACK",
+            command=command.number,
+            result=_RESULTS[reply.result],
+            progress=_PROGRESS_UNKNOWN if is_in_progress else 0,
+            target_system=message.get_srcSystem(),
+            target_component=message.get_srcComponent(),
+        )
+
+
+def _explanation(command: Command, reply: Reply) -> str:
+    if " denied: " in reply.reason:  # the autopilot says by itself what it denies
+        return reply.reason[0].upper() + reply.reason[1:]
+    return f"Command {command.number} {reply.result.value}: {reply.reason}"
+
+
+def _values(c: Command) -> tuple[float, ...]:
+    return (c.param1, c.param2, c.param3, c.param4, c.x, c.y, c.z)
+
+
+def given(value: float) -> float | None:
+    """The value, or None if it is not given."""
+    return None if math.isnan(value) else value
+
+
+def choice(value: float) -> int | None:
+    """A parameter that selects something as the whole number it is; NaN is 0, None is neither."""
+    if math.isnan(value):
+        return 0
+    return int(value) if value == int(value) else None

@@ -1,0 +1,62 @@
+"""File transfer and logs: there are none to have, and clients are told so at once.
+
+A correct refusal matters: MAVProxy waits 11 s for one that it cannot read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler, send
+
+# https://mavlink.io/en/services/ftp.html: seq 0..1, session 2, opcode 3, size 4, request 5,
+# burst 6, offset 8..11, data from 12.
+_HEADER_BYTES = 12
+_PAYLOAD_BYTES = 251
+_TERMINATE_SESSION, _RESET_SESSIONS, _LAST_REQUEST = 1, 2, 15
+_ACK, _NAK = 128, 129
+_UNKNOWN_COMMAND, _FILE_NOT_FOUND = 7, 10
+_KNOWN_OPCODES = range(_LAST_REQUEST + 1)
+
+
+class FileService:
+    """An empty file system and an empty list of logs."""
+
+    def __init__(self) -> None:
+        self.handlers: Mapping[str, Handler] = {
+            "FILE_TRANSFER_PROTOCOL": self._on_ftp,
+            "LOG_REQUEST_LIST": self._on_log_list,
+        }
+
+    def _on_ftp(self, channel: Channel, message: Message) -> None:
+        opcode = message.payload[3]
+        if opcode in {_ACK, _NAK}:
+            return  # an answer to somebody else
+        send(
+            channel,
+            "FILE_TRANSFER_PROTOCOL",
+            target_system=message.get_srcSystem(),
+            target_component=message.get_srcComponent(),
+            payload=_answer(message.payload),
+        )
+
+    def _on_log_list(self, channel: Channel, _: Message) -> None:
+        send(channel, "LOG_ENTRY")  # number 0 of 0
+
+
+def _answer(request: list[int]) -> bytes:
+    """The reply to an FTP request: its header with the next sequence number, and no file."""
+    sequence = (request[0] + (request[1] << 8) + 1) & 0xFFFF
+    session, opcode = request[2], request[3]
+    answer = bytearray(_PAYLOAD_BYTES)
+    answer[0:2] = sequence.to_bytes(2, "little")
+    answer[2], answer[5] = session, opcode
+    answer[8:12] = bytes(request[8:_HEADER_BYTES])
+    if opcode in {0, _TERMINATE_SESSION, _RESET_SESSIONS}:
+        answer[3] = _ACK
+        return bytes(answer)
+    answer[3], answer[4] = _NAK, 1
+    answer[12] = _FILE_NOT_FOUND if opcode in _KNOWN_OPCODES else _UNKNOWN_COMMAND
+    return bytes(answer)

@@ -1,0 +1,233 @@
+"""Commands that fly: arming, modes, takeoff and landing, places, speed, home, mission."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.autopilot.modes import Mode
+from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.frames import Geodetic, swap_yaw_enu_ned
+from flightsim.mavlink.commands import UNSUPPORTED, Command, Executor, choice, given
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.personality import Personality
+from flightsim.mavlink.view import VehicleView
+
+_CUSTOM_MODE_FLAG = 1
+_CHANGE_MODE_FLAG = 1
+_FORCE = 21196
+"""Parameter 2 of arm/disarm that skips the checks."""
+_AIR_SPEED, _GROUND_SPEED = 0, 1
+_NO_CHANGE, _DEFAULT_SPEED = -1.0, -2.0
+_RESET_PARAMETERS = 2
+_MAX_MODE_PART = 0xFF
+
+
+def _yaw_of_degrees(heading_deg: float) -> float | None:
+    """ENU yaw of a heading in degrees; None if none is given."""
+    return None if math.isnan(heading_deg) else swap_yaw_enu_ned(math.radians(heading_deg))
+
+
+class FlightCommands:
+    """Executes commands by asking the autopilot."""
+
+    def __init__(self, view: VehicleView, personality: Personality) -> None:
+        self._view = view
+        self._autopilot: Autopilot = view.autopilot
+        self._personality = personality
+        self.executors: Mapping[int, Executor] = {
+            17: self._loiter,
+            20: lambda _: self._autopilot.return_to_launch(),
+            21: self._land,
+            22: self._takeoff,
+            34: self._orbit,
+            92: self._guided_enable,
+            115: self._condition_yaw,
+            176: self._set_mode,
+            178: self._change_speed,
+            179: self._set_home,
+            185: self._terminate,
+            186: self._change_altitude,
+            192: self._reposition,
+            193: self._pause_continue,
+            224: self._set_mission_current,
+            245: self._preflight_storage,
+            262: self._set_standard_mode,
+            300: self._start_mission,
+            400: self._arm,
+            401: self._run_prearm_checks,
+        }
+
+    def on_set_mode(self, message: Message) -> None:
+        """SET_MODE, the message from before there were commands; it has no acknowledgement."""
+        mode = self._personality.selectable(message.custom_mode)
+        if mode is not None and message.base_mode & _CUSTOM_MODE_FLAG:
+            self._autopilot.set_mode(mode)
+
+    # --- arming and modes ---
+
+    def _arm(self, c: Command) -> Reply:
+        is_forced = c.param2 == _FORCE
+        match choice(c.param1):
+            case 1:
+                return self._autopilot.arm(is_forced=is_forced)
+            case 0:
+                return self._autopilot.disarm(is_forced=is_forced)
+        return denied(f"param1 = {c.param1:g}; valid are 0 (disarm) and 1 (arm)")
+
+    def _run_prearm_checks(self, _: Command) -> Reply:
+        if self._autopilot.is_armed:
+            return rejected("the vehicle is armed")
+        self._autopilot.run_prearm_checks()
+        return ACCEPTED
+
+    def _set_mode(self, c: Command) -> Reply:
+        base, main, sub = (choice(value) for value in (c.param1, c.param2, c.param3))
+        if base is None or not base & _CUSTOM_MODE_FLAG:
+            return denied(f"base mode {c.param1:g} has no custom mode flag (1)")
+        if main is None or sub is None or not 0 <= max(main, sub) <= _MAX_MODE_PART or sub < 0:
+            return denied(f"custom mode {c.param2:g}, {c.param3:g} does not exist")
+        mode = self._personality.selectable(self._personality.custom_mode(main, sub))
+        if mode is None:
+            return denied(f"custom mode {main}, {sub} does not exist")
+        return self._autopilot.set_mode(mode)
+
+    def _set_standard_mode(self, c: Command) -> Reply:
+        standard = choice(c.param1)
+        mode = None if standard is None else self._personality.standard(standard)
+        if mode is None:
+            return denied(f"standard mode {c.param1:g} does not exist here")
+        return self._autopilot.set_mode(mode)
+
+    def _guided_enable(self, c: Command) -> Reply:
+        return self._autopilot.set_mode(Mode.OFFBOARD if c.param1 > 0.5 else Mode.HOLD)
+
+    def _terminate(self, c: Command) -> Reply:
+        if c.param1 > 0.5:
+            return self._autopilot.terminate()
+        return denied("termination cannot be taken back")
+
+    # --- places ---
+
+    def _takeoff(self, c: Command) -> Reply:
+        fault = c.place_fault()
+        if fault:
+            return denied(fault)
+        return self._autopilot.takeoff(
+            given(c.altitude_amsl_m(self._view.home_altitude_m)),
+            yaw_rad=_yaw_of_degrees(c.param4),
+        )
+
+    def _land(self, c: Command) -> Reply:
+        fault = c.place_fault()
+        if fault:
+            return denied(fault)
+        return self._autopilot.land(
+            latitude_deg=None if c.is_here else c.x,
+            longitude_deg=None if c.is_here else c.y,
+            yaw_rad=_yaw_of_degrees(c.param4),
+        )
+
+    def _loiter(self, c: Command) -> Reply:
+        if c.is_here:
+            return self._autopilot.set_mode(Mode.HOLD)
+        fault = c.place_fault()
+        if fault:
+            return denied(fault)
+        return self._autopilot.goto(self._place(c), yaw_rad=_yaw_of_degrees(c.param4))
+
+    def _reposition(self, c: Command) -> Reply:
+        fault = c.place_fault()
+        if fault:
+            return denied(fault)
+        flags = choice(c.param2) or 0
+        if not flags & _CHANGE_MODE_FLAG and self._autopilot.mode is not Mode.HOLD:
+            return rejected("not in hold, and param2 does not ask to change the mode (1)")
+        return self._autopilot.goto(
+            self._place(c),
+            # In radians, unlike all other commands: https://mavlink.io/en/messages/common.html
+            yaw_rad=None if math.isnan(c.param4) else swap_yaw_enu_ned(c.param4),
+            speed_mps=c.param1 if c.param1 > 0.0 else None,
+        )
+
+    def _change_altitude(self, c: Command) -> Reply:
+        frame = choice(c.param2)
+        if frame not in {0, 3, 5, 6}:
+            return denied(f"frame {c.param2:g}; valid are 0, 3, 5, 6")
+        if not abs(c.param1) <= 1e5:
+            return denied(f"altitude {c.param1:g} m; valid are -100000 to 100000")
+        is_amsl = frame in {0, 5}
+        altitude_m = c.param1 + (0.0 if is_amsl else self._view.home_altitude_m)
+        return self._autopilot.goto(Geodetic(math.nan, math.nan, altitude_m))
+
+    def _orbit(self, c: Command) -> Reply:
+        fault = c.place_fault()
+        if fault:
+            return denied(fault)
+        radius_m = 10.0 if math.isnan(c.param1) else c.param1
+        speed_mps = 2.0 if math.isnan(c.param2) else c.param2
+        return self._autopilot.orbit(self._place(c), radius_m=radius_m, speed_mps=speed_mps)
+
+    def _set_home(self, c: Command) -> Reply:
+        if c.param1 == 1.0:
+            return self._autopilot.set_home(None)
+        fault = c.place_fault()
+        if fault or c.is_here or math.isnan(c.z):
+            return denied(fault or "no place; param1 = 1 means here")
+        return self._autopilot.set_home(self._place(c))
+
+    def _place(self, c: Command) -> Geodetic:
+        """The place of a command; NaN means "keep"."""
+        altitude_m = c.altitude_amsl_m(self._view.home_altitude_m)
+        if c.is_here:
+            return Geodetic(math.nan, math.nan, altitude_m)
+        return Geodetic(c.x, c.y, altitude_m)
+
+    # --- on the way ---
+
+    def _condition_yaw(self, c: Command) -> Reply:
+        if math.isnan(c.param1):
+            return denied("param1 = nan; valid are degrees")
+        heading_deg = c.param1
+        if c.param4 == 1.0:  # relative
+            heading_deg = self._view.heading_deg + (-c.param1 if c.param3 < 0 else c.param1)
+        rate = None if not c.param2 > 0.0 else math.radians(c.param2)
+        yaw_rad = swap_yaw_enu_ned(math.radians(heading_deg))
+        return self._autopilot.set_yaw(yaw_rad, rate_radps=rate)
+
+    def _change_speed(self, c: Command) -> Reply:
+        if choice(c.param1) not in {_AIR_SPEED, _GROUND_SPEED}:
+            return denied(f"speed type {c.param1:g}; valid are 0 and 1")
+        if math.isnan(c.param2) or c.param2 == _NO_CHANGE:
+            return ACCEPTED
+        return self._autopilot.set_speed(None if c.param2 == _DEFAULT_SPEED else c.param2)
+
+    def _pause_continue(self, c: Command) -> Reply:
+        match choice(c.param1):
+            case 0:
+                return self._autopilot.pause()
+            case 1:
+                return self._autopilot.resume()
+        return denied(f"param1 = {c.param1:g}; valid are 0 (pause) and 1 (continue)")
+
+    def _start_mission(self, c: Command) -> Reply:
+        first, last = choice(c.param1), choice(c.param2)
+        n_items = len(self._autopilot.mission)
+        if first is None or last is None or not 0 <= first < max(1, n_items):
+            return denied(f"items {c.param1:g} to {c.param2:g}; there are {n_items}")
+        return self._autopilot.start_mission(first, last if last > first else None)
+
+    def _set_mission_current(self, c: Command) -> Reply:
+        index = choice(c.param1)
+        if index is None:
+            return denied(f"item {c.param1:g} does not exist")
+        return self._autopilot.set_current_mission_item(index)
+
+    def _preflight_storage(self, c: Command) -> Reply:
+        if choice(c.param1) != _RESET_PARAMETERS:
+            return UNSUPPORTED  # parameters live as long as the simulation
+        if self._autopilot.is_armed:
+            return rejected("the vehicle is armed")
+        self._autopilot.parameters.reset()
+        return ACCEPTED

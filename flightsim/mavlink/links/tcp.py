@@ -1,0 +1,139 @@
+"""TCP server as ArduPilot's simulator has it on 5760: each connection is a partner."""
+
+from __future__ import annotations
+
+import contextlib
+import selectors
+import socket
+import time
+from collections.abc import Callable, Sequence
+
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.links.link import MAX_PARTNERS, bind
+from flightsim.mavlink.streams import Profile
+
+_READ_BYTES = 16_384
+_BACKLOG_LIMIT_BYTES = 1 << 20
+_STUCK_LIMIT_S = 30.0
+
+
+class _Connection:
+    """One accepted connection with the bytes that its socket has not taken yet."""
+
+    def __init__(self, tcp: socket.socket, name: str, profile: Profile) -> None:
+        self.socket = tcp
+        self.is_broken = False
+        self._unsent = bytearray()
+        self._last_progress_s = time.monotonic()
+        self.channel = Channel(
+            name, self.write, profile=profile, clock=time.monotonic, is_datagram=False
+        )
+
+    def read(self) -> None:
+        """Take what has come, unless the partner is ahead of its budget."""
+        if not self.channel.has_room:
+            return
+        try:
+            data = self.socket.recv(_READ_BYTES)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            data = b""
+        if data:
+            self.channel.receive(data)
+        else:
+            self.is_broken = True
+
+    def write(self, frames: Sequence[bytes]) -> None:
+        """Send what the socket takes; whole frames are dropped while too much waits."""
+        if len(self._unsent) < _BACKLOG_LIMIT_BYTES:
+            self._unsent += b"".join(frames)
+        try:
+            n_sent = self.socket.send(self._unsent)
+        except (BlockingIOError, InterruptedError):
+            n_sent = 0
+        except OSError:
+            self.is_broken = True
+            return
+        now_s = time.monotonic()
+        if n_sent:
+            del self._unsent[:n_sent]
+            self._last_progress_s = now_s
+        elif now_s - self._last_progress_s > _STUCK_LIMIT_S:
+            self.is_broken = True
+
+
+class TcpServerLink:
+    """A listening port; every connection gets its own channel."""
+
+    def __init__(
+        self,
+        *,
+        port: int,
+        profile: Profile = "normal",
+        bind_address: str = "127.0.0.1",
+    ) -> None:
+        self.name = f"tcp:{port}"
+        self._local = (bind_address, port)
+        self._profile: Profile = profile
+        self._listener: socket.socket | None = None
+        self._selector: selectors.BaseSelector | None = None
+        self._connections: list[_Connection] = []
+
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """Partners connected now; connections that broke are cleared away first."""
+        if any(connection.is_broken for connection in self._connections):
+            self._clear_broken()
+        return tuple(connection.channel for connection in self._connections)
+
+    def open(self, selector: selectors.BaseSelector, _: Callable[[], int]) -> None:
+        """Listen.
+
+        Raises:
+            PortInUseError: If the port is taken.
+            LinkError: If it cannot be bound for another reason.
+        """
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        # Connections of the last run that linger in TIME_WAIT must not hold the port.
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        bind(listener, "TCP", *self._local)
+        listener.listen(MAX_PARTNERS)
+        listener.setblocking(False)
+        self._listener, self._selector = listener, selector
+        selector.register(listener, selectors.EVENT_READ, self._accept)
+
+    def close(self) -> None:
+        """End all connections and give the port back."""
+        for connection in self._connections:
+            connection.is_broken = True
+        self._clear_broken()
+        if self._listener is not None and self._selector is not None:
+            self._selector.unregister(self._listener)
+            self._listener.close()
+        self._listener = None
+
+    def _accept(self) -> None:
+        assert self._listener is not None
+        assert self._selector is not None
+        try:
+            tcp, address = self._listener.accept()
+        except OSError:
+            return  # the partner left before it was let in
+        if len(self.channels) >= MAX_PARTNERS:
+            tcp.close()
+            return
+        tcp.setblocking(False)
+        with contextlib.suppress(OSError):
+            tcp.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        connection = _Connection(tcp, f"{self.name} {address[0]}:{address[1]}", self._profile)
+        self._connections.append(connection)
+        self._selector.register(tcp, selectors.EVENT_READ, connection.read)
+
+    def _clear_broken(self) -> None:
+        for connection in [c for c in self._connections if c.is_broken]:
+            self._connections.remove(connection)
+            connection.channel.is_open = False
+            if self._selector is not None:
+                self._selector.unregister(connection.socket)
+            connection.socket.close()

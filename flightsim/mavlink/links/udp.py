@@ -1,0 +1,133 @@
+"""UDP as PX4 uses it: speak first to a known port, answer whoever else speaks."""
+
+from __future__ import annotations
+
+import contextlib
+import selectors
+import socket
+import time
+from collections.abc import Callable, Sequence
+
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.links.link import MAX_PARTNERS, bind
+from flightsim.mavlink.streams import Profile
+
+_Address = tuple[str, int]
+
+_MAX_DATAGRAM_BYTES = 1400
+"""Below the Ethernet MTU with IP and UDP headers."""
+_DATAGRAMS_PER_TICK = 128
+_SILENCE_LIMIT_S = 60.0
+
+
+class UdpLink:
+    """A UDP port with a default partner, which is spoken to first, and others learnt from it."""
+
+    def __init__(
+        self,
+        *,
+        local_port: int,
+        remote_port: int,
+        profile: Profile = "normal",
+        bind_address: str = "127.0.0.1",
+        remote_address: str = "127.0.0.1",
+    ) -> None:
+        self.name = f"udp:{local_port}->{remote_port}"
+        self._local: _Address = (bind_address, local_port)
+        self._profile: Profile = profile
+        self._default: _Address = (remote_address, remote_port)
+        self._partners: dict[_Address, Channel] = {self._default: self._new(self._default)}
+        self._last_heard_s: dict[_Address, float] = {}
+        self._socket: socket.socket | None = None
+        self._selector: selectors.BaseSelector | None = None
+
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """The default partner and those learnt."""
+        return tuple(self._partners.values())
+
+    def open(self, selector: selectors.BaseSelector, _: Callable[[], int]) -> None:
+        """Bind the local port.
+
+        Raises:
+            PortInUseError: If it is taken.
+            LinkError: If it cannot be bound for another reason.
+        """
+        udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        bind(udp, "UDP", *self._local)
+        udp.setblocking(False)
+        # A scene at full speed sends a second's telemetry within milliseconds.
+        with contextlib.suppress(OSError):
+            udp.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 20)
+        self._socket, self._selector = udp, selector
+        selector.register(udp, selectors.EVENT_READ, self._read)
+
+    def close(self) -> None:
+        """Give the port back."""
+        if self._socket is not None and self._selector is not None:
+            self._selector.unregister(self._socket)
+            self._socket.close()
+        self._socket = None
+
+    def _read(self) -> None:
+        assert self._socket is not None
+        for _ in range(_DATAGRAMS_PER_TICK):
+            try:
+                data, address = self._socket.recvfrom(65536)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError:
+                continue  # an ICMP error left by a partner that is gone
+            channel = self._partners.get(address) or self._learn(address)
+            if channel is not None:
+                self._last_heard_s[address] = time.monotonic()
+                channel.receive(data)
+
+    def _learn(self, address: _Address) -> Channel | None:
+        """A channel for a new partner, in the place of a silent one if the link is full."""
+        if len(self._partners) >= MAX_PARTNERS:
+            learnt = [known for known in self._partners if known != self._default]
+            silent = min(learnt, key=lambda known: self._last_heard_s.get(known, 0.0))
+            if time.monotonic() - self._last_heard_s.get(silent, 0.0) < _SILENCE_LIMIT_S:
+                return None
+            self._forget(silent)
+        self._partners[address] = self._new(address)
+        return self._partners[address]
+
+    def _forget(self, address: _Address) -> None:
+        self._partners.pop(address).is_open = False
+        self._last_heard_s.pop(address, None)
+
+    def _new(self, address: _Address) -> Channel:
+        return Channel(
+            f"{self.name} {address[0]}:{address[1]}",
+            lambda frames: self._write(frames, address),
+            profile=self._profile,
+            clock=time.monotonic,
+            is_datagram=True,
+        )
+
+    def _write(self, frames: Sequence[bytes], address: _Address) -> None:
+        if self._socket is None:
+            return
+        for datagram in join(frames):
+            # A full buffer or an unreachable partner loses the datagram, as the air would.
+            with contextlib.suppress(OSError):
+                self._socket.sendto(datagram, address)
+
+
+def join(frames: Sequence[bytes]) -> list[bytes]:
+    """As few datagrams as hold the frames, none over the limit, no frame divided."""
+    if sum(map(len, frames)) <= _MAX_DATAGRAM_BYTES:
+        return [b"".join(frames)]
+    datagrams: list[bytes] = []
+    batch: list[bytes] = []
+    size = 0
+    for frame in frames:
+        if size + len(frame) > _MAX_DATAGRAM_BYTES:
+            datagrams.append(b"".join(batch))
+            batch, size = [], 0
+        batch.append(frame)
+        size += len(frame)
+    datagrams.append(b"".join(batch))
+    return datagrams

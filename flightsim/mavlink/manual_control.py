@@ -1,0 +1,54 @@
+"""Sticks: MANUAL_CONTROL of ground stations and RC_CHANNELS_OVERRIDE of scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler
+
+_INVALID_AXIS = 0x7FFF
+_PWM_MIDDLE, _PWM_HALF_SPAN = 1500, 500
+_PWM_UNUSED = (0, 0xFFFF)
+
+
+class ManualControlService:
+    """Hands stick positions to the autopilot, which watches how fresh they are."""
+
+    def __init__(self, autopilot: Autopilot, system_id: int) -> None:
+        self._autopilot = autopilot
+        self._system_id = system_id
+        self.handlers: Mapping[str, Handler] = {
+            "MANUAL_CONTROL": self._on_manual_control,
+            "RC_CHANNELS_OVERRIDE": self._on_override,
+        }
+
+    def _on_manual_control(self, _: Channel, message: Message) -> None:
+        if message.target != self._system_id:
+            return
+        self._autopilot.set_manual_control(
+            pitch=_axis(message.x),
+            roll=_axis(message.y),
+            throttle=0.5 if message.z == _INVALID_AXIS else max(0.0, min(1.0, message.z / 1000.0)),
+            yaw=_axis(message.r),
+        )
+
+    def _on_override(self, _: Channel, message: Message) -> None:
+        channels = (message.chan1_raw, message.chan2_raw, message.chan3_raw, message.chan4_raw)
+        if any(pwm in _PWM_UNUSED for pwm in channels):
+            return  # released, or meant for other channels
+        roll, pitch, throttle, yaw = map(_deflection, channels)
+        # A stick pulled back is a high pulse and pitches the nose up.
+        self._autopilot.set_manual_control(
+            pitch=-pitch, roll=roll, throttle=0.5 + 0.5 * throttle, yaw=yaw
+        )
+
+
+def _axis(value: int) -> float:
+    return 0.0 if value == _INVALID_AXIS else max(-1.0, min(1.0, value / 1000.0))
+
+
+def _deflection(pwm: int) -> float:
+    return max(-1.0, min(1.0, (pwm - _PWM_MIDDLE) / _PWM_HALF_SPAN))

@@ -1,0 +1,100 @@
+"""Commands that ask for messages: once, at an interval, or the list of flight modes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from flightsim.autopilot.modes import Mode
+from flightsim.autopilot.results import ACCEPTED, CommandResult, Reply, rejected
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.commands import Command, Executor, choice
+from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.personality import ModeEntry, Personality
+from flightsim.mavlink.service import send
+from flightsim.mavlink.telemetry import TelemetryService
+
+_DENIED = Reply(CommandResult.DENIED)
+"""Without a reason: clients ask for messages regularly, and nobody wants to read of each."""
+
+_AVAILABLE_MODES = LAYOUTS["AVAILABLE_MODES"].message_id
+_AUTOPILOT_VERSION = LAYOUTS["AUTOPILOT_VERSION"].message_id
+_PROTOCOL_VERSION = LAYOUTS["PROTOCOL_VERSION"].message_id
+_HOME_POSITION = LAYOUTS["HOME_POSITION"].message_id
+_ADVANCED_MODES = frozenset({Mode.MANUAL, Mode.ACRO, Mode.OFFBOARD})
+# MAV_MODE_PROPERTY
+_IS_ADVANCED, _NOT_SELECTABLE = 1, 2
+
+
+class MessageCommands:
+    """Executes the commands that concern what the sender is told."""
+
+    def __init__(self, telemetry: TelemetryService, personality: Personality) -> None:
+        self._telemetry = telemetry
+        self._modes = _distinct(personality.modes)
+        self.executors: Mapping[int, Executor] = {
+            410: lambda c: self._send_once(c.channel, _HOME_POSITION),
+            510: self._get_interval,
+            511: self._set_interval,
+            512: self._request_message,
+            519: lambda c: self._send_once(c.channel, _PROTOCOL_VERSION),
+            520: lambda c: self._send_once(c.channel, _AUTOPILOT_VERSION),
+        }
+
+    def _request_message(self, c: Command) -> Reply:
+        message_id = choice(c.param1)
+        if message_id is None:
+            return _DENIED
+        if message_id == _AVAILABLE_MODES:
+            return self._send_modes(c)
+        return self._send_once(c.channel, message_id)
+
+    def _send_once(self, channel: Channel, message_id: int) -> Reply:
+        if not self._telemetry.is_known(message_id):
+            return _DENIED
+        return ACCEPTED if self._telemetry.send_now(channel, message_id) else rejected("")
+
+    def _get_interval(self, c: Command) -> Reply:
+        message_id = choice(c.param1)
+        is_sent = message_id is not None and self._telemetry.send_interval(c.channel, message_id)
+        return ACCEPTED if is_sent else _DENIED
+
+    def _set_interval(self, c: Command) -> Reply:
+        message_id = choice(c.param1)
+        if message_id is None or math.isnan(c.param2):
+            return _DENIED
+        is_set = self._telemetry.set_interval(c.channel, message_id, c.param2)
+        return ACCEPTED if is_set else _DENIED
+
+    def _send_modes(self, c: Command) -> Reply:
+        """AVAILABLE_MODES: one by its index from 1, or all for index 0."""
+        index = choice(c.param2)
+        if index is None or not 0 <= index <= len(self._modes):
+            return _DENIED
+        chosen = range(1, len(self._modes) + 1) if index == 0 else (index,)
+        for i in chosen:
+            entry = self._modes[i - 1]
+            send(
+                c.channel,
+                "AVAILABLE_MODES",
+                number_modes=len(self._modes),
+                mode_index=i,
+                standard_mode=entry.standard_mode,
+                custom_mode=entry.custom_mode,
+                properties=_properties(entry),
+                mode_name=entry.mode.value,
+            )
+        return ACCEPTED
+
+
+def _distinct(entries: tuple[ModeEntry, ...]) -> tuple[ModeEntry, ...]:
+    """The first entry of each custom mode."""
+    first: dict[int, ModeEntry] = {}
+    for entry in entries:
+        first.setdefault(entry.custom_mode, entry)
+    return tuple(first.values())
+
+
+def _properties(entry: ModeEntry) -> int:
+    advanced = _IS_ADVANCED if entry.mode in _ADVANCED_MODES else 0
+    return advanced | (0 if entry.is_selectable else _NOT_SELECTABLE)

@@ -1,0 +1,240 @@
+"""Mission protocol: upload, download, clear, and where the mission is.
+
+One upload of each type is under way at a time. Downloads keep no state: every request is answered
+as it comes, so a lost item is simply asked for again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Protocol
+
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.fence import MAX_FENCE_ITEMS, MAX_RALLY_ITEMS
+from flightsim.autopilot.mission import MAX_MISSION_ITEMS, MissionError, MissionItem
+from flightsim.mavlink import mission_items as results
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.mission_items import payload_of_item, result_of
+from flightsim.mavlink.mission_upload import Upload
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler, Partners, send
+from flightsim.mavlink.statustext import StatustextSender
+
+MISSION, FENCE, RALLY, ALL = 0, 1, 2, 255
+"""MAV_MISSION_TYPE"""
+_MAX_ITEMS = {MISSION: MAX_MISSION_ITEMS, FENCE: MAX_FENCE_ITEMS, RALLY: MAX_RALLY_ITEMS}
+_REPEAT_ACK_S = 5.0
+
+
+class ItemStore(Protocol):
+    """What the autopilot keeps for each type of items."""
+
+    @property
+    def items(self) -> tuple[MissionItem, ...]:
+        """What is stored."""
+        ...
+
+    def replace(self, items: Iterable[MissionItem]) -> None:
+        """Store other items, or raise `MissionError` and keep the present ones."""
+        ...
+
+
+class MissionService:
+    """Carries items between partners and the autopilot's stores."""
+
+    def __init__(
+        self,
+        stores: Mapping[int, ItemStore],
+        partners: Partners,
+        statustext: StatustextSender,
+    ) -> None:
+        """Serve the stores of each mission type."""
+        self._stores = stores
+        self._partners = partners
+        self._statustext = statustext
+        self._uploads: dict[int, Upload] = {}
+        # Acks that may have been lost: (channel, type) -> (result, last index, until).
+        self._finished: dict[tuple[Channel, int], tuple[int, int, float]] = {}
+        self.handlers: Mapping[str, Handler] = {
+            "MISSION_COUNT": self._on_count,
+            "MISSION_WRITE_PARTIAL_LIST": self._on_partial,
+            "MISSION_ITEM_INT": self._on_item,
+            "MISSION_ITEM": self._on_item,
+            "MISSION_ACK": self._on_ack,
+            "MISSION_CLEAR_ALL": self._on_clear,
+            "MISSION_REQUEST_LIST": self._on_request_list,
+            "MISSION_REQUEST_INT": self._on_request,
+            "MISSION_REQUEST": self._on_request,
+            "MISSION_REQUEST_PARTIAL_LIST": self._on_request_partial,
+        }
+
+    def update(self) -> None:
+        """Repeat requests; give up uploads whose partner is silent."""
+        for mission_type, upload in list(self._uploads.items()):
+            if upload.is_abandoned:
+                del self._uploads[mission_type]
+                self._statustext.say(Severity.WARNING, "Mission upload timed out")
+                self._ack(upload.channel, upload.partner, mission_type, results.OPERATION_CANCELLED)
+            else:
+                upload.update()
+
+    def forget(self, channel: Channel) -> None:
+        """End the uploads of a partner that is gone."""
+        self._uploads = {t: u for t, u in self._uploads.items() if u.channel is not channel}
+        self._finished = {k: v for k, v in self._finished.items() if k[0] is not channel}
+
+    def announce_reached(self, index: int) -> None:
+        """Tell everybody that the mission arrived at an item."""
+        message = LAYOUTS["MISSION_ITEM_REACHED"]
+        self._partners.broadcast(message, message.encode(seq=index))
+
+    # --- upload ---
+
+    def _on_count(self, channel: Channel, message: Message) -> None:
+        if message.count == 0 and message.mission_type in self._stores:
+            self._store(channel, _sender(message), message.mission_type, ())
+            return
+        self._begin(channel, message, first=0, count=message.count)
+
+    def _on_partial(self, channel: Channel, message: Message) -> None:
+        store = self._stores.get(message.mission_type)
+        last = message.end_index
+        if store is None or not 0 <= message.start_index <= last < len(store.items):
+            self._ack(channel, _sender(message), message.mission_type, results.INVALID_SEQUENCE)
+            return
+        count = last - message.start_index + 1
+        self._begin(channel, message, first=message.start_index, count=count, previous=store.items)
+
+    def _begin(
+        self,
+        channel: Channel,
+        message: Message,
+        *,
+        first: int,
+        count: int,
+        previous: tuple[MissionItem, ...] = (),
+    ) -> None:
+        mission_type = message.mission_type
+        refusal = self._refusal(channel, mission_type, count)
+        if refusal is not None:
+            self._ack(channel, _sender(message), mission_type, refusal)
+            return
+        self._finished.pop((channel, mission_type), None)
+        self._uploads[mission_type] = Upload(
+            channel, _sender(message), mission_type, first=first, count=count, previous=previous
+        )
+
+    def _refusal(self, channel: Channel, mission_type: int, count: int) -> int | None:
+        if mission_type not in self._stores:
+            return results.UNSUPPORTED
+        if count > _MAX_ITEMS[mission_type]:
+            return results.NO_SPACE
+        upload = self._uploads.get(mission_type)
+        is_busy = upload is not None and upload.channel is not channel
+        return results.DENIED if is_busy else None
+
+    def _on_item(self, channel: Channel, message: Message) -> None:
+        upload = self._uploads.get(message.mission_type)
+        if upload is None or not upload.is_from(channel, message):
+            self._repeat_ack(channel, message)
+            return
+        upload.receive(message)
+        if upload.is_complete:
+            del self._uploads[upload.mission_type]
+            result = self._store(channel, upload.partner, upload.mission_type, upload.items)
+            until_s = channel.clock() + _REPEAT_ACK_S
+            self._finished[channel, upload.mission_type] = (result, message.seq, until_s)
+
+    def _repeat_ack(self, channel: Channel, message: Message) -> None:
+        """The last item comes again: the ack was lost."""
+        result, last, until_s = self._finished.get((channel, message.mission_type), (0, -1, 0.0))
+        if message.seq == last and channel.clock() < until_s:
+            self._ack(channel, _sender(message), message.mission_type, result)
+
+    def _store(
+        self,
+        channel: Channel,
+        partner: tuple[int, int],
+        mission_type: int,
+        items: tuple[MissionItem, ...],
+    ) -> int:
+        try:
+            self._stores[mission_type].replace(items)
+        except MissionError as error:
+            self._statustext.say(Severity.ERROR, f"Mission refused: {error}")
+            result = result_of(error)
+        else:
+            result = results.ACCEPTED
+        self._ack(channel, partner, mission_type, result)
+        return result
+
+    def _on_ack(self, channel: Channel, message: Message) -> None:
+        """A partner cancels its upload; acks of downloads need nothing."""
+        upload = self._uploads.get(message.mission_type)
+        if upload and upload.is_from(channel, message) and message.type != results.ACCEPTED:
+            del self._uploads[message.mission_type]
+
+    def _on_clear(self, channel: Channel, message: Message) -> None:
+        mission_type = message.mission_type
+        if mission_type != ALL and mission_type not in self._stores:
+            self._ack(channel, _sender(message), mission_type, results.UNSUPPORTED)
+            return
+        for cleared in self._stores if mission_type == ALL else (mission_type,):
+            self._uploads.pop(cleared, None)
+            self._stores[cleared].replace(())
+        self._ack(channel, _sender(message), mission_type, results.ACCEPTED)
+
+    # --- download ---
+
+    def _on_request_list(self, channel: Channel, message: Message) -> None:
+        mission_type = message.mission_type
+        if mission_type not in self._stores:
+            self._ack(channel, _sender(message), mission_type, results.UNSUPPORTED)
+            return
+        system, component = _sender(message)
+        send(
+            channel,
+            "MISSION_COUNT",
+            target_system=system,
+            target_component=component,
+            count=len(self._stores[mission_type].items),
+            mission_type=mission_type,
+        )
+
+    def _on_request(self, channel: Channel, message: Message) -> None:
+        mission_type = message.mission_type
+        store = self._stores.get(mission_type)
+        if store is None or message.seq >= len(store.items):
+            result = results.UNSUPPORTED if store is None else results.INVALID_SEQUENCE
+            self._ack(channel, _sender(message), mission_type, result)
+            return
+        is_int = message.get_type() == "MISSION_REQUEST_INT"
+        payload = payload_of_item(
+            store.items[message.seq],
+            message.seq,
+            is_int=is_int,
+            is_current=message.seq == getattr(store, "current_index", -1),
+            target=_sender(message),
+            mission_type=mission_type,
+        )
+        channel.send(LAYOUTS["MISSION_ITEM_INT" if is_int else "MISSION_ITEM"], payload)
+
+    def _on_request_partial(self, channel: Channel, message: Message) -> None:
+        self._ack(channel, _sender(message), message.mission_type, results.UNSUPPORTED)
+
+    def _ack(
+        self, channel: Channel, partner: tuple[int, int], mission_type: int, result: int
+    ) -> None:
+        send(
+            channel,
+            "MISSION_ACK",
+            target_system=partner[0],
+            target_component=partner[1],
+            type=result,
+            mission_type=mission_type,
+        )
+
+
+def _sender(message: Message) -> tuple[int, int]:
+    return (message.get_srcSystem(), message.get_srcComponent())

@@ -1,0 +1,99 @@
+"""Mission items between the wire and the autopilot's stores."""
+
+from __future__ import annotations
+
+import math
+
+from flightsim.autopilot.mission import MissionError, MissionFault, MissionItem
+from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.parsing import Message
+
+_DEGREES_E7_FRAMES = frozenset({0, 3, 5, 6, 10, 11})
+_LOCAL_FRAMES = frozenset({1, 4, 7, 8, 9, 12, 20, 21})
+_NOT_GIVEN = 0x7FFFFFFF
+_INT32_MIN = -0x80000000
+
+# MAV_MISSION_RESULT
+ACCEPTED, ERROR, UNSUPPORTED_FRAME, UNSUPPORTED, NO_SPACE, INVALID = 0, 1, 2, 3, 4, 5
+_INVALID_PARAM1 = 6
+INVALID_SEQUENCE, DENIED, OPERATION_CANCELLED = 13, 14, 15
+
+_RESULT_OF_FAULT = {
+    MissionFault.UNSUPPORTED_COMMAND: UNSUPPORTED,
+    MissionFault.UNSUPPORTED_FRAME: UNSUPPORTED_FRAME,
+    MissionFault.NO_SPACE: NO_SPACE,
+    MissionFault.INVALID_SEQUENCE: INVALID_SEQUENCE,
+}
+
+
+def result_of(error: MissionError) -> int:
+    """MAV_MISSION_RESULT that says what the autopilot found wrong."""
+    if error.fault is MissionFault.INVALID_PARAM:
+        return INVALID if error.param is None else _INVALID_PARAM1 + error.param - 1
+    return _RESULT_OF_FAULT[error.fault]
+
+
+def scale_of(frame: int) -> float:
+    """Units of x and y in integer messages per degree or metre of this frame."""
+    if frame in _DEGREES_E7_FRAMES:
+        return 1e7
+    return 1e4 if frame in _LOCAL_FRAMES else 1.0
+
+
+def coordinate_from_int(value: int, frame: int) -> float:
+    """Degrees or metres of an x or y in an integer message; NaN for "not given"."""
+    return math.nan if value == _NOT_GIVEN else value / scale_of(frame)
+
+
+def _int_from_coordinate(value: float, frame: int) -> int:
+    if not math.isfinite(value):
+        return _NOT_GIVEN
+    return max(_INT32_MIN, min(_NOT_GIVEN, round(value * scale_of(frame))))
+
+
+def item_from_message(message: Message) -> MissionItem:
+    """The item of a MISSION_ITEM_INT or of the older MISSION_ITEM."""
+    is_int = message.get_type() == "MISSION_ITEM_INT"
+    frame = message.frame
+    return MissionItem(
+        frame=frame,
+        command=message.command,
+        param1=message.param1,
+        param2=message.param2,
+        param3=message.param3,
+        param4=message.param4,
+        x=coordinate_from_int(message.x, frame) if is_int else message.x,
+        y=coordinate_from_int(message.y, frame) if is_int else message.y,
+        z=message.z,
+        is_autocontinue=bool(message.autocontinue),
+    )
+
+
+def payload_of_item(
+    item: MissionItem,
+    sequence: int,
+    *,
+    is_int: bool,
+    is_current: bool,
+    target: tuple[int, int],
+    mission_type: int,
+) -> bytes:
+    """Payload of MISSION_ITEM_INT or MISSION_ITEM for an item."""
+    message = LAYOUTS["MISSION_ITEM_INT" if is_int else "MISSION_ITEM"]
+    return message.encode(
+        target_system=target[0],
+        target_component=target[1],
+        seq=sequence,
+        frame=item.frame,
+        command=item.command,
+        current=int(is_current),
+        autocontinue=int(item.is_autocontinue),
+        param1=item.param1,
+        param2=item.param2,
+        param3=item.param3,
+        param4=item.param4,
+        x=_int_from_coordinate(item.x, item.frame) if is_int else item.x,
+        y=_int_from_coordinate(item.y, item.frame) if is_int else item.y,
+        z=item.z,
+        mission_type=mission_type,
+    )

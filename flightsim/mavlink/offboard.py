@@ -1,0 +1,192 @@
+"""Offboard setpoints: SET_POSITION_TARGET_LOCAL_NED, _GLOBAL_INT and SET_ATTITUDE_TARGET.
+
+A setpoint with a field that is no number or out of range is dropped whole, so the stream counts as
+lost; a NaN in a position, velocity or acceleration means "free", as PX4 reads it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import NAN3, ControlLevel, Quaternion, Setpoint
+from flightsim.frames import (
+    Geodetic,
+    swap_enu_ned,
+    swap_flu_frd,
+    swap_quat_enu_flu_ned_frd,
+    swap_yaw_enu_ned,
+)
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler
+from flightsim.mavlink.view import VehicleView
+
+# MAV_FRAME
+_LOCAL_NED, _LOCAL_OFFSET_NED, _BODY_NED, _BODY_OFFSET_NED, _BODY_FRD = 1, 7, 8, 9, 12
+_OFFSET_FRAMES = frozenset({_LOCAL_OFFSET_NED, _BODY_OFFSET_NED, _BODY_FRD})
+_BODY_FRAMES = frozenset({_BODY_NED, _BODY_OFFSET_NED, _BODY_FRD})
+_LOCAL_FRAMES = frozenset({_LOCAL_NED, *_OFFSET_FRAMES, *_BODY_FRAMES})
+_AMSL_FRAMES = frozenset({0, 5})
+_ABOVE_HOME_FRAMES = frozenset({3, 6})
+_ABOVE_TERRAIN_FRAMES = frozenset({10, 11})
+# POSITION_TARGET_TYPEMASK
+_FORCE, _IGNORE_YAW, _IGNORE_YAW_RATE = 1 << 9, 1 << 10, 1 << 11
+# ATTITUDE_TARGET_TYPEMASK
+_IGNORE_THRUST, _IGNORE_ATTITUDE = 1 << 6, 1 << 7
+
+_LIMITS = (1e5, 100.0, 100.0)
+"""Largest magnitudes of position in m, velocity in m/s and acceleration in m/s^2."""
+_MAX_RATE_RADPS = 50.0
+
+
+class OffboardService:
+    """Turns MAVLink's setpoints into the autopilot's."""
+
+    def __init__(self, view: VehicleView) -> None:
+        self._view = view
+        self.handlers: Mapping[str, Handler] = {
+            "SET_POSITION_TARGET_LOCAL_NED": self._on_local,
+            "SET_POSITION_TARGET_GLOBAL_INT": self._on_global,
+            "SET_ATTITUDE_TARGET": self._on_attitude,
+        }
+
+    def _on_local(self, _: Channel, message: Message) -> None:
+        if message.coordinate_frame in _LOCAL_FRAMES:
+            self._apply(message, self._position_of_local(message))
+
+    def _on_global(self, _: Channel, message: Message) -> None:
+        position = self._position_of_global(message)
+        if position is not None:
+            self._apply(message, position)
+
+    def _position_of_local(self, message: Message) -> Vector3:
+        """Position wanted in ENU, with NaN on the axes that are ignored."""
+        position = _masked((message.x, message.y, message.z), message.type_mask)
+        frame = message.coordinate_frame
+        if frame not in _OFFSET_FRAMES:
+            return self._view.enu_from_ned(position)
+        if frame in _BODY_FRAMES:
+            position = self._ned_from_heading(position)
+        x, y, z = self._view.position_ned_m
+        return self._view.enu_from_ned((x + position[0], y + position[1], z + position[2]))
+
+    def _position_of_global(self, message: Message) -> Vector3 | None:
+        """Position wanted in ENU; None if the frame is not one of latitudes and longitudes."""
+        view, frame = self._view, message.coordinate_frame
+        if frame in _AMSL_FRAMES:
+            altitude_m = message.alt
+        elif frame in _ABOVE_HOME_FRAMES:
+            altitude_m = message.alt + view.home_altitude_m
+        elif frame in _ABOVE_TERRAIN_FRAMES:
+            terrain = (0.0, 0.0, view.plant.terrain_height_est_m)
+            altitude_m = message.alt + view.frame.geodetic_from_enu(terrain).altitude_m
+        else:
+            return None
+        place = Geodetic(message.lat_int * 1e-7, message.lon_int * 1e-7, altitude_m)
+        east, north, up = view.frame.enu_from_geodetic(place)
+        # The mask counts x (north), y (east), z.
+        north, east, up = _masked((north, east, up), message.type_mask)
+        return (east, north, up)
+
+    def _apply(self, message: Message, position_enu_m: Vector3) -> None:
+        """Common to both messages: velocity, acceleration and yaw, in NED or by heading."""
+        mask = message.type_mask
+        velocity = _masked((message.vx, message.vy, message.vz), mask >> 3)
+        acceleration = _masked((message.afx, message.afy, message.afz), mask >> 6)
+        if message.coordinate_frame in _BODY_FRAMES:
+            velocity = self._ned_from_heading(velocity)
+            acceleration = self._ned_from_heading(acceleration)
+        vectors = (position_enu_m, swap_enu_ned(velocity), swap_enu_ned(acceleration))
+        is_force = bool(mask & _FORCE) and any(map(math.isfinite, acceleration))
+        if is_force or not _is_usable(vectors):
+            return
+        yaw = math.nan if mask & _IGNORE_YAW else message.yaw
+        yaw_rate = (
+            0.0 if mask & _IGNORE_YAW_RATE or math.isnan(message.yaw_rate) else message.yaw_rate
+        )
+        if math.isinf(yaw) or not abs(yaw_rate) <= _MAX_RATE_RADPS:
+            return
+        self._view.autopilot.set_offboard_setpoint(
+            Setpoint(
+                level=ControlLevel.TRAJECTORY,
+                position_enu_m=vectors[0],
+                velocity_enu_mps=vectors[1],
+                acceleration_enu_mps2=vectors[2],
+                yaw_rad=swap_yaw_enu_ned(yaw) if math.isfinite(yaw) else math.nan,
+                yaw_rate_radps=-yaw_rate,
+            )
+        )
+
+    def _on_attitude(self, _: Channel, message: Message) -> None:
+        mask = message.type_mask
+        rates = _masked(
+            (message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate), mask
+        )
+        rates = (_or_zero(rates[0]), _or_zero(rates[1]), _or_zero(rates[2]))
+        has_thrust = not mask & _IGNORE_THRUST and math.isfinite(message.thrust)
+        if not has_thrust or not all(abs(rate) <= _MAX_RATE_RADPS for rate in rates):
+            return
+        quat: Quaternion | None = (1.0, 0.0, 0.0, 0.0)
+        level = ControlLevel.RATE
+        if not mask & _IGNORE_ATTITUDE:
+            level, quat = ControlLevel.ATTITUDE, _normalised(message.q)
+        if quat is None:
+            return
+        self._view.autopilot.set_offboard_setpoint(
+            Setpoint(
+                level=level,
+                quat_wxyz=swap_quat_enu_flu_ned_frd(quat),
+                angular_rate_flu_radps=swap_flu_frd(rates),
+                thrust=max(0.0, min(1.0, message.thrust)),
+            )
+        )
+
+    def _ned_from_heading(self, vector: Vector3) -> Vector3:
+        """A forward-right-down vector in NED, turned by the heading alone.
+
+        An axis that is free stays free only if its partner is free too: a turn mixes both.
+        """
+        forward, right, down = vector
+        if math.isnan(forward) and math.isnan(right):
+            return (math.nan, math.nan, down)
+        yaw = self._view.rpy_rad[2]
+        forward, right = _or_zero(forward), _or_zero(right)
+        return (
+            forward * math.cos(yaw) - right * math.sin(yaw),
+            forward * math.sin(yaw) + right * math.cos(yaw),
+            down,
+        )
+
+
+def _masked(vector: Vector3, mask: int) -> Vector3:
+    """The vector with NaN where the mask says "ignore"."""
+    if mask & 7 == 7:
+        return NAN3
+    x, y, z = vector
+    nan = math.nan
+    return (nan if mask & 1 else x, nan if mask & 2 else y, nan if mask & 4 else z)
+
+
+def _is_usable(vectors: Sequence[Vector3]) -> bool:
+    """Whether anything is wanted and nothing is out of range; NaN is free."""
+    is_wanted = False
+    for vector, limit in zip(vectors, _LIMITS, strict=True):
+        for value in vector:
+            if abs(value) > limit:
+                return False
+            is_wanted = is_wanted or not math.isnan(value)
+    return is_wanted
+
+
+def _or_zero(value: float) -> float:
+    return 0.0 if math.isnan(value) else value
+
+
+def _normalised(quat: Sequence[float]) -> Quaternion | None:
+    norm = math.hypot(*quat)
+    if not 1e-3 < norm < math.inf:
+        return None
+    w, x, y, z = (value / norm for value in quat)
+    return (w, x, y, z)

@@ -1,0 +1,153 @@
+"""Parameter protocol: list, read, set, and the hash that saves ground stations the list.
+
+PX4 carries integers bytewise in the float field, https://mavlink.io/en/services/parameter.html.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Mapping
+
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.parameters import (
+    ParameterError,
+    Parameters,
+    ReadOnlyParameterError,
+    UnknownParameterError,
+)
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import MARKER_V2, layout
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler, Partners, send
+from flightsim.mavlink.statustext import StatustextSender
+
+_PARAM_VALUE = layout(
+    "PARAM_VALUE", "param_value", "param_count", "param_index", "param_id", "param_type"
+)
+_UINT32, _INT32, _REAL32 = 5, 6, 9
+_INTEGER_TYPES = range(1, 7)
+_NO_INDEX = 0xFFFF
+_HASH_NAME = "_HASH_CHECK"
+_LIST_PER_TICK = 8
+# MAV_PARAM_ERROR
+_DOES_NOT_EXIST, _OUT_OF_RANGE, _READ_ONLY = 1, 2, 4
+
+
+class ParameterService:
+    """Answers about the autopilot's parameters; a list goes out in small pieces."""
+
+    def __init__(
+        self, parameters: Parameters, partners: Partners, statustext: StatustextSender
+    ) -> None:
+        self._parameters = parameters
+        self._partners = partners
+        self._statustext = statustext
+        self._listing: dict[Channel, int] = {}
+        self.handlers: Mapping[str, Handler] = {
+            "PARAM_REQUEST_LIST": self._on_list,
+            "PARAM_REQUEST_READ": self._on_read,
+            "PARAM_SET": self._on_set,
+        }
+
+    def update(self) -> None:
+        """Continue the lists that partners asked for."""
+        for channel, start in list(self._listing.items()):
+            stop = min(start + _LIST_PER_TICK, len(self._parameters))
+            for index in range(start, stop):
+                self._send_value(channel, self._parameters.name_at(index))
+            if stop == len(self._parameters):
+                del self._listing[channel]
+            else:
+                self._listing[channel] = stop
+
+    def forget(self, channel: Channel) -> None:
+        """Stop a list."""
+        self._listing.pop(channel, None)
+
+    def _on_list(self, channel: Channel, _: Message) -> None:
+        self._send_hash(channel)
+        self._listing[channel] = 0
+
+    def _on_read(self, channel: Channel, message: Message) -> None:
+        name = message.param_id
+        if name == _HASH_NAME:
+            self._send_hash(channel)
+            return
+        try:
+            if message.param_index >= 0:
+                name = self._parameters.name_at(message.param_index)
+            self._send_value(channel, name)
+        except UnknownParameterError:
+            self._send_error(channel, name, message.param_index, _DOES_NOT_EXIST)
+
+    def _on_set(self, channel: Channel, message: Message) -> None:
+        name = message.param_id
+        if name == _HASH_NAME:  # the ground station has the same parameters cached
+            self.forget(channel)
+            return
+        try:
+            self._parameters.set(name, _received_value(message))
+        except UnknownParameterError:
+            self._send_error(channel, name, -1, _DOES_NOT_EXIST)
+            return
+        except ParameterError as error:
+            self._statustext.say(Severity.ERROR, str(error))
+            reason = _READ_ONLY if isinstance(error, ReadOnlyParameterError) else _OUT_OF_RANGE
+            self._send_error(channel, name, self._parameters.index(name), reason)
+            self._send_value(channel, name)
+            return
+        for partner in self._partners.channels:
+            self._send_value(partner, name)
+
+    def _send_value(self, channel: Channel, name: str) -> None:
+        spec = self._parameters.spec(name)
+        value = self._parameters[name]
+        is_integer = spec.type == "int"
+        data = struct.pack("<i", int(value)) if is_integer else struct.pack("<f", value)
+        self._send_bytes(
+            channel,
+            name,
+            data,
+            param_type=_INT32 if is_integer else _REAL32,
+            index=self._parameters.index(name),
+        )
+
+    def _send_hash(self, channel: Channel) -> None:
+        data = struct.pack("<I", parameter_hash(self._parameters))
+        self._send_bytes(channel, _HASH_NAME, data, param_type=_UINT32, index=_NO_INDEX)
+
+    def _send_bytes(
+        self, channel: Channel, name: str, data: bytes, *, param_type: int, index: int
+    ) -> None:
+        count = len(self._parameters)
+        payload = _PARAM_VALUE.pack(0.0, count, index, name.encode(), param_type)
+        channel.send(_PARAM_VALUE, data + payload[4:])
+
+    def _send_error(self, channel: Channel, name: str, index: int, error: int) -> None:
+        param_id = name.encode("ascii", "replace")
+        send(channel, "PARAM_ERROR", param_id=param_id, param_index=index, error=error)
+
+
+def parameter_hash(parameters: Parameters) -> int:
+    """CRC-32 over names and values in order, without the usual inversions, as PX4 computes it."""
+    crc = 0
+    for name in parameters:
+        value = parameters[name]
+        is_integer = parameters.spec(name).type == "int"
+        data = struct.pack("<i", int(value)) if is_integer else struct.pack("<f", value)
+        crc = zlib.crc32(name.encode() + data, crc ^ 0xFFFFFFFF) ^ 0xFFFFFFFF
+    return crc
+
+
+def _received_value(message: Message) -> float:
+    """The number meant: bytewise where the type says integer, else the float as it is.
+
+    A client that casts integers sends them with the type of a float and is understood as well.
+    """
+    if message.param_type not in _INTEGER_TYPES:
+        return message.param_value
+    # Not through the decoded float: Python would change the bits of a signalling NaN.
+    frame = message.get_msgbuf()
+    start = 10 if frame[0] == MARKER_V2 else 6
+    return struct.unpack("<i", frame[start : start + 4])[0]

@@ -1,0 +1,105 @@
+"""Messages out of received bytes: frames of MAVLink 1 and 2, garbage skipped, work bounded."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from flightsim.mavlink.dialect import MARKER_V2, dialect
+
+Message = Any
+"""A decoded message: pymavlink's object, the fields as attributes."""
+
+_MARKERS = re.compile(rb"[\xfd\xfe]")
+_SIGNED_FLAG = 0x01
+_SIGNATURE_BYTES = 13
+_BUFFER_LIMIT_BYTES = 65536
+_HEADER_V1_BYTES, _HEADER_V2_BYTES, _CHECKSUM_BYTES = 6, 10, 2
+
+_decoder = dialect.MAVLink(None)
+
+
+class FrameParser:
+    """Splits the bytes of one partner into messages.
+
+    A marker that no valid frame follows costs one step of the caller's budget and the search goes
+    on at the next byte, so a damaged frame never swallows its neighbour. Unknown message ids are
+    passed over.
+    """
+
+    def __init__(self) -> None:
+        self._buffer = bytearray()
+        self._position = 0
+        self._is_complete = False
+        self.n_messages = 0
+        self.n_bad = 0
+        self.is_version_1 = False
+        """Whether the last valid frame was a MAVLink 1 frame."""
+
+    def feed(self, data: bytes, *, is_datagram: bool = False) -> None:
+        """Add received bytes. A frame never continues into another datagram."""
+        self._is_complete = is_datagram
+        if is_datagram or self._position == len(self._buffer):
+            self._buffer = bytearray(data)
+            self._position = 0
+            return
+        del self._buffer[: self._position]
+        self._position = 0
+        self._buffer += data[: max(0, _BUFFER_LIMIT_BYTES - len(self._buffer))]
+
+    @property
+    def n_buffered(self) -> int:
+        """Bytes not looked at yet."""
+        return len(self._buffer) - self._position
+
+    def take(self, budget: int) -> tuple[list[Message], int]:
+        """Decode what is complete, trying at most `budget` frames.
+
+        Returns:
+            The messages and how much of the budget is left.
+        """
+        messages: list[Message] = []
+        while budget > 0:
+            frame = self._next_frame()
+            if frame is None and not (self._is_complete and self.n_buffered):
+                break
+            budget -= 1
+            message = None if frame is None else _decode(frame)
+            if frame is None or message is None:
+                self.n_bad += 1
+                self._position += 1
+                continue
+            self._position += len(frame)
+            self.n_messages += 1
+            self.is_version_1 = frame[0] != MARKER_V2
+            messages.append(message)
+        return messages, budget
+
+    def _next_frame(self) -> bytearray | None:
+        """Bytes of the next candidate frame, at `_position`; None until more bytes come."""
+        found = _MARKERS.search(self._buffer, self._position)
+        if found is None:
+            self._position = len(self._buffer)
+            return None
+        start = self._position = found.start()
+        n_buffered = len(self._buffer) - start
+        if n_buffered < _HEADER_V1_BYTES + _CHECKSUM_BYTES:
+            return None
+        length = self._buffer[start + 1] + _CHECKSUM_BYTES
+        if self._buffer[start] == MARKER_V2:
+            length += _HEADER_V2_BYTES
+            length += _SIGNATURE_BYTES if self._buffer[start + 2] & _SIGNED_FLAG else 0
+        else:
+            length += _HEADER_V1_BYTES
+        return self._buffer[start : start + length] if n_buffered >= length else None
+
+
+def _decode(frame: bytearray) -> Message | None:
+    """The message of a candidate frame; None if damaged, unknown or of an unknown variant."""
+    if frame[0] == MARKER_V2 and frame[2] & ~_SIGNED_FLAG:
+        return None
+    try:
+        message = _decoder.decode(frame)
+    except dialect.MAVError:
+        return None
+    return None if isinstance(message, dialect.MAVLink_unknown) else message

@@ -1,0 +1,47 @@
+"""STATUSTEXT: lines for people, longer ones in chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from flightsim.autopilot.events import Severity
+from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.service import Partners
+
+_STATUSTEXT = layout("STATUSTEXT")
+_CHUNK_BYTES = 50
+_LONGEST_BYTES = 250
+
+
+class StatustextSender:
+    """Tells all partners; numbers the lines that need more than one message.
+
+    Attributes:
+        listeners: Called with every line too, partners or not.
+    """
+
+    def __init__(self, partners: Partners) -> None:
+        self._partners = partners
+        self._last_id = 0
+        self.listeners: list[Callable[[Severity, str], None]] = []
+
+    def say(self, severity: Severity, text: str) -> None:
+        """Send one line of at most 250 bytes; what is longer is cut."""
+        for listener in self.listeners:
+            listener(severity, text)
+        for payload in self._payloads(severity, text.encode()[:_LONGEST_BYTES]):
+            self._partners.broadcast(_STATUSTEXT, payload)
+
+    def _payloads(self, severity: Severity, line: bytes) -> Iterator[bytes]:
+        if len(line) <= _CHUNK_BYTES:
+            yield _STATUSTEXT.encode(severity=int(severity), text=line)
+            return
+        self._last_id = self._last_id % 0xFFFF + 1
+        # The last chunk is the first that is not full, so a full one is followed by an empty one.
+        for chunk, start in enumerate(range(0, len(line) + 1, _CHUNK_BYTES)):
+            yield _STATUSTEXT.encode(
+                severity=int(severity),
+                text=line[start : start + _CHUNK_BYTES],
+                id=self._last_id,
+                chunk_seq=chunk,
+            )

@@ -1,0 +1,136 @@
+"""Which messages a partner gets unasked, and how often."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Literal
+
+from flightsim.mavlink.dialect import LAYOUTS
+
+Profile = Literal["normal", "onboard"]
+"""Default stream rates: those for a ground station or those for a companion computer."""
+
+TICK_US = 20_000
+"""The server's period, and so the shortest interval between two messages of a stream."""
+
+# Rates in Hz of PX4's modes of the same names (mavlink_main.cpp, v1.15), capped at the tick; the
+# ground station gets its local position oftener, because scripts on 14550 steer by it.
+_RATES_HZ: Mapping[str, tuple[float, float]] = {
+    "HEARTBEAT": (1, 1),
+    "SYS_STATUS": (1, 5),
+    "EXTENDED_SYS_STATE": (1, 5),
+    "CURRENT_MODE": (0.5, 0.5),
+    "HOME_POSITION": (0.5, 0.5),
+    "BATTERY_STATUS": (0.5, 0.5),
+    "SYSTEM_TIME": (1, 1),
+    "MISSION_CURRENT": (1, 1),
+    "ESTIMATOR_STATUS": (0.5, 1),
+    "VIBRATION": (0.1, 0.5),
+    "GPS_RAW_INT": (1, 5),
+    "ATTITUDE": (15, 50),
+    "ATTITUDE_QUATERNION": (5, 50),
+    "ATTITUDE_TARGET": (2, 10),
+    "LOCAL_POSITION_NED": (10, 30),
+    "GLOBAL_POSITION_INT": (5, 50),
+    "POSITION_TARGET_LOCAL_NED": (1.5, 10),
+    "POSITION_TARGET_GLOBAL_INT": (1, 10),
+    "VFR_HUD": (4, 10),
+    "ALTITUDE": (1, 10),
+    "HIGHRES_IMU": (2, 50),
+    "ODOMETRY": (0, 30),
+    "SERVO_OUTPUT_RAW": (1, 10),
+    "DISTANCE_SENSOR": (0.5, 10),
+    "NAV_CONTROLLER_OUTPUT": (1, 10),
+    "SCALED_PRESSURE": (1, 1),
+}
+
+# The groups of REQUEST_DATA_STREAM as ground stations use them: MAV_DATA_STREAM.
+_GROUPS: Mapping[int, Sequence[str]] = {
+    1: ("HIGHRES_IMU", "SCALED_PRESSURE"),
+    2: ("SYS_STATUS", "GPS_RAW_INT", "MISSION_CURRENT", "NAV_CONTROLLER_OUTPUT"),
+    3: ("SERVO_OUTPUT_RAW",),
+    6: ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
+    10: ("ATTITUDE",),
+    11: ("VFR_HUD",),
+    12: ("BATTERY_STATUS", "SYSTEM_TIME", "DISTANCE_SENSOR"),
+}
+_GROUP_ALL = 0
+
+
+class StreamTable:
+    """The streams of one partner, on a calendar of ticks: streams that are not due cost nothing."""
+
+    def __init__(self, profile: Profile, supported: Collection[int], now_us: int = 0) -> None:
+        """Start with the default rates of `profile` for the message ids in `supported`."""
+        column = 0 if profile == "normal" else 1
+        self._defaults_us = {
+            message_id: round(1e6 / rates[column]) if rates[column] else -1
+            for name, rates in _RATES_HZ.items()
+            if (message_id := LAYOUTS[name].message_id) in supported
+        }
+        self._supported = frozenset(supported)
+        self._interval_us: dict[int, int] = {}
+        self._next_us: dict[int, int] = {}
+        self._calendar: dict[int, list[int]] = {}
+        self._now_us = now_us
+        for message_id, interval_us in self._defaults_us.items():
+            self.set_interval(message_id, interval_us)
+
+    def interval_us(self, message_id: int) -> int:
+        """Present interval, us; -1 when not streamed."""
+        return self._interval_us.get(message_id, -1)
+
+    def set_interval(self, message_id: int, interval_us: float) -> bool:
+        """Set an interval in us; 0 is the default rate, -1 stops the stream.
+
+        Returns:
+            False if this message is never streamed.
+        """
+        if message_id not in self._supported:
+            return False
+        if interval_us == 0:
+            interval_us = self._defaults_us.get(message_id, -1)
+        self._next_us.pop(message_id, None)
+        if interval_us < 0:
+            self._interval_us.pop(message_id, None)
+            return True
+        self._interval_us[message_id] = max(TICK_US, round(interval_us))
+        self._schedule(message_id, self._now_us + TICK_US)
+        return True
+
+    def set_group(self, group: int, rate_hz: float, *, is_on: bool) -> bool:
+        """REQUEST_DATA_STREAM: one rate for a group of messages; heartbeats are left alone.
+
+        Returns:
+            False if there is no such group.
+        """
+        if group == _GROUP_ALL:
+            names: Sequence[str] = [name for group in _GROUPS.values() for name in group]
+        elif group in _GROUPS:
+            names = _GROUPS[group]
+        else:
+            return False
+        interval_us = 1e6 / rate_hz if is_on and rate_hz > 0 else -1
+        for name in names:
+            self.set_interval(LAYOUTS[name].message_id, interval_us)
+        return True
+
+    def due(self, now_us: int) -> list[int]:
+        """Message ids to send at this tick."""
+        self._now_us = now_us
+        candidates = self._calendar.pop(now_us // TICK_US, None)
+        if candidates is None:
+            return []
+        due: list[int] = []
+        for message_id in candidates:
+            next_us = self._next_us.get(message_id)
+            # An entry whose stream was changed since is an old page of the calendar.
+            if next_us is None or next_us > now_us or message_id in due:
+                continue
+            due.append(message_id)
+            self._schedule(message_id, next_us + self._interval_us[message_id])
+        return due
+
+    def _schedule(self, message_id: int, next_us: int) -> None:
+        self._next_us[message_id] = next_us
+        self._calendar.setdefault(-(-next_us // TICK_US), []).append(message_id)

@@ -1,0 +1,113 @@
+"""What partners are sent unasked or on request: streams, intervals, single messages."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Mapping
+
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import LAYOUTS, MESSAGE_NAMES, Layout
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler, Partners, send
+from flightsim.mavlink.streams import StreamTable
+
+Producer = Callable[[], bytes | None]
+"""Packs a message of this tick; None if there is nothing to tell yet."""
+
+# Answered on request, never streamed.
+_ON_REQUEST_ONLY = frozenset({"AUTOPILOT_VERSION", "PROTOCOL_VERSION", "FLIGHT_INFORMATION"})
+
+
+class TelemetryService:
+    """Streams to every partner at its own rates; a payload is packed once for all of them."""
+
+    def __init__(
+        self,
+        producers: Mapping[str, Producer],
+        partners: Partners,
+        now_us: Callable[[], int],
+    ) -> None:
+        self._producers: dict[int, tuple[Layout, Producer]] = {
+            LAYOUTS[name].message_id: (LAYOUTS[name], producer)
+            for name, producer in producers.items()
+        }
+        self._streamed = [
+            LAYOUTS[name].message_id for name in producers if name not in _ON_REQUEST_ONLY
+        ]
+        self._partners = partners
+        self._now_us = now_us
+        self._tables: dict[Channel, StreamTable] = {}
+        self.handlers: Mapping[str, Handler] = {"REQUEST_DATA_STREAM": self._on_data_stream}
+
+    def update(self) -> None:
+        """Send what is due at this tick."""
+        now_us = self._now_us()
+        packed: dict[int, bytes | None] = {}
+        for channel in self._partners.channels:
+            for message_id in self._table(channel).due(now_us):
+                if message_id not in packed:
+                    packed[message_id] = self._pack(message_id)
+                payload = packed[message_id]
+                if payload is not None:
+                    channel.send(self._producers[message_id][0], payload)
+
+    def forget(self, channel: Channel) -> None:
+        """Drop a partner's rates."""
+        self._tables.pop(channel, None)
+
+    def send_now(self, channel: Channel, message_id: int) -> bool:
+        """Send one message.
+
+        Returns:
+            False if this message is unknown here or has nothing to tell yet.
+        """
+        if message_id not in self._producers:
+            return False
+        payload = self._pack(message_id)
+        if payload is None:
+            return False
+        channel.send(self._producers[message_id][0], payload)
+        return True
+
+    def is_known(self, message_id: int) -> bool:
+        """Whether the message can be asked for."""
+        return message_id in self._producers
+
+    def set_interval(self, channel: Channel, message_id: int, interval_us: float) -> bool:
+        """Change one stream of one partner; False if the message is never streamed."""
+        return self._table(channel).set_interval(message_id, interval_us)
+
+    def send_interval(self, channel: Channel, message_id: int) -> bool:
+        """Answer with MESSAGE_INTERVAL; False if there is no such message."""
+        if message_id not in MESSAGE_NAMES:
+            return False
+        interval_us = self._table(channel).interval_us(message_id)
+        if message_id not in self._streamed:
+            interval_us = 0  # "not available"
+        send(channel, "MESSAGE_INTERVAL", message_id=message_id, interval_us=interval_us)
+        return True
+
+    def broadcast(self, name: str) -> None:
+        """Send one message to everybody, for a change that nobody should wait for."""
+        message_id = LAYOUTS[name].message_id
+        payload = self._pack(message_id)
+        if payload is not None:
+            self._partners.broadcast(LAYOUTS[name], payload)
+
+    def _on_data_stream(self, channel: Channel, message: Message) -> None:
+        is_on = message.start_stop == 1
+        self._table(channel).set_group(message.req_stream_id, message.req_message_rate, is_on=is_on)
+
+    def _table(self, channel: Channel) -> StreamTable:
+        table = self._tables.get(channel)
+        if table is None:
+            table = StreamTable(channel.profile, self._streamed, self._now_us())
+            self._tables[channel] = table
+        return table
+
+    def _pack(self, message_id: int) -> bytes | None:
+        try:
+            return self._producers[message_id][1]()
+        except (struct.error, ValueError, OverflowError):
+            # A number that its field cannot hold (an estimate gone astray) is not sent.
+            return None

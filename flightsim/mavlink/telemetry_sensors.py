@@ -1,0 +1,195 @@
+"""Messages about what sensors, motors and the battery say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+from flightsim.autopilot.modes import BatteryWarning
+from flightsim.frames import swap_enu_ned, swap_flu_frd
+from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.view import VehicleView
+
+_HIGHRES_IMU = layout(
+    "HIGHRES_IMU",
+    *("time_usec", "xacc", "yacc", "zacc", "xgyro", "ygyro", "zgyro", "xmag", "ymag", "zmag"),
+    *("abs_pressure", "diff_pressure", "pressure_alt", "temperature", "fields_updated", "id"),
+)
+_GPS_RAW_INT = layout(
+    "GPS_RAW_INT",
+    *("time_usec", "lat", "lon", "alt", "eph", "epv", "vel", "cog", "fix_type"),
+    *("satellites_visible", "alt_ellipsoid", "h_acc", "v_acc", "vel_acc", "hdg_acc", "yaw"),
+)
+_SERVO_OUTPUT_RAW = layout("SERVO_OUTPUT_RAW")
+_DISTANCE_SENSOR = layout(
+    "DISTANCE_SENSOR",
+    *("time_boot_ms", "min_distance", "max_distance", "current_distance", "type", "id"),
+    *("orientation", "covariance", "horizontal_fov", "vertical_fov", "quaternion"),
+    "signal_quality",
+)
+_SCALED_PRESSURE = layout("SCALED_PRESSURE")
+_BATTERY_STATUS = layout("BATTERY_STATUS")
+_ESTIMATOR_STATUS = layout("ESTIMATOR_STATUS")
+_VIBRATION = layout("VIBRATION")
+
+_ALL_IMU_FIELDS = 0x1FFF & ~(1 << 10)  # all but the differential pressure
+_MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
+_LASER, _PITCH_DOWN = 0, 25
+_PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900, 1000, 1000
+_UNKNOWN_U16 = 0xFFFF
+_CHARGE_STATES = {
+    BatteryWarning.NONE: 1,
+    BatteryWarning.LOW: 2,
+    BatteryWarning.CRITICAL: 3,
+    BatteryWarning.EMERGENCY: 4,
+}
+
+
+def _uint16(value: float) -> int:
+    return max(0, min(0xFFFE, round(value))) if math.isfinite(value) else _UNKNOWN_U16
+
+
+def _millimetres(value_m: float) -> int:
+    return round(1e3 * value_m) if math.isfinite(value_m) else 0
+
+
+class SensorTelemetry:
+    """Packs messages out of the latest readings."""
+
+    def __init__(self, view: VehicleView, *, max_rotor_speed_radps: float) -> None:
+        self._view = view
+        self._max_rotor_speed_radps = max_rotor_speed_radps
+        self.producers: Mapping[str, Callable[[], bytes | None]] = {
+            "HIGHRES_IMU": self._highres_imu,
+            "GPS_RAW_INT": self._gps_raw,
+            "SERVO_OUTPUT_RAW": self._servo_output,
+            "DISTANCE_SENSOR": self._distance,
+            "SCALED_PRESSURE": self._pressure,
+            "BATTERY_STATUS": self._battery,
+            "ESTIMATOR_STATUS": self._estimator,
+            "VIBRATION": self._vibration,
+        }
+
+    def _highres_imu(self) -> bytes:
+        v = self._view
+        sensors = v.plant.sensors
+        mx, my, mz = swap_flu_frd(sensors.mag.field_flu_ut)
+        baro = sensors.baro
+        return _HIGHRES_IMU.pack(
+            v.time_us,
+            *swap_flu_frd(sensors.imu.accel_flu_mps2),
+            *swap_flu_frd(sensors.imu.gyro_flu_radps),
+            mx * 0.01,
+            my * 0.01,
+            mz * 0.01,
+            baro.pressure_pa * 0.01,
+            0.0,
+            baro.altitude_m,
+            baro.temperature_degc,
+            _ALL_IMU_FIELDS,
+            0,
+        )
+
+    def _gps_raw(self) -> bytes:
+        v = self._view
+        gnss = v.plant.sensors.gnss
+        place = v.frame.geodetic_from_enu(gnss.position_enu_m)
+        vn, ve, _ = swap_enu_ned(gnss.velocity_enu_mps)
+        altitude_mm = round(place.altitude_m * 1e3)
+        course_deg = math.degrees(math.atan2(ve, vn)) % 360.0
+        return _GPS_RAW_INT.pack(
+            gnss.time_us,
+            round(place.latitude_deg * 1e7),
+            round(place.longitude_deg * 1e7),
+            altitude_mm,
+            _uint16(100.0 * gnss.eph_m),
+            _uint16(100.0 * gnss.epv_m),
+            _uint16(100.0 * math.hypot(vn, ve)),
+            round(course_deg * 100.0) % 36000,
+            gnss.fix_type,
+            min(254, gnss.n_satellites),
+            altitude_mm,
+            _millimetres(gnss.eph_m),
+            _millimetres(gnss.epv_m),
+            0,
+            0,
+            0,
+        )
+
+    def _servo_output(self) -> bytes:
+        v = self._view
+        pwm = [_PWM_STOPPED] * 4
+        if v.autopilot.is_armed:
+            pwm = [
+                _PWM_IDLE + round(_PWM_SPAN * speed / self._max_rotor_speed_radps)
+                for speed in v.plant.rotor_speed_commands_radps
+            ]
+        return _SERVO_OUTPUT_RAW.encode(
+            time_usec=v.time_us & 0xFFFFFFFF,
+            **{f"servo{i}_raw": value for i, value in enumerate(pwm, start=1)},
+        )
+
+    def _distance(self) -> bytes:
+        v = self._view
+        range_m = v.plant.sensors.range_m
+        is_valid = math.isfinite(range_m)
+        distance_cm = round(100.0 * range_m) if is_valid else _MAX_RANGE_CM + 1
+        return _DISTANCE_SENSOR.pack(
+            v.time_boot_ms,
+            _MIN_RANGE_CM,
+            _MAX_RANGE_CM,
+            max(0, min(_MAX_RANGE_CM + 1, distance_cm)),
+            _LASER,
+            0,
+            _PITCH_DOWN,
+            _UNKNOWN_U16 & 0xFF,
+            0.0,
+            0.0,
+            *(0.0,) * 4,
+            100 if is_valid else 1,
+        )
+
+    def _pressure(self) -> bytes:
+        v = self._view
+        baro = v.plant.sensors.baro
+        return _SCALED_PRESSURE.encode(
+            time_boot_ms=v.time_boot_ms,
+            press_abs=baro.pressure_pa * 0.01,
+            temperature=round(100.0 * baro.temperature_degc),
+        )
+
+    def _battery(self) -> bytes:
+        battery = self._view.autopilot.battery
+        millivolts = max(0, round(1e3 * battery.voltage_v))
+        cells = max(1, min(10, battery.n_cells))
+        return _BATTERY_STATUS.encode(
+            battery_function=1,  # all flight systems
+            type=1,  # lithium polymer
+            temperature=0x7FFF,
+            voltages=[millivolts // cells] * cells + [_UNKNOWN_U16] * (10 - cells),
+            current_battery=max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
+            current_consumed=round(battery.consumed_mah),
+            energy_consumed=-1,
+            battery_remaining=max(0, min(100, round(100.0 * battery.remaining))),
+            charge_state=_CHARGE_STATES[battery.warning],
+        )
+
+    def _estimator(self) -> bytes:
+        v = self._view
+        estimator = v.plant.estimator
+        flags = 1 if estimator.is_attitude_valid else 0
+        # velocities, positions relative and absolute, height above ground, and their predictions
+        flags |= 0b11_0111_1110 if estimator.is_position_valid else 0
+        return _ESTIMATOR_STATUS.encode(
+            time_usec=v.time_us,
+            flags=flags,
+            vel_ratio=estimator.gnss_velocity_ratio,
+            pos_horiz_ratio=estimator.gnss_position_ratio,
+            pos_vert_ratio=estimator.baro_ratio,
+            mag_ratio=estimator.heading_ratio,
+            pos_horiz_accuracy=estimator.sigma_horizontal_m,
+            pos_vert_accuracy=estimator.sigma_vertical_m,
+        )
+
+    def _vibration(self) -> bytes:
+        return _VIBRATION.encode(time_usec=self._view.time_us)

@@ -1,0 +1,203 @@
+"""Messages about what the vehicle is, which state it is in and where its home is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+from flightsim.autopilot.modes import LandedState, Mode, SystemState
+from flightsim.frames import swap_quat_enu_flu_ned_frd
+from flightsim.mavlink.dialect import PROTOCOL_VERSION, layout
+from flightsim.mavlink.personality import Personality
+from flightsim.mavlink.view import VehicleView
+
+_HEARTBEAT = layout("HEARTBEAT")
+_SYS_STATUS = layout("SYS_STATUS")
+_EXTENDED_SYS_STATE = layout("EXTENDED_SYS_STATE")
+_HOME_POSITION = layout("HOME_POSITION")
+_GPS_GLOBAL_ORIGIN = layout("GPS_GLOBAL_ORIGIN")
+_MISSION_CURRENT = layout("MISSION_CURRENT")
+_SYSTEM_TIME = layout("SYSTEM_TIME")
+_CURRENT_MODE = layout("CURRENT_MODE")
+_AUTOPILOT_VERSION = layout("AUTOPILOT_VERSION")
+_FLIGHT_INFORMATION = layout("FLIGHT_INFORMATION")
+
+MAV_TYPE_QUADROTOR = 2
+_ARMED_FLAG = 128
+_STATES = {
+    SystemState.STANDBY: 3,
+    SystemState.ACTIVE: 4,
+    SystemState.CRITICAL: 5,
+    SystemState.EMERGENCY: 6,
+}
+_LANDED_STATES = {
+    LandedState.ON_GROUND: 1,
+    LandedState.IN_AIR: 2,
+    LandedState.TAKEOFF: 3,
+    LandedState.LANDING: 4,
+}
+# MAV_SYS_STATUS_SENSOR
+_GYRO, _ACCEL, _MAG, _PRESSURE, _GPS, _LASER = 1, 2, 4, 8, 32, 256
+_CONTROLLERS = 1024 | 2048 | 4096 | 8192 | 16384 | 32768  # rates to motor outputs
+_GEOFENCE, _AHRS, _BATTERY, _PREARM_CHECK = 1 << 20, 1 << 21, 1 << 25, 1 << 28
+_PRESENT = (
+    (_GYRO | _ACCEL | _MAG | _PRESSURE | _GPS | _LASER | _CONTROLLERS)
+    | (_GEOFENCE | _AHRS | _BATTERY | _PREARM_CHECK)
+)  # fmt: skip
+# MISSION_STATE
+_NO_MISSION, _NOT_STARTED, _ACTIVE, _PAUSED, _COMPLETE = 1, 2, 3, 4, 5
+# Simulated time has a date, the same in every run: 2026-01-01 00:00 UTC.
+SIMULATED_EPOCH_US = 1_767_225_600_000_000
+
+
+class StatusTelemetry:
+    """Packs messages out of the autopilot's state."""
+
+    def __init__(self, view: VehicleView, personality: Personality, system_id: int) -> None:
+        self._view = view
+        self._personality = personality
+        self._system_id = system_id
+        self.producers: Mapping[str, Callable[[], bytes | None]] = {
+            "HEARTBEAT": self._heartbeat,
+            "SYS_STATUS": self._sys_status,
+            "EXTENDED_SYS_STATE": self._extended_sys_state,
+            "HOME_POSITION": self._home_position,
+            "GPS_GLOBAL_ORIGIN": self._global_origin,
+            "MISSION_CURRENT": self._mission_current,
+            "SYSTEM_TIME": self._system_time,
+            "CURRENT_MODE": self._current_mode,
+            "AUTOPILOT_VERSION": self._autopilot_version,
+            "PROTOCOL_VERSION": self._protocol_version,
+            "FLIGHT_INFORMATION": self._flight_information,
+        }
+
+    def _heartbeat(self) -> bytes:
+        autopilot = self._view.autopilot
+        entry = self._personality.entry(autopilot.mode)
+        state = _STATES[autopilot.system_state]
+        return _HEARTBEAT.encode(
+            type=MAV_TYPE_QUADROTOR,
+            autopilot=self._personality.autopilot,
+            base_mode=entry.base_mode | (_ARMED_FLAG if autopilot.is_armed else 0),
+            custom_mode=entry.custom_mode,
+            system_status=8 if autopilot.mode is Mode.TERMINATION else state,
+            mavlink_version=3,
+        )
+
+    def _sys_status(self) -> bytes:
+        autopilot = self._view.autopilot
+        health, battery = autopilot.health, autopilot.battery
+        # MAVSDK reads "position known" from GPS, and "calibrated" from gyro, accel and mag.
+        bits = (
+            (_GYRO | _ACCEL if health.is_imu_ok else 0)
+            | (_MAG if health.is_mag_ok else 0)
+            | (_PRESSURE if health.is_baro_ok else 0)
+            | (_GPS if health.is_gnss_ok and health.is_position_ok else 0)
+            | (_LASER if health.is_rangefinder_ok else 0)
+            | (_AHRS if health.is_attitude_ok else 0)
+            | (_BATTERY if health.is_battery_ok else 0)
+            | (_GEOFENCE if health.is_geofence_ok else 0)
+            | (_PREARM_CHECK if health.is_armable else 0)
+            | _CONTROLLERS
+        )
+        return _SYS_STATUS.encode(
+            onboard_control_sensors_present=_PRESENT,
+            onboard_control_sensors_enabled=_PRESENT,
+            onboard_control_sensors_health=bits,
+            voltage_battery=max(0, min(0xFFFE, round(1e3 * battery.voltage_v))),
+            current_battery=max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
+            battery_remaining=max(0, min(100, round(100.0 * battery.remaining))),
+        )
+
+    def _extended_sys_state(self) -> bytes:
+        landed_state = _LANDED_STATES[self._view.autopilot.landed_state]
+        return _EXTENDED_SYS_STATE.encode(landed_state=landed_state)
+
+    def _home_position(self) -> bytes | None:
+        v = self._view
+        home = v.autopilot.home
+        if home is None:
+            return None
+        x, y, z = v.ned_from_enu(home.position_enu_m)
+        heading = (math.cos(0.5 * home.yaw_rad), 0.0, 0.0, math.sin(0.5 * home.yaw_rad))
+        return _HOME_POSITION.encode(
+            latitude=round(home.geodetic.latitude_deg * 1e7),
+            longitude=round(home.geodetic.longitude_deg * 1e7),
+            altitude=round(home.geodetic.altitude_m * 1e3),
+            x=x,
+            y=y,
+            z=z,
+            q=swap_quat_enu_flu_ned_frd(heading),
+            time_usec=v.time_us,
+        )
+
+    def _global_origin(self) -> bytes:
+        v = self._view
+        return _GPS_GLOBAL_ORIGIN.encode(
+            latitude=round(v.origin.latitude_deg * 1e7),
+            longitude=round(v.origin.longitude_deg * 1e7),
+            altitude=round(v.origin.altitude_m * 1e3),
+            time_usec=v.time_us,
+        )
+
+    def _mission_current(self) -> bytes:
+        autopilot = self._view.autopilot
+        mission = autopilot.mission
+        return _MISSION_CURRENT.encode(
+            seq=mission.current_index,
+            total=len(mission) or 0xFFFF,
+            mission_state=self._mission_state(),
+            mission_mode=1 if autopilot.mode is Mode.MISSION else 2,
+        )
+
+    def _mission_state(self) -> int:
+        autopilot = self._view.autopilot
+        mission = autopilot.mission
+        if not len(mission):
+            return _NO_MISSION
+        if mission.is_finished:
+            return _COMPLETE
+        if autopilot.is_mission_running:
+            return _ACTIVE
+        is_under_way = mission.current_index > 0 or mission.last_reached_index is not None
+        return _PAUSED if is_under_way else _NOT_STARTED
+
+    def _system_time(self) -> bytes:
+        v = self._view
+        return _SYSTEM_TIME.encode(
+            time_unix_usec=SIMULATED_EPOCH_US + v.time_us, time_boot_ms=v.time_boot_ms
+        )
+
+    def _current_mode(self) -> bytes:
+        entry = self._personality.entry(self._view.autopilot.mode)
+        return _CURRENT_MODE.encode(
+            standard_mode=entry.standard_mode,
+            custom_mode=entry.custom_mode,
+            intended_custom_mode=entry.custom_mode,
+        )
+
+    def _autopilot_version(self) -> bytes:
+        personality = self._personality
+        return _AUTOPILOT_VERSION.encode(
+            capabilities=personality.capabilities,
+            flight_sw_version=personality.flight_sw_version,
+            flight_custom_version=personality.flight_custom_version,
+            uid=0xAE5CE4E0_0000_0000 | self._system_id,
+        )
+
+    def _protocol_version(self) -> bytes:
+        return PROTOCOL_VERSION.encode(version=200, min_version=100, max_version=200)
+
+    def _flight_information(self) -> bytes:
+        v = self._view
+        autopilot = v.autopilot
+        return _FLIGHT_INFORMATION.encode(
+            time_boot_ms=v.time_boot_ms,
+            arming_time_utc=_utc_us(autopilot.armed_at_us),
+            takeoff_time_utc=_utc_us(autopilot.took_off_at_us),
+            flight_uuid=autopilot.n_arms,
+        )
+
+
+def _utc_us(time_us: int | None) -> int:
+    return 0 if time_us is None else SIMULATED_EPOCH_US + time_us

@@ -1,0 +1,77 @@
+"""MuJoCo's step and ray from inside a kernel, through their C pointers.
+
+A kernel that steps ten times in one call saves nine trips through Python. Addresses travel as
+integers; a cached kernel holds none of its own.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from pathlib import Path
+from typing import Any
+
+import mujoco
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+_POINTER = ir.IntType(8).as_pointer()
+
+
+def function_addresses() -> tuple[int, int]:
+    """Addresses of `mj_step` and `mj_ray` in the library that `mujoco` has loaded."""
+    folder = Path(mujoco.__file__).parent
+    library = ctypes.CDLL(str(next(folder.glob("libmujoco.*"))))
+    return _address(library.mj_step), _address(library.mj_ray)
+
+
+def _address(function: Any) -> int:
+    address = ctypes.cast(function, ctypes.c_void_p).value
+    assert address is not None
+    return address
+
+
+@intrinsic
+def call_mj_step(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
+    """void mj_step(const mjModel*, mjData*)."""
+    signature = types.void(types.intp, types.intp, types.intp)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        step = ir.FunctionType(ir.VoidType(), [_POINTER, _POINTER])
+        target = builder.inttoptr(args[0], step.as_pointer())
+        builder.call(target, [builder.inttoptr(arg, _POINTER) for arg in args[1:]])
+        return context.get_dummy_value()
+
+    return signature, codegen
+
+
+@intrinsic
+def call_mj_ray(
+    typingctx: Any,
+    function: Any,
+    model: Any,
+    data: Any,
+    origin: Any,
+    direction: Any,
+    excluded_body: Any,
+    geom: Any,
+) -> Any:
+    """mjtNum mj_ray(m, d, pnt, vec, geomgroup=NULL, flg_static=1, bodyexclude, geomid, normal=NULL).
+
+    Pointers are passed as integers; `geom` is the address of an int32 to write to.
+    """
+    signature = types.float64(*[types.intp] * 5, types.intc, types.intp)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        byte, integer = ir.IntType(8), ir.IntType(32)
+        parameters = [_POINTER] * 5 + [byte, integer, _POINTER, _POINTER]
+        ray = ir.FunctionType(ir.DoubleType(), parameters)
+        target = builder.inttoptr(args[0], ray.as_pointer())
+        m, d, pnt, vec = (builder.inttoptr(arg, _POINTER) for arg in args[1:5])
+        null = ir.Constant(_POINTER, None)
+        geomid = builder.inttoptr(args[6], _POINTER)
+        return builder.call(
+            target, [m, d, pnt, vec, null, ir.Constant(byte, 1), args[5], geomid, null]
+        )
+
+    return signature, codegen

@@ -1,0 +1,228 @@
+"""RGB-D cameras: what a frame is, and which renderer makes it on this machine.
+
+Two renderers give the same frames: OpenGL where a GL library loads, ray casting by Embree where
+none does. On-board cameras do not see their own vehicle (their mounts are taken to be clear of
+it, and its depth would mean nothing to a planner); free views do.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import mujoco
+import numpy as np
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.world import World
+
+_log = logging.getLogger(__name__)
+
+Backend = Literal["auto", "gl", "raycast"]
+Quality = Literal["fast", "fine"]
+
+MAX_EDGE_PIXELS = 4096
+NO_OBJECT_ID = -3
+"""In an image of object ids: sky. The others are those of `World.geom_object_id`."""
+
+
+class CameraError(ValueError):
+    """A camera, size or backend that does not exist here."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RgbdFrame:
+    """One image with depth, and where it was taken.
+
+    Pixel (column u, row v) looks along ((u - cx) / fx, (v - cy) / fy, 1) in the optical frame
+    (x right, y down, z forward); whole numbers are pixel centres.
+    """
+
+    time_us: int
+    camera: str
+    rgb: np.ndarray
+    """uint8 (height, width, 3)."""
+    depth_m: np.ndarray
+    """float32 (height, width): distance along the optical axis, m; inf where there is nothing."""
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    position_enu_m: Vector3
+    rotation_enu_from_optical: np.ndarray
+    """(3, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Viewpoint:
+    """A pinhole camera in the world."""
+
+    name: str
+    position_enu_m: np.ndarray
+    """(3,)."""
+    rotation_enu_from_optical: np.ndarray
+    """(3, 3)."""
+    vertical_fov_rad: float
+
+    def focal_px(self, height: int) -> float:
+        """Focal length for an image of this height, pixels."""
+        return height / 2 / math.tan(self.vertical_fov_rad / 2)
+
+    def rays_enu(self, width: int, height: int) -> np.ndarray:
+        """(height, width, 3) float32: direction of each pixel, one metre deep."""
+        focal = self.focal_px(height)
+        x = (np.arange(width, dtype=np.float32) - (width - 1) / 2) / focal
+        y = (np.arange(height, dtype=np.float32) - (height - 1) / 2) / focal
+        right, down, forward = self.rotation_enu_from_optical.T.astype(np.float32)
+        across = x[:, None] * right
+        return across[None] + (y[:, None] * down + forward)[:, None]
+
+    def frame(self, time_us: int, rgb: np.ndarray, depth_m: np.ndarray) -> RgbdFrame:
+        """The frame that this viewpoint took."""
+        height, width = depth_m.shape
+        focal = self.focal_px(height)
+        x, y, z = self.position_enu_m.tolist()
+        return RgbdFrame(
+            time_us=time_us,
+            camera=self.name,
+            rgb=rgb,
+            depth_m=depth_m,
+            fx=focal,
+            fy=focal,
+            cx=(width - 1) / 2,
+            cy=(height - 1) / 2,
+            position_enu_m=(x, y, z),
+            rotation_enu_from_optical=self.rotation_enu_from_optical,
+        )
+
+
+class CameraRenderer(Protocol):
+    """Makes frames of one size of one world."""
+
+    backend: Literal["gl", "raycast"]
+    reason: str
+    """Why this backend."""
+
+    def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
+        """What an on-board camera sees at the positions in `data`, which stays untouched."""
+        ...
+
+    def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
+        """What `render` shows at each pixel: int32 (height, width) of object ids."""
+        ...
+
+    def render_view(
+        self,
+        data: mujoco.MjData,
+        eye_enu_m: Vector3,
+        target_enu_m: Vector3,
+        vertical_fov_rad: float = math.radians(50.0),
+        quality: Quality = "fast",
+    ) -> RgbdFrame:
+        """A picture from anywhere, vehicle included; "fine" adds shadows and smooth edges."""
+        ...
+
+    def close(self) -> None:
+        """Free what the renderer holds; it renders no more."""
+        ...
+
+
+def open_camera_renderer(
+    world: World, width: int, height: int, backend: Backend = "auto"
+) -> CameraRenderer:
+    """A renderer for a world's cameras.
+
+    Args:
+        world: What to render.
+        width: Of the image, pixels.
+        height: Of the image, pixels.
+        backend: "auto" takes OpenGL and falls back to ray casting where no GL library loads.
+
+    Raises:
+        CameraError: If size or backend are not valid, or "gl" is asked for and does not load.
+    """
+    for name, value in (("width", width), ("height", height)):
+        if not 1 <= value <= MAX_EDGE_PIXELS:
+            raise CameraError(f"{name} {value} is not valid, valid: 1 to {MAX_EDGE_PIXELS} pixels")
+    if backend not in ("auto", "gl", "raycast"):
+        raise CameraError(f"backend {backend!r} is unknown; valid: auto, gl, raycast")
+    if backend == "raycast":
+        return _open_raycast(world, width, height, "asked for")
+    from flightsim.sensors.camera_gl import GlCameraRenderer  # noqa: PLC0415
+    from flightsim.sensors.camera_gl_target import GlUnavailableError  # noqa: PLC0415
+
+    try:
+        return GlCameraRenderer(world, width, height)
+    except GlUnavailableError as error:
+        if backend == "gl":
+            raise CameraError(
+                f"backend 'gl' does not load here: {error}; valid: raycast"
+            ) from error
+        _log.info("cameras use ray casting: %s", error)
+        return _open_raycast(world, width, height, f"no OpenGL: {error}")
+
+
+def _open_raycast(world: World, width: int, height: int, reason: str) -> CameraRenderer:
+    from flightsim.sensors.raycast import RaycastCameraRenderer  # noqa: PLC0415 - loads Embree
+
+    return RaycastCameraRenderer(world, width, height, reason)
+
+
+class PoseCopy:
+    """Positions of everything at the state of someone else's `MjData`, computed in a copy.
+
+    After a step `MjData` holds positions from before the integration; computing them anew there
+    could touch the flight's last bits, so cameras do it in data of their own.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._model = world.model
+        self.data = world.new_data()
+
+    def update(self, data: mujoco.MjData) -> mujoco.MjData:
+        """The copy, at the state of `data`."""
+        self.data.qpos[:] = data.qpos
+        if self._model.nmocap:
+            self.data.mocap_pos[:] = data.mocap_pos
+            self.data.mocap_quat[:] = data.mocap_quat
+        mujoco.mj_kinematics(self._model, self.data)
+        mujoco.mj_camlight(self._model, self.data)
+        return self.data
+
+    def viewpoint(self, camera_name: str) -> Viewpoint:
+        """Where a camera of the model is now."""
+        try:
+            camera_id = self._model.camera(camera_name).id
+        except KeyError:
+            valid = ", ".join(self._model.camera(i).name for i in range(self._model.ncam))
+            raise CameraError(f"camera {camera_name!r} is unknown; valid: {valid}") from None
+        right_up_back = self.data.cam_xmat[camera_id].reshape(3, 3)
+        return Viewpoint(
+            name=camera_name,
+            position_enu_m=self.data.cam_xpos[camera_id].copy(),
+            rotation_enu_from_optical=right_up_back * np.array([1.0, -1.0, -1.0]),
+            vertical_fov_rad=math.radians(float(self._model.cam_fovy[camera_id])),
+        )
+
+
+def look_at(eye_enu_m: Vector3, target_enu_m: Vector3, vertical_fov_rad: float) -> Viewpoint:
+    """The viewpoint at `eye` that has `target` in the middle of an upright image."""
+    eye = np.array(eye_enu_m, dtype=float)
+    forward = np.array(target_enu_m, dtype=float) - eye
+    distance_m = float(np.linalg.norm(forward))
+    if not distance_m > 0:
+        raise CameraError(f"target_enu_m {target_enu_m} is the eye itself, valid: another point")
+    forward /= distance_m
+    right = np.array([forward[1], -forward[0], 0.0])
+    sideways = float(np.linalg.norm(right))
+    # Straight down or up: north is the top of the image.
+    right = right / sideways if sideways > 1e-9 else np.array([1.0, 0.0, 0.0])
+    down = np.cross(forward, right)
+    return Viewpoint(
+        name="view",
+        position_enu_m=eye,
+        rotation_enu_from_optical=np.column_stack([right, down, forward]),
+        vertical_fov_rad=vertical_fov_rad,
+    )

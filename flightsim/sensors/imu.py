@@ -1,0 +1,151 @@
+"""Inertial measurement unit in the centre of mass.
+
+A sample is the mean over its interval, as from an IMU that integrates fast: the specific force
+from the change of velocity, the angular rate from the change of attitude, each with white noise
+N / sqrt(dt) and a drifting bias (`flightsim.sensors.drift`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from autonomy.jit import kernel
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.rotation import (
+    matrix_from_quat,
+    quat_from_rotation_vector,
+    quat_multiply,
+    rotation_vector_from_quat,
+)
+from flightsim.sensors.drift import advance_drift, drift_terms
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ImuCfg:
+    """Noise of an IMU."""
+
+    gyro_noise_density: float
+    """rad/s/sqrt(Hz)."""
+    gyro_bias_walk: float
+    """rad/s^2/sqrt(Hz)."""
+    gyro_bias_correlation_s: float = 1000.0
+    gyro_turn_on_sigma_radps: float
+    accel_noise_density: float
+    """m/s^2/sqrt(Hz)."""
+    accel_bias_walk: float
+    """m/s^3/sqrt(Hz)."""
+    accel_bias_correlation_s: float = 300.0
+    accel_turn_on_sigma_mps2: float
+
+
+ADIS16448 = ImuCfg(
+    gyro_noise_density=3.394e-4,
+    gyro_bias_walk=3.8785e-5,
+    gyro_turn_on_sigma_radps=0.0087,
+    accel_noise_density=0.004,
+    accel_bias_walk=0.006,
+    accel_turn_on_sigma_mps2=0.196,
+)
+"""RotorS's default, an uncalibrated ADIS16448."""
+
+PX4_IMU = ImuCfg(
+    gyro_noise_density=8.7266e-4,
+    gyro_bias_walk=0.0,
+    gyro_turn_on_sigma_radps=0.0,
+    accel_noise_density=0.00637,
+    accel_bias_walk=0.0,
+    accel_turn_on_sigma_mps2=0.0,
+)
+"""PX4's gazebo-classic vehicles today: noisier, and calibrated."""
+
+IMU_NORMALS = 12
+"""Standard normals that a sample takes."""
+
+IMU_DTYPE = np.dtype(
+    [
+        ("accel_flu_mps2", "f8", 3),
+        ("gyro_flu_radps", "f8", 3),
+        ("accel_bias_flu_mps2", "f8", 3),
+        ("gyro_bias_flu_radps", "f8", 3),
+        ("last_velocity_enu_mps", "f8", 3),
+        ("last_quat_wxyz", "f8", 4),
+        ("dt_s", "f8"),
+        ("accel_sigma", "f8"),
+        ("gyro_sigma", "f8"),
+        ("accel_decay", "f8"),
+        ("gyro_decay", "f8"),
+        ("accel_drift_sigma", "f8", 3),
+        ("gyro_drift_sigma", "f8", 3),
+        ("work_quat", "f8", 4),
+        ("work_vector", "f8", 3),
+        ("work_R", "f8", (3, 3)),
+    ],
+    align=True,
+)
+
+
+def new_imu(
+    cfg: ImuCfg,
+    rng: np.random.Generator,
+    *,
+    rate_hz: int,
+    quat_wxyz: np.ndarray,
+    velocity_enu_mps: np.ndarray,
+) -> np.ndarray:
+    """An IMU just switched on at a true attitude and velocity, in an array of shape (1,)."""
+    records = np.zeros(1, IMU_DTYPE)
+    r = records[0]
+    dt_s = 1.0 / rate_hz
+    r["dt_s"] = dt_s
+    r["last_quat_wxyz"] = quat_wxyz
+    r["last_velocity_enu_mps"] = velocity_enu_mps
+    r["accel_bias_flu_mps2"] = cfg.accel_turn_on_sigma_mps2 * rng.standard_normal(3)
+    r["gyro_bias_flu_radps"] = cfg.gyro_turn_on_sigma_radps * rng.standard_normal(3)
+    r["accel_sigma"] = cfg.accel_noise_density / math.sqrt(dt_s)
+    r["gyro_sigma"] = cfg.gyro_noise_density / math.sqrt(dt_s)
+    r["accel_decay"], r["accel_drift_sigma"] = drift_terms(
+        cfg.accel_bias_walk, cfg.accel_bias_correlation_s, dt_s
+    )
+    r["gyro_decay"], r["gyro_drift_sigma"] = drift_terms(
+        cfg.gyro_bias_walk, cfg.gyro_bias_correlation_s, dt_s
+    )
+    return records
+
+
+@kernel
+def sample_imu(
+    r: np.record, quat_wxyz: np.ndarray, velocity_enu_mps: np.ndarray, normals: np.ndarray
+) -> None:
+    """Measure the interval since the sample before, which ends in this true state."""
+    _mean_motion(r, quat_wxyz, velocity_enu_mps)
+    advance_drift(r.accel_bias_flu_mps2, r.accel_decay, r.accel_drift_sigma, normals, 6)
+    advance_drift(r.gyro_bias_flu_radps, r.gyro_decay, r.gyro_drift_sigma, normals, 9)
+    for i in range(3):
+        r.accel_flu_mps2[i] += r.accel_bias_flu_mps2[i] + r.accel_sigma * normals[i]
+        r.gyro_flu_radps[i] += r.gyro_bias_flu_radps[i] + r.gyro_sigma * normals[3 + i]
+
+
+@kernel
+def _mean_motion(r: np.record, quat_wxyz: np.ndarray, velocity_enu_mps: np.ndarray) -> None:
+    """Mean specific force and mean angular rate of the interval, without errors."""
+    q, turn, R, dt = r.work_quat, r.work_vector, r.work_R, r.dt_s
+    q[0] = r.last_quat_wxyz[0]
+    for i in range(3):
+        q[i + 1] = -r.last_quat_wxyz[i + 1]
+    quat_multiply(q, quat_wxyz, q)
+    rotation_vector_from_quat(q, turn)
+    quat_from_rotation_vector(0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2], q)
+    quat_multiply(r.last_quat_wxyz, q, q)
+    matrix_from_quat(q, R)
+    for i in range(3):
+        r.gyro_flu_radps[i] = turn[i] / dt
+        turn[i] = (velocity_enu_mps[i] - r.last_velocity_enu_mps[i]) / dt
+        r.last_velocity_enu_mps[i] = velocity_enu_mps[i]
+    turn[2] += GRAVITY_MPS2
+    for i in range(3):
+        r.accel_flu_mps2[i] = R[0, i] * turn[0] + R[1, i] * turn[1] + R[2, i] * turn[2]
+    for i in range(4):
+        r.last_quat_wxyz[i] = quat_wxyz[i]

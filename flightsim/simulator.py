@@ -1,0 +1,154 @@
+"""The one loop: plant, autopilot, MAVLink and observers in lockstep, paced by the wall clock."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.mavlink.server import MavlinkServer
+from flightsim.plant import Plant
+
+TICK_US = 20_000
+"""Simulated time of one step."""
+
+_SHORTEST_SLEEP_S = 1e-3
+_FORGIVEN_LATENESS_S = 0.1
+
+Observer = Callable[[], None]
+
+
+class SpeedError(ValueError):
+    """A speed that the loop cannot be run at."""
+
+
+@dataclass(slots=True)
+class Timing:
+    """Where the time of the steps went, in seconds of wall time; `idle_s` is time slept."""
+
+    n_steps: int = 0
+    plant_s: float = 0.0
+    """Physics, sensors, estimator and controllers."""
+    autopilot_s: float = 0.0
+    mavlink_s: float = 0.0
+    observers_s: float = 0.0
+    idle_s: float = 0.0
+
+    @property
+    def busy_s(self) -> float:
+        """Everything but sleep."""
+        return self.plant_s + self.autopilot_s + self.mavlink_s + self.observers_s
+
+
+class Simulator:
+    """Steps everything by 20 ms of simulated time, as fast as it may."""
+
+    def __init__(
+        self,
+        plant: Plant,
+        autopilot: Autopilot,
+        mavlink_server: MavlinkServer | None,
+        *,
+        observers: Sequence[Observer] = (),
+        speed: float | Literal["max"] = 1.0,
+    ) -> None:
+        """Prepare a loop.
+
+        Args:
+            plant: Owns time.
+            autopilot: Updated after the plant, with fresh estimates.
+            mavlink_server: Updated after the autopilot; None flies without clients.
+            observers: Called in this order at the end of each step; a list may grow later.
+            speed: Simulated seconds a wall second, or "max" for no pacing.
+
+        Raises:
+            SpeedError: If the speed is not a positive number or "max".
+        """
+        self._plant = plant
+        self._autopilot = autopilot
+        self._mavlink_server = mavlink_server
+        self._observers = observers
+        self._is_stopping = False
+        self._tick_s = tick_seconds(speed)
+        self._ns = [0, 0, 0, 0]
+        self._n_steps = 0
+        self._idle_s = 0.0
+
+    @property
+    def timing(self) -> Timing:
+        """Where the time went so far."""
+        plant_s, autopilot_s, mavlink_s, observers_s = (ns * 1e-9 for ns in self._ns)
+        return Timing(
+            n_steps=self._n_steps,
+            plant_s=plant_s,
+            autopilot_s=autopilot_s,
+            mavlink_s=mavlink_s,
+            observers_s=observers_s,
+            idle_s=self._idle_s,
+        )
+
+    def step(self) -> None:
+        """Advance by one tick."""
+        clock, ns = time.perf_counter_ns, self._ns
+        t0 = clock()
+        self._plant.advance()
+        t1 = clock()
+        self._autopilot.update()
+        t2 = clock()
+        if self._mavlink_server is not None:
+            self._mavlink_server.update()
+        t3 = clock()
+        for observer in self._observers:
+            observer()
+        ns[0] += t1 - t0
+        ns[1] += t2 - t1
+        ns[2] += t3 - t2
+        ns[3] += clock() - t3
+        self._n_steps += 1
+
+    def run(self, until_us: int | None = None, stop: Callable[[], bool] | None = None) -> None:
+        """Step until a simulated time, until `stop()` is true, or until `request_stop`.
+
+        A stall of the machine is not made up for: simulated time then simply lags behind.
+        """
+        self._is_stopping = False
+        deadline_s = time.perf_counter()
+        while not self._is_stopping:
+            if until_us is not None and self._plant.time_us >= until_us:
+                return
+            if stop is not None and stop():
+                return
+            self.step()
+            if self._tick_s > 0.0:
+                deadline_s = self._wait(deadline_s + self._tick_s)
+
+    def request_stop(self) -> None:
+        """Let `run` return after the present step; safe in signal handlers."""
+        self._is_stopping = True
+
+    def _wait(self, deadline_s: float) -> float:
+        """Sleep until the deadline; return it, or now if it is long past."""
+        now_s = time.perf_counter()
+        ahead_s = deadline_s - now_s
+        if ahead_s >= _SHORTEST_SLEEP_S:
+            time.sleep(ahead_s)
+            self._idle_s += time.perf_counter() - now_s
+        elif ahead_s < -_FORGIVEN_LATENESS_S:
+            return now_s
+        return deadline_s
+
+
+def tick_seconds(speed: float | Literal["max"]) -> float:
+    """Wall time of one tick; 0 for no pacing.
+
+    Raises:
+        SpeedError: If the speed is not a positive number or "max".
+    """
+    if speed == "max":
+        return 0.0
+    if not isinstance(speed, (int, float)) or not 0.0 < speed < math.inf:
+        raise SpeedError(f'speed = {speed!r}; valid are positive numbers and "max"')
+    return TICK_US * 1e-6 / speed

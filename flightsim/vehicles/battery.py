@@ -1,0 +1,75 @@
+"""Lithium-polymer battery: open-circuit voltage by charge, sag by current, power by rotor speed.
+
+Notation: V terminal voltage, E open-circuit voltage, R internal resistance, I current, P power.
+The load asks for power, so V = E - R I and P = V I give V = (E + sqrt(E^2 - 4 R P)) / 2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from flightsim.vehicles.airframe import BatteryParams
+
+# Open-circuit voltage of one LiPo cell at 0, 5, ... 100 % of charge, V: the table that RC battery
+# makers publish for balancing by voltage.
+_CELL_OCV_V = (
+    3.27, 3.61, 3.69, 3.71, 3.73, 3.75, 3.77, 3.79, 3.80, 3.82, 3.84,
+    3.85, 3.87, 3.91, 3.95, 3.98, 4.02, 4.08, 4.11, 4.15, 4.20,
+)  # fmt: skip
+_N_INTERVALS = len(_CELL_OCV_V) - 1
+_COULOMB_PER_MAH = 3.6
+
+
+class BatteryError(ValueError):
+    """A battery was asked for that cannot exist."""
+
+
+def cell_voltage_v(state_of_charge: float) -> float:
+    """Open-circuit voltage of one cell; charge from 0 to 1, clamped."""
+    position = min(max(state_of_charge, 0.0), 1.0) * _N_INTERVALS
+    i = min(int(position), _N_INTERVALS - 1)
+    return _CELL_OCV_V[i] + (position - i) * (_CELL_OCV_V[i + 1] - _CELL_OCV_V[i])
+
+
+class Battery:
+    """State of a pack; plain floats, about a microsecond a step."""
+
+    def __init__(self, params: BatteryParams, state_of_charge: float = 1.0) -> None:
+        if not 0.0 <= state_of_charge <= 1.0:
+            raise BatteryError(f"state_of_charge {state_of_charge} is outside 0 to 1")
+        self.params = params
+        self._capacity_c = params.capacity_mah * _COULOMB_PER_MAH
+        self._initial_c = state_of_charge * self._capacity_c
+        self._used_c = 0.0
+        self._watts_per_speed_cubed = params.hover_power_w / (4 * params.hover_rotor_speed_radps**3)
+        self.current_a = 0.0
+        """Drawn during the last step."""
+        self.voltage_v = params.cells * cell_voltage_v(state_of_charge)
+        """At the terminals during the last step."""
+
+    @property
+    def consumed_mah(self) -> float:
+        """Charge drawn since the start."""
+        return self._used_c / _COULOMB_PER_MAH
+
+    @property
+    def remaining(self) -> float:
+        """State of charge, 0 to 1."""
+        return max(0.0, (self._initial_c - self._used_c) / self._capacity_c)
+
+    def step(self, rotor_speeds_radps: Sequence[float], dt_s: float) -> None:
+        """Draw what four rotors at these speeds and the avionics need for `dt_s`.
+
+        An empty pack delivers nothing: voltage stays, the motors stop for want of charge elsewhere.
+        A load beyond the pack's greatest power, E^2 / 4R, gets that power.
+        """
+        a, b, c, d = rotor_speeds_radps
+        power_w = self.params.avionics_power_w + self._watts_per_speed_cubed * (
+            abs(a * a * a) + abs(b * b * b) + abs(c * c * c) + abs(d * d * d)
+        )
+        open_v = self.params.cells * cell_voltage_v(self.remaining)
+        discriminant = open_v * open_v - 4.0 * self.params.internal_resistance_ohm * power_w
+        self.voltage_v = (open_v + math.sqrt(max(0.0, discriminant))) / 2.0
+        self.current_a = (open_v - self.voltage_v) / self.params.internal_resistance_ohm
+        self._used_c = min(self._initial_c, self._used_c + self.current_a * dt_s)

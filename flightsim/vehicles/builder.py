@@ -1,0 +1,234 @@
+"""An airframe as a MuJoCo body: inertia, collision shape, looks and cameras.
+
+The collision shape is what can really hit something: fuselage, arms, legs, and each rotor disc as a
+thin cylinder. It has no mass, and it is drawn by nobody; the looks are separate and touch nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.geom_groups import GeomGroup
+from flightsim.vehicles.airframe import Airframe, CameraMount
+
+VEHICLE_BODY = "vehicle"
+
+_BOX = mujoco.mjtGeom.mjGEOM_BOX
+_CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
+_CYLINDER = mujoco.mjtGeom.mjGEOM_CYLINDER
+_ELLIPSOID = mujoco.mjtGeom.mjGEOM_ELLIPSOID
+
+_DISC_HALF_THICKNESS_M = 0.005
+_LEG_RADIUS_M = 0.009
+_ARM_RADIUS_M = 0.010
+
+# Contact of the vehicle with anything, chosen by dropping it from 0.3 m on slopes of 0 to 8 degrees
+# (tests/flightsim/test_builder.py): overdamped legs rebound at 5 % of the impact's speed, where
+# critical damping gave 14 %, and give 21 mm; friction lets it creep 0.04 mm/s at 8 degrees.
+_CONTACT: dict[str, Any] = {
+    "contype": 1,
+    "conaffinity": 1,
+    "condim": 4,
+    "friction": (0.9, 0.02, 0.001),
+    "solref": (0.02, 2.0),
+    "solimp": (0.9, 0.97, 0.004, 0.5, 2.0),
+    "solmix": 1.0,
+    "group": int(GeomGroup.VEHICLE_SHAPE),
+    "mass": 0.0,
+}
+_LOOKS: dict[str, Any] = {
+    "contype": 0,
+    "conaffinity": 0,
+    "group": int(GeomGroup.VEHICLE_LOOKS),
+    "mass": 0.0,
+}
+
+_CARBON = (0.13, 0.13, 0.15, 1.0)
+_SHELL = (0.92, 0.92, 0.94, 1.0)
+_METAL = (0.55, 0.56, 0.60, 1.0)
+_LENS = (0.05, 0.06, 0.12, 1.0)
+_FRONT = (0.95, 0.33, 0.05, 1.0)
+_DISC_FRONT = (0.95, 0.40, 0.10, 0.28)
+_DISC_REAR = (0.20, 0.22, 0.26, 0.25)
+
+
+def add_vehicle(
+    spec: mujoco.MjSpec, airframe: Airframe, position_enu_m: Vector3, yaw_rad: float
+) -> None:
+    """Add body "vehicle" with a free joint, its origin (the centre of mass) at a position.
+
+    Its cameras have the names of `airframe.cameras`.
+    """
+    body = spec.worldbody.add_body(
+        name=VEHICLE_BODY,
+        pos=position_enu_m,
+        quat=(math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2)),
+        explicitinertial=True,
+        mass=airframe.quadrotor.mass_kg,
+        ipos=(0.0, 0.0, 0.0),
+        iquat=(1.0, 0.0, 0.0, 0.0),
+        inertia=airframe.quadrotor.inertia_flu_kgm2,
+    )
+    body.add_freejoint(name=VEHICLE_BODY)
+    _add_collision_shape(body, airframe)
+    _add_fuselage_looks(body, airframe)
+    for rotor in airframe.quadrotor.rotors:
+        _add_rotor_looks(body, airframe, rotor.position_flu_m, rotor.spin)
+    for mount in airframe.cameras:
+        body.add_camera(
+            name=mount.name,
+            pos=mount.position_flu_m,
+            quat=camera_quat_wxyz(mount),
+            fovy=math.degrees(mount.vertical_fov_rad),
+        )
+
+
+def camera_quat_wxyz(mount: CameraMount) -> tuple[float, float, float, float]:
+    """Attitude of MuJoCo's camera axes (x right, y up, z backwards) in the body frame."""
+    s, c = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
+    rotation_flu_from_camera = np.array([[0.0, s, -c], [-1.0, 0.0, 0.0], [0.0, c, s]])
+    quat = np.empty(4)
+    mujoco.mju_mat2Quat(quat, rotation_flu_from_camera.ravel())
+    w, x, y, z = quat.tolist()
+    return (w, x, y, z)
+
+
+def sole_positions_flu_m(airframe: Airframe) -> tuple[Vector3, ...]:
+    """Where the four legs touch level ground, in the body frame."""
+    soles = []
+    for rotor in airframe.quadrotor.rotors:
+        x, y, _ = rotor.position_flu_m
+        scale = airframe.leg_spread_m / math.hypot(x, y)
+        soles.append((x * scale, y * scale, -airframe.leg_length_m))
+    return tuple(soles)
+
+
+def _legs(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
+    """Ends of each leg's axis: at the arm, and one leg radius above the sole."""
+    return [
+        ((0.7 * x, 0.7 * y, 0.0), (x, y, z + _LEG_RADIUS_M))
+        for x, y, z in sole_positions_flu_m(airframe)
+    ]
+
+
+def _add_collision_shape(body: Any, airframe: Airframe) -> None:
+    length, width, height = airframe.body_size_m
+    body.add_geom(name="fuselage", type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
+    for i, (rotor, leg) in enumerate(zip(airframe.quadrotor.rotors, _legs(airframe), strict=True)):
+        hub = rotor.position_flu_m
+        body.add_geom(
+            name=f"disc{i}",
+            type=_CYLINDER,
+            pos=hub,
+            size=(airframe.rotor_radius_m, _DISC_HALF_THICKNESS_M, 0.0),
+            **_CONTACT,
+        )
+        body.add_geom(
+            name=f"arm{i}",
+            type=_CAPSULE,
+            fromto=(0.0, 0.0, 0.0, hub[0], hub[1], 0.0),
+            size=(_ARM_RADIUS_M, 0.0, 0.0),
+            **_CONTACT,
+        )
+        body.add_geom(
+            name=f"leg{i}",
+            type=_CAPSULE,
+            fromto=(*leg[0], *leg[1]),
+            size=(_LEG_RADIUS_M, 0.0, 0.0),
+            **_CONTACT,
+        )
+
+
+def _add_fuselage_looks(body: Any, airframe: Airframe) -> None:
+    length, width, height = airframe.body_size_m
+    body.add_geom(
+        type=_BOX, size=(0.46 * length, 0.42 * width, 0.22 * height), rgba=_CARBON, **_LOOKS
+    )
+    body.add_geom(
+        type=_ELLIPSOID,
+        pos=(-0.02 * length, 0.0, 0.15 * height),
+        size=(0.52 * length, 0.5 * width, 0.55 * height),
+        rgba=_SHELL,
+        **_LOOKS,
+    )
+    body.add_geom(
+        type=_ELLIPSOID,
+        pos=(0.27 * length, 0.0, 0.17 * height),
+        size=(0.27 * length, 0.42 * width, 0.48 * height),
+        rgba=_FRONT,
+        **_LOOKS,
+    )
+    body.add_geom(
+        type=_BOX,
+        pos=(-0.08 * length, 0.0, -0.36 * height),
+        size=(0.32 * length, 0.3 * width, 0.16 * height),
+        rgba=_METAL,
+        **_LOOKS,
+    )
+    # The mast and puck of the GNSS antenna.
+    body.add_geom(
+        type=_CYLINDER,
+        pos=(-0.25 * length, 0.0, 0.85 * height),
+        size=(0.22 * width, 0.09 * height, 0.0),
+        rgba=_CARBON,
+        **_LOOKS,
+    )
+    for mount in airframe.cameras:
+        body.add_geom(
+            type=_ELLIPSOID,
+            pos=mount.position_flu_m,
+            size=(0.014, 0.014, 0.014),
+            rgba=_LENS,
+            **_LOOKS,
+        )
+    for top, sole in _legs(airframe):
+        body.add_geom(
+            type=_CAPSULE,
+            fromto=(*top, *sole),
+            size=(_LEG_RADIUS_M, 0.0, 0.0),
+            rgba=_CARBON,
+            **_LOOKS,
+        )
+
+
+def _add_rotor_looks(body: Any, airframe: Airframe, hub_flu_m: Vector3, spin: int) -> None:
+    x, y, z = hub_flu_m
+    is_front = x > 0.05
+    radius = airframe.rotor_radius_m
+    body.add_geom(
+        type=_CAPSULE,
+        fromto=(0.0, 0.0, 0.0, x, y, 0.0),
+        size=(_ARM_RADIUS_M, 0.0, 0.0),
+        rgba=_FRONT if is_front else _SHELL,
+        **_LOOKS,
+    )
+    # The motor ends just below the disc.
+    motor_half_m = (z + 0.012) / 2
+    body.add_geom(
+        type=_CYLINDER,
+        pos=(x, y, z - motor_half_m - 0.002),
+        size=(0.018, motor_half_m, 0.0),
+        rgba=_METAL,
+        **_LOOKS,
+    )
+    heading = math.atan2(y, x) + spin * math.radians(50.0)
+    body.add_geom(
+        type=_BOX,
+        pos=hub_flu_m,
+        quat=(math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)),
+        size=(0.97 * radius, 0.010, 0.0015),
+        rgba=_CARBON,
+        **_LOOKS,
+    )
+    body.add_geom(
+        type=_CYLINDER,
+        pos=(x, y, z),
+        size=(radius, 0.003, 0.0),
+        rgba=_DISC_FRONT if is_front else _DISC_REAR,
+        **_LOOKS,
+    )

@@ -1,0 +1,159 @@
+"""Rotors and air: from speed commands to the wrench on the body, once a physics step.
+
+    symbol   name                                        unit
+    w        rotor speed                                 rad/s
+    v        hub velocity relative to the air, FLU       m/s
+    v_perp   its part across the rotor axis (body x, y)  m/s
+
+    thrust           kf w^2 (1 - |v_z| / axial_limit) along body z
+    drag             -w k_drag v_perp, at the hub
+    reaction torque  -spin c thrust about body z
+    rolling moment   -w k_roll v_perp
+    lag              first order on w, faster up than down
+    fuselage         -(rho / 2) CdA_i |v_i| v_i along each body axis i
+
+Sources: Furrer et al. 2016 (RotorS) for all but two; the axial loss is PX4's gazebo-classic
+motor model; the fuselage is a box of which a part is solid.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.jit import kernel
+from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.rotation import matrix_from_quat
+from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
+
+# Share of the collision box that stands in the wind, times a drag coefficient near 1.
+_SOLIDITY = 0.25
+
+ROTORS_DTYPE = np.dtype(
+    [
+        ("speed_radps", "f8", 4),
+        ("effectiveness", "f8", 4),  # 1 sound, 0 failed
+        ("wind_enu_mps", "f8", 3),
+        ("position_flu_m", "f8", (4, 3)),
+        ("spin", "f8", 4),
+        ("thrust_constant", "f8", 4),
+        ("torque_per_thrust_m", "f8", 4),
+        ("drag_coefficient", "f8", 4),
+        ("rolling_moment_coefficient", "f8", 4),
+        ("max_speed_radps", "f8", 4),
+        ("share_up", "f8", 4),  # of the way to the command in one step
+        ("share_down", "f8", 4),
+        ("axial_limit_mps", "f8"),
+        ("fuselage_drag", "f8", 3),  # rho / 2 CdA, kg/m
+        ("R", "f8", (3, 3)),
+        ("air_velocity_flu_mps", "f8", 3),
+        ("force_flu_n", "f8", 3),
+        ("torque_flu_nm", "f8", 3),
+    ],
+    align=True,
+)
+
+
+def new_rotors(
+    quadrotor: QuadrotorParams,
+    body_size_m: Vector3,
+    *,
+    dt_s: float,
+    axial_limit_mps: float = 25.0,
+) -> np.ndarray:
+    """Rotors at rest, as one record in an array of shape (1,).
+
+    Args:
+        quadrotor: The vehicle.
+        body_size_m: Fuselage box, for its drag.
+        dt_s: Physics step.
+        axial_limit_mps: Axial speed at which a rotor makes no thrust; infinite for no such loss.
+    """
+    records = np.zeros(1, ROTORS_DTYPE)
+    r = records[0]
+    rotors = quadrotor.rotors
+    r["effectiveness"] = 1.0
+    r["position_flu_m"] = [rotor.position_flu_m for rotor in rotors]
+    r["spin"] = [rotor.spin for rotor in rotors]
+    for name in (
+        "thrust_constant",
+        "torque_per_thrust_m",
+        "drag_coefficient",
+        "rolling_moment_coefficient",
+        "max_speed_radps",
+    ):
+        r[name] = [getattr(rotor, name) for rotor in rotors]
+    r["share_up"] = [1.0 - math.exp(-dt_s / rotor.time_constant_up_s) for rotor in rotors]
+    r["share_down"] = [1.0 - math.exp(-dt_s / rotor.time_constant_down_s) for rotor in rotors]
+    r["axial_limit_mps"] = axial_limit_mps
+    x, y, z = body_size_m
+    r["fuselage_drag"] = np.array([y * z, x * z, x * y]) * (0.5 * AIR_DENSITY_KGPM3 * _SOLIDITY)
+    return records
+
+
+@kernel
+def step_rotors(
+    r: np.record,
+    command_radps: np.ndarray,
+    quat_wxyz: np.ndarray,
+    velocity_enu_mps: np.ndarray,
+    rate_flu_radps: np.ndarray,
+    wrench: np.ndarray,
+) -> None:
+    """Let the speeds follow their commands by one step and write the wrench that they make.
+
+    Args:
+        r: The rotors.
+        command_radps: Speed commands (4,), clipped to what the rotors can do.
+        quat_wxyz: True attitude.
+        velocity_enu_mps: True velocity of the centre of mass.
+        rate_flu_radps: True body rates.
+        wrench: Result (6,): force and torque about the centre of mass, both in the world frame.
+    """
+    R, v = r.R, r.air_velocity_flu_mps
+    matrix_from_quat(quat_wxyz, R)
+    vx = velocity_enu_mps[0] - r.wind_enu_mps[0]
+    vy = velocity_enu_mps[1] - r.wind_enu_mps[1]
+    vz = velocity_enu_mps[2] - r.wind_enu_mps[2]
+    for i in range(3):
+        v[i] = R[0, i] * vx + R[1, i] * vy + R[2, i] * vz
+        r.force_flu_n[i] = -r.fuselage_drag[i] * abs(v[i]) * v[i]
+        r.torque_flu_nm[i] = 0.0
+    for i in range(4):
+        _follow(r, i, command_radps[i])
+        _add_rotor(r, i, rate_flu_radps)
+    F, M = r.force_flu_n, r.torque_flu_nm
+    for i in range(3):
+        wrench[i] = R[i, 0] * F[0] + R[i, 1] * F[1] + R[i, 2] * F[2]
+        wrench[3 + i] = R[i, 0] * M[0] + R[i, 1] * M[1] + R[i, 2] * M[2]
+
+
+@kernel
+def _follow(r: np.record, i: int, command_radps: float) -> None:
+    """First-order lag, exact for a command that is constant over the step."""
+    command = min(max(command_radps, 0.0), r.max_speed_radps[i])
+    if not math.isfinite(command_radps):
+        command = 0.0
+    change = command - r.speed_radps[i]
+    r.speed_radps[i] += change * (r.share_up[i] if change >= 0.0 else r.share_down[i])
+
+
+@kernel
+def _add_rotor(r: np.record, i: int, rate: np.ndarray) -> None:
+    w, v, hub = r.speed_radps[i], r.air_velocity_flu_mps, r.position_flu_m[i]
+    vx = v[0] + rate[1] * hub[2] - rate[2] * hub[1]
+    vy = v[1] + rate[2] * hub[0] - rate[0] * hub[2]
+    vz = v[2] + rate[0] * hub[1] - rate[1] * hub[0]
+    loss = min(max(1.0 - abs(vz) / r.axial_limit_mps, 0.0), 1.0)
+    thrust = r.thrust_constant[i] * w * w * loss * r.effectiveness[i]
+    fx = -w * r.drag_coefficient[i] * vx
+    fy = -w * r.drag_coefficient[i] * vy
+    roll = -w * r.rolling_moment_coefficient[i]
+    F, M = r.force_flu_n, r.torque_flu_nm
+    F[0] += fx
+    F[1] += fy
+    F[2] += thrust
+    M[0] += hub[1] * thrust - hub[2] * fy + roll * vx
+    M[1] += hub[2] * fx - hub[0] * thrust + roll * vy
+    M[2] += hub[0] * fy - hub[1] * fx - r.spin[i] * r.torque_per_thrust_m[i] * thrust
