@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from jaxtyping import Float
+from shapely.geometry.base import BaseGeometry
 
 from aeroscene.geometry import rotation_matrix
 from aeroscene.shapes import Primitive
@@ -27,7 +28,7 @@ class Face:
 
     object_id: int
     height_m: float
-    outline: shapely.Geometry
+    outline: BaseGeometry
 
 
 def upward_faces(primitives: Sequence[Primitive]) -> list[Face]:
@@ -47,7 +48,7 @@ def upward_faces(primitives: Sequence[Primitive]) -> list[Face]:
     ]
 
 
-def footprint(primitive: Primitive) -> shapely.Geometry:
+def footprint(primitive: Primitive) -> BaseGeometry:
     """Outline from above; circles by a polygon that lies outside them."""
     return shapely.Polygon(_outline(primitive))
 
@@ -99,13 +100,13 @@ class Footprints:
         self._outlines = np.array([footprint(primitive) for primitive in solids], dtype=object)
         self._tree = shapely.STRtree(self._outlines)
 
-    def between(self, region: shapely.Geometry, low_m: float, high_m: float) -> shapely.Geometry:
+    def between(self, region: BaseGeometry, low_m: float, high_m: float) -> BaseGeometry:
         """Union of the outlines in a region of solids that reach between two heights."""
         hits = self._tree.query(region)
         hits = hits[(self._low[hits] < high_m) & (self._high[hits] > low_m)]
         return shapely.union_all(self._outlines[hits])
 
-    def lowest_above(self, region: shapely.Geometry, height_m: float) -> float:
+    def lowest_above(self, region: BaseGeometry, height_m: float) -> float:
         """Lowest underside above a height over a region; infinite under open sky."""
         hits = self._tree.query(region, predicate="intersects")
         undersides = self._low[hits]

@@ -142,7 +142,8 @@ def reachable(
     from scipy import ndimage  # noqa: PLC0415 - start-up time; floods are rare
 
     seed = start_cell(field, start_enu_m, radius_m)
-    labels, _ = ndimage.label(field.distance_m >= radius_m)
+    labels = np.empty(field.distance_m.shape, dtype=np.int32)
+    ndimage.label(field.distance_m >= radius_m, output=labels)
     return labels == labels[seed]
 
 

@@ -13,6 +13,7 @@ from math import cos, pi, sin
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from aeroscene.catalogue import by_name
 from aeroscene.footprints import Face, Footprints, upward_faces
@@ -114,9 +115,7 @@ class LandingFinder:
                 areas.append(self._area(face, spot, drone_class))
         return areas
 
-    def _largest_class(
-        self, face: Face, spot: _Spot, obstacles: shapely.Geometry
-    ) -> DroneClass | None:
+    def _largest_class(self, face: Face, spot: _Spot, obstacles: BaseGeometry) -> DroneClass | None:
         room_m = spot.centre.distance(obstacles) if not obstacles.is_empty else np.inf
         for name, needs in NEEDS.items():
             is_wide = spot.radius_m >= needs.surface_radius_m and room_m >= needs.body_radius_m
@@ -189,7 +188,7 @@ def _one_per_fine_object(areas: list[InteractionArea], scene: Scene) -> list[Int
     ]
 
 
-def _widest_spot(free: shapely.Geometry) -> _Spot:
+def _widest_spot(free: BaseGeometry) -> _Spot:
     """The whole of a small rectangle, else the largest circle."""
     parts = shapely.get_parts(free)
     largest = parts[int(np.argmax(shapely.area(parts)))]
@@ -217,7 +216,7 @@ def _widest_spot(free: shapely.Geometry) -> _Spot:
     return _Spot(centre, outer_m * cos(pi / _VERTICES), outline)
 
 
-def _whole_rectangle(part: shapely.Geometry) -> _Spot | None:
+def _whole_rectangle(part: BaseGeometry) -> _Spot | None:
     """A rectangle of no more than twice the largest circle, with its own centre and half width."""
     if shapely.get_num_coordinates(part) != 5:
         return None
@@ -226,8 +225,8 @@ def _whole_rectangle(part: shapely.Geometry) -> _Spot | None:
     is_rectangle = abs(part.area - sides[0] * sides[1]) < 1e-3 * part.area
     if not is_rectangle or max(sides) > 2 * MAX_RADIUS_M or max(sides) > 3.2 * min(sides):
         return None
-    ring = shapely.orient_polygons(part).exterior.coords[:-1]
-    outline = tuple((float(x), float(y)) for x, y in ring)
+    ring = shapely.get_coordinates(shapely.orient_polygons(part))[:-1]
+    outline = tuple((float(x), float(y)) for x, y in ring.tolist())
     return _Spot(part.centroid, float(min(sides)) / 2, outline)
 
 

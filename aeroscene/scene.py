@@ -11,10 +11,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, get_args
 
 from aeroscene.catalogue import CATALOGUE
+from aeroscene.polygon import distance_inside, is_simple, signed_area
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,6 +29,9 @@ DroneClass = Literal["small", "medium", "large"]
 
 UNIT_TOLERANCE = 1e-4
 """Allowed deviation of a quaternion's norm from one: layouts rounded to 4 decimals still pass."""
+MIN_SIZE_M = 0.001
+MAX_EXTENT_M = 1000.0
+"""Longest side of a flight volume and of a box, and farthest that an object lies outside it."""
 INSCRIBED_TOLERANCE_M = 0.01
 """By how much an area's radius may exceed the distance from its centroid to its border."""
 
@@ -79,10 +82,10 @@ class OrientedBox:
             valid=f"a quaternion wxyz of norm 1 (this one has {norm:.6g})",
         )
         _require(
-            ok=min(self.s) > 0.0,
+            ok=min(self.s) >= MIN_SIZE_M and max(self.s) <= MAX_EXTENT_M,
             field_name="bbox.s",
             value=self.s,
-            valid="three extents above 0 m",
+            valid=f"three extents from {MIN_SIZE_M} to {MAX_EXTENT_M:g} m",
         )
 
     @property
@@ -193,9 +196,9 @@ class InteractionArea:
     def _validate_polygon(self) -> None:
         outline = [(x, y) for x, y, _ in self.polygon]
         valid = "a simple polygon, counter-clockwise seen from above"
-        ok = _signed_area(outline) > 0 and _is_simple(outline)
+        ok = signed_area(outline) > 0 and is_simple(outline)
         _require(ok=ok, field_name="polygon", value=self.polygon, valid=valid)
-        inside_m = _distance_inside(outline, self.centroid[0], self.centroid[1])
+        inside_m = distance_inside(outline, self.centroid[0], self.centroid[1])
         _require(
             ok=inside_m > 0,
             field_name="centroid",
@@ -245,11 +248,13 @@ class Scene:
         ok = bool(self.scene_id)
         _require(ok=ok, field_name="scene_id", value=self.scene_id, valid="a non-empty name")
         _require_one_of(self.domain, SceneDomain, "domain")
+        _require(ok=self.seed >= 0, field_name="seed", value=self.seed, valid="an integer from 0")
         _require_finite(self.extent_min_enu_m, 3, "extent.min")
         _require_finite(self.extent_max_enu_m, 3, "extent.max")
         low, high = self.extent_min_enu_m, self.extent_max_enu_m
-        ok = all(a < b for a, b in zip(low, high, strict=True))
-        _require(ok=ok, field_name="extent", value=(low, high), valid="min below max on each axis")
+        ok = all(a < b <= a + MAX_EXTENT_M for a, b in zip(low, high, strict=True))
+        valid = f"min below max and at most {MAX_EXTENT_M:g} m apart on each axis"
+        _require(ok=ok, field_name="extent", value=(low, high), valid=valid)
         _require_finite(self.start_position_enu_m, 3, "start.position")
         start = self.start_position_enu_m
         ok = all(a <= x <= b for a, x, b in zip(low, start, high, strict=True))
@@ -276,7 +281,16 @@ class Scene:
                 raise SceneError(
                     f"object {obj.id}: scene_id is {obj.scene_id!r}, valid: {self.scene_id!r}"
                 )
+            if not self._is_near(obj.bbox.p):
+                raise SceneError(
+                    f"object {obj.id}: bbox.p is {obj.bbox.p}, valid: at most {MAX_EXTENT_M:g} m "
+                    "outside the extent"
+                )
             seen.add(obj.id)
+
+    def _is_near(self, p: Vector3) -> bool:
+        bounds = zip(self.extent_min_enu_m, p, self.extent_max_enu_m, strict=True)
+        return all(a - MAX_EXTENT_M <= x <= b + MAX_EXTENT_M for a, x, b in bounds)
 
     def _validate_areas(self) -> None:
         ids = {obj.id for obj in self.objects}
@@ -312,53 +326,3 @@ class Scene:
             chain.append(parent)
             parent = self.object_by_id[parent].parent_id
         return tuple(chain)
-
-
-Point = tuple[float, float]
-
-
-def _edges(outline: Sequence[Point]) -> list[tuple[Point, Point]]:
-    return [*pairwise(outline), (outline[-1], outline[0])]
-
-
-def _signed_area(outline: Sequence[Point]) -> float:
-    return 0.5 * sum(a[0] * b[1] - b[0] * a[1] for a, b in _edges(outline))
-
-
-def _turn(a: Point, b: Point, c: Point) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _is_simple(outline: Sequence[Point]) -> bool:
-    """Whether no two edges that are not neighbours cross; convex outlines take the short way."""
-    edges = _edges(outline)
-    turns = [_turn(a, b, d) for (a, b), (_, d) in zip(edges, edges[1:] + edges[:1], strict=True)]
-    if min(turns) >= 0 and _winding_turns(edges) == 1:
-        return True
-    count = len(edges)
-    for i, (a, b) in enumerate(edges):
-        for c, d in edges[i + 2 : count - (i == 0)]:
-            if _turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0:
-                return False
-    return len(set(outline)) == count
-
-
-def _winding_turns(edges: Sequence[tuple[Point, Point]]) -> int:
-    headings = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in edges]
-    total = sum((second - first) % (2 * math.pi) for first, second in pairwise(headings))
-    total += (headings[0] - headings[-1]) % (2 * math.pi)
-    return round(total / (2 * math.pi))
-
-
-def _distance_inside(outline: Sequence[Point], x: float, y: float) -> float:
-    """Distance from a point to the outline, negative when the point lies outside."""
-    nearest, is_inside = math.inf, False
-    for (ax, ay), (bx, by) in _edges(outline):
-        dx, dy = bx - ax, by - ay
-        length_squared = dx * dx + dy * dy
-        t = 0.0 if length_squared == 0 else ((x - ax) * dx + (y - ay) * dy) / length_squared
-        t = min(1.0, max(0.0, t))
-        nearest = min(nearest, math.hypot(ax + t * dx - x, ay + t * dy - y))
-        if (ay > y) != (by > y) and x < ax + (y - ay) * dx / dy:
-            is_inside = not is_inside
-    return nearest if is_inside else -nearest

@@ -175,9 +175,9 @@ def scene_from_json(data: bytes | str, source: str = "scene JSON") -> Scene:
         return _build(document)
     except msgspec.ValidationError as error:
         _raise_located(data, source, str(error))
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         reason = str(error).removeprefix("JSON is malformed: ")
-        raise SceneFileError(f"{source}: not complete JSON ({reason})") from None
+        raise SceneFileError(f"{source}: not JSON or not all of it ({reason})") from None
     except SceneError as error:
         raise error.within(source) from None
 
@@ -270,7 +270,9 @@ def read_scene(path: str | Path) -> Scene:
         data = path.read_bytes()
     except OSError as error:
         reason = error.strerror or type(error).__name__
-        raise SceneFileError(f"scene file {str(path)!r}: {reason.lower()}") from None
+        raise SceneFileError(
+            f"scene file {str(path)!r} cannot be read ({reason.lower()}), valid: a scene in JSON"
+        ) from None
     return scene_from_json(data, source=f"scene file {str(path)!r}")
 
 

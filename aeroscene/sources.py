@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from functools import cache
 from pathlib import Path
 
@@ -29,8 +30,8 @@ def open_scene(spec: str) -> Scene:
     """
     if spec.endswith(".json"):
         return read_scene(spec)
-    # Digits of ASCII only: int() would also take signs, blanks and other scripts.
-    if not (spec.isascii() and spec.isdigit()) or int(spec) >= CORPUS_SIZE:
+    # ASCII digits only: int() would also take signs, blanks and other scripts.
+    if not re.fullmatch("[0-9]{1,9}", spec) or int(spec) >= CORPUS_SIZE:
         raise UnknownSceneError(
             f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1} "
             "or the path of a .json file"

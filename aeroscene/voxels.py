@@ -1,8 +1,8 @@
 """Conservative voxelisation: a cell is occupied when a solid may reach into it.
 
 Every test is a superset of the truth by less than a cell's half diagonal, and exact for what
-scenes are mostly made of: boxes turned about the vertical, upright cylinders, round ellipsoids. Solids
-are tested one by one, each only in the block of cells around its bounding box.
+scenes are mostly made of: boxes turned about the vertical, upright cylinders, round ellipsoids.
+Solids are tested one by one, each only in the block of cells around its bounding box.
 """
 
 from __future__ import annotations
@@ -131,7 +131,8 @@ def _touches(
     reach = half_cell * np.abs(rotation).sum(axis=0)
     beyond = [np.maximum(np.abs(local[i]) - reach[i], 0.0) for i in range(3)]
     if primitive.kind == "ellipsoid":
-        return sum((beyond[i] / half[i]) ** 2 for i in range(3)) < 1.0
+        squares = [(beyond[i] / half[i]) ** 2 for i in range(3)]
+        return squares[0] + squares[1] + squares[2] < 1.0
     inside = (beyond[0] < half[0]) & (beyond[1] < half[1]) & (beyond[2] < half[2])
     if primitive.kind == "cylinder":
         inside &= beyond[0] ** 2 + beyond[1] ** 2 < half[0] ** 2

@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 
 import numba
 import platformdirs
+from numba.core import config
 
 _LOG = logging.getLogger(__name__)
 _ROOT = Path(__file__).parents[1]
@@ -35,8 +36,9 @@ def kernel(function: _F) -> _F:
     """
     is_part = function.__name__.startswith("_")
     if not is_part:
-        numba.config.CACHE_DIR = str(cache_directory(function.__module__))
-    return numba.njit(
+        config.CACHE_DIR = str(cache_directory(function.__module__))
+    compiler: Any = numba.njit  # its annotations leave options out
+    return compiler(
         cache=not is_part,
         error_model="numpy",
         fastmath=False,

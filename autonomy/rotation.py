@@ -17,7 +17,7 @@ from autonomy.jit import kernel
 
 @kernel
 def quat_multiply(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> None:
-    """product = a * b; the result may be one of the factors."""
+    """Write a * b to `product`, which may be one of the factors."""
     aw, ax, ay, az = a[0], a[1], a[2], a[3]
     bw, bx, by, bz = b[0], b[1], b[2], b[3]
     product[0] = aw * bw - ax * bx - ay * by - az * bz
@@ -75,9 +75,7 @@ def matrix_from_quat(q: np.ndarray, R: np.ndarray) -> None:
 @kernel
 def yaw_from_quat(q: np.ndarray) -> float:
     """Heading of body x in the horizontal plane, counter-clockwise from world x, rad."""
-    return math.atan2(
-        2.0 * (q[0] * q[3] + q[1] * q[2]), 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3])
-    )
+    return math.atan2(2.0 * (q[0] * q[3] + q[1] * q[2]), 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3]))
 
 
 @kernel

@@ -53,27 +53,7 @@ def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     ]
 
 
-def flat_shaded_hull(corners_m: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Triangles of a convex hull with sharp edges and a texture in metres on every face.
-
-    Returns:
-        Vertices (v, 3), each face with its own; texture coordinates (v, 2), in units of
-        2 m as on MuJoCo's boxes, u level along the face and v down it; triangles (t, 3).
-    """
-    vertices, texture, triangles = [], [], []
-    count = 0
-    for normal, members in hull_faces(corners_m):
-        points = np.asarray(corners_m, dtype=float)[members]
-        u, v = _face_axes(normal)
-        vertices.append(points)
-        texture.append(np.stack([points @ u, points @ -v], axis=1) / 2)
-        n = len(members)
-        triangles += [(count, count + i, count + i + 1) for i in range(1, n - 1)]
-        count += n
-    return np.vstack(vertices), np.vstack(texture), np.array(triangles, dtype=np.int32)
-
-
-def _face_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def face_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal axes of a face: level, and up the face (north on a level one)."""
     u = np.array([-normal[1], normal[0], 0.0])
     length = float(np.linalg.norm(u))
@@ -82,7 +62,7 @@ def _face_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _counter_clockwise(corners: np.ndarray, members: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    u, v = _face_axes(normal)
+    u, v = face_axes(normal)
     spokes = corners[members] - corners[members].mean(axis=0)
     angle = np.arctan2(spokes @ v, spokes @ u)
     # Corners inside a face, on none of its edges, would break the fan: keep the outer ones.

@@ -10,8 +10,6 @@ import logging
 import math
 from typing import Literal
 
-import numpy as np
-
 from autonomy.control.record import setpoint_row
 from autonomy.jit import compile_ahead
 from autonomy.model.quadrotor import Vector3

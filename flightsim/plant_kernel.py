@@ -92,7 +92,7 @@ def advance(
             align_when_ready(f)
         _log(history[i], e, qpos, qvel, r, imu, f, c, s, is_touching)
     reports[0].contact_ticks = e.contact_ticks
-    _report(reports[0], history[e.ticks_per_advance - 1], f, c)
+    _report(reports[0], history[-1], f, c)
     _report_sensors(reports[0], imu, gnss, baro, mag, rangefinder)
 
 

@@ -172,7 +172,7 @@ def _new_engine(world: World, cfg: PlantCfg, data: mujoco.MjData) -> np.ndarray:
     e["ticks_per_advance"] = cfg.control_hz // ADVANCE_HZ
     e["has_power"] = 1
     e["step_address"], e["ray_address"] = function_addresses()
-    e["model_address"] = world.model._address  # noqa: SLF001 - the way to MuJoCo's C struct
-    e["data_address"] = data._address  # noqa: SLF001
+    e["model_address"] = world.model._address
+    e["data_address"] = data._address
     e["vehicle_body"] = world.vehicle_body_id
     return engines

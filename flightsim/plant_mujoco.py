@@ -31,12 +31,16 @@ def _address(function: Any) -> int:
     return address
 
 
-@intrinsic
-def call_mj_step(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
-    """void mj_step(const mjModel*, mjData*)."""
+# A kernel calls what this decorates without the first argument, which no type checker can know.
+_in_kernel: Any = intrinsic
+
+
+@_in_kernel
+def call_mj_step(_typing: Any, _function: Any, _model: Any, _data: Any) -> Any:
+    """`void mj_step(const mjModel* m, mjData* d)`; its address and both pointers as integers."""
     signature = types.void(types.intp, types.intp, types.intp)
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         step = ir.FunctionType(ir.VoidType(), [_POINTER, _POINTER])
         target = builder.inttoptr(args[0], step.as_pointer())
         builder.call(target, [builder.inttoptr(arg, _POINTER) for arg in args[1:]])
@@ -45,24 +49,25 @@ def call_mj_step(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
     return signature, codegen
 
 
-@intrinsic
+@_in_kernel
 def call_mj_ray(
-    typingctx: Any,
-    function: Any,
-    model: Any,
-    data: Any,
-    origin: Any,
-    direction: Any,
-    excluded_body: Any,
-    geom: Any,
+    _typing: Any,
+    _function: Any,
+    _model: Any,
+    _data: Any,
+    _origin: Any,
+    _direction: Any,
+    _excluded_body: Any,
+    _geom: Any,
 ) -> Any:
-    """mjtNum mj_ray(m, d, pnt, vec, geomgroup=NULL, flg_static=1, bodyexclude, geomid, normal=NULL).
+    """`mjtNum mj_ray(m, d, pnt, vec, geomgroup, flg_static, bodyexclude, geomid, normal)`.
 
-    Pointers are passed as integers; `geom` is the address of an int32 to write to.
+    All groups, static geoms too, no normal. Pointers are integers; `_geom` is the address of an
+    int32 to write to.
     """
     signature = types.float64(*[types.intp] * 5, types.intc, types.intp)
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         byte, integer = ir.IntType(8), ir.IntType(32)
         parameters = [_POINTER] * 5 + [byte, integer, _POINTER, _POINTER]
         ray = ir.FunctionType(ir.DoubleType(), parameters)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -19,17 +18,15 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.shapes import MATERIALS, Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from flightsim.sensors.sky import HORIZON_RGB, ZENITH_RGB
+from flightsim.looks import GROUND_MATERIAL, Detail, add_looks, set_view
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import VEHICLE_BODY, add_vehicle
-from flightsim.world_geometry import STATIC_CONTACT, StaticGeometry
+from flightsim.world_geometry import STATIC_CONTACT, add_solids, friction
 
 VEHICLE_ID = -1
 """In `World.geom_object_id`: the vehicle's own geoms."""
 GROUND_ID = -2
 """In `World.geom_object_id`: the ground plane."""
-
-_GROUND_MATERIALS = ("ground", "grass", "concrete")
 
 # The vehicle is let down from this height, so that the uphill legs clear a sloping surface; what
 # it touches up there deeper than the tolerance, it is inside of.
@@ -51,12 +48,23 @@ class World:
     model: mujoco.MjModel
     scene: Scene
     airframe: Airframe
+    solids: tuple[Primitive, ...]
+    """Everything static: geom 0 is the ground, geom 1 + i is solid i."""
     geom_object_id: np.ndarray
     """(ngeom,) int32: id of the scene object, `VEHICLE_ID` or `GROUND_ID`."""
     vehicle_body_id: int
     """-1 in a world without a vehicle."""
     rest_qpos: np.ndarray
     """(nq,) of the vehicle standing on its legs at the start."""
+
+    def new_looks(self, detail: Detail) -> mujoco.MjModel:
+        """A model of the same world for drawing; `qpos` and mocap poses mean the same in it."""
+        spec = mujoco.MjSpec()
+        set_view(spec, self.scene)
+        add_looks(spec, self.solids, detail)
+        if self.vehicle_body_id >= 0:
+            _add_vehicle_at_start(spec, self.scene, self.airframe)
+        return spec.compile()
 
     def new_data(self) -> mujoco.MjData:
         """State at time zero: the vehicle at the start, at rest on its legs."""
@@ -86,20 +94,19 @@ def build_world(
     Raises:
         WorldError: If the start is inside something or no place to stand.
     """
+    solids = (*scene_primitives(scene), *extra)
     spec = _new_spec(scene, physics_hz)
-    geometry = StaticGeometry(spec, MATERIALS)
-    _add_ground(spec, geometry)
-    object_ids = [GROUND_ID, *geometry.add([*scene_primitives(scene), *extra])]
+    _add_ground(spec)
+    add_solids(spec, solids)
     if vehicle:
-        x, y, z = scene.start_position_enu_m
-        stand_enu_m = (x, y, z + airframe.leg_length_m + _LOWERING_M)
-        add_vehicle(spec, airframe, stand_enu_m, scene.start_yaw_rad)
+        _add_vehicle_at_start(spec, scene, airframe)
     model = spec.compile()
     _enable_sleep(model)
     geom_object_id = np.full(model.ngeom, VEHICLE_ID, dtype=np.int32)
-    geom_object_id[: len(object_ids)] = object_ids
+    geom_object_id[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
     return World(
         model=model,
+        solids=solids,
         scene=scene,
         airframe=airframe,
         geom_object_id=geom_object_id,
@@ -115,64 +122,24 @@ def _new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
     spec.option.gravity = (0.0, 0.0, -GRAVITY_MPS2)
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10.0
-    _set_view(spec, scene)
-    _add_sky_and_sun(spec)
+    set_view(spec, scene)
     return spec
 
 
-def _set_view(spec: mujoco.MjSpec, scene: Scene) -> None:
-    """Clip planes and the tessellation that keeps software rendering fast."""
-    low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
-    diagonal_m = float(np.linalg.norm(high - low))
-    spec.stat.center = (low + high) / 2
-    spec.stat.extent = diagonal_m / 2
-    visual: Any = spec.visual
-    visual.map.znear = 0.03 / spec.stat.extent
-    visual.map.zfar = 12.0
-    visual.quality.offsamples = 0
-    visual.quality.numslices = 14
-    visual.quality.numstacks = 8
-    visual.quality.numquads = 1
-    # No shadows but in fine pictures, whose renderer sets its own; a map costs start-up time.
-    visual.quality.shadowsize = 0
-    visual.global_.offwidth = 1920
-    visual.global_.offheight = 1080
-    visual.headlight.ambient = (0.42, 0.43, 0.46)
-    visual.headlight.diffuse = (0.10, 0.10, 0.10)
-    visual.headlight.specular = (0.0, 0.0, 0.0)
+def _add_vehicle_at_start(spec: mujoco.MjSpec, scene: Scene, airframe: Airframe) -> None:
+    x, y, z = scene.start_position_enu_m
+    stand_enu_m = (x, y, z + airframe.leg_length_m + _LOWERING_M)
+    add_vehicle(spec, airframe, stand_enu_m, scene.start_yaw_rad)
 
 
-def _add_sky_and_sun(spec: mujoco.MjSpec) -> None:
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=ZENITH_RGB,
-        rgb2=HORIZON_RGB,
-        width=128,
-        height=768,
-    )
-    spec.worldbody.add_light(
-        name="sun",
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        pos=(0.0, 0.0, 100.0),
-        dir=(0.45, 0.30, -0.84),
-        diffuse=(0.58, 0.56, 0.50),
-        specular=(0.15, 0.15, 0.15),
-        ambient=(0.0, 0.0, 0.0),
-        castshadow=True,
-    )
-
-
-def _add_ground(spec: mujoco.MjSpec, geometry: StaticGeometry) -> None:
-    name = next(name for name in _GROUND_MATERIALS if name in MATERIALS)
+def _add_ground(spec: mujoco.MjSpec) -> None:
     spec.worldbody.add_geom(
         name="ground",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         # Zero: without end. The third number is MuJoCo's spacing for drawing it.
         size=(0.0, 0.0, 1.0),
-        material=geometry.surface(name),
-        friction=(MATERIALS[name].friction, 0.005, 0.0001),
+        rgba=MATERIALS[GROUND_MATERIAL].rgba,
+        friction=friction(GROUND_MATERIAL),
         **STATIC_CONTACT,
     )
 

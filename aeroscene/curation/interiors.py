@@ -31,7 +31,12 @@ class Interior:
     def wall(self, side: str) -> tuple[Frame, float]:
         """Frame in the middle of a wall's foot with v into the room, and the wall's length."""
         x, y, _ = self.room.size
-        place = {"front": (x / 2, 0), "back": (-x / 2, 0), "left": (0, y / 2), "right": (0, -y / 2)}
+        place: dict[str, tuple[float, float]] = {
+            "front": (x / 2, 0),
+            "back": (-x / 2, 0),
+            "left": (0, y / 2),
+            "right": (0, -y / 2),
+        }
         length = y if side in {"front", "back"} else x
         return self.room.frame.moved(*place[side], _WALLS[side]), length
 
@@ -147,8 +152,8 @@ def _chairs_around(room: Interior, table: Placed, count: int) -> list[Placed]:
 
 def furnish_office(room: Interior) -> None:
     """Desks with screens and chairs, shelves, a cabinet, a plant."""
-    for side in ("left", "right", "back", "front"):
-        for _ in range(room.draw.count(1, 2)):
+    for side in ("left", "right", "back"):
+        for _ in range(2 if room.draw.chance(0.3) else 1):
             desk = room.against(side, "desk")
             if desk is None:
                 continue
@@ -159,10 +164,8 @@ def furnish_office(room: Interior) -> None:
                 room.on(desk, "laptop", 0.1, room.draw.between(-0.3, 0.3))
             if room.draw.chance(0.4):
                 room.on(desk, room.draw.one_of(("book", "cup", "lamp")), 0.0, 0.9)
-    room.against("left", "shelf")
-    room.against("right", "cabinet")
-    room.against(room.draw.one_of(("left", "right")), "plant")
-    room.against("back", "bin", (0.4, 0.4, 0.75))
+    room.against(room.draw.one_of(("left", "right")), room.draw.one_of(("shelf", "cabinet")))
+    room.against(room.draw.one_of(("left", "right")), room.draw.one_of(("plant", "bin")))
 
 
 def furnish_meeting(room: Interior) -> None:
@@ -170,7 +173,7 @@ def furnish_meeting(room: Interior) -> None:
     size = (1.2, room.draw.between(1.8, 2.6), 0.74)
     table = room.anywhere("table", size, keep=0.9)
     if table:
-        _chairs_around(room, table, 6)
+        _chairs_around(room, table, room.draw.count(4, 6))
         room.on(table, "laptop", 0.5, 0.4)
         room.on(table, "cup", -0.6, -0.3)
     cabinet = room.against(room.draw.one_of(("left", "right")), "cabinet")
@@ -221,8 +224,7 @@ def furnish_kitchen(room: Interior) -> None:
     """Counter, stove and fridge along one wall; a table set for a meal."""
     side = room.draw.one_of(("left", "right"))
     counter = room.against(side, "counter", (0.62, room.draw.between(1.8, 2.8), 0.92))
-    for at in (-0.6, 0.5):
-        room.on(counter, room.draw.one_of(("plate", "cup", "box")), 0.0, at)
+    room.on(counter, room.draw.one_of(("plate", "cup", "box")), 0.0, 0.5)
     room.against(side, "fridge")
     room.against(side, "stove")
     table = room.anywhere("table", keep=0.75)
@@ -237,7 +239,7 @@ def furnish_cafe(room: Interior) -> None:
     """A bar along one wall and small tables with chairs."""
     side = room.draw.one_of(("left", "right"))
     bar = room.against(side, "counter", (0.7, room.draw.between(2.4, 3.6), 1.05))
-    for at in (-0.8, -0.2, 0.5):
+    for at in (-0.6, 0.5):
         room.on(bar, room.draw.one_of(("cup", "plate", "box")), 0.0, at)
     for _ in range(3):
         table = room.anywhere("table", (0.8, 0.9, 0.74), keep=0.75)
@@ -245,12 +247,11 @@ def furnish_cafe(room: Interior) -> None:
             _chairs_around(room, table, 2)
             room.on(table, room.draw.one_of(("cup", "plate")), 0.4, 0.3)
     room.against("back", "plant")
-    room.against("left", "shelf")
 
 
 def furnish_store(room: Interior) -> None:
     """Shelves along the walls, crates and boxes on the floor."""
-    for side in ("left", "right", "left", "right"):
+    for side in ("left", "right", "left"):
         room.against(side, "shelf")
     for name in ("crate", "box", "box"):
         room.against(room.draw.one_of(("left", "right", "back")), name)

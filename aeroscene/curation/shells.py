@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
@@ -124,10 +125,9 @@ def _fit_out_storey(
         doors.append((-offset, cut))
     edges = [-length / 2, *cuts, length / 2]
     rooms: list[RoomSpace] = []
-    for index, (low, high) in enumerate(zip(edges, edges[1:], strict=False)):
-        low_gap = PARTITION_M / 2 if index else 0.0
-        high_gap = PARTITION_M / 2 if index < len(cuts) else 0.0
-        low, high = low + low_gap, high - high_gap
+    for index, (left, right) in enumerate(pairwise(edges)):
+        low = left + (PARTITION_M / 2 if index else 0.0)
+        high = right - (PARTITION_M / 2 if index < len(cuts) else 0.0)
         placed = builder.place(
             "room",
             shell.frame,

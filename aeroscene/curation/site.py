@@ -15,6 +15,8 @@ ROAD_M = 0.04
 SIDEWALK_M = 0.15
 """Heights of the surfaces above the ground."""
 
+_BRIDGE_CHANCE = {"cross": 0.1, "tee": 0.2, "through": 0.5}
+
 Side = str
 """south, east, north or west."""
 _SIDES: tuple[Side, ...] = ("south", "east", "north", "west")
@@ -90,7 +92,7 @@ def lay_out_site(builder: Builder, rng: np.random.Generator) -> Site:
     half_x, half_y = rng.uniform(31, 40, 2).round(1).tolist()
     site = Site(half_x, half_y)
     road = float(rng.choice([6.5, 7.0, 8.0]))
-    plan = str(rng.choice(["cross", "tee", "through"], p=[0.4, 0.35, 0.25]))
+    plan = str(rng.choice(["cross", "tee", "through"], p=[0.25, 0.35, 0.4]))
     y = float(rng.uniform(-0.15, 0.15)) * half_y
     x = float(rng.uniform(-0.18, 0.18)) * half_x
     turn = plan == "through" and bool(rng.integers(2))
@@ -98,7 +100,17 @@ def lay_out_site(builder: Builder, rng: np.random.Generator) -> Site:
     walk = round(float(rng.uniform(2.0, 2.7)), 2)
     for block in blocks:
         _pave_block(builder, site, block, walk, rng)
+    if rng.random() < _BRIDGE_CHANCE[plan]:
+        _bridge_road(builder, site, walk, rng)
     return site
+
+
+def _bridge_road(builder: Builder, site: Site, walk: float, rng: np.random.Generator) -> None:
+    """A footbridge over the longest road, from sidewalk to sidewalk, away from the middle."""
+    road = max(site.roads, key=lambda road: road.size[0])
+    u = float(rng.choice([-1, 1])) * float(rng.uniform(0.45, 0.7)) * road.size[0] / 2
+    size = (road.size[1] + 2 * min(1.2, walk - 0.6), 2.4, 6.2)
+    builder.place("bridge", road.frame, u, 0, size, base=SIDEWALK_M, turn=math.pi / 2, margin=0.3)
 
 
 def _street_plan(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sin
 
 from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
@@ -30,7 +30,7 @@ def _drive(builder: Builder, draw: Draw, road: Placed) -> None:
     slots = max(1, int(length // 11))
     for lane in (-1, 1):
         for slot in range(slots):
-            if not draw.chance(0.3):
+            if not draw.chance(0.27):
                 continue
             u = -length / 2 + (slot + 0.5) * length / slots + draw.between(-1, 1)
             name = "car"
@@ -56,7 +56,7 @@ def _furnish_sidewalk(builder: Builder, draw: Draw, walk: Placed) -> None:
     """Lamps in a row; between them a hydrant, bins, benches, signs, a mailbox."""
     length, width, _ = walk.size
     curb = -width / 2 + _CURB_M
-    lamps = max(1, round(length / 15))
+    lamps = max(1, round(length / 22))
     height = draw.between(5.0, 6.5)
     for index in range(lamps):
         u = -length / 2 + (index + 0.5) * length / lamps
@@ -72,12 +72,12 @@ def _furnish_sidewalk(builder: Builder, draw: Draw, walk: Placed) -> None:
             parent=walk,
         )
     for name, chance in (
-        ("hydrant", 0.5),
-        ("bin", 0.5),
-        ("bench", 0.45),
-        ("sign", 0.4),
-        ("mailbox", 0.25),
-        ("planter", 0.35),
+        ("hydrant", 0.35),
+        ("bin", 0.3),
+        ("bench", 0.3),
+        ("sign", 0.25),
+        ("mailbox", 0.15),
+        ("planter", 0.2),
     ):
         if draw.chance(chance):
             size = (0.6, 1.4, 0.9) if name == "planter" else draw.size_of(name)
@@ -101,6 +101,8 @@ def _signal(builder: Builder, draw: Draw, site: Site, x: float, y: float) -> Non
     """Traffic lights on the sidewalk corners around a crossing."""
     height = draw.between(3.0, 3.8)
     for walk in site.sidewalks:
+        if abs(sin(walk.frame.yaw)) > 0.5:
+            continue  # One light a corner, on the sidewalk of the through road.
         u, v = walk.frame.local(x, y)
         if abs(v) > 12 or abs(u) > walk.size[0] / 2 + 9:
             continue

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+import numpy as np
+
 from aeroscene.geometry import quat_product, rotation_matrix
-from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene import Scene, SceneObject, Vector3
 from aeroscene.shapes import (
     buildings,
     furniture,
@@ -18,7 +20,7 @@ from aeroscene.shapes import (
     vehicles,
 )
 from aeroscene.shapes.look import Look, Shape
-from aeroscene.shapes.primitive import Primitive
+from aeroscene.shapes.primitive import IDENTITY, Part, Primitive, block, centred
 
 SHAPES: Mapping[str, Shape] = MappingProxyType(
     {
@@ -97,6 +99,34 @@ SHAPES: Mapping[str, Shape] = MappingProxyType(
 """The shape of every category."""
 
 
+_LEAST_M = 5e-4
+_SLACK_M = 0.02
+"""By how much a part may stand out of its box: paint on a road, a handle."""
+
+
+def object_parts(category: str, look: Look) -> list[Part]:
+    """Parts of a category at a size; a size too odd for its shape gives a plain box."""
+    parts = SHAPES[category](look)
+    if all(_is_sound(part, look.size_m) for part in parts):
+        return parts
+    x, y, z = look.size_m
+    return [block(centred(x), centred(y), (0.0, z), "concrete")]
+
+
+def _is_sound(part: Part, size_m: Vector3) -> bool:
+    if min(part.size_m) < _LEAST_M:
+        return False
+    extents = part.size_m
+    if part.quat_wxyz != IDENTITY:
+        extents = (np.abs(rotation_matrix(part.quat_wxyz)) @ extents).tolist()
+    x, y, z = part.position_m
+    offsets = (x, y, z - size_m[2] / 2)
+    return all(
+        abs(offset) + extent / 2 <= whole / 2 + _SLACK_M
+        for offset, extent, whole in zip(offsets, extents, size_m, strict=True)
+    )
+
+
 def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
     """Primitives of one object in the world, ENU."""
     box = obj.bbox
@@ -104,7 +134,7 @@ def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
     rows = rotation_matrix(box.q).tolist()
     floor = box.s[2] / 2
     primitives = []
-    for part in SHAPES[obj.category](look):
+    for part in object_parts(obj.category, look):
         x, y, z = part.position_m
         z -= floor
         position = tuple(

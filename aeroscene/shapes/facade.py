@@ -119,12 +119,12 @@ def window_panels(size_x: float, size_y: float, height: float, material: str) ->
         (0.5**0.5, 0.5**0.5, 0.0, 0.0),
     )
     bay_m, storey_m = FACADE_BAY_M
-    rise = max(1, int(height / storey_m)) * storey_m
+    rise = max(1, int(height / storey_m + 1e-6)) * storey_m
     rise = min(rise, height)
     parts: list[Part] = []
     for index, quat in enumerate(quats):
         along = size_y if index < 2 else size_x
-        width = min(along, max(1, int(along / bay_m)) * bay_m)
+        width = min(along, max(1, int(along / bay_m + 1e-6)) * bay_m)
         reach = (size_x if index < 2 else size_y) / 2 - 0.03
         sign = 1 if index % 2 == 0 else -1
         centre = (sign * reach, 0.0, rise / 2) if index < 2 else (0.0, sign * reach, rise / 2)

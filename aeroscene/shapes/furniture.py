@@ -115,10 +115,10 @@ def cabinet(look: Look) -> list[Part]:
     wood = look.choice("wood", WOODS)
     door = "pale_wood" if wood != "pale_wood" else "wood"
     parts = [block((-x / 2, x / 2 - 0.03), centred(y), (0, z), wood)]
-    for side in ((-y / 2 + 0.02, -0.01), (0.01, y / 2 - 0.02)):
-        parts.append(
-            block((x / 2 - 0.03, x / 2 - 0.01), side, (0.06, z - 0.05), door, collides=False)
-        )
+    parts += [
+        block((x / 2 - 0.03, x / 2 - 0.01), side, (0.06, z - 0.05), door, collides=False)
+        for side in ((-y / 2 + 0.02, -0.01), (0.01, y / 2 - 0.02))
+    ]
     parts.append(
         block(
             (x / 2 - 0.01, x / 2),
@@ -135,16 +135,11 @@ def nightstand(look: Look) -> list[Part]:
     """A small chest with two drawers."""
     x, y, z = look.size_m
     parts = [block((-x / 2, x / 2 - 0.02), centred(y), (0, z), look.choice("wood", WOODS))]
-    for low in (0.12 * z, 0.56 * z):
-        parts.append(
-            block(
-                (x / 2 - 0.02, x / 2),
-                centred(0.85 * y),
-                (low, low + 0.34 * z),
-                "dark_wood",
-                collides=False,
-            )
-        )
+    front = (x / 2 - 0.02, x / 2)
+    drawers = [(low, low + 0.34 * z) for low in (0.12 * z, 0.56 * z)]
+    parts += [
+        block(front, centred(0.85 * y), drawer, "dark_wood", collides=False) for drawer in drawers
+    ]
     return parts
 
 

@@ -44,7 +44,7 @@ def parking_lot(look: Look) -> list[Part]:
     """Asphalt with bays for cars along both long (x) sides, cars heading along y."""
     x, y, z = look.size_m
     parts = [block(centred(x), centred(y), (0, z), "asphalt")]
-    n_bays = int(x // BAY_WIDTH_M)
+    n_bays = int((x - 0.1) // BAY_WIDTH_M)
     rows = look.number("rows", 2 if y > 12 else 1)
     for row in range(round(rows)):
         sign = 1 if row == 0 else -1

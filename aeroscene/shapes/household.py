@@ -27,23 +27,23 @@ def armchair(look: Look) -> list[Part]:
 def wardrobe(look: Look) -> list[Part]:
     """A tall case with two doors."""
     x, y, z = look.size_m
-    parts = [block((-x / 2, x / 2 - 0.03), centred(y), (0, z), "pale_wood")]
-    for side in ((-y / 2 + 0.02, -0.01), (0.01, y / 2 - 0.02)):
-        parts.append(
-            block((x / 2 - 0.03, x / 2), side, (0.05, z - 0.04), "plastic_white", collides=False)
-        )
-    return parts
+    front = (x / 2 - 0.03, x / 2)
+    doors = ((-y / 2 + 0.02, -0.01), (0.01, y / 2 - 0.02))
+    return [
+        block((-x / 2, front[0]), centred(y), (0, z), "pale_wood"),
+        *(block(front, door, (0.05, z - 0.04), "plastic_white", collides=False) for door in doors),
+    ]
 
 
 def fridge(look: Look) -> list[Part]:
     """A tall case, freezer door above."""
     x, y, z = look.size_m
-    parts = [block((-x / 2, x / 2 - 0.03), centred(y), (0, z), "metal")]
-    for rise in ((0.03, 0.64 * z), (0.66 * z, z - 0.02)):
-        parts.append(
-            block((x / 2 - 0.03, x / 2), centred(y - 0.02), rise, "plastic_white", collides=False)
-        )
-    return parts
+    front = (x / 2 - 0.03, x / 2)
+    doors = ((0.03, 0.64 * z), (0.66 * z, z - 0.02))
+    return [
+        block((-x / 2, front[0]), centred(y), (0, z), "metal"),
+        *(block(front, centred(y - 0.02), d, "plastic_white", collides=False) for d in doors),
+    ]
 
 
 def stove(look: Look) -> list[Part]:

@@ -62,13 +62,11 @@ def water_tank(look: Look) -> list[Part]:
     diameter = min(x, y)
     frame = 0.25 * z
     reach = 0.3 * diameter
-    parts = [
+    feet = [(sx * reach, sy * reach, frame / 2) for sx in (-1, 1) for sy in (-1, 1)]
+    return [
         cylinder((0, 0, (z + frame) / 2), diameter, z - frame, "corrugated"),
+        *(cylinder(foot, 0.12, frame, "dark_metal") for foot in feet),
     ]
-    for sx in (-1, 1):
-        for sy in (-1, 1):
-            parts.append(cylinder((sx * reach, sy * reach, frame / 2), 0.12, frame, "dark_metal"))
-    return parts
 
 
 def antenna(look: Look) -> list[Part]:

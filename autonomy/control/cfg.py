@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -16,9 +16,11 @@ class ControllerCfg:
     """wx: kx = m wx^2."""
     position_damping: float = 0.9
     """zeta: kv = 2 m zeta wx."""
-    integral_gain: float = 5.0
+    integral_gain: float = 3.0
     """1/s^3: acceleration gained a second and metre of position error."""
-    max_integral_mps2: float = 4.0
+    max_integral_mps2: float = 1.0
+    max_disturbance_mps2: float = 6.0
+    """Horizontal acceleration by wind and the like that is flown against; a quarter vertically."""
     attitude_bandwidth_radps: float = 10.0
     """wR of roll and pitch: kR = J wR^2, kW = 2 J zeta wR."""
     attitude_damping: float = 0.9
@@ -39,7 +41,7 @@ class ControllerCfg:
     """Reference speed per metre left to a bare position setpoint."""
     velocity_response_radps: float = 3.0
     """Rate at which the reference follows a velocity setpoint."""
-    max_acceleration_mps2: float = 4.0
+    max_acceleration_mps2: float = 3.0
     """Horizontal, of the reference towards bare position and velocity setpoints."""
     max_acceleration_vertical_mps2: float = 3.0
     max_jerk_mps3: float = 25.0
@@ -55,10 +57,28 @@ class ControllerCfg:
 
 
 def controller_cfg_for(quadrotor: QuadrotorParams) -> ControllerCfg:
-    """Defaults with the attitude loop as fast as the vehicle's inertia lets it be.
+    """Defaults with attitude loops as fast as the vehicle lets them be.
 
-    The same torque per radian gives 10 rad/s on the Iris; lighter vehicles stop at 16 rad/s, where
-    the lag of their rotors begins to count.
+    Roll and pitch: the same torque per radian gives 10 rad/s on the Iris; lighter vehicles stop at
+    16 rad/s, where the lag of their rotors begins to count. Yaw: what its torque in hover can do.
+    The position loop stays well below the attitude loop.
     """
     bandwidth = 1.7 / math.sqrt(max(quadrotor.inertia_flu_kgm2[:2]))
-    return ControllerCfg(attitude_bandwidth_radps=min(max(bandwidth, 7.0), 16.0))
+    authority = _yaw_authority_radps2(quadrotor)
+    bandwidth = min(max(bandwidth, 7.0), 16.0)
+    return ControllerCfg(
+        position_bandwidth_radps=min(4.0, 0.4 * bandwidth),
+        attitude_bandwidth_radps=bandwidth,
+        yaw_bandwidth_radps=min(5.0, math.sqrt(authority / 0.3)),
+        max_yaw_acceleration_radps2=min(5.0, 0.5 * authority),
+    )
+
+
+def _yaw_authority_radps2(quadrotor: QuadrotorParams) -> float:
+    """Yaw acceleration in hover with every rotor moved as far as the nearer of its limits."""
+    weight_share_n = 0.25 * quadrotor.mass_kg * GRAVITY_MPS2
+    torque_nm = 0.0
+    for rotor in quadrotor.rotors:
+        room_n = rotor.thrust_constant * rotor.max_speed_radps**2 - weight_share_n
+        torque_nm += rotor.torque_per_thrust_m * max(min(room_n, weight_share_n), 0.0)
+    return max(torque_nm / quadrotor.inertia_flu_kgm2[2], 0.1)

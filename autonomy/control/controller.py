@@ -30,7 +30,7 @@ def control(c: np.record, s: np.record, f: np.record, is_new: bool) -> None:
         f: The filter, whose estimate is the state.
         is_new: Whether the setpoint arrived since the tick before.
     """
-    if s.level == _OFF or s.level == _IDLE:
+    if s.level <= _IDLE:
         _rest(c, s.level)
         start_reference(c, f)
     else:
@@ -60,7 +60,7 @@ def _fly(c: np.record, s: np.record, f: np.record, is_new: bool) -> None:
             accept_setpoint(c, s)
         update_reference(c, s, f)
         demand_force(c, f)
-        command_attitude(c)
+        command_attitude(c, f)
         force, R = c.force_enu_mps2, c.R
         along = force[0] * R[0, 2] + force[1] * R[1, 2] + force[2] * R[2, 2]
         c.collective_n = c.mass_kg * max(along, 0.0)

@@ -19,37 +19,64 @@ import numpy as np
 
 from autonomy.jit import kernel
 
-_MAX_INTEGRATED_ERROR_M = 0.5
+_MAX_INTEGRATED_VERTICAL_M = 0.3  # not while a vehicle on the ground lags behind its reference
 _LEAST_VERTICAL_FRACTION = 0.35
+_MAX_FEEDBACK_JERK_MPS3 = 60.0
+_DISTURBANCE_RESPONSE_S = 0.15
 
 
 @kernel
 def demand_force(c: np.record, f: np.record) -> None:
-    """Specific thrust (m/s^2, world) that tracks the reference: eq. (15) over mass, less eq. sign.
+    """Specific thrust (m/s^2, world) that tracks the reference: the bracket of eq. (15) over mass.
 
     Feedback, integral, tilt and thrust are limited; the vertical part keeps a floor, so that a
     fast descent never asks for a steep tilt.
     """
-    force, integral = c.force_enu_mps2, c.integral_mps2
-    e_x = c.target
-    drag = rotor_drag(c)
-    along = 0.0
-    for i in range(3):
-        along += c.R[i, 2] * c.reference_velocity_enu_mps[i]
+    force, e_x = c.force_enu_mps2, c.target
+    estimate_acceleration(c, f)
     for i in range(3):
         e_x[i] = c.reference_position_enu_m[i] - f.position_enu_m[i]
         e_v = c.reference_velocity_enu_mps[i] - f.velocity_enu_mps[i]
         if c.is_free[i] == 1:
             e_x[i] = e_v = 0.0
         force[i] = c.position_gain * e_x[i] + c.velocity_gain * e_v
-    _limit_horizontal(force, c.max_feedback_mps2)
-    force[2] = min(max(force[2], -c.max_feedback_mps2), c.max_feedback_mps2)
+    _limit(force, c.max_feedback_mps2, c.max_feedback_mps2)
     _integrate(c, e_x)
+    drag, along = rotor_drag(c), _along_thrust(c, c.reference_velocity_enu_mps)
     for i in range(3):
         v_perp = c.reference_velocity_enu_mps[i] - along * c.R[i, 2]
-        force[i] += c.reference_acceleration_enu_mps2[i] + integral[i] + drag * v_perp
+        held = c.integral_mps2[i] - c.disturbance_mps2[i]
+        force[i] += c.reference_acceleration_enu_mps2[i] + drag * v_perp + held
     force[2] += c.gravity_mps2
     _limit_force(c)
+
+
+@kernel
+def estimate_acceleration(c: np.record, f: np.record) -> None:
+    """Acceleration by the modelled rotors and what the IMU sees beyond them, such as wind.
+
+    The first part has no delay and no noise, the second is low-passed and limited, since the ground
+    is no disturbance to fly against.
+    """
+    thrust = 0.0
+    for i in range(4):
+        thrust += c.thrust_constant[i] * c.rotor_model_radps[i] * c.rotor_model_radps[i]
+    drag, along = rotor_drag(c), _along_thrust(c, f.velocity_enu_mps)
+    share = min(c.dt_s / _DISTURBANCE_RESPONSE_S, 1.0)
+    for i in range(3):
+        v_perp = f.velocity_enu_mps[i] - along * c.R[i, 2]
+        model = thrust / c.mass_kg * c.R[i, 2] - drag * v_perp
+        if i == 2:
+            model -= c.gravity_mps2
+        error = f.acceleration_enu_mps2[i] - model - c.disturbance_mps2[i]
+        c.disturbance_mps2[i] += share * error
+        c.acceleration_enu_mps2[i] = model + c.disturbance_mps2[i]
+    _limit(c.disturbance_mps2, c.max_disturbance_mps2, 0.25 * c.max_disturbance_mps2)
+
+
+@kernel
+def _along_thrust(c: np.record, vector: np.ndarray) -> float:
+    return c.R[0, 2] * vector[0] + c.R[1, 2] * vector[1] + c.R[2, 2] * vector[2]
 
 
 @kernel
@@ -72,18 +99,19 @@ def _limit_horizontal(vector: np.ndarray, limit: float) -> float:
 
 
 @kernel
+def _limit(vector: np.ndarray, horizontal: float, vertical: float) -> None:
+    _limit_horizontal(vector, horizontal)
+    vector[2] = min(max(vector[2], -vertical), vertical)
+
+
+@kernel
 def _integrate(c: np.record, e_x: np.ndarray) -> None:
-    """Integral action, only where the error is small and the last demand was met."""
-    horizontal = math.sqrt(e_x[0] * e_x[0] + e_x[1] * e_x[1])
-    if c.is_saturated == 1 or horizontal > _MAX_INTEGRATED_ERROR_M:
-        return
-    if abs(e_x[2]) > 0.6 * _MAX_INTEGRATED_ERROR_M:
+    """Integral action, while the demand before was met: what is left by small model errors."""
+    if c.is_saturated == 1 or abs(e_x[2]) > _MAX_INTEGRATED_VERTICAL_M:
         return
     for i in range(3):
         c.integral_mps2[i] += c.integral_gain * e_x[i] * c.dt_s
-    _limit_horizontal(c.integral_mps2, c.max_integral_mps2)
-    limit = c.max_integral_mps2
-    c.integral_mps2[2] = min(max(c.integral_mps2[2], -limit), limit)
+    _limit(c.integral_mps2, c.max_integral_mps2, c.max_integral_mps2)
 
 
 @kernel
@@ -98,11 +126,8 @@ def _limit_force(c: np.record) -> None:
 
 
 @kernel
-def command_attitude(c: np.record) -> None:
-    """R_d and Omega_d from the demanded force, the reference's jerk and yaw: eq. (10).
-
-    The drag that the reference's acceleration builds up counts as jerk.
-    """
+def command_attitude(c: np.record, f: np.record) -> None:
+    """R_d and Omega_d from the demanded force, its derivative and the yaw: eq. (10)."""
     force, Rd = c.force_enu_mps2, c.R_cmd
     norm = math.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2])
     for i in range(3):
@@ -117,18 +142,37 @@ def command_attitude(c: np.record) -> None:
     Rd[0, 0] = Rd[1, 1] * Rd[2, 2] - Rd[2, 1] * Rd[1, 2]
     Rd[1, 0] = Rd[2, 1] * Rd[0, 2] - Rd[0, 1] * Rd[2, 2]
     Rd[2, 0] = Rd[0, 1] * Rd[1, 2] - Rd[1, 1] * Rd[0, 2]
-    drag = rotor_drag(c)
+    _demand_jerk(c, f)
     along_x, along_y = 0.0, 0.0
     for i in range(3):
-        jerk = c.reference_jerk_enu_mps3[i] + drag * c.reference_acceleration_enu_mps2[i]
-        along_x += Rd[i, 0] * jerk
-        along_y += Rd[i, 1] * jerk
+        along_x += Rd[i, 0] * c.target[i]
+        along_y += Rd[i, 1] * c.target[i]
     rate = c.rate_cmd_flu_radps
     rate[0] = -along_y / norm
     rate[1] = along_x / norm
-    x_C_on_x = cy * Rd[0, 0] + sy * Rd[1, 0]
-    y_C_on_z = -sy * Rd[0, 2] + cy * Rd[1, 2]
-    rate[2] = (c.reference_yaw_rate_radps * x_C_on_x + rate[1] * y_C_on_z) / norm_y
+    # from y_B . x_C = 0 at all times; x_B . x_C is norm_y
+    y_C_on_y = -sy * Rd[0, 1] + cy * Rd[1, 1]
+    x_C_on_z = cy * Rd[0, 2] + sy * Rd[1, 2]
+    rate[2] = (c.reference_yaw_rate_radps * y_C_on_y + rate[0] * x_C_on_z) / norm_y
+
+
+@kernel
+def _demand_jerk(c: np.record, f: np.record) -> None:
+    """Derivative of the demanded force, into `c.target`.
+
+    Without that of the feedback the attitude lags by 2 zeta / wR behind it and the position loop
+    rings.
+    """
+    drag = rotor_drag(c)
+    for i in range(3):
+        jerk = 0.0
+        if c.is_free[i] == 0:
+            e_v = c.reference_velocity_enu_mps[i] - f.velocity_enu_mps[i]
+            e_a = c.reference_acceleration_enu_mps2[i] - c.acceleration_enu_mps2[i]
+            jerk = c.position_gain * e_v + c.velocity_gain * e_a
+            jerk = min(max(jerk, -_MAX_FEEDBACK_JERK_MPS3), _MAX_FEEDBACK_JERK_MPS3)
+        drag_jerk = drag * c.reference_acceleration_enu_mps2[i]
+        c.target[i] = c.reference_jerk_enu_mps3[i] + drag_jerk + jerk
 
 
 @kernel

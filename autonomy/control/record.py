@@ -45,6 +45,8 @@ CONTROLLER_DTYPE = np.dtype(
         ("integral_mps2", "f8", 3),
         ("is_saturated", "i8"),
         ("rotor_model_radps", "f8", 4),  # speeds that the commands should have made
+        ("acceleration_enu_mps2", "f8", 3),  # estimated
+        ("disturbance_mps2", "f8", 3),  # of it, what the rotors do not explain
         # what it commands
         ("force_enu_mps2", "f8", 3),  # demanded specific thrust
         ("R_cmd", "f8", (3, 3)),
@@ -73,6 +75,7 @@ CONTROLLER_DTYPE = np.dtype(
         ("velocity_gain", "f8"),
         ("integral_gain", "f8"),
         ("max_integral_mps2", "f8"),
+        ("max_disturbance_mps2", "f8"),
         ("attitude_gain", "f8", 3),
         ("angular_rate_gain", "f8", 3),
         ("rate_level_gain", "f8", 3),
@@ -103,6 +106,7 @@ CONTROLLER_DTYPE = np.dtype(
 _SAME_NAME = (
     "integral_gain",
     "max_integral_mps2",
+    "max_disturbance_mps2",
     "max_feedback_mps2",
     "rotor_response_s",
     "approach_gain_radps",

@@ -36,6 +36,7 @@ def start_reference(c: np.record, f: np.record) -> None:
         c.reference_acceleration_enu_mps2[i] = 0.0
         c.reference_jerk_enu_mps3[i] = 0.0
         c.integral_mps2[i] = 0.0
+        c.disturbance_mps2[i] = 0.0
         c.last_acceleration_enu_mps2[i] = math.nan
     c.reference_yaw_rad = yaw_from_quat(f.quat_wxyz)
     c.reference_yaw_rate_radps = 0.0
@@ -121,9 +122,7 @@ def _aim(c: np.record, s: np.record) -> None:
         square += left * left if math.isfinite(left) else 0.0
     distance = math.sqrt(square)
     # half of the acceleration is left for turning and for the lag of the model
-    speed = min(
-        _approach_speed(distance, gain, 0.5 * c.max_acceleration_mps2), c.max_speed_mps
-    )
+    speed = min(_approach_speed(distance, gain, 0.5 * c.max_acceleration_mps2), c.max_speed_mps)
     for i in range(3):
         left = s.position_enu_m[i] - c.reference_position_enu_m[i]
         v = s.velocity_enu_mps[i]

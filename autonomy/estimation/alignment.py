@@ -40,7 +40,7 @@ def restart_alignment(f: np.record) -> None:
 
 @kernel
 def collect_vector(total: np.ndarray, sample: np.ndarray) -> None:
-    """total += sample, three components."""
+    """Add a sample (3,) to a sum in place."""
     for i in range(3):
         total[i] += sample[i]
 

@@ -39,6 +39,7 @@ FILTER_DTYPE = np.dtype(
         ("accel_bias_flu_mps2", "f8", 3),
         ("baro_offset_m", "f8"),
         ("angular_rate_flu_radps", "f8", 3),  # latest gyro less its bias
+        ("acceleration_enu_mps2", "f8", 3),  # over the last interval
         ("covariance", "f8", (N_STATES, N_STATES)),
         # the estimates of the last ticks, for measurements that arrive late
         ("past_position_enu_m", "f8", (N_PAST, 3)),

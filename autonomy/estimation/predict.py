@@ -34,7 +34,8 @@ def predict(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.ndarray
     for i in range(3):
         force[i] = R[i, 0] * a0 + R[i, 1] * a1 + R[i, 2] * a2
         gravity = f.gravity_mps2 if i == 2 else 0.0
-        step = (force[i] - gravity) * dt
+        f.acceleration_enu_mps2[i] = force[i] - gravity
+        step = f.acceleration_enu_mps2[i] * dt
         f.position_enu_m[i] += (f.velocity_enu_mps[i] + 0.5 * step) * dt
         f.velocity_enu_mps[i] += step
     _rotate_half(f, rate, dt)

@@ -20,9 +20,9 @@ from autonomy.jit import kernel
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.obstacles import Obstacles, gap_to_sphere, plane_to_segment, support
 
-MAX_PLANES = 28
-REACH_M = 6.0
-"""How far a polytope extends beyond its leg along each axis."""
+MAX_PLANES = 20
+REACHES_M = (6.0, 3.0, 1.5, 0.75)
+"""How far a polytope may extend beyond its leg along each axis: the first with few planes enough."""
 _SLACK_M = 1e-6
 
 
@@ -43,16 +43,16 @@ def straighten(
     points_enu_m: Float[np.ndarray, "n 3"],
     obstacles: Obstacles,
     *,
-    comfortable_m: float,
+    enough_m: float,
 ) -> Float[np.ndarray, "m 3"]:
     """Leave out points of a path wherever the straight line costs no clearance.
 
-    A line may replace a part whose smallest distance it does not undercut, up to the comfortable
-    distance, which is enough anywhere.
+    A line may replace a part whose smallest distance it does not undercut, up to what is enough
+    anywhere.
     """
     points = np.ascontiguousarray(points_enu_m, dtype=float)
-    room_m = np.minimum(obstacles.signed_distance(points)[0], comfortable_m)
-    return points[_straighten(points, room_m, obstacles.solids)]
+    room_m = np.minimum(obstacles.signed_distance(points)[0], enough_m)
+    return points[thin_out(points, room_m, obstacles.solids)]
 
 
 def build_corridor(
@@ -80,7 +80,7 @@ def build_corridor(
     """
     planes, gates = [], [legs_enu_m[:1]]
     for a, b in zip(legs_enu_m[:-1], legs_enu_m[1:], strict=True):
-        offered_m = float(_segment_clearance(a, b, wanted_m * 2, obstacles.solids))
+        offered_m = float(segment_clearance(a, b, wanted_m * 2, obstacles.solids))
         if offered_m <= least_m:
             raise CertificateError(
                 f"the leg from ({a[0]:.1f}, {a[1]:.1f}, {a[2]:.1f}) to "
@@ -88,26 +88,36 @@ def build_corridor(
                 f"valid: more than {least_m:.2f} m"
             )
         kept_m = min(wanted_m, (offered_m + least_m) / 2)
-        polytope = _polytope(a, b, kept_m, *_reach_box(a, b, bounds_enu_m), obstacles.solids)
+        polytope = _polytope(a, b, kept_m, bounds_enu_m, obstacles)
         n = max(1, int(np.ceil(np.linalg.norm(b - a) / max_leg_m)))
         planes += [polytope] * n
         gates.append(a + (b - a) * np.arange(1, n + 1)[:, None] / n)
     return Corridor(planes=np.array(planes), gates_enu_m=np.concatenate(gates))
 
 
-def _reach_box(
-    a: np.ndarray, b: np.ndarray, bounds_enu_m: tuple[np.ndarray, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    # The leg itself is always inside, whatever the bounds.
-    return (
-        np.minimum(np.maximum(low - REACH_M, bounds_enu_m[0]), low - 0.05),
-        np.maximum(np.minimum(high + REACH_M, bounds_enu_m[1]), high + 0.05),
+def _polytope(
+    a: np.ndarray,
+    b: np.ndarray,
+    kept_m: float,
+    bounds_enu_m: tuple[np.ndarray, np.ndarray],
+    obstacles: Obstacles,
+) -> np.ndarray:
+    leg_low, leg_high = np.minimum(a, b), np.maximum(a, b)
+    for reach_m in REACHES_M:
+        # The leg itself is always inside, whatever the bounds.
+        low = np.minimum(np.maximum(leg_low - reach_m, bounds_enu_m[0]), leg_low - 0.05)
+        high = np.maximum(np.minimum(leg_high + reach_m, bounds_enu_m[1]), leg_high + 0.05)
+        planes, is_complete = polytope_about(a, b, kept_m, low, high, obstacles.solids)
+        if is_complete:
+            return planes
+    raise CertificateError(
+        f"more than {MAX_PLANES - 6} obstacles crowd the leg to ({b[0]:.1f}, {b[1]:.1f}, "
+        f"{b[2]:.1f}) m; valid: a way through less clutter"
     )
 
 
 @kernel
-def _segment_clearance(p, q, enough, solids):
+def segment_clearance(p, q, enough, solids):
     """Distance from a segment to the nearest solid; `enough` where it is at least that."""
     middle = 0.5 * (p + q)
     half = 0.5 * np.sqrt(np.sum((q - p) ** 2))
@@ -120,7 +130,7 @@ def _segment_clearance(p, q, enough, solids):
 
 
 @kernel
-def _straighten(points, room, solids):
+def thin_out(points, room, solids):
     """Greedy: from each kept point jump to the farthest (by bisection) seen with no less room."""
     kept = [0]
     while kept[-1] < len(points) - 1:
@@ -129,7 +139,7 @@ def _straighten(points, room, solids):
         while beyond - reach > 1:
             to = (reach + beyond) // 2
             needed = room[at : to + 1].min() - _SLACK_M
-            if _segment_clearance(points[at], points[to], needed, solids) >= needed:
+            if segment_clearance(points[at], points[to], needed, solids) >= needed:
                 reach = to
             else:
                 beyond = to
@@ -138,8 +148,12 @@ def _straighten(points, room, solids):
 
 
 @kernel
-def _polytope(p, q, kept, low, high, solids):
-    """Planes about the segment from p to q: a box, then one for each obstacle in the way."""
+def polytope_about(p, q, kept, low, high, solids):
+    """Planes about the segment from p to q: a box, then one for each obstacle in the way.
+
+    Returns:
+        The planes, and whether all that are needed fit.
+    """
     planes = np.zeros((MAX_PLANES, 4))
     planes[6:, 3] = 1.0
     for axis in range(3):
@@ -148,13 +162,15 @@ def _polytope(p, q, kept, low, high, solids):
     near, distance = _separating_planes(p, q, low, high, kept, solids)
     count = 6
     for n in np.argsort(distance):
-        i = int(near[n, 4])
-        if count < MAX_PLANES and not _is_beyond(i, planes[:count], kept, solids):
-            # The normal of the plane on the obstacle points at the vehicle; inside is n.x <= d.
-            planes[count, :3] = -near[n, :3]
-            planes[count, 3] = -near[n, 3] - kept
-            count += 1
-    return planes
+        if _is_beyond(int(near[n, 4]), planes[:count], kept, solids):
+            continue
+        if count == MAX_PLANES:
+            return planes, False
+        # The normal of the plane on the obstacle points at the vehicle; inside is n.x <= d.
+        planes[count, :3] = -near[n, :3]
+        planes[count, 3] = -near[n, 3] - kept
+        count += 1
+    return planes, True
 
 
 @kernel

@@ -96,7 +96,7 @@ class Obstacles:
         Without obstacles the distance is infinite and the index -1.
         """
         points = np.ascontiguousarray(points_enu_m, dtype=float)
-        return _signed_distance(points, self.solids)
+        return distances_to_solids(points, self.solids)
 
 
 def join(groups: Sequence[Obstacles]) -> Obstacles:
@@ -127,7 +127,7 @@ def rotation_matrices(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, 
 
 
 @kernel
-def _signed_distance(points, solids):
+def distances_to_solids(points, solids):
     distance = np.full(len(points), np.inf)
     nearest = np.full(len(points), -1)
     for k in range(len(points)):

@@ -157,7 +157,7 @@ def _attempt(
     )
     points = np.concatenate([ends[:1], field.centres(path[1:-1]), ends[1:]])
     corridor = build_corridor(
-        straighten(points, obstacles, comfortable_m=comfortable_m),
+        straighten(points, obstacles, enough_m=wanted_m + 0.1),
         obstacles,
         field.bounds_enu_m,
         wanted_m=wanted_m,

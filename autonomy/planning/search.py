@@ -43,7 +43,7 @@ def shortest_path(
         UnreachableError: If free cells do not join the two.
     """
     # Backwards: a goal shut in a room empties its room and fails fast, a start rarely is shut in.
-    path = _search(
+    path = search_grid(
         field.distance_m, goal_cell, start_cell, required_m, max(comfortable_m, required_m + 1e-3)
     )
     if len(path) == 0:
@@ -58,7 +58,7 @@ def path_cost(
     field: DistanceField, path: Int[np.ndarray, "n 3"], *, required_m: float, comfortable_m: float
 ) -> float:
     """What `shortest_path` minimises, in cells."""
-    price = np.array([_price(field.distance_m[tuple(c)], required_m, comfortable_m) for c in path])
+    price = np.array([_price.py_func(field.distance_m[tuple(c)], required_m, comfortable_m) for c in path])
     length = np.linalg.norm(np.diff(path, axis=0), axis=1)
     return float(np.sum(length * (price[:-1] + price[1:]) / 2))
 
@@ -88,7 +88,7 @@ def _is_block_free(distance, i0, j0, k0, i1, j1, k1, required):
 
 
 @kernel
-def _search(distance, start, goal, required, comfortable):
+def search_grid(distance, start, goal, required, comfortable):
     """Cells from goal back to start, so from end to end of a search that began at `start`."""
     nx, ny, nz = distance.shape
     cost = np.full(distance.size, np.inf, dtype=np.float32)

@@ -7,7 +7,7 @@ from math import isnan
 from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.mission_places import fence_breach, mission_obstacle
-from flightsim.autopilot.modes import POSITION_MODES, BatteryWarning, Mode
+from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, BatteryWarning, Mode
 from flightsim.autopilot.plant_like import PlantLike
 from flightsim.autopilot.status import Health, PrearmReport
 
@@ -15,7 +15,6 @@ _STALE_US = 1_000_000
 _MAX_TILT_COSINE = 0.5
 _LOW_THROTTLE = 0.1
 _NOT_FOR_TAKEOFF = frozenset({Mode.LAND, Mode.RETURN, Mode.DESCEND, Mode.TERMINATION, Mode.ORBIT})
-_THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
 _GNSS_FIX_3D = 3
 
 
@@ -36,51 +35,54 @@ class ArmingChecks:
             mode: Mode in which the vehicle would be armed.
             is_armed: Whether it already is, so that flying speaks against nothing.
         """
-        sensors = self._plant.sensors
-        vehicle, now_us = self._flight.vehicle, self._flight.vehicle.time_us
-        fix_type = sensors.gnss.fix_type
-        health = Health(
+        reasons = tuple(self._reasons(mode))
+        is_ok = is_armed or not reasons
+        self.report = PrearmReport(is_ok=is_ok, reasons=reasons)
+        self.health = self._health(is_armable=is_ok)
+        return self.report
+
+    def _health(self, *, is_armable: bool) -> Health:
+        flight, vehicle = self._flight, self._flight.vehicle
+        sensors, now_us = self._plant.sensors, vehicle.time_us
+        return Health(
             is_imu_ok=_is_fresh(sensors.imu.time_us, now_us),
             is_mag_ok=_is_fresh(sensors.mag.time_us, now_us),
             is_baro_ok=_is_fresh(sensors.baro.time_us, now_us),
-            is_gnss_ok=_is_fresh(sensors.gnss.time_us, now_us) and fix_type >= _GNSS_FIX_3D,
+            is_gnss_ok=self._has_fix(),
             is_rangefinder_ok=not isnan(sensors.range_m),
             is_attitude_ok=vehicle.is_attitude_ok,
             is_position_ok=vehicle.is_position_ok,
-            is_home_set=self._flight.home is not None,
+            is_home_set=flight.home is not None,
             is_battery_ok=self._battery.warning < BatteryWarning.CRITICAL,
-            is_geofence_ok=fence_breach(self._flight, vehicle.position_enu_m) is None,
+            is_geofence_ok=fence_breach(flight, vehicle.position_enu_m) is None,
+            is_armable=is_armable,
         )
-        reasons = tuple(self._reasons(health, mode))
-        is_armable = is_armed or not reasons
-        if (health, is_armable) != (self.health, self.report.is_ok):
-            self.health = _with_armable(health, is_armable=is_armable)
-        if reasons != self.report.reasons or is_armable != self.report.is_ok:
-            self.report = PrearmReport(is_ok=is_armable, reasons=reasons)
-        return self.report
 
-    def _reasons(self, health: Health, mode: Mode) -> list[str]:
-        flight = self._flight
+    def _has_fix(self) -> bool:
+        gnss = self._plant.sensors.gnss
+        is_fresh = _is_fresh(gnss.time_us, self._flight.vehicle.time_us)
+        return is_fresh and gnss.fix_type >= _GNSS_FIX_3D
+
+    def _reasons(self, mode: Mode) -> list[str]:
+        flight, vehicle, p = self._flight, self._flight.vehicle, self._flight.parameters
         reasons: list[str] = []
-        if not health.is_imu_ok:
-            reasons.append("no data from the IMU")
-        if not health.is_attitude_ok:
+        if not vehicle.is_attitude_ok:
             reasons.append("attitude estimate not valid")
-        elif flight.vehicle.cos_tilt < _MAX_TILT_COSINE:
+        elif vehicle.cos_tilt < _MAX_TILT_COSINE:
             reasons.append("vehicle is tilted by more than 60 degrees")
-        if not health.is_position_ok and (mode in POSITION_MODES or mode is Mode.OFFBOARD):
+        if not vehicle.is_position_ok and (mode in POSITION_MODES or mode is Mode.OFFBOARD):
             reasons.append("position estimate not valid")
-        if not health.is_gnss_ok and flight.parameters["COM_ARM_WO_GPS"] == 0:
+        if p["COM_ARM_WO_GPS"] == 0 and not self._has_fix():
             reasons.append("no satellite fix")
-        if not health.is_battery_ok:
+        if self._battery.warning >= BatteryWarning.CRITICAL:
             reasons.append("battery too low")
-        if not health.is_geofence_ok and flight.parameters["GF_ACTION"] > 1:
+        if p["GF_ACTION"] > 1 and fence_breach(flight, vehicle.position_enu_m):
             reasons.append("outside the geofence")
         if mode in _NOT_FOR_TAKEOFF:
             reasons.append(f"mode {mode.value} is not suitable for takeoff")
         if mode is Mode.MISSION and (obstacle := mission_obstacle(flight)):
             reasons.append(obstacle)
-        if mode in _THRUST_MODES:
+        if mode in THRUST_MODES:
             reasons.extend(self._stick_reasons())
         return reasons
 
@@ -95,8 +97,3 @@ class ArmingChecks:
 
 def _is_fresh(time_us: int, now_us: int) -> bool:
     return now_us - time_us < _STALE_US
-
-
-def _with_armable(health: Health, *, is_armable: bool) -> Health:
-    values = {name: getattr(health, name) for name in Health.__dataclass_fields__}
-    return Health(**{**values, "is_armable": is_armable})

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import hypot, isfinite, isnan
+from collections.abc import Callable, Mapping
+from math import isfinite
 
 from autonomy.model.quadrotor import Vector3
 from autonomy.types import OFF, Setpoint
 from flightsim.autopilot.arming import ArmingChecks
 from flightsim.autopilot.battery_monitor import BatteryMonitor
-from flightsim.autopilot.behaviours.hold import Hold
-from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.behaviours.mission import MissionFlight
-from flightsim.autopilot.behaviours.orbit import Orbit
-from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.commander import Commander
 from flightsim.autopilot.events import Event, EventLog, Severity
 from flightsim.autopilot.failsafes import Failsafes
 from flightsim.autopilot.flight import Flight
-from flightsim.autopilot.mission_places import fence_breach
+from flightsim.autopilot.guided import Guided
 from flightsim.autopilot.modes import (
     BatteryWarning,
     FailsafeReason,
@@ -28,11 +24,11 @@ from flightsim.autopilot.modes import (
 )
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.plant_like import PlantLike
-from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.autopilot.results import ACCEPTED, Reply, denied
 from flightsim.autopilot.status import BatteryView, Health, Home, PrearmReport
 from flightsim.autopilot.streams import DatalinkWatch, Sticks
 from flightsim.autopilot.vehicle import Vehicle
-from flightsim.frames import Geodetic, LocalFrame
+from flightsim.frames import LocalFrame
 from flightsim.vehicles.airframe import Airframe
 
 _GUARD_EVERY = 5
@@ -48,7 +44,13 @@ class Autopilot:
 
     Attributes:
         parameters: Parameters; `set_parameter` or `parameters.set` changes them.
+        mission: Uploaded mission and its progress.
+        fence: Uploaded geofence.
+        rally: Uploaded rally points.
         setpoint: Setpoint that was applied last.
+
+    The requests `takeoff`, `land`, `goto`, `orbit`, `set_yaw`, `set_speed` and `set_home` are those
+    of `flightsim.autopilot.guided.Guided`.
     """
 
     def __init__(
@@ -91,6 +93,14 @@ class Autopilot:
         self.mission = self._flight.mission
         self.fence = self._flight.fence
         self.rally = self._flight.rally
+        guided = Guided(self._flight, self._commander)
+        self.takeoff = guided.takeoff
+        self.land = guided.land
+        self.goto = guided.goto
+        self.orbit = guided.orbit
+        self.set_yaw = guided.set_yaw
+        self.set_speed = guided.set_speed
+        self.set_home = guided.set_home
         self.setpoint: Setpoint = OFF
         self._n_ticks = 0
 
@@ -111,6 +121,10 @@ class Autopilot:
         setpoint = commander.tick()
         self.setpoint = setpoint
         self._plant.apply(setpoint)
+
+    def add_event_listener(self, listener: Callable[[Event], None]) -> None:
+        """Call `listener` with each event when it happens; `pop_events` goes on as before."""
+        self._events.add_listener(listener)
 
     def pop_events(self) -> list[Event]:
         """Events since the last call."""
@@ -150,8 +164,8 @@ class Autopilot:
 
     @property
     def failsafe(self) -> FailsafeReason | None:
-        """Worst failsafe condition that is present."""
-        return self._failsafes.reason
+        """Why a failsafe chose the present mode, else the worst condition that is present."""
+        return self._commander.failsafe or self._failsafes.reason
 
     @property
     def home(self) -> Home | None:
@@ -212,117 +226,9 @@ class Autopilot:
         """Change the mode."""
         return self._commander.request(mode)
 
-    def takeoff(
-        self,
-        altitude_amsl_m: float | None = None,
-        *,
-        yaw_rad: float | None = None,
-        latitude_deg: float | None = None,
-        longitude_deg: float | None = None,
-    ) -> Reply:
-        """Climb, once armed, then go to a place if one is given.
-
-        Without an altitude it climbs by MIS_TAKEOFF_ALT, without a yaw it keeps the heading.
-        """
-        height_m = None
-        if altitude_amsl_m is not None:
-            height_m = altitude_amsl_m - self._flight.frame.origin.altitude_m
-            if not abs(height_m) <= _FARTHEST_M:
-                return denied(f"takeoff altitude {altitude_amsl_m} m is out of range")
-            lowest_m = self._vehicle.position_enu_m[2] + _LEAST_CLIMB_M
-            if self._vehicle.is_landed and height_m < lowest_m:
-                height_m = None
-        place = self._place(latitude_deg, longitude_deg)
-        if place is not None and not hypot(*place) <= _FARTHEST_M:
-            return denied("takeoff place is out of range")
-        behaviour = Takeoff(self._flight, height_m, yaw_rad, place)
-        return self._commander.request(Mode.TAKEOFF, behaviour)
-
-    def land(
-        self,
-        *,
-        latitude_deg: float | None = None,
-        longitude_deg: float | None = None,
-        yaw_rad: float | None = None,
-    ) -> Reply:
-        """Land at a place, or here."""
-        place = self._place(latitude_deg, longitude_deg)
-        if place is not None and not hypot(*place) <= _FARTHEST_M:
-            return denied("landing place is out of range")
-        return self._commander.request(Mode.LAND, Land(self._flight, place, yaw_rad))
-
     def return_to_launch(self) -> Reply:
         """Return home and land."""
         return self._commander.request(Mode.RETURN)
-
-    def goto(
-        self, place: Geodetic, *, yaw_rad: float | None = None, speed_mps: float | None = None
-    ) -> Reply:
-        """Fly to a place and hold there; NaN in the place keeps that coordinate."""
-        if not self.is_armed:
-            return rejected("reposition denied: not armed")
-        target = self._flight.frame.enu_from_geodetic(place)
-        if not all(isnan(c) or abs(c) <= _FARTHEST_M for c in target):
-            return denied("reposition denied: place is out of range")
-        x, y, z = (
-            h if isnan(t) else t for t, h in zip(target, self._vehicle.position_enu_m, strict=True)
-        )
-        breach = fence_breach(self._flight, (x, y, z))
-        if breach is not None and self.parameters["GF_ACTION"] > 1:
-            self._events.say(Severity.CRITICAL, f"Reposition denied: {breach}")
-            return denied(f"reposition denied: {breach}")
-        reply = self._commander.request(Mode.HOLD, Hold(self._flight, target, yaw_rad))
-        if reply.is_accepted and speed_mps is not None and speed_mps > 0.0:
-            self._flight.limits.use_speeds(cruise_mps=speed_mps)
-        return reply
-
-    def orbit(self, centre: Geodetic, *, radius_m: float, speed_mps: float) -> Reply:
-        """Circle a centre; a positive radius is clockwise. NaN in the centre is here."""
-        if not self.is_armed:
-            return rejected("orbit denied: not armed")
-        x, y, z = (
-            h if isnan(t) else t
-            for t, h in zip(
-                self._flight.frame.enu_from_geodetic(centre),
-                self._vehicle.position_enu_m,
-                strict=True,
-            )
-        )
-        if not (1.0 <= abs(radius_m) <= 1000.0 and 0.0 < abs(speed_mps) <= 100.0):
-            return denied(f"orbit of {radius_m} m at {speed_mps} m/s; radius is 1 to 1000 m")
-        if not max(abs(x), abs(y), abs(z)) <= _FARTHEST_M:
-            return denied("orbit denied: centre is out of range")
-        is_clockwise = (radius_m > 0.0) == (speed_mps > 0.0)
-        orbit = Orbit(
-            self._flight, (x, y, z), abs(radius_m), abs(speed_mps), is_clockwise=is_clockwise
-        )
-        return self._commander.request(Mode.ORBIT, orbit)
-
-    def set_yaw(self, yaw_rad: float, *, rate_radps: float | None = None) -> Reply:
-        """Take a heading while holding."""
-        behaviour = self._commander.behaviour
-        if not isinstance(behaviour, Hold) or not self.is_armed or not isfinite(yaw_rad):
-            return rejected("a heading can only be set while holding")
-        behaviour.turn_to(yaw_rad)
-        self._flight.heading.rate_limit_radps = rate_radps
-        return ACCEPTED
-
-    def set_speed(self, speed_mps: float | None) -> Reply:
-        """Fly automatically at a speed; None is MPC_XY_CRUISE."""
-        if speed_mps is not None and not 0.0 < speed_mps <= 100.0:
-            return denied(f"speed {speed_mps} m/s is out of range; valid are 0 to 100")
-        self._flight.limits.use_speeds(cruise_mps=speed_mps)
-        return ACCEPTED
-
-    def set_home(self, place: Geodetic | None) -> Reply:
-        """Set home to a place, or to here."""
-        if place is None and not self._vehicle.is_position_ok:
-            return rejected("no valid position estimate")
-        position = None if place is None else self._flight.frame.enu_from_geodetic(place)
-        if position is not None and not all(abs(c) <= _FARTHEST_M for c in position):
-            return denied("home is out of range")
-        self._flight.move_home(position)
-        return ACCEPTED
 
     def start_mission(self, first: int = 0, last: int | None = None) -> Reply:
         """Fly the mission from one item to another, once armed."""
@@ -397,14 +303,6 @@ class Autopilot:
     def on_link_heartbeat(self, _source: object = None) -> None:
         """Take the heartbeat of a ground station."""
         self._datalink.receive(self._plant.time_us)
-
-    def _place(
-        self, latitude_deg: float | None, longitude_deg: float | None
-    ) -> tuple[float, float] | None:
-        if latitude_deg is None or longitude_deg is None:
-            return None
-        x, y, _ = self._flight.frame.enu_from_geodetic(Geodetic(latitude_deg, longitude_deg, 0.0))
-        return (x, y)
 
     def _refresh_reports(self) -> None:
         self._battery.update(self._plant.battery, is_armed=self.is_armed)

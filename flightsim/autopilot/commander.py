@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
 from autonomy.types import IDLE, OFF, Setpoint
 from flightsim.autopilot.arming import ArmingChecks
 from flightsim.autopilot.behaviours import Behaviour
 from flightsim.autopilot.behaviours.hold import Hold
-from flightsim.autopilot.behaviours.land import Descend, Land
-from flightsim.autopilot.behaviours.manual import Manual, StickGuided
-from flightsim.autopilot.behaviours.mission import MissionFlight
+from flightsim.autopilot.behaviours.land import Descend
+from flightsim.autopilot.behaviours.manual import Manual
 from flightsim.autopilot.behaviours.offboard import Offboard
-from flightsim.autopilot.behaviours.return_home import ReturnHome
-from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.failsafes import Action, Failsafes
+from flightsim.autopilot.failsafes import BATTERY_REASONS, Action, Failsafes
 from flightsim.autopilot.flight import Flight
-from flightsim.autopilot.mission_places import mission_obstacle
+from flightsim.autopilot.flight_limits import Speeds
+from flightsim.autopilot.mode_entry import behaviour_of, may_enter
 from flightsim.autopilot.modes import POSITION_MODES, STICK_MODES, FailsafeReason, Mode
-from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.autopilot.results import ACCEPTED, Reply, rejected
 from flightsim.autopilot.vehicle import TICK_S
 
-_THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
 _WITHOUT_REFERENCES = (Offboard, Manual, Descend)
 _ONE_FLIGHT_MODES = frozenset(
     {Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.DESCEND, Mode.TERMINATION}
@@ -40,21 +34,6 @@ _ACTION_MODES = {
 _MEASURES = {Mode.RETURN: Action.RETURN, Mode.LAND: Action.LAND, Mode.DESCEND: Action.DESCEND}
 """Modes that are themselves as strong a measure as an action."""
 
-_BEHAVIOURS: dict[Mode, Callable[[Flight], Behaviour]] = {
-    Mode.TAKEOFF: Takeoff,
-    Mode.LAND: Land,
-    Mode.RETURN: ReturnHome,
-    Mode.MISSION: MissionFlight,
-    Mode.OFFBOARD: Offboard,
-    Mode.DESCEND: Descend,
-    Mode.ALTITUDE: partial(StickGuided, holds_position=False),
-    Mode.POSITION: partial(StickGuided, holds_position=True),
-    Mode.MANUAL: partial(Manual, is_acro=False),
-    Mode.STABILIZED: partial(Manual, is_acro=False),
-    Mode.ACRO: partial(Manual, is_acro=True),
-}
-"""How each mode flies unless a request says more; hold for the others."""
-
 
 class Commander:
     """The state of the vehicle as a whole.
@@ -66,6 +45,7 @@ class Commander:
         armed_at_us: When it was armed; None while disarmed.
         took_off_at_us: When it left the ground in this armed period, if it did.
         n_arms: How often it has been armed.
+        failsafe: Why the present mode was entered, if a failsafe chose it.
     """
 
     def __init__(self, flight: Flight, checks: ArmingChecks, failsafes: Failsafes) -> None:
@@ -81,6 +61,7 @@ class Commander:
         self._is_idle = True
         self._idle_s = 0.0
         self._failsafe_action = Action.WARN
+        self.failsafe: FailsafeReason | None = None
         self._was_landed = True
 
     def arm(self, *, is_forced: bool) -> Reply:
@@ -100,8 +81,7 @@ class Commander:
         self.took_off_at_us = None
         self._idle_s = 0.0
         self._is_idle = self._was_landed = self._flight.vehicle.is_landed
-        self._failsafes.clear()
-        self._failsafe_action = Action.WARN
+        self._forget_failsafes()
         home = self._flight.home
         if self._flight.vehicle.is_position_ok and (home is None or not home.is_manual):
             self._flight.move_home(None, is_manual=False)
@@ -122,16 +102,16 @@ class Commander:
             return rejected("disarming denied: not landed")
         self.is_armed = False
         self.armed_at_us = None
-        self._failsafes.clear()
+        self._forget_failsafes()
         self._flight.target_enu_m = None
-        self._flight.limits.use_speeds()
+        self._flight.limits.speeds = Speeds()
         mission = self._flight.mission
         is_over = self.mode is Mode.MISSION and mission.is_finished
         if mission.is_finished:
             mission.rewind()
         if self.mode in _ONE_FLIGHT_MODES or is_over:
             self.mode = Mode.HOLD
-        self.behaviour = self._behaviour_of(self.mode)
+        self.behaviour = behaviour_of(self.mode, self._flight)
         self._flight.events.say(Severity.INFO, f"Disarmed by {why}")
         return ACCEPTED
 
@@ -142,15 +122,19 @@ class Commander:
             mode: The mode.
             behaviour: How to fly in it, unless as usual.
         """
-        if mode is self.mode and behaviour is None and mode is not Mode.HOLD:
+        is_restart = mode is Mode.HOLD or (
+            mode is Mode.MISSION and self._flight.mission.is_finished
+        )
+        if mode is self.mode and behaviour is None and not is_restart:
             return ACCEPTED
-        reply = self._may_enter(mode, is_by_mode=behaviour is None)
+        reply = may_enter(mode, self._flight, is_armed=self.is_armed, is_bare=behaviour is None)
         if not reply.is_accepted:
             self._flight.events.say(
                 Severity.CRITICAL, f"Switching to {mode.value} denied: {reply.reason}"
             )
             return reply
         self._failsafe_action = Action.WARN
+        self.failsafe = None
         self._enter(mode, behaviour)
         return ACCEPTED
 
@@ -186,38 +170,24 @@ class Commander:
         for reason, action in self._failsafes.update(self.mode):
             self._act(reason, action)
 
-    def _may_enter(self, mode: Mode, *, is_by_mode: bool) -> Reply:
-        flight = self._flight
-        if mode in {Mode.DESCEND, Mode.TERMINATION} or (mode is Mode.ORBIT and is_by_mode):
-            return denied(f"{mode.value} is no mode to switch to")
-        needs_position = mode in POSITION_MODES
-        if needs_position and not flight.vehicle.is_position_ok:
-            return rejected("no valid position estimate")
-        if mode is Mode.MISSION and (obstacle := mission_obstacle(flight)):
-            return denied(obstacle)
-        if mode is Mode.OFFBOARD and not flight.offboard.is_alive(flight.vehicle.time_us):
-            return rejected("no offboard setpoints arrive")
-        is_thrust = mode in _THRUST_MODES and self.is_armed
-        if is_thrust and not flight.sticks.is_alive(flight.vehicle.time_us):
-            return rejected("no manual control")
-        return ACCEPTED
-
     def _enter(self, mode: Mode, behaviour: Behaviour | None) -> None:
         flight = self._flight
         if mode is not self.mode:
-            flight.limits.use_speeds()
+            flight.limits.speeds = Speeds()
             flight.heading.rate_limit_radps = None
         has_references = not isinstance(self.behaviour, _WITHOUT_REFERENCES)
         self.mode = mode
-        self.behaviour = behaviour or self._behaviour_of(mode)
+        self.behaviour = behaviour or behaviour_of(mode, flight)
         if not self.is_armed or (flight.vehicle.is_landed and self._is_idle):
             return
         if not has_references:
             flight.start_references_here()
         self.behaviour.start()
 
-    def _behaviour_of(self, mode: Mode) -> Behaviour:
-        return _BEHAVIOURS.get(mode, Hold)(self._flight)
+    def _forget_failsafes(self) -> None:
+        self._failsafes.clear()
+        self._failsafe_action = Action.WARN
+        self.failsafe = None
 
     def _follow_landing(self) -> None:
         """Notice that the vehicle left the ground or came back to it."""
@@ -274,12 +244,15 @@ class Commander:
         """Do what a new failsafe condition asks for, unless something stronger is under way."""
         flight = self._flight
         if action is Action.WARN:
+            if reason in BATTERY_REASONS:
+                return
             flight.events.say(Severity.WARNING, f"Failsafe warning: {reason.value}")
             return
         mode = self._mode_for(action)
         if action <= max(self._failsafe_action, _MEASURES.get(self.mode, Action.WARN)):
             return
         self._failsafe_action = action
+        self.failsafe = reason
         if action is Action.DISARM:
             flight.events.say(Severity.EMERGENCY, f"Failsafe activated: {reason.value}, disarming")
             self.disarm(is_forced=True, why="failsafe")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum, unique
+from math import cos, radians
 
 from autonomy.types import ControlLevel
 from flightsim.autopilot.battery_monitor import BatteryMonitor
@@ -65,6 +66,14 @@ _FENCE_ACTIONS = {
     4: Action.TERMINATE,
     5: Action.LAND,
 }
+BATTERY_REASONS = frozenset(
+    {
+        FailsafeReason.BATTERY_LOW,
+        FailsafeReason.BATTERY_CRITICAL,
+        FailsafeReason.BATTERY_EMERGENCY,
+    }
+)
+"""The battery monitor has its own words for these."""
 _GOING_DOWN = frozenset({Mode.RETURN, Mode.LAND, Mode.DESCEND, Mode.TERMINATION})
 _POSITION_GRACE_S = 0.5
 
@@ -80,7 +89,9 @@ class Failsafes:
         self._had_sticks = False
         self._was_link_lost = False
         self._position_lost_us: int | None = None
+        self._toppled_us: int | None = None
         self._checks: tuple[tuple[FailsafeReason, Callable[[Mode], Action | None]], ...] = (
+            (FailsafeReason.CRASHED, self._toppled),
             (FailsafeReason.POSITION_LOST, self._position),
             (FailsafeReason.BATTERY_EMERGENCY, self._battery_emergency),
             (FailsafeReason.BATTERY_CRITICAL, self._battery_critical),
@@ -93,16 +104,15 @@ class Failsafes:
 
     @property
     def reason(self) -> FailsafeReason | None:
-        """The present condition with the strongest measure; None if all is well."""
-        if not self._present:
-            return None
-        return max(self._present, key=lambda reason: self._present[reason])
+        """The present condition with the strongest measure; None if none asks for any."""
+        worst = max(self._present, key=lambda reason: self._present[reason], default=None)
+        return None if worst is None or self._present[worst] is Action.WARN else worst
 
     def clear(self) -> None:
         """Forget all conditions, as at arming and disarming."""
         self._present.clear()
         self._had_sticks = False
-        self._position_lost_us = None
+        self._position_lost_us = self._toppled_us = None
 
     def watch_links(self) -> None:
         """Say when ground stations fall silent or come back; armed or not."""
@@ -134,6 +144,17 @@ class Failsafes:
         if len(news) > 1:
             news.sort(key=lambda pair: -pair[1])
         return news
+
+    def _toppled(self, mode: Mode) -> Action | None:
+        vehicle, p = self._flight.vehicle, self._flight.parameters
+        limit_rad = radians(p["FD_FAIL_R"])
+        if mode is Mode.ACRO or limit_rad == 0.0 or vehicle.cos_tilt > cos(limit_rad):
+            self._toppled_us = None
+            return None
+        if self._toppled_us is None:
+            self._toppled_us = vehicle.time_us
+        toppled_s = 1e-6 * (vehicle.time_us - self._toppled_us)
+        return Action.DISARM if toppled_s >= p["FD_FAIL_R_TTRI"] else None
 
     def _position(self, mode: Mode) -> Action | None:
         vehicle = self._flight.vehicle

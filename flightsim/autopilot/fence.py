@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from autonomy.model.quadrotor import Vector3
-from flightsim.autopilot.mission import (
+from flightsim.autopilot.mission_check import check_horizontal_place
+from flightsim.autopilot.mission_item import (
     Cmd,
     MissionError,
     MissionFault,
     MissionItem,
-    check_horizontal_place,
 )
 from flightsim.frames import Geodetic, LocalFrame
 

@@ -2,8 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from flightsim.autopilot.limits import MotionLimits
 from flightsim.autopilot.parameters import Parameters
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Speeds:
+    """Speeds of automatic flight that a client or a mission asks for; None is the parameter's."""
+
+    cruise_mps: float | None = None
+    climb_mps: float | None = None
+    descent_mps: float | None = None
 
 
 class FlightLimits:
@@ -17,44 +28,26 @@ class FlightLimits:
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        self._cruise_mps: float | None = None
-        self._climb_mps: float | None = None
-        self._descent_mps: float | None = None
+        self._speeds = Speeds()
         self._build()
         parameters.add_listener(lambda _spec, _value: self._build())
 
-    def use_speeds(
-        self,
-        *,
-        cruise_mps: float | None = None,
-        climb_mps: float | None = None,
-        descent_mps: float | None = None,
-    ) -> None:
-        """Set the speeds of automatic flight; None is the parameter's."""
-        wanted = (cruise_mps, climb_mps, descent_mps)
-        if wanted != (self._cruise_mps, self._climb_mps, self._descent_mps):
-            self._cruise_mps, self._climb_mps, self._descent_mps = wanted
-            self._build()
+    @property
+    def speeds(self) -> Speeds:
+        """Speeds asked for; setting them takes effect at once."""
+        return self._speeds
 
-    def change_speeds(
-        self,
-        *,
-        cruise_mps: float | None = None,
-        climb_mps: float | None = None,
-        descent_mps: float | None = None,
-    ) -> None:
-        """Set some of the speeds of automatic flight; None leaves one as it is."""
-        self.use_speeds(
-            cruise_mps=cruise_mps or self._cruise_mps,
-            climb_mps=climb_mps or self._climb_mps,
-            descent_mps=descent_mps or self._descent_mps,
-        )
+    @speeds.setter
+    def speeds(self, speeds: Speeds) -> None:
+        if speeds != self._speeds:
+            self._speeds = speeds
+            self._build()
 
     def _build(self) -> None:
         p = self._parameters
-        speed_xy_mps = min(self._cruise_mps or p["MPC_XY_CRUISE"], p["MPC_XY_VEL_MAX"])
-        climb_mps = self._climb_mps or p["MPC_Z_V_AUTO_UP"]
-        descent_mps = self._descent_mps or p["MPC_Z_V_AUTO_DN"]
+        speed_xy_mps = min(self._speeds.cruise_mps or p["MPC_XY_CRUISE"], p["MPC_XY_VEL_MAX"])
+        climb_mps = self._speeds.climb_mps or p["MPC_Z_V_AUTO_UP"]
+        descent_mps = self._speeds.descent_mps or p["MPC_Z_V_AUTO_DN"]
         acceleration_mps2, jerk_mps3 = p["MPC_ACC_HOR"], p["MPC_JERK_AUTO"]
         self.automatic = self._limits(
             speed_xy_mps, climb_mps, descent_mps, acceleration_mps2, jerk_mps3

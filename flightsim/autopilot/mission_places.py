@@ -6,7 +6,7 @@ from math import hypot, isnan, radians
 
 from autonomy.model.quadrotor import Vector3
 from flightsim.autopilot.flight import Flight
-from flightsim.autopilot.mission import (
+from flightsim.autopilot.mission_item import (
     FRAME_GLOBAL,
     FRAME_LOCAL_NED,
     IGNORED_COMMANDS,

@@ -32,6 +32,9 @@ STICK_MODES = frozenset(
 )
 """Modes in which a pilot's sticks steer."""
 
+THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
+"""Modes in which the throttle is thrust, so that they cannot do without sticks."""
+
 POSITION_MODES = frozenset(
     {
         Mode.POSITION,
@@ -75,6 +78,7 @@ class FailsafeReason(Enum):
     MANUAL_CONTROL_LOST = "manual control lost"
     POSITION_LOST = "position estimate lost"
     GEOFENCE = "geofence breached"
+    CRASHED = "vehicle toppled"
     BATTERY_LOW = "battery low"
     BATTERY_CRITICAL = "battery critical"
     BATTERY_EMERGENCY = "battery at emergency level"

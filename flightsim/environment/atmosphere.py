@@ -26,7 +26,9 @@ def temperature_k(altitude_m: float) -> float:
 @kernel
 def pressure_pa(altitude_m: float) -> float:
     """Static pressure at an altitude above mean sea level, Pa."""
-    return SEA_LEVEL_PRESSURE_PA * (temperature_k(altitude_m) / SEA_LEVEL_TEMPERATURE_K) ** _EXPONENT
+    return (
+        SEA_LEVEL_PRESSURE_PA * (temperature_k(altitude_m) / SEA_LEVEL_TEMPERATURE_K) ** _EXPONENT
+    )
 
 
 @kernel

@@ -15,9 +15,10 @@ from flightsim.mavlink.service import Handler, send
 # burst 6, offset 8..11, data from 12.
 _HEADER_BYTES = 12
 _PAYLOAD_BYTES = 251
-_TERMINATE_SESSION, _RESET_SESSIONS, _LAST_REQUEST = 1, 2, 15
+_NONE, _TERMINATE_SESSION, _RESET_SESSIONS, _LAST_REQUEST = 0, 1, 2, 15
 _ACK, _NAK = 128, 129
-_UNKNOWN_COMMAND, _FILE_NOT_FOUND = 7, 10
+_LIST_DIRECTORY = 3
+_END_OF_FILE, _UNKNOWN_COMMAND, _FILE_NOT_FOUND = 6, 7, 10
 _KNOWN_OPCODES = range(_LAST_REQUEST + 1)
 
 
@@ -54,9 +55,15 @@ def _answer(request: list[int]) -> bytes:
     answer[0:2] = sequence.to_bytes(2, "little")
     answer[2], answer[5] = session, opcode
     answer[8:12] = bytes(request[8:_HEADER_BYTES])
-    if opcode in {0, _TERMINATE_SESSION, _RESET_SESSIONS}:
+    if opcode in {_NONE, _TERMINATE_SESSION, _RESET_SESSIONS}:
         answer[3] = _ACK
         return bytes(answer)
     answer[3], answer[4] = _NAK, 1
-    answer[12] = _FILE_NOT_FOUND if opcode in _KNOWN_OPCODES else _UNKNOWN_COMMAND
+    answer[12] = _refusal(opcode, bytes(request[_HEADER_BYTES : _HEADER_BYTES + request[4]]))
     return bytes(answer)
+
+
+def _refusal(opcode: int, path: bytes) -> int:
+    if opcode == _LIST_DIRECTORY and not path.strip(b"/.\0"):
+        return _END_OF_FILE  # the root is there, and empty
+    return _FILE_NOT_FOUND if opcode in _KNOWN_OPCODES else _UNKNOWN_COMMAND

@@ -23,10 +23,18 @@ class StatustextSender:
     def __init__(self, partners: Partners) -> None:
         self._partners = partners
         self._last_id = 0
+        self._said_in_tick: set[str] = set()
         self.listeners: list[Callable[[Severity, str], None]] = []
 
+    def end_tick(self) -> None:
+        """From now on what was said may be said again."""
+        self._said_in_tick.clear()
+
     def say(self, severity: Severity, text: str) -> None:
-        """Send one line of at most 250 bytes; what is longer is cut."""
+        """Send one line of at most 250 bytes; what is longer is cut, repetitions are dropped."""
+        if text in self._said_in_tick:
+            return
+        self._said_in_tick.add(text)
         for listener in self.listeners:
             listener(severity, text)
         for payload in self._payloads(severity, text.encode()[:_LONGEST_BYTES]):

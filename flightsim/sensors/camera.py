@@ -177,19 +177,19 @@ class PoseCopy:
     could touch the flight's last bits, so cameras do it in data of their own.
     """
 
-    def __init__(self, world: World) -> None:
-        self._model = world.model
-        self.data = world.new_data()
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model = model
+        self.data = mujoco.MjData(model)
+        mujoco.mj_forward(model, self.data)
 
-    def update(self, data: mujoco.MjData) -> mujoco.MjData:
-        """The copy, at the state of `data`."""
+    def update(self, data: mujoco.MjData) -> None:
+        """Take the state of `data`, of this model or of one with the same moving bodies."""
         self.data.qpos[:] = data.qpos
         if self._model.nmocap:
             self.data.mocap_pos[:] = data.mocap_pos
             self.data.mocap_quat[:] = data.mocap_quat
         mujoco.mj_kinematics(self._model, self.data)
         mujoco.mj_camlight(self._model, self.data)
-        return self.data
 
     def viewpoint(self, camera_name: str) -> Viewpoint:
         """Where a camera of the model is now."""

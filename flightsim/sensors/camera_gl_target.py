@@ -10,11 +10,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from flightsim.looks import FINE
 from flightsim.sensors.camera import Quality, Viewpoint
 
 _FINE_SAMPLES = 8
-_FINE_SLICES = 40
-_FINE_STACKS = 24
 _FINE_SHADOW_SIZE = 8192
 _MIN_SHADOW_RADIUS_M = 12.0
 _MAX_SHADOW_RADIUS_M = 90.0
@@ -53,12 +52,13 @@ class GlTarget:
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         # The buffer as it is, 1 near and 0 far: the other mapping rounds distance away.
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
     def read(self, scene: mujoco.MjvScene) -> tuple[np.ndarray, np.ndarray]:
         """Draw and read back: rgb (h, w, 3) and the depth buffer (h, w), 1 near to 0 far."""
         rgb = np.empty((*self._shape, 3), dtype=np.uint8)
         depth = np.empty(self._shape, dtype=np.float32)
+        # Another target of the same GL context may have been drawn since.
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         mujoco.mjr_render(self._rect, scene, self._context)
         mujoco.mjr_readPixels(rgb, depth, self._rect, self._context)
         # OpenGL's first row is the bottom one.
@@ -94,8 +94,8 @@ def _context_settings(
         detail = model.vis.quality
         settings += [
             (detail, "offsamples", _FINE_SAMPLES),
-            (detail, "numslices", _FINE_SLICES),
-            (detail, "numstacks", _FINE_STACKS),
+            (detail, "numslices", FINE.slices),
+            (detail, "numstacks", FINE.stacks),
             (detail, "shadowsize", _FINE_SHADOW_SIZE),
         ]
     saved = [(owner, name, getattr(owner, name)) for owner, name, _ in settings]

@@ -1,7 +1,7 @@
 """RGB-D by ray casting with Embree: for machines where no OpenGL library loads.
 
-Depth and object ids are those of the OpenGL renderer; the colours are plain (a material's mean
-colour, sun, ambient light, sky), without textures.
+Depth and object ids are those of the OpenGL renderer; the colours are plain (material, sun, ambient
+light, sky), without textures.
 """
 
 from __future__ import annotations
@@ -80,8 +80,7 @@ class _Body:
         triangles = np.concatenate(parts)
         counts = [len(part) for part in parts]
         self._geom_id = np.append(np.repeat(geom_ids, counts), _NOTHING).astype(np.int32)
-        colours = _geom_colours(model)[geom_ids]
-        self._colours = np.repeat(colours, counts, axis=0)
+        self._colours = np.repeat(model.geom_rgba[geom_ids, :3], counts, axis=0)
         normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         self._normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
         self._light = light
@@ -119,7 +118,7 @@ class RaycastCameraRenderer:
         self.reason = reason
         self._world = world
         self._width, self._height = width, height
-        self._poses = PoseCopy(world)
+        self._poses = PoseCopy(world.model)
         model = world.model
         light = _Light(model)
         self._surroundings: list[_Body] = []
@@ -187,27 +186,5 @@ def _visible_geoms(model: mujoco.MjModel, body_id: int) -> list[int]:
     return [
         g
         for g in range(first, first + count)
-        if model.geom_group[g] in visible and _opacity(model, g) >= _MIN_OPACITY
+        if model.geom_group[g] in visible and model.geom_rgba[g, 3] >= _MIN_OPACITY
     ]
-
-
-def _opacity(model: mujoco.MjModel, geom_id: int) -> float:
-    material_id = int(model.geom_matid[geom_id])
-    rgba = model.geom_rgba[geom_id] if material_id < 0 else model.mat_rgba[material_id]
-    return float(rgba[3])
-
-
-def _geom_colours(model: mujoco.MjModel) -> np.ndarray:
-    """(ngeom, 3) float32: colour of each geom; of a textured one, the mean of its texture."""
-    colours = model.geom_rgba[:, :3].astype(np.float32).copy()
-    by_material = model.mat_rgba[:, :3].astype(np.float32).copy()
-    for material_id in range(model.nmat):
-        texture_id = int(model.mat_texid[material_id, mujoco.mjtTextureRole.mjTEXROLE_RGB])
-        if texture_id >= 0:
-            first = int(model.tex_adr[texture_id])
-            n_pixels = int(model.tex_width[texture_id]) * int(model.tex_height[texture_id])
-            pixels = model.tex_data[first : first + 3 * n_pixels].reshape(n_pixels, 3)
-            by_material[material_id] *= pixels.mean(axis=0) / 255.0
-    has_material = model.geom_matid >= 0
-    colours[has_material] = by_material[model.geom_matid[has_material]]
-    return colours

@@ -19,6 +19,8 @@ EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
 
 _BOX = re.compile(r"[╭╮╰╯│─]+")
+# Where a configuration refuses itself, tyro names the dataclass, which tells a user nothing.
+_DATACLASS = re.compile(r"^Error parsing \w+: ")
 
 
 def parse(command: Callable[..., Command], prog: str, args: list[str] | None = None) -> Command:
@@ -51,4 +53,5 @@ def _one_line(tyro_box: str) -> str:
     """What tyro says inside the first compartment of its error box, on one line."""
     lines = tyro_box.splitlines()[1:]
     end = next((i for i, line in enumerate(lines) if "───" in line), len(lines))
-    return " ".join(_BOX.sub("", line).strip() for line in lines[:end]).strip().rstrip(".")
+    text = " ".join(_BOX.sub("", line).strip() for line in lines[:end])
+    return _DATACLASS.sub("", text.strip().rstrip("."))

@@ -36,7 +36,7 @@ class Flats:
             second = _BAY_M * 3
             v = depth - 1.5 - second / 2
             u = draw.between(-0.5, 0.5) * (width - second - 2)
-            if draw.chance(0.4):
+            if draw.chance(0.55):
                 height = draw.between(16, 21)
                 attributes: dict[str, AttributeValue] = {"colour": draw.one_of(WALL_COLOURS)}
                 ground.erect("tower", u, v, (second, second, height), attributes=attributes)
@@ -75,7 +75,7 @@ class Flats:
             ground.stand("bin", draw.between(-0.9, 0.9) * half, depth - 0.7)
         ground.stand("mailbox", draw.between(-0.8, 0.8) * half, 0.6)
         ground.plant_trees(draw.count(2, 5))
-        ground.scatter("bush", draw.count(2, 4))
+        ground.scatter("bush", draw.count(0, 3))
         for _ in range(draw.count(1, 2)):
             turn = STREETWARD if draw.chance(0.5) else STREETWARD + QUARTER
             ground.stand("bench", draw.between(-0.8, 0.8) * half, 0.55 * depth, turn=turn)

@@ -111,4 +111,4 @@ class Houses:
                 )
         ground.plant_trees(draw.count(2, 4), back)
         ground.plant_trees(draw.count(0, 2), (-half, half, 0.3, 5.0))
-        ground.scatter("bush", draw.count(3, 6))
+        ground.scatter("bush", draw.count(1, 4))

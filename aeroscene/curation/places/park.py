@@ -35,6 +35,8 @@ class Park:
             size = (draw.between(3.5, 6), draw.between(4, 7), draw.between(0.4, 0.9))
             v = depth * draw.between(0.3, 0.75)
             self._stage = self._on_lawn("deck", -side * half * 0.6, v, size)
+            if self._stage:
+                self._steps(self._stage)
         colour: dict[str, AttributeValue] = {"colour": draw.one_of(PAINT_COLOURS)}
         name, size = ("kiosk", (2.6, 3.2, 2.8)) if draw.chance(0.5) else ("canopy", (4, 5, 3.2))
         self._on_lawn(name, -side * half * 0.6, 3.2, size, colour)
@@ -55,6 +57,19 @@ class Park:
             parent=ground.surface,
         )
 
+    def _steps(self, stage: Placed) -> None:
+        """Steps up to the stage on its front."""
+        self.ground.builder.place(
+            "stairs",
+            stage.frame,
+            stage.size[0] / 2 + 0.45,
+            0.0,
+            (0.9, 1.8, stage.size[2]),
+            base=stage.base,
+            turn=pi,
+            parent=self.ground.surface,
+        )
+
     def _on_lawn(
         self,
         name: str,
@@ -69,7 +84,7 @@ class Park:
         """Benches and bins along the path, trees and bushes on the green."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
-        for index in range(draw.count(3, 5)):
+        for index in range(draw.count(2, 4)):
             sign = 1 if index % 2 else -1
             v = depth * (0.12 + 0.19 * index)
             turn = pi if sign > 0 else 0.0
@@ -85,7 +100,7 @@ class Park:
                 base=self._stage.top,
                 parent=self._stage,
             )
-        ground.plant_trees(draw.count(4, 6))
-        ground.plant_trees(draw.count(3, 5), (-half, half, 0.5 * depth, depth))
-        ground.scatter("bush", draw.count(4, 8))
+        ground.plant_trees(draw.count(3, 5))
+        ground.plant_trees(draw.count(2, 4), (-half, half, 0.5 * depth, depth))
+        ground.scatter("bush", draw.count(2, 6))
         ground.stand("sign", self._path_u + 1.7, 0.7)

@@ -71,7 +71,7 @@ class Parking:
         if self._lot is None:
             return
         lot = self._lot
-        n_bays = int(lot.size[0] // BAY_WIDTH_M)
+        n_bays = int((lot.size[0] - 0.1) // BAY_WIDTH_M)
         share = draw.between(0.3, 0.55)
         for row in (-1, 1):
             for bay in range(n_bays):

@@ -73,13 +73,13 @@ class Yard:
             "truck", draw.between(-0.4, 0.4) * half, 3.0, truck, turn=turn, attributes=colour
         )
         ground.stand("van", draw.between(-0.6, 0.6) * half, 6.5, turn=turn)
-        for name, low, high in (("pallet", 3, 5), ("crate", 2, 4), ("barrel", 2, 5)):
+        for name, low, high in (("pallet", 2, 4), ("crate", 2, 3), ("barrel", 2, 3)):
             ground.scatter(name, draw.count(low, high), near=(-half, half, 4.0, depth))
         ground.stand("sign", 0.85 * half, 0.6, turn=STREETWARD)
 
     def _stock(self, hall: Placed) -> None:
         """Shelves along the walls, pallets in the middle, a desk in a corner."""
-        ground, draw = self.ground, self.ground.draw
+        draw = self.ground.draw
         x, y, _ = hall.size
         for sign in (-1, 1):
             for slot in (-0.25, 0.05, 0.3):

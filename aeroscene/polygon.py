@@ -1,0 +1,57 @@
+"""Outlines in the plane without any dependency: opening a scene should not load a library."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+Point = tuple[float, float]
+
+
+def _edges(outline: Sequence[Point]) -> list[tuple[Point, Point]]:
+    return [*pairwise(outline), (outline[-1], outline[0])]
+
+
+def signed_area(outline: Sequence[Point]) -> float:
+    """Area in the outline, positive when it runs counter-clockwise, m2."""
+    return 0.5 * sum(a[0] * b[1] - b[0] * a[1] for a, b in _edges(outline))
+
+
+def _turn(a: Point, b: Point, c: Point) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def is_simple(outline: Sequence[Point]) -> bool:
+    """Whether no two edges cross that are not neighbours; convex outlines take the short way."""
+    edges = _edges(outline)
+    turns = [_turn(a, b, d) for (a, b), (_, d) in zip(edges, edges[1:] + edges[:1], strict=True)]
+    if min(turns) >= 0 and _winding_turns(edges) == 1:
+        return True
+    count = len(edges)
+    for i, (a, b) in enumerate(edges):
+        for c, d in edges[i + 2 : count - (i == 0)]:
+            if _turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0:
+                return False
+    return len(set(outline)) == count
+
+
+def _winding_turns(edges: Sequence[tuple[Point, Point]]) -> int:
+    headings = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in edges]
+    total = sum((second - first) % (2 * math.pi) for first, second in pairwise(headings))
+    total += (headings[0] - headings[-1]) % (2 * math.pi)
+    return round(total / (2 * math.pi))
+
+
+def distance_inside(outline: Sequence[Point], x: float, y: float) -> float:
+    """Distance from a point to the outline, negative when the point lies outside."""
+    nearest, is_inside = math.inf, False
+    for (ax, ay), (bx, by) in _edges(outline):
+        dx, dy = bx - ax, by - ay
+        length_squared = dx * dx + dy * dy
+        t = 0.0 if length_squared == 0 else ((x - ax) * dx + (y - ay) * dy) / length_squared
+        t = min(1.0, max(0.0, t))
+        nearest = min(nearest, math.hypot(ax + t * dx - x, ay + t * dy - y))
+        if (ay > y) != (by > y) and x < ax + (y - ay) * dx / dy:
+            is_inside = not is_inside
+    return nearest if is_inside else -nearest

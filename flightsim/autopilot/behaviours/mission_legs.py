@@ -1,0 +1,145 @@
+"""Legs of a mission: how each kind of item is flown, and when it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import copysign, inf, isnan, radians
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.autopilot.behaviours import Behaviour
+from flightsim.autopilot.behaviours.hold import Hold
+from flightsim.autopilot.behaviours.land import Land
+from flightsim.autopilot.behaviours.orbit import Orbit
+from flightsim.autopilot.behaviours.takeoff import Takeoff
+from flightsim.autopilot.behaviours.waypoint import WaypointLeg
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.heading import wrap_angle
+from flightsim.autopilot.mission_item import PLACE_COMMANDS, Cmd, MissionItem
+from flightsim.autopilot.mission_places import place_after, place_of, yaw_of
+
+WAITS = frozenset({Cmd.DELAY, Cmd.CONDITION_DELAY})
+"""Items that only take time, in the air or on the ground."""
+LEG_COMMANDS = PLACE_COMMANDS | WAITS | {Cmd.CONDITION_YAW}
+"""Items that take time; all others are carried out at once."""
+
+_LEAST_TURN_RADIUS_M = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A behaviour that flies an item."""
+
+    behaviour: Behaviour
+    is_done: Callable[[], bool]
+    passed_enu_m: Vector3 | None = None
+    """Waypoint that the leg ends at without a stop: the next line starts there."""
+
+
+def seconds(value: float) -> float:
+    """A duration of an item; not given or negative is none."""
+    return 0.0 if isnan(value) else max(value, 0.0)
+
+
+def loiter_leg(flight: Flight) -> Leg:
+    """Stay here when the mission has nothing left."""
+    return Leg(Hold(flight), _never)
+
+
+def climb_leg(flight: Flight, item: MissionItem) -> Leg:
+    """Climb to an item's height from the ground, for missions that begin without a takeoff."""
+    least_m = flight.path.position_enu_m[2] + flight.parameters["MIS_TAKEOFF_ALT"]
+    return _takeoff_leg(Takeoff(flight, max(least_m, place_of(item, flight)[2])))
+
+
+def leg_of(
+    index: int,
+    item: MissionItem,
+    flight: Flight,
+    *,
+    line_start_enu_m: Vector3 | None,
+    may_pass: bool,
+) -> Leg:
+    """The leg that flies an item.
+
+    Args:
+        index: The item's place in the mission.
+        item: An item of `LEG_COMMANDS`.
+        flight: Shared state.
+        line_start_enu_m: Waypoint passed before without a stop, if any.
+        may_pass: Whether the mission goes on after this item, so that it need not stop.
+    """
+    yaw_rad = yaw_of(item.param4) if item.command in PLACE_COMMANDS else None
+    match item.command:
+        case Cmd.TAKEOFF:
+            return _takeoff_leg(Takeoff(flight, place_of(item, flight)[2], yaw_rad))
+        case Cmd.LAND:
+            x, y, _ = place_of(item, flight)
+            return Leg(Land(flight, None if item.is_here else (x, y), yaw_rad), _never)
+        case Cmd.LOITER_TURNS:
+            return _circle_leg(item, flight)
+        case Cmd.DELAY | Cmd.CONDITION_DELAY | Cmd.CONDITION_YAW:
+            return _pause_leg(item, flight)
+    radius_m, hold_s, next_goal = flight.parameters["NAV_ACC_RAD"], 0.0, None
+    goal = place_of(item, flight)
+    match item.command:
+        case Cmd.WAYPOINT:
+            hold_s = seconds(item.param1)
+            radius_m = item.param2 if item.param2 > 0.0 else radius_m
+            if hold_s == 0.0 and may_pass:
+                next_goal = place_after(index, flight, goal[2])
+        case Cmd.LOITER_TIME:
+            hold_s = seconds(item.param1)
+        case Cmd.LOITER_UNLIMITED:
+            hold_s = inf
+    leg = WaypointLeg(
+        flight,
+        goal,
+        radius_m=radius_m,
+        hold_s=hold_s,
+        yaw_rad=yaw_rad,
+        line_start_enu_m=line_start_enu_m,
+        next_goal_enu_m=next_goal,
+    )
+    return Leg(leg, lambda: leg.is_done, None if next_goal is None else goal)
+
+
+def _never() -> bool:
+    return False
+
+
+def _takeoff_leg(takeoff: Takeoff) -> Leg:
+    return Leg(takeoff, lambda: takeoff.next_mode is not None)
+
+
+def _circle_leg(item: MissionItem, flight: Flight) -> Leg:
+    radius_m = 0.0 if isnan(item.param3) else abs(item.param3)
+    orbit = Orbit(
+        flight,
+        place_of(item, flight),
+        max(radius_m or flight.parameters["NAV_LOITER_RAD"], _LEAST_TURN_RADIUS_M),
+        inf,
+        is_clockwise=copysign(1.0, item.param3) > 0.0,
+    )
+    return Leg(orbit, lambda: orbit.turns >= item.param1)
+
+
+def _pause_leg(item: MissionItem, flight: Flight) -> Leg:
+    leg = WaypointLeg(
+        flight,
+        flight.path.stopping_point(flight.limits.automatic),
+        radius_m=inf,
+        hold_s=seconds(item.param1) if item.command in WAITS else 0.0,
+        yaw_rad=_turn_of(item, flight),
+    )
+    return Leg(leg, lambda: leg.is_done)
+
+
+def _turn_of(item: MissionItem, flight: Flight) -> float | None:
+    """ENU heading of a yaw item: absolute by compass, or relative to the present one."""
+    if item.command != Cmd.CONDITION_YAW:
+        return None
+    if item.param4 != 1.0:
+        return yaw_of(item.param1)
+    side = -1.0 if item.param3 < 0.0 else 1.0
+    return wrap_angle(flight.heading.yaw_rad - side * radians(item.param1))

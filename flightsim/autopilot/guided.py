@@ -1,0 +1,152 @@
+"""Requests to fly somewhere: takeoff, landing, reposition, orbit, heading, speed, home."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import hypot, isfinite, isnan
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.autopilot.behaviours.hold import Hold
+from flightsim.autopilot.behaviours.land import Land
+from flightsim.autopilot.behaviours.orbit import Orbit
+from flightsim.autopilot.behaviours.takeoff import Takeoff
+from flightsim.autopilot.commander import Commander
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_limits import Speeds
+from flightsim.autopilot.mission_places import fence_breach
+from flightsim.autopilot.modes import Mode
+from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.frames import Geodetic
+
+_FARTHEST_M = 1e5
+_LEAST_CLIMB_M = 0.3
+
+
+class Guided:
+    """Turns places on the globe into behaviours, and refuses those that make no sense."""
+
+    def __init__(self, flight: Flight, commander: Commander) -> None:
+        self._flight = flight
+        self._commander = commander
+
+    def takeoff(
+        self,
+        altitude_amsl_m: float | None = None,
+        *,
+        yaw_rad: float | None = None,
+        latitude_deg: float | None = None,
+        longitude_deg: float | None = None,
+    ) -> Reply:
+        """Climb, once armed, then go to a place if one is given.
+
+        Without an altitude it climbs by MIS_TAKEOFF_ALT, without a yaw it keeps the heading.
+        """
+        height_m = None
+        if altitude_amsl_m is not None:
+            height_m = altitude_amsl_m - self._flight.frame.origin.altitude_m
+            if not abs(height_m) <= _FARTHEST_M:
+                return denied(f"takeoff altitude {altitude_amsl_m} m is out of range")
+            lowest_m = self._flight.vehicle.position_enu_m[2] + _LEAST_CLIMB_M
+            if self._flight.vehicle.is_landed and height_m < lowest_m:
+                height_m = None
+        place = self._place(latitude_deg, longitude_deg)
+        if place is not None and not hypot(*place) <= _FARTHEST_M:
+            return denied("takeoff place is out of range")
+        behaviour = Takeoff(self._flight, height_m, yaw_rad, place)
+        return self._commander.request(Mode.TAKEOFF, behaviour)
+
+    def land(
+        self,
+        *,
+        latitude_deg: float | None = None,
+        longitude_deg: float | None = None,
+        yaw_rad: float | None = None,
+    ) -> Reply:
+        """Land at a place, or here."""
+        place = self._place(latitude_deg, longitude_deg)
+        if place is not None and not hypot(*place) <= _FARTHEST_M:
+            return denied("landing place is out of range")
+        return self._commander.request(Mode.LAND, Land(self._flight, place, yaw_rad))
+
+    def goto(
+        self, place: Geodetic, *, yaw_rad: float | None = None, speed_mps: float | None = None
+    ) -> Reply:
+        """Fly to a place and hold there; NaN in the place keeps that coordinate."""
+        flight = self._flight
+        if not self._commander.is_armed:
+            return rejected("reposition denied: not armed")
+        target = flight.frame.enu_from_geodetic(place)
+        filled = self._filled(target)
+        if not _is_near(filled):
+            return denied("reposition denied: place is out of range")
+        breach = fence_breach(flight, filled)
+        if breach is not None and flight.parameters["GF_ACTION"] > 1:
+            flight.events.say(Severity.CRITICAL, f"Reposition denied: {breach}")
+            return denied(f"reposition denied: {breach}")
+        reply = self._commander.request(Mode.HOLD, Hold(flight, target, yaw_rad))
+        if reply.is_accepted and speed_mps is not None and speed_mps > 0.0:
+            flight.limits.speeds = replace(flight.limits.speeds, cruise_mps=speed_mps)
+        return reply
+
+    def orbit(self, centre: Geodetic, *, radius_m: float, speed_mps: float) -> Reply:
+        """Circle a centre; a positive radius is clockwise. NaN in the centre is here."""
+        flight = self._flight
+        if not self._commander.is_armed:
+            return rejected("orbit denied: not armed")
+        if not (1.0 <= abs(radius_m) <= 1000.0 and 0.0 < abs(speed_mps) <= 100.0):
+            return denied(f"orbit of {radius_m} m at {speed_mps} m/s; radius is 1 to 1000 m")
+        filled = self._filled(flight.frame.enu_from_geodetic(centre))
+        if not _is_near(filled):
+            return denied("orbit denied: centre is out of range")
+        is_clockwise = (radius_m > 0.0) == (speed_mps > 0.0)
+        orbit = Orbit(flight, filled, abs(radius_m), abs(speed_mps), is_clockwise=is_clockwise)
+        return self._commander.request(Mode.ORBIT, orbit)
+
+    def set_yaw(self, yaw_rad: float, *, rate_radps: float | None = None) -> Reply:
+        """Take a heading while holding."""
+        behaviour = self._commander.behaviour
+        if not isinstance(behaviour, Hold) or not self._commander.is_armed or not isfinite(yaw_rad):
+            return rejected("a heading can only be set while holding")
+        behaviour.turn_to(yaw_rad)
+        self._flight.heading.rate_limit_radps = rate_radps
+        return ACCEPTED
+
+    def set_speed(self, speed_mps: float | None) -> Reply:
+        """Fly automatically at a speed; None is MPC_XY_CRUISE."""
+        if speed_mps is not None and not 0.0 < speed_mps <= 100.0:
+            return denied(f"speed {speed_mps} m/s is out of range; valid are 0 to 100")
+        self._flight.limits.speeds = Speeds(cruise_mps=speed_mps)
+        return ACCEPTED
+
+    def set_home(self, place: Geodetic | None) -> Reply:
+        """Set home to a place, or to here."""
+        if place is None and not self._flight.vehicle.is_position_ok:
+            return rejected("no valid position estimate")
+        position = None if place is None else self._flight.frame.enu_from_geodetic(place)
+        if position is not None and not _is_near(position):
+            return denied("home is out of range")
+        self._flight.move_home(position)
+        return ACCEPTED
+
+    def _filled(self, position_enu_m: Vector3) -> Vector3:
+        """A position with the vehicle's own coordinates where it has NaN."""
+        x, y, z = position_enu_m
+        here = self._flight.vehicle.position_enu_m
+        return (
+            here[0] if isnan(x) else x,
+            here[1] if isnan(y) else y,
+            here[2] if isnan(z) else z,
+        )
+
+    def _place(
+        self, latitude_deg: float | None, longitude_deg: float | None
+    ) -> tuple[float, float] | None:
+        if latitude_deg is None or longitude_deg is None:
+            return None
+        x, y, _ = self._flight.frame.enu_from_geodetic(Geodetic(latitude_deg, longitude_deg, 0.0))
+        return (x, y)
+
+
+def _is_near(position_enu_m: Vector3) -> bool:
+    return all(abs(c) <= _FARTHEST_M for c in position_enu_m)

@@ -1,0 +1,133 @@
+"""Mission items as ground stations write them, and what can be wrong with them.
+
+The numbers of commands and frames are those of the common MAVLink mission protocol, which is the
+language that missions are written in; nothing else of MAVLink is here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum, IntEnum, unique
+
+
+class Cmd(IntEnum):
+    """Mission commands that act, and those that are accepted and have nothing to act on."""
+
+    WAYPOINT = 16
+    LOITER_UNLIMITED = 17
+    LOITER_TURNS = 18
+    LOITER_TIME = 19
+    RETURN = 20
+    LAND = 21
+    TAKEOFF = 22
+    LOITER_TO_ALTITUDE = 31
+    DELAY = 93
+    CONDITION_DELAY = 112
+    CONDITION_DISTANCE = 114
+    CONDITION_YAW = 115
+    JUMP = 177
+    CHANGE_SPEED = 178
+    SET_HOME = 179
+    LAND_START = 189
+    FENCE_RETURN_POINT = 5000
+    FENCE_POLYGON_INCLUSION = 5001
+    FENCE_POLYGON_EXCLUSION = 5002
+    FENCE_CIRCLE_INCLUSION = 5003
+    FENCE_CIRCLE_EXCLUSION = 5004
+    RALLY_POINT = 5100
+
+
+PLACE_COMMANDS = frozenset(
+    {
+        Cmd.WAYPOINT,
+        Cmd.LOITER_UNLIMITED,
+        Cmd.LOITER_TURNS,
+        Cmd.LOITER_TIME,
+        Cmd.LOITER_TO_ALTITUDE,
+        Cmd.LAND,
+        Cmd.TAKEOFF,
+    },
+)
+"""Items that fly somewhere."""
+
+IGNORED_COMMANDS = frozenset(
+    # servo, relay, region of interest, camera, gimbal, gripper, parachute off, video, trigger
+    {181, 182, 183, 184, 195, 196, 197, 201, 202, 203, 204, 205, 206, 207, 211, 214, 530, 531, 532}
+    | {1000, 1001, 2000, 2001, 2003, 2500, 2501},
+)
+"""Items for payloads that this vehicle does not carry: taken, and skipped in flight."""
+
+FRAME_GLOBAL = frozenset({0, 5})
+"""Altitude above mean sea level."""
+FRAME_RELATIVE = frozenset({3, 6})
+"""Altitude above home."""
+FRAME_TERRAIN = frozenset({10, 11})
+"""Altitude above terrain, which is taken as that of home."""
+FRAME_LOCAL_NED = 1
+FRAME_MISSION = 2
+FRAME_LOCAL_ENU = 4
+GEODETIC_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
+
+
+@unique
+class MissionFault(Enum):
+    """What kind of thing is wrong with an item."""
+
+    UNSUPPORTED_COMMAND = "unsupported command"
+    UNSUPPORTED_FRAME = "unsupported frame"
+    INVALID_PARAM = "invalid parameter"
+    NO_SPACE = "too many items"
+    INVALID_SEQUENCE = "invalid sequence"
+
+
+class MissionError(ValueError):
+    """Items were refused; the ones stored before remain.
+
+    Attributes:
+        fault: What kind of thing is wrong.
+        index: Index of the first bad item, or None if it is the whole list.
+        param: 1 to 7, the bad parameter of that item (5, 6, 7 are x, y, z), or None.
+    """
+
+    def __init__(
+        self, fault: MissionFault, message: str, *, index: int | None, param: int | None = None
+    ) -> None:
+        super().__init__(message)
+        self.fault = fault
+        self.index = index
+        self.param = param
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MissionItem:
+    """One item of a mission, fence or rally list, as it travels.
+
+    `x`, `y` are latitude and longitude in degrees in global frames, else metres of the local
+    frame that `frame` names. NaN in a parameter means "not given".
+    """
+
+    frame: int
+    command: int
+    param1: float = math.nan
+    param2: float = math.nan
+    param3: float = math.nan
+    param4: float = math.nan
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    is_autocontinue: bool = True
+
+    @property
+    def is_geodetic(self) -> bool:
+        """Whether `x` and `y` are degrees."""
+        return self.frame in GEODETIC_FRAMES
+
+    @property
+    def is_here(self) -> bool:
+        """Whether the item names no horizontal place and means wherever the vehicle is."""
+        return (
+            math.isnan(self.x)
+            or math.isnan(self.y)
+            or (self.is_geodetic and self.x == 0.0 and self.y == 0.0)
+        )

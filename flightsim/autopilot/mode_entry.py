@@ -1,0 +1,62 @@
+"""Which modes may be entered now, and how each of them flies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from flightsim.autopilot.behaviours import Behaviour
+from flightsim.autopilot.behaviours.hold import Hold
+from flightsim.autopilot.behaviours.land import Descend, Land
+from flightsim.autopilot.behaviours.manual import Manual, StickGuided
+from flightsim.autopilot.behaviours.mission import MissionFlight
+from flightsim.autopilot.behaviours.offboard import Offboard
+from flightsim.autopilot.behaviours.return_home import ReturnHome
+from flightsim.autopilot.behaviours.takeoff import Takeoff
+from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.mission_places import mission_obstacle
+from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, Mode
+from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+
+_BEHAVIOURS: dict[Mode, Callable[[Flight], Behaviour]] = {
+    Mode.TAKEOFF: Takeoff,
+    Mode.LAND: Land,
+    Mode.RETURN: ReturnHome,
+    Mode.MISSION: MissionFlight,
+    Mode.OFFBOARD: Offboard,
+    Mode.DESCEND: Descend,
+    Mode.ALTITUDE: partial(StickGuided, holds_position=False),
+    Mode.POSITION: partial(StickGuided, holds_position=True),
+    Mode.MANUAL: partial(Manual, is_acro=False),
+    Mode.STABILIZED: partial(Manual, is_acro=False),
+    Mode.ACRO: partial(Manual, is_acro=True),
+}
+"""How each mode flies unless a request says more; hold for the others."""
+
+
+def behaviour_of(mode: Mode, flight: Flight) -> Behaviour:
+    """A new behaviour for a mode."""
+    return _BEHAVIOURS.get(mode, Hold)(flight)
+
+
+def may_enter(mode: Mode, flight: Flight, *, is_armed: bool, is_bare: bool) -> Reply:
+    """Whether a client may change to a mode now.
+
+    Args:
+        mode: The mode.
+        flight: Shared state.
+        is_armed: Whether the vehicle is armed.
+        is_bare: Whether nothing but the mode was asked for, no place and no circle.
+    """
+    now_us = flight.vehicle.time_us
+    if mode in {Mode.DESCEND, Mode.TERMINATION} or (mode is Mode.ORBIT and is_bare):
+        return denied(f"{mode.value} is no mode to switch to")
+    if mode in POSITION_MODES and not flight.vehicle.is_position_ok:
+        return rejected("no valid position estimate")
+    if mode is Mode.MISSION and (obstacle := mission_obstacle(flight)):
+        return denied(obstacle)
+    if mode is Mode.OFFBOARD and not flight.offboard.is_alive(now_us):
+        return rejected("no offboard setpoints arrive")
+    if mode in THRUST_MODES and is_armed and not flight.sticks.is_alive(now_us):
+        return rejected("no manual control")
+    return ACCEPTED

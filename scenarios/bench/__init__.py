@@ -1,0 +1,1 @@
+"""How fast this is on this machine: benchmarks that fly for real."""

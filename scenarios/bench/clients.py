@@ -1,0 +1,118 @@
+"""Real clients for a benchmark: a process that reads MAVLink on UDP ports and says hello.
+
+Run as `python -m scenarios.bench.clients N`: opens N ports, prints them, reads until its standard
+input ends, then prints how much came. In a process of its own, so that its work is not counted.
+"""
+
+from __future__ import annotations
+
+import selectors
+import socket
+import subprocess
+import sys
+import time
+from typing import Self
+
+LOOPBACK = "127.0.0.1"
+_HEARTBEAT_PERIOD_S = 0.5
+_BUFFER_BYTES = 1 << 22
+
+
+class Clients:
+    """The process, seen from the benchmark.
+
+    Attributes:
+        ports: Where the clients listen.
+    """
+
+    def __init__(self, count: int) -> None:
+        """Start the clients."""
+        self._process = subprocess.Popen(  # noqa: S603 - arguments are ours
+            [sys.executable, "-m", __name__, str(count)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            # Ctrl-C is the benchmark's; the clients end with their standard input.
+            start_new_session=True,
+        )
+        assert self._process.stdout is not None
+        self.ports = tuple(int(port) for port in self._process.stdout.readline().split())
+
+    def close(self) -> int:
+        """End the clients.
+
+        Returns:
+            MAVLink messages that they received.
+        """
+        out, _ = self._process.communicate()
+        return int(out or 0)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        if self._process.poll() is None:
+            self._process.communicate()
+
+
+def main() -> None:
+    """Read until standard input ends."""
+    sockets = [_open() for _ in range(int(sys.argv[1]))]
+    print(*(s.getsockname()[1] for s in sockets), flush=True)  # noqa: T201 - its interface
+    print(_serve(sockets))  # noqa: T201
+
+
+def _open() -> socket.socket:
+    client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER_BYTES)
+    client.bind((LOOPBACK, 0))
+    client.setblocking(False)
+    return client
+
+
+def _serve(sockets: list[socket.socket]) -> int:
+    n_messages = 0
+    addresses: dict[socket.socket, tuple[str, int]] = {}
+    heartbeat = _heartbeat()
+    heartbeat_due_s = 0.0
+    with selectors.DefaultSelector() as selector:
+        selector.register(sys.stdin, selectors.EVENT_READ)
+        for client in sockets:
+            selector.register(client, selectors.EVENT_READ)
+        while True:
+            for key, _ in selector.select(_HEARTBEAT_PERIOD_S):
+                if key.fileobj is sys.stdin:
+                    return n_messages
+                client = key.fileobj
+                assert isinstance(client, socket.socket)
+                data, addresses[client] = client.recvfrom(65536)
+                n_messages += count_messages(data)
+            if time.monotonic() >= heartbeat_due_s:
+                heartbeat_due_s = time.monotonic() + _HEARTBEAT_PERIOD_S
+                for client, address in addresses.items():
+                    client.sendto(heartbeat, address)
+
+
+def count_messages(datagram: bytes) -> int:
+    """MAVLink 2 frames in a datagram, by their lengths."""
+    n_messages, start = 0, 0
+    while start + 12 <= len(datagram) and datagram[start] == 0xFD:
+        is_signed = datagram[start + 2] & 1
+        start += 12 + datagram[start + 1] + 13 * is_signed
+        n_messages += 1
+    return n_messages
+
+
+def _heartbeat() -> bytes:
+    """A ground station's."""
+    from pymavlink.dialects.v20 import common  # noqa: PLC0415 - in the child only
+
+    sender = common.MAVLink(None, srcSystem=255, srcComponent=190)
+    message = sender.heartbeat_encode(
+        common.MAV_TYPE_GCS, common.MAV_AUTOPILOT_INVALID, 0, 0, common.MAV_STATE_ACTIVE
+    )
+    return message.pack(sender)
+
+
+if __name__ == "__main__":
+    main()

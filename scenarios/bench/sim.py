@@ -1,0 +1,284 @@
+"""`bench sim`: the whole stack in a scene, then its parts, in simulated seconds per CPU second."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from aeroscene.scene import Scene
+from aeroscene.shapes import scene_primitives
+from aeroscene.sources import open_scene
+from autonomy.types import ControlLevel, Setpoint
+from flightsim.autopilot.modes import LandedState
+from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.links import UdpLink
+from flightsim.plant import Plant, PlantCfg, compile_kernels
+from flightsim.simulator import Observer
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import World, build_world
+from scenarios.bench.clients import Clients
+from scenarios.bench.launch import seconds_to_first_heartbeat
+from scenarios.bench.row import Row
+from scenarios.cameras import Cameras
+from scenarios.testbench import Testbench, TestbenchCfg
+
+TICK_US = 20_000
+LEAST_SPEED = 30.0
+"""Simulated seconds per CPU second that the whole stack without cameras should reach."""
+LONGEST_LAUNCH_S = 3.0
+CAMERA_HZ = 10
+_CAMERA_SHARE = 0.2
+"""Of the benchmark's length: flights with cameras take long."""
+_READY_S = 30.0
+_CLEARANCE_M = 5.0
+"""Above everything, so that nothing is in the way."""
+_CLIMB_S = 30.0
+_CLIMB_M = 10.0
+_LEG_S = 5.0
+_CORNERS_M = ((10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0))
+_N_STEPS = 20_000
+_SPEED_UNIT = "simulated s / CPU s"
+
+
+class BenchError(RuntimeError):
+    """A benchmark whose flight did not happen."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimBenchCfg:
+    """What to fly, and for how long."""
+
+    scene: str
+    vehicle: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Flight:
+    """What a flight cost."""
+
+    sim_s: float
+    cpu_s: float
+    wall_s: float
+    shares_us: dict[str, float]
+    """Wall time of a tick by part."""
+    n_messages: int
+
+
+def rows(cfg: SimBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
+    """Run every part of the benchmark.
+
+    Args:
+        cfg: What to fly.
+        on_progress: Called before each part with its title and the share done.
+
+    Raises:
+        BenchError: If the vehicle does not fly.
+    """
+    scene = open_scene(cfg.scene)
+    compile_kernels()
+    on_progress("whole stack", 0.0)
+    yield from _whole_stack(cfg, scene)
+    on_progress("plant alone", 0.25)
+    world = build_world(scene, airframe_by_name(cfg.vehicle))
+    yield _plant_alone(world, cfg.seconds)
+    on_progress("physics alone", 0.35)
+    yield _physics_alone(world)
+    on_progress("recording", 0.4)
+    yield _recorded(cfg, scene, camera_hz=0)
+    on_progress("recording with cameras", 0.55)
+    yield _recorded(cfg, scene, camera_hz=CAMERA_HZ)
+    on_progress("launch", 0.9)
+    yield Row(
+        metric="launch to first heartbeat",
+        value=seconds_to_first_heartbeat(cfg.scene, cfg.vehicle),
+        unit="s",
+        target=LONGEST_LAUNCH_S,
+        better="lower",
+    )
+    on_progress("done", 1.0)
+
+
+def _whole_stack(cfg: SimBenchCfg, scene: Scene) -> Iterator[Row]:
+    flight = _fly(cfg, scene, cfg.seconds)
+    yield Row(
+        metric="whole stack, two UDP clients",
+        value=flight.sim_s / flight.cpu_s,
+        unit=_SPEED_UNIT,
+        target=LEAST_SPEED,
+    )
+    yield Row(
+        metric="whole stack, by the wall clock",
+        value=flight.sim_s / flight.wall_s,
+        unit="simulated s / wall s",
+    )
+    for part, tick_us in flight.shares_us.items():
+        yield Row(metric=f"tick of 20 ms: {part}", value=tick_us, unit="us", better="lower")
+    yield Row(
+        metric="MAVLink received by both clients",
+        value=flight.n_messages / flight.sim_s,
+        unit="messages / simulated s",
+    )
+
+
+def _fly(
+    cfg: SimBenchCfg,
+    scene: Scene,
+    seconds: float,
+    equip: Callable[[Testbench, ExitStack], Iterable[Observer]] | None = None,
+) -> _Flight:
+    """Take off and fly round a square with two clients listening; only the flight is timed."""
+    observers: list[Observer] = []
+    bench_cfg = TestbenchCfg(scene=cfg.scene, vehicle=cfg.vehicle, speed="max")
+    with Clients(2) as clients, ExitStack() as stack:
+        gcs, sdk = (
+            UdpLink(local_port=0, remote_port=port, profile=profile)
+            for port, profile in zip(clients.ports, ("normal", "onboard"), strict=True)
+        )
+        bench = stack.enter_context(
+            Testbench(
+                bench_cfg,
+                scene=scene,
+                has_network=False,
+                extra_links=(gcs, sdk),
+                observers=observers,
+            )
+        )
+        if equip is not None:
+            observers += equip(bench, stack)
+        _take_off(bench)
+        before, start_us = bench.simulator.timing, bench.plant.time_us
+        cpu_s, wall_s = time.process_time(), time.perf_counter()
+        _fly_square(bench, seconds)
+        cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
+        after, sim_s = bench.simulator.timing, (bench.plant.time_us - start_us) * 1e-6
+        n_ticks = after.n_steps - before.n_steps
+        parts = {
+            "plant": after.plant_s - before.plant_s,
+            "autopilot": after.autopilot_s - before.autopilot_s,
+            "MAVLink": after.mavlink_s - before.mavlink_s,
+            "observers": after.observers_s - before.observers_s,
+        }
+        stack.close()
+        return _Flight(
+            sim_s,
+            cpu_s,
+            wall_s,
+            {part: 1e6 * part_s / n_ticks for part, part_s in parts.items()},
+            clients.close(),
+        )
+
+
+def _take_off(bench: Testbench) -> None:
+    simulator, plant, autopilot = bench.simulator, bench.plant, bench.autopilot
+    while not autopilot.prearm.is_ok and plant.time_us < _READY_S * 1e6:
+        simulator.run(until_us=plant.time_us + 25 * TICK_US)
+    roofs_m = max(o.bbox.p[2] + o.bbox.s[2] / 2 for o in bench.scene.objects)
+    altitude_m = bench.scene.altitude_m + roofs_m + _CLEARANCE_M
+    for reply in (autopilot.takeoff(altitude_m), autopilot.arm()):
+        if not reply.is_accepted:
+            raise BenchError(f"take-off refused: {reply.reason}")
+    simulator.run(until_us=plant.time_us + round(1e6 * _CLIMB_S))
+    if autopilot.landed_state is LandedState.ON_GROUND:
+        raise BenchError("the vehicle did not take off")
+
+
+def _fly_square(bench: Testbench, seconds: float) -> None:
+    plant, autopilot, scene = bench.plant, bench.autopilot, bench.scene
+    frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
+    east, north, up = plant.estimate.position_enu_m
+    end_us = plant.time_us + round(seconds * 1e6)
+    leg = 0
+    while plant.time_us < end_us:
+        dx, dy = _CORNERS_M[leg % len(_CORNERS_M)]
+        place = frame.geodetic_from_enu((east + dx, north + dy, up))
+        reply = autopilot.goto(place)
+        if not reply.is_accepted:
+            raise BenchError(f"flight to a corner refused: {reply.reason}")
+        bench.simulator.run(until_us=min(end_us, plant.time_us + round(_LEG_S * 1e6)))
+        leg += 1
+
+
+def _plant_alone(world: World, seconds: float) -> Row:
+    """Physics, sensors, estimator and controller, hovering."""
+    plant = Plant(world, PlantCfg(seed=0))
+    east, north, up = plant.truth.position_enu_m
+    for _ in range(100):
+        plant.advance()
+    plant.apply(
+        Setpoint(
+            level=ControlLevel.TRAJECTORY,
+            position_enu_m=(east, north, up + _CLIMB_M),
+            yaw_rad=0.0,
+        )
+    )
+    cpu_s = time.process_time()
+    for _ in range(round(seconds * 1e6 / TICK_US)):
+        plant.advance()
+    cpu_s = time.process_time() - cpu_s
+    if plant.truth.position_enu_m[2] < up + 1.0:
+        raise BenchError("the plant alone did not climb")
+    return Row(metric="plant alone", value=seconds / cpu_s, unit=_SPEED_UNIT)
+
+
+def _physics_alone(world: World) -> Row:
+    """MuJoCo's step with the vehicle in the air, carried by a force."""
+    model, data = world.model, world.new_data()
+    data.qpos[2] += _CLIMB_M
+    weight_n = model.body_subtreemass[world.vehicle_body_id] * np.linalg.norm(model.opt.gravity)
+    data.xfrc_applied[world.vehicle_body_id, 2] = weight_n
+    mujoco.mj_step(model, data, nstep=100)
+    cpu_s = time.process_time()
+    mujoco.mj_step(model, data, nstep=_N_STEPS)
+    step_us = 1e6 * (time.process_time() - cpu_s) / _N_STEPS
+    return Row(metric="mj_step alone, airborne", value=step_us, unit="us", better="lower")
+
+
+def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
+    """The whole stack with a recording, and with both cameras in it."""
+    seconds = cfg.seconds * (_CAMERA_SHARE if camera_hz else 1.0)
+    flight = _fly(cfg, scene, seconds, lambda bench, stack: _equip(bench, stack, camera_hz))
+    suffix = f" and both cameras at {camera_hz} Hz" if camera_hz else ""
+    return Row(
+        metric=f"whole stack with recording{suffix}",
+        value=flight.sim_s / flight.cpu_s,
+        unit=_SPEED_UNIT,
+    )
+
+
+def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Observer]:
+    """What records a run to a file that is thrown away."""
+    from scenarios.recording import Recorder, RunInfo  # noqa: PLC0415 - half a second
+
+    folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="aeroscene-")))
+    cfg = bench.cfg
+    recorder = stack.enter_context(
+        Recorder(
+            folder / "bench.rrd",
+            scene=bench.scene,
+            primitives=scene_primitives(bench.scene),
+            airframe=bench.airframe,
+            info=RunInfo(scene=cfg.scene, vehicle=cfg.vehicle, seed=cfg.seed),
+        )
+    )
+    yield lambda: recorder.on_tick(bench.plant, bench.autopilot)
+    if camera_hz == 0:
+        return
+    cameras = stack.enter_context(closing(Cameras(bench.world, bench.plant)))
+    cameras.listen(recorder.log_frame)
+    names = [mount.name for mount in bench.airframe.cameras]
+    period_us = 1_000_000 // camera_hz
+
+    def take_pictures() -> None:
+        if bench.plant.time_us % period_us < TICK_US:
+            for name in names:
+                cameras.render(name)
+
+    yield take_pictures

@@ -1,0 +1,45 @@
+"""The vehicle's RGB-D cameras, rendered when somebody asks, at the rate they ask."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flightsim.plant import Plant
+from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
+from flightsim.world import World
+
+
+class Cameras:
+    """Renders frames for whoever asks and shows each to every listener once.
+
+    Attributes:
+        backend: "gl" or "raycast", whichever this machine can do.
+    """
+
+    def __init__(
+        self, world: World, plant: Plant, *, width_px: int = 320, height_px: int = 240
+    ) -> None:
+        self._plant = plant
+        self._renderer = open_camera_renderer(world, width_px, height_px)
+        self.backend = self._renderer.backend
+        self._listeners: list[Callable[[RgbdFrame], None]] = []
+        self._latest: dict[str, RgbdFrame] = {}
+
+    def listen(self, listener: Callable[[RgbdFrame], None]) -> None:
+        """Show every frame from now on to `listener`."""
+        self._listeners.append(listener)
+
+    def render(self, camera: str) -> RgbdFrame:
+        """What the named camera sees now; asked twice at one time, it is rendered once."""
+        latest = self._latest.get(camera)
+        if latest is not None and latest.time_us == self._plant.time_us:
+            return latest
+        frame = self._renderer.render(self._plant.data, camera, self._plant.time_us)
+        self._latest[camera] = frame
+        for listener in self._listeners:
+            listener(frame)
+        return frame
+
+    def close(self) -> None:
+        """Free the rendering context."""
+        self._renderer.close()

@@ -1,0 +1,54 @@
+"""`aeroscene doctor`: what this machine can do."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
+from scenarios.doctor.diagnosis import Diagnosis, diagnose
+
+_STYLES = {"ok": "green", "note": "yellow", "problem": "bold red"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoctorCfg:
+    """Say what this machine can do, by doing it: libraries, ports, a take-off, a camera image.
+
+    Exit status 0 if it can fly, 1 if something essential is missing.
+    """
+
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: can_fly, and checks with name, status, value and remedy."""
+
+
+def run(cfg: DoctorCfg) -> int:
+    """Check everything and print it."""
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=1.0)
+        diagnosis = diagnose(
+            lambda title, share: progress.update(task, description=title, completed=share)
+        )
+    if cfg.json:
+        print(json.dumps(diagnosis.to_json()))
+    else:
+        _print_table(diagnosis)
+    return EXIT_DONE if diagnosis.can_fly else EXIT_NEGATIVE
+
+
+def _print_table(diagnosis: Diagnosis) -> None:
+    table = Table("check", "", "finding", "what to do")
+    for check in diagnosis.checks:
+        status = f"[{_STYLES[check.status]}]{check.status}[/]"
+        table.add_row(check.name, status, check.value, check.remedy)
+    console = Console()
+    console.print(table)
+    console.print(
+        "This machine can fly." if diagnosis.can_fly else "This machine cannot fly yet: see above."
+    )

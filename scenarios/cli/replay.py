@@ -1,0 +1,103 @@
+"""`aeroscene replay`: open a recording in rerun's viewer, or say what is in it."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from scenarios.cli.command_line import EXIT_DONE, fail
+from scenarios.recording.program import RerunMissingError
+from scenarios.recording.summary import (
+    RecordingSummary,
+    UnreadableRecordingError,
+    readable,
+    summarise,
+)
+from scenarios.viewer import Viewer, ViewerError, has_display
+
+_PROG = "aeroscene replay"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReplayCfg:
+    """Open a recording in rerun's viewer, or say what is in it.
+
+    A recording whose run was killed opens up to the last second that was written.
+    """
+
+    recording: tyro.conf.Positional[Path]
+    """The .rrd file."""
+    viewer: Literal["auto", "native", "web"] = "auto"
+    """native opens a window, web serves a page on loopback; auto takes native if it can."""
+    summary: bool = False
+    """Print what is in the recording instead of opening it; needs no display."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print the summary as one JSON object."""
+
+
+def run(cfg: ReplayCfg) -> int:
+    """Replay; exit status 2 with one line where there is nothing to replay or no way to."""
+    try:
+        if cfg.json or cfg.summary:
+            _print_summary(summarise(cfg.recording), is_json=cfg.json)
+        else:
+            _show(cfg)
+    except (UnreadableRecordingError, ViewerError, RerunMissingError) as error:
+        fail(_PROG, str(error))
+    return EXIT_DONE
+
+
+def _show(cfg: ReplayCfg) -> None:
+    # An end from outside must end the viewer too.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    kind = cfg.viewer
+    if kind == "auto":
+        kind = "native" if has_display() else "web"
+    with readable(cfg.recording) as source, Viewer(kind, source) as viewer:
+        if viewer.url is not None:
+            print(f"{cfg.recording} plays at {viewer.url}\nCtrl-C ends it.", flush=True)
+        try:
+            viewer.wait()
+        except KeyboardInterrupt:
+            sys.stderr.write("\n")
+
+
+def _print_summary(summary: RecordingSummary, *, is_json: bool) -> None:
+    if is_json:
+        print(json.dumps(summary.to_json()))
+        return
+    console = Console()
+    head = Table(show_header=False, box=None)
+    for name, value in _headline(summary):
+        head.add_row(name, value)
+    console.print(head)
+    for title, figures in (
+        ("verdict", summary.verdict or {}),
+        ("rows of each entity", summary.entities),
+    ):
+        if figures:
+            table = Table("name", "value", title=title, title_justify="left")
+            for name, value in figures.items():
+                table.add_row(name, str(value))
+            console.print(table)
+
+
+def _headline(summary: RecordingSummary) -> list[tuple[str, str]]:
+    entities = f"{len(summary.entities)} in time, {summary.static_entities} that never change"
+    state = "complete" if summary.is_complete else "the run ended without closing it"
+    return [
+        ("recording", f"{summary.recording}, {summary.size_bytes / 1e6:.1f} MB, {state}"),
+        ("scene", str(summary.scene)),
+        ("vehicle", str(summary.vehicle)),
+        ("seed", str(summary.seed)),
+        ("simulated", f"{summary.sim_seconds:.2f} s"),
+        ("entities", entities),
+    ]

@@ -1,0 +1,64 @@
+"""What this machine can do, found out by doing it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from scenarios.doctor import flight, machine, network
+from scenarios.doctor.check import REINSTALL, Check
+
+GROUPS: Mapping[str, Callable[[], Iterable[Check]]] = {
+    "machine": machine.check_machine,
+    "libraries": machine.check_libraries,
+    "storage": machine.check_storage,
+    "ports": network.check_ports,
+    "viewer": network.check_viewer,
+    "kernels": flight.check_kernels,
+    "flight": flight.check_flight,
+    "learning": machine.check_learning,
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Diagnosis:
+    """All checks and what they amount to."""
+
+    can_fly: bool
+    checks: tuple[Check, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+
+def diagnose(
+    on_progress: Callable[[str, float], None],
+    groups: Mapping[str, Callable[[], Iterable[Check]]] = GROUPS,
+) -> Diagnosis:
+    """Look at everything; a check that breaks is a problem, and the others go on.
+
+    Args:
+        on_progress: Called before each group of checks with its title and the share done.
+        groups: What to look at.
+    """
+    checks: list[Check] = []
+    for i, (title, group) in enumerate(groups.items()):
+        on_progress(title, i / len(groups))
+        try:
+            for check in group():
+                checks.append(check)  # noqa: PERF402 - what came before a failure counts
+        except Exception as error:  # noqa: BLE001 - whatever breaks is the finding
+            checks.append(
+                Check(
+                    name=title,
+                    status="problem",
+                    value=f"{type(error).__name__}: {' '.join(str(error).split())}",
+                    remedy=REINSTALL,
+                )
+            )
+    on_progress("done", 1.0)
+    return Diagnosis(
+        can_fly=all(check.status != "problem" for check in checks), checks=tuple(checks)
+    )

@@ -1,0 +1,61 @@
+"""What needs a port or a display: MAVLink and the viewer."""
+
+from __future__ import annotations
+
+import errno
+import socket
+from collections.abc import Iterator, Mapping
+
+from scenarios.doctor.check import Check
+
+_LOOPBACK = "127.0.0.1"
+_VEHICLE_PORTS: Mapping[str, tuple[int, int]] = {
+    "UDP 18570": (socket.SOCK_DGRAM, 18570),
+    "UDP 14580": (socket.SOCK_DGRAM, 14580),
+    "TCP 5760": (socket.SOCK_STREAM, 5760),
+}
+_CLIENT_PORTS: Mapping[str, int] = {"UDP 14550": 14550, "UDP 14540": 14540}
+
+
+def check_ports() -> Iterator[Check]:
+    """Whether the vehicle's MAVLink ports are free, and whether clients listen already."""
+    for name, (kind, port) in _VEHICLE_PORTS.items():
+        is_free = _is_free(kind, port)
+        yield Check(
+            name=name,
+            status="ok" if is_free else "note",
+            value="free" if is_free else "in use",
+            remedy="" if is_free else "end what uses it, or fly with --instance 1",
+        )
+    for name, port in _CLIENT_PORTS.items():
+        is_free = _is_free(socket.SOCK_DGRAM, port)
+        value = "no client listens yet" if is_free else "a client listens"
+        yield Check(name=f"client at {name}", status="ok", value=value)
+
+
+def check_viewer() -> Iterator[Check]:
+    """Which of rerun's viewers can open."""
+    from scenarios.recording.program import (  # noqa: PLC0415 - with the check
+        RerunMissingError,
+        rerun_program,
+    )
+    from scenarios.viewer import has_display  # noqa: PLC0415
+
+    try:
+        rerun_program()
+    except RerunMissingError as error:
+        yield Check(name="viewer", status="note", value="missing", remedy=str(error))
+        return
+    kinds = "web and native" if has_display() else "web; native needs a display"
+    yield Check(name="viewer", status="ok", value=kinds)
+
+
+def _is_free(kind: int, port: int) -> bool:
+    with socket.socket(socket.AF_INET, kind) as probe:
+        if kind == socket.SOCK_STREAM:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((_LOOPBACK, port))
+        except OSError as error:
+            return error.errno != errno.EADDRINUSE
+    return True

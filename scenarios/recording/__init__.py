@@ -1,0 +1,9 @@
+"""Runs in rerun's format: the recorder, what it writes where, and reading it back.
+
+Only this package and `scenarios.viewer` know rerun.
+"""
+
+from scenarios.recording.metadata import RunInfo
+from scenarios.recording.recorder import Recorder, RecordingError
+
+__all__ = ["Recorder", "RecordingError", "RunInfo"]

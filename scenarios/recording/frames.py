@@ -1,0 +1,84 @@
+"""Camera frames in a recording: JPEG colour and 16-bit PNG depth under a pinhole."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+from jaxtyping import Float, Integer
+
+from scenarios.recording import layout
+
+if TYPE_CHECKING:
+    from flightsim.sensors.camera import RgbdFrame
+
+JPEG_QUALITY = 85
+DEPTH_UNITS_PER_M = 1000.0
+"""Depth is stored in whole millimetres, up to 65 m; 0 means nothing seen."""
+_DEPTH_LIMIT = np.iinfo(np.uint16).max
+_SHOWN_DEPTH_M = (0.0, 40.0)
+_FRUSTUM_M = 0.6
+
+
+class FrameLog:
+    """Writes camera frames, and each camera's pinhole before its first frame."""
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self._stream = stream
+        self._intrinsics: dict[str, tuple[float, ...]] = {}
+
+    def log(self, frame: RgbdFrame) -> None:
+        """Write a frame at the stream's present time."""
+        self._log_pinhole(frame)
+        self._stream.log(
+            layout.camera_rgb(frame.camera),
+            rr.Image(frame.rgb).compress(jpeg_quality=JPEG_QUALITY),
+        )
+        self._stream.log(
+            layout.camera_depth(frame.camera),
+            rr.EncodedDepthImage(
+                encode_png(depth_to_uint16(frame.depth_m)),
+                media_type="image/png",
+                meter=DEPTH_UNITS_PER_M,
+                depth_range=[limit * DEPTH_UNITS_PER_M for limit in _SHOWN_DEPTH_M],
+            ),
+        )
+
+    def _log_pinhole(self, frame: RgbdFrame) -> None:
+        height, width = frame.depth_m.shape
+        intrinsics = (frame.fx, frame.fy, frame.cx, frame.cy, width, height)
+        if self._intrinsics.get(frame.camera) == intrinsics:
+            return
+        self._intrinsics[frame.camera] = intrinsics
+        self._stream.log(
+            layout.camera(frame.camera),
+            rr.Pinhole(
+                focal_length=[float(frame.fx), float(frame.fy)],
+                principal_point=[float(frame.cx), float(frame.cy)],
+                width=width,
+                height=height,
+                camera_xyz=rr.ViewCoordinates.RDF,
+                image_plane_distance=_FRUSTUM_M,
+            ),
+            static=True,
+        )
+
+
+def encode_png(image: Integer[np.ndarray, "h w"]) -> bytes:
+    """An image of one channel as PNG.
+
+    Of all filters, the difference from the pixel above gives depth images the smallest files, and
+    encodes in half the time that choosing a filter row by row takes.
+    """
+    import cv2  # noqa: PLC0415 - only recordings with cameras need it
+
+    settings = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP]
+    return cv2.imencode(".png", image, settings)[1].tobytes()
+
+
+def depth_to_uint16(depth_m: Float[np.ndarray, "h w"]) -> Integer[np.ndarray, "h w"]:
+    """Depth in whole millimetres; 0 where nothing is seen or it is too far to store."""
+    millimetres = np.nan_to_num(depth_m, nan=0.0, posinf=0.0, neginf=0.0) * DEPTH_UNITS_PER_M
+    is_storable = (millimetres >= 0) & (millimetres <= _DEPTH_LIMIT)
+    return np.where(is_storable, np.rint(millimetres), 0).astype(np.uint16)

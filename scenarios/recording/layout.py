@@ -1,0 +1,65 @@
+"""Where each quantity of a run stands in a recording: entity paths and the one timeline."""
+
+from __future__ import annotations
+
+APPLICATION_ID = "aeroscene"
+TIMELINE = "sim_time"
+
+WORLD = "world"
+SCENE = "world/scene"
+GROUND = "world/ground"
+LANDING_AREAS = "world/landing_areas"
+LANDING_MAP = "world/landing_map"
+TOUCHDOWN = "world/landing_map/touchdown"
+VEHICLE = "world/vehicle"
+FUSELAGE = "world/vehicle/fuselage"
+ROTORS = "world/vehicle/rotors"
+FRAME = "world/vehicle/frame"
+MARKER = "world/vehicle/marker"
+ESTIMATE = "world/estimate"
+PLANNED = "world/trajectory/planned"
+EXECUTED = "world/trajectory/executed"
+
+POSITION_TRUE = "state/position/true"
+POSITION_EST = "state/position/estimate"
+POSITION_REF = "state/position/reference"
+VELOCITY_TRUE = "state/velocity/true"
+VELOCITY_EST = "state/velocity/estimate"
+VELOCITY_REF = "state/velocity/reference"
+POSITION_ERROR = "error/position"
+ATTITUDE_ERROR = "error/attitude"
+POSITION_SIGMA = "error/sigma"
+
+ACCELERATION = "sensors/imu/acceleration"
+ANGULAR_RATE = "sensors/imu/angular_rate"
+RANGE = "sensors/rangefinder"
+MOTOR_COMMAND = "motors/command"
+MOTOR_SPEED = "motors/speed"
+BATTERY_VOLTAGE = "battery/voltage"
+BATTERY_CURRENT = "battery/current"
+BATTERY_REMAINING = "battery/remaining"
+
+MODE = "autopilot/mode"
+ARMED = "autopilot/armed"
+LANDED = "autopilot/landed_state"
+FAILSAFE = "autopilot/failsafe"
+STATUSTEXT = "autopilot/statustext"
+RUN = "run"
+
+RUN_PROPERTY = "run"
+VERDICT_PROPERTY = "verdict"
+
+
+def camera(name: str) -> str:
+    """Entity of the camera `name`, fixed to the vehicle; its images stand below it."""
+    return f"{VEHICLE}/camera_{name}"
+
+
+def camera_rgb(name: str) -> str:
+    """Entity of the colour images of a camera."""
+    return f"{camera(name)}/rgb"
+
+
+def camera_depth(name: str) -> str:
+    """Entity of the depth images of a camera."""
+    return f"{camera(name)}/depth"

@@ -1,0 +1,76 @@
+"""What a recording says about its run: properties for programs, a page for people."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import rerun as rr
+
+from scenarios.recording import layout
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunInfo:
+    """Which run a recording is of."""
+
+    scene: str
+    vehicle: str
+    seed: int
+    config: Mapping[str, Any] = field(default_factory=dict)
+    """The fully resolved configuration, as plain data."""
+
+    @property
+    def title(self) -> str:
+        """The run in a few words."""
+        return f"scene {self.scene}, {self.vehicle}, seed {self.seed}"
+
+
+def log_run(stream: rr.RecordingStream, info: RunInfo) -> None:
+    """Write which run this is, before it begins."""
+    stream.send_recording_name(info.title)
+    stream.send_property(
+        layout.RUN_PROPERTY,
+        rr.AnyValues(
+            scene=info.scene,
+            vehicle=info.vehicle,
+            seed=info.seed,
+            config=json.dumps(info.config, sort_keys=True),
+        ),
+    )
+    _log_page(stream, info, verdict=None)
+
+
+def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any]) -> None:
+    """Write how the run ended: `success`, `reason`, and all figures as JSON."""
+    stream.send_property(
+        layout.VERDICT_PROPERTY,
+        rr.AnyValues(
+            success=bool(verdict.get("success", False)),
+            reason=str(verdict.get("reason", "")),
+            figures=json.dumps(verdict, sort_keys=True),
+        ),
+    )
+    _log_page(stream, info, verdict)
+
+
+def _log_page(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any] | None) -> None:
+    sections = [f"# {info.title}"]
+    if verdict is not None:
+        sections.append("## Verdict\n\n" + _table(verdict))
+    if info.config:
+        sections.append("## Configuration\n\n" + _table(info.config))
+    page = rr.TextDocument("\n\n".join(sections), media_type=rr.MediaType.MARKDOWN)
+    stream.log(layout.RUN, page, static=True)
+
+
+def _table(values: Mapping[str, Any]) -> str:
+    rows = [f"| {key} | {_cell(value)} |" for key, value in values.items()]
+    return "\n".join(["| | |", "|---|---|", *rows])
+
+
+def _cell(value: object) -> str:
+    text = f"{value:.4g}" if isinstance(value, float) else str(value)
+    return text.replace("|", "\\|").replace("\n", " ")

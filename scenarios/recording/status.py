@@ -1,0 +1,92 @@
+"""What the autopilot reports, in a recording: mode, armed state, battery, trust in the estimate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+
+from scenarios.recording import layout
+from scenarios.recording.columns import send_scalars, sim_time
+
+if TYPE_CHECKING:
+    from flightsim.autopilot.autopilot import Autopilot
+    from flightsim.plant import Plant
+
+SAMPLE_TICKS = 5
+"""One sample of every gauge in so many ticks of 20 ms."""
+
+_GAUGES: tuple[tuple[str, str, tuple[int, int, int], Callable[[Plant], float]], ...] = (
+    (layout.BATTERY_VOLTAGE, "voltage V", (240, 210, 70), lambda p: p.battery.voltage_v),
+    (layout.BATTERY_CURRENT, "current A", (230, 80, 80), lambda p: p.battery.current_a),
+    (layout.BATTERY_REMAINING, "remaining %", (90, 200, 90), lambda p: 100 * p.battery.remaining),
+    (
+        f"{layout.POSITION_SIGMA}/horizontal",
+        "sigma horizontal m",
+        (190, 120, 255),
+        lambda p: p.estimator.sigma_horizontal_m,
+    ),
+    (
+        f"{layout.POSITION_SIGMA}/vertical",
+        "sigma vertical m",
+        (60, 200, 190),
+        lambda p: p.estimator.sigma_vertical_m,
+    ),
+    (layout.RANGE, "range m", (255, 150, 50), lambda p: p.sensors.range_m),
+)
+
+_ARMED_RGB = {"disarmed": (90, 96, 105), "armed": (220, 70, 70)}
+
+
+class StatusLog:
+    """Samples gauges into columns and writes states when they change."""
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self._stream = stream
+        self._ticks = 0
+        self._times_us: list[int] = []
+        self._samples: list[tuple[float, ...]] = []
+        self._states: dict[str, str] = {}
+        for entity, name, rgb, _ in _GAUGES:
+            stream.log(entity, rr.SeriesLines(names=name, colors=rgb, widths=1.2), static=True)
+        stream.log(
+            layout.ARMED,
+            rr.StateConfiguration(values=list(_ARMED_RGB), colors=list(_ARMED_RGB.values())),
+            static=True,
+        )
+
+    def on_tick(self, plant: Plant, autopilot: Autopilot) -> None:
+        """Look at the vehicle after a tick."""
+        time_us = plant.time_us
+        self._set_state(time_us, layout.MODE, autopilot.mode.value)
+        self._set_state(time_us, layout.ARMED, "armed" if autopilot.is_armed else "disarmed")
+        self._set_state(time_us, layout.LANDED, autopilot.landed_state.value)
+        failsafe = autopilot.failsafe
+        self._set_state(time_us, layout.FAILSAFE, "none" if failsafe is None else failsafe.value)
+        if self._ticks % SAMPLE_TICKS == 0:
+            self._times_us.append(time_us)
+            self._samples.append(tuple(read(plant) for _, _, _, read in _GAUGES))
+        self._ticks += 1
+
+    def flush(self) -> None:
+        """Write the samples that wait."""
+        if not self._samples:
+            return
+        time = sim_time(np.array(self._times_us))
+        values = np.array(self._samples)
+        # A gap in a plot says "nothing measured"; an infinite value would spoil its axis.
+        values[~np.isfinite(values)] = math.nan
+        self._times_us.clear()
+        self._samples.clear()
+        for (entity, _, _, _), column in zip(_GAUGES, values.T, strict=True):
+            send_scalars(self._stream, entity, time, column[:, None])
+
+    def _set_state(self, time_us: int, entity: str, state: str) -> None:
+        if self._states.get(entity) == state:
+            return
+        self._states[entity] = state
+        self._stream.set_time(layout.TIMELINE, duration=np.timedelta64(time_us, "us"))
+        self._stream.log(entity, rr.StateChange(state=state))

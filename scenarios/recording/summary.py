@@ -1,0 +1,165 @@
+"""What is in a recording, read through rerun's own reader."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import tempfile
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from rerun.chunk import Chunk, RrdReader
+
+from scenarios.recording import layout
+from scenarios.recording.program import quiet_environment, rerun_program
+
+_MENDING_TIMEOUT_S = 300.0
+_PROPERTIES = "/__properties/"
+
+
+class UnreadableRecordingError(ValueError):
+    """A file that is missing or no recording."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordingSummary:
+    """What a recording holds."""
+
+    recording: str
+    """The file."""
+    is_complete: bool
+    """False where the run ended without closing the file; it holds all that was written."""
+    size_bytes: int
+    scene: str | None
+    vehicle: str | None
+    seed: int | None
+    config: dict[str, Any] | None
+    """The resolved configuration of the run."""
+    verdict: dict[str, Any] | None
+    """Figures of the run; None if it never got one."""
+    sim_seconds: float
+    """Latest moment in the recording."""
+    entities: dict[str, int]
+    """Rows of each entity that has a place in time."""
+    static_entities: int
+    """Entities that never change: scene, models, legends."""
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+
+@contextmanager
+def readable(path: Path) -> Iterator[Path]:
+    """A file that rerun can read: the recording itself, or a mended copy of a torn one.
+
+    A run that was killed in the middle of a write leaves a file whose last piece is cut off.
+    rerun's reader refuses it as a whole; rerun's own tool keeps everything before.
+
+    Raises:
+        UnreadableRecordingError: If there is no recording in the file.
+    """
+    if not path.is_file():
+        raise UnreadableRecordingError(
+            f"recording {str(path)!r} does not exist; valid: an .rrd file"
+        )
+    if _is_readable(path):
+        yield path
+        return
+    with tempfile.TemporaryDirectory(prefix="aeroscene-") as folder:
+        copy = Path(folder) / path.name
+        _mend(path, copy)
+        yield copy
+
+
+def summarise(path: Path) -> RecordingSummary:
+    """Read all of a recording.
+
+    Raises:
+        UnreadableRecordingError: If it is missing or no recording.
+    """
+    rows: Counter[str] = Counter()
+    static: set[str] = set()
+    end_ns = 0
+    run: dict[str, Any] = {}
+    verdict: dict[str, Any] = {}
+    with readable(path) as source:
+        for chunk in _chunks(source):
+            if chunk.entity_path == _PROPERTIES + layout.RUN_PROPERTY:
+                run = _first_row(chunk)
+            elif chunk.entity_path == _PROPERTIES + layout.VERDICT_PROPERTY:
+                verdict = _first_row(chunk)
+            elif chunk.is_static:
+                static.add(chunk.entity_path)
+            elif layout.TIMELINE in chunk.timeline_names:
+                rows[chunk.entity_path] += chunk.num_rows
+                end_ns = max(end_ns, _latest_ns(chunk))
+        is_complete = source == path and _has_footer(path)
+    return RecordingSummary(
+        recording=str(path),
+        is_complete=is_complete,
+        size_bytes=path.stat().st_size,
+        scene=run.get("scene"),
+        vehicle=run.get("vehicle"),
+        seed=run.get("seed"),
+        config=json.loads(run["config"]) if "config" in run else None,
+        verdict=json.loads(verdict["figures"]) if verdict else None,
+        sim_seconds=round(end_ns * 1e-9, 6),
+        entities=dict(sorted(rows.items())),
+        static_entities=len(static),
+    )
+
+
+def _chunks(path: Path) -> Iterator[Chunk]:
+    reader, _ = _open(path)
+    yield from reader.stream()
+
+
+def _open(path: Path) -> tuple[RrdReader, bool]:
+    """A reader, and whether the file was closed properly, which the reader only warns about."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        reader = RrdReader(path)
+    return reader, not any("footer" in str(warning.message) for warning in caught)
+
+
+def _has_footer(path: Path) -> bool:
+    return _open(path)[1]
+
+
+def _is_readable(path: Path) -> bool:
+    try:
+        next(iter(_chunks(path)), None)
+    except (RuntimeError, ValueError):
+        return False
+    return True
+
+
+def _mend(path: Path, copy: Path) -> None:
+    result = subprocess.run(  # noqa: S603 - arguments are ours
+        [str(rerun_program()), "rrd", "optimize", str(path), "-o", str(copy)],
+        capture_output=True,
+        check=False,
+        timeout=_MENDING_TIMEOUT_S,
+        env=quiet_environment(),
+    )
+    if result.returncode != 0 or not copy.is_file() or not _is_readable(copy):
+        raise UnreadableRecordingError(
+            f"recording {str(path)!r} is no rerun recording; valid: an .rrd file"
+        )
+
+
+def _latest_ns(chunk: Chunk) -> int:
+    times = chunk.to_record_batch().column(layout.TIMELINE).cast("int64").to_numpy()
+    return int(times.max()) if len(times) else 0
+
+
+def _first_row(chunk: Chunk) -> dict[str, Any]:
+    """Components of a property, unpacked from their one-element lists."""
+    columns = chunk.to_record_batch().to_pydict()
+    return {name: values[0][0] for name, values in columns.items() if isinstance(values[0], list)}

@@ -1,0 +1,73 @@
+"""The vehicle in a recording: a simple model in its body frame, and where its cameras sit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import rerun as rr
+from jaxtyping import Float
+
+from flightsim.vehicles.airframe import Airframe, CameraMount
+from scenarios.recording import layout
+
+_BODY_RGB = (45, 48, 55)
+_ARM_RGB = (70, 74, 82)
+_MARKER_RGB = (255, 60, 60)
+_FRONT_RGBA = (255, 120, 40, 150)
+_REAR_RGBA = (70, 160, 255, 150)
+
+
+def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
+    """Write fuselage, arms, rotor discs, legs and camera mounts; the pose comes with the flight."""
+    hubs = np.array([r.position_flu_m for r in airframe.quadrotor.rotors])
+    stream.log(
+        layout.FUSELAGE,
+        rr.Boxes3D(sizes=[airframe.body_size_m], colors=[_BODY_RGB], fill_mode="solid"),
+        static=True,
+    )
+    stream.log(
+        layout.ROTORS,
+        rr.Cylinders3D(
+            centers=hubs,
+            radii=airframe.rotor_radius_m,
+            lengths=0.01,
+            colors=[_FRONT_RGBA if x > 1e-3 else _REAR_RGBA for x in hubs[:, 0]],
+            fill_mode="solid",
+        ),
+        static=True,
+    )
+    stream.log(
+        layout.FRAME,
+        rr.LineStrips3D(_frame_strips(airframe, hubs), colors=[_ARM_RGB], radii=0.008),
+        static=True,
+    )
+    # A dot of constant size on the screen: the vehicle is small in a whole scene.
+    marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
+    stream.log(layout.MARKER, marker, static=True)
+    for mount in airframe.cameras:
+        stream.log(
+            layout.camera(mount.name),
+            rr.Transform3D(
+                translation=mount.position_flu_m, mat3x3=rotation_flu_from_optical(mount)
+            ),
+            static=True,
+        )
+
+
+def rotation_flu_from_optical(mount: CameraMount) -> Float[np.ndarray, "3 3"]:
+    """Camera axes (x right, y down, z forward) in the body frame, as columns."""
+    sin, cos = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
+    right, down, forward = (0.0, -1.0, 0.0), (-sin, 0.0, -cos), (cos, 0.0, -sin)
+    return np.array([right, down, forward]).T
+
+
+def _frame_strips(airframe: Airframe, hubs: Float[np.ndarray, "4 3"]) -> list[np.ndarray]:
+    """Four arms to the hubs, and under each arm a leg down to its sole."""
+    strips: list[np.ndarray] = []
+    for hub in hubs:
+        outward = hub[:2] / np.linalg.norm(hub[:2])
+        foot = np.array([*(outward * airframe.leg_spread_m), -airframe.leg_length_m])
+        hip = np.array([*(outward * airframe.leg_spread_m), 0.0])
+        strips += [np.array([(0.0, 0.0, 0.0), hub]), np.array([hip, foot])]
+    return strips

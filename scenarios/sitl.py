@@ -1,0 +1,241 @@
+"""One run of the testbench: simulate, record, show, and, if asked, fly our own mission."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from aeroscene.scene import SceneError
+from aeroscene.shapes import scene_primitives
+from flightsim.mavlink.links import LinkError
+from flightsim.sensors.camera import CameraError
+from flightsim.simulator import TICK_US
+from flightsim.vehicles.catalogue import AirframeError
+from flightsim.world import WorldError
+from scenarios.cameras import Cameras
+from scenarios.scoring import FlightLog
+from scenarios.testbench import Testbench, TestbenchCfg, TestbenchError
+from scenarios.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, judge
+
+if TYPE_CHECKING:
+    from scenarios.pilot import Pilot
+    from scenarios.recording import Recorder
+
+INPUT_ERRORS = (SceneError, AirframeError, WorldError, LinkError, CameraError, TestbenchError)
+"""What a run raises when its input or this machine does not allow it; each says so in a line."""
+
+MAX_CAMERA_HZ = 50.0
+"""A frame for every tick of the loop."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SitlCfg:
+    """A flight-stack testbench: a scene, a quadrotor in it, an autopilot that speaks MAVLink.
+
+    Ground stations connect at UDP 14550, SDKs at UDP 14540 (udpin://0.0.0.0:14540), scripts also at
+    TCP 5760. Ctrl-C ends the run and closes the recording.
+    """
+
+    bench: TestbenchCfg = field(default_factory=TestbenchCfg)
+    demo: bool = False
+    """Fly our own mission: plan to a landing area, navigate, choose the touchdown point from
+    depth, land, disarm; then print the verdict and end."""
+    record: Path | None = None
+    """Write a rerun recording to this .rrd file."""
+    viewer: Literal["off", "web", "native"] = "off"
+    """Watch live: web serves on loopback, native opens the rerun viewer."""
+    camera_hz: float = 5.0
+    """Frames a simulated second of each camera while recording or watching; 0 turns them off."""
+    headless_seconds: float | None = None
+    """End after this many simulated seconds."""
+    json: bool = False
+    """Print one JSON object on standard output when the run ends, and nothing else there."""
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be run, before anything starts."""
+        if not 0 <= self.camera_hz <= MAX_CAMERA_HZ:
+            raise TestbenchError(
+                f"camera-hz {self.camera_hz} is out of range; valid: 0 to {MAX_CAMERA_HZ:.0f} Hz"
+            )
+        if self.headless_seconds is not None and not self.headless_seconds > 0:
+            raise TestbenchError(
+                f"headless-seconds {self.headless_seconds} is not positive; valid: seconds above 0"
+            )
+        if self.record is not None and self.record.suffix != ".rrd":
+            raise TestbenchError(f"record {str(self.record)!r} is no .rrd file; valid: NAME.rrd")
+
+    def to_plain(self) -> dict[str, Any]:
+        """The resolved configuration as plain data."""
+        plain = asdict(self)
+        return plain | {"record": None if self.record is None else str(self.record)}
+
+
+class Sitl:
+    """Everything of one run: opens it, runs it, judges it, closes it.
+
+    Attributes:
+        bench: The simulated world and its autopilot.
+        pilot: Our own pilot, in a demo.
+        recorder: Where the run is recorded or watched.
+        viewer_url: The page to watch, if a web viewer serves one.
+    """
+
+    def __init__(self, cfg: SitlCfg) -> None:
+        """Open every part, or none.
+
+        Raises:
+            INPUT_ERRORS: One line that says what cannot be had, and what would be valid.
+        """
+        self.cfg = cfg
+        self.recorder: Recorder | None = None
+        self.viewer_url: str | None = None
+        self._cameras: Cameras | None = None
+        self._observers: list[Callable[[], None]] = []
+        with ExitStack() as stack:
+            self.bench = stack.enter_context(Testbench(cfg.bench, observers=self._observers))
+            self.log = FlightLog(self.bench.plant)
+            self._observers.append(self.log.on_tick)
+            self.pilot = self._board_pilot(stack) if cfg.demo else None
+            if cfg.record is not None or cfg.viewer != "off":
+                self._record(stack)
+            self._stack = stack.pop_all()
+
+    def _open_cameras(self, stack: ExitStack) -> Cameras:
+        if self._cameras is None:
+            self._cameras = stack.enter_context(
+                closing(Cameras(self.bench.world, self.bench.plant))
+            )
+        return self._cameras
+
+    def _board_pilot(self, stack: ExitStack) -> Pilot:
+        from scenarios.pilot import Pilot  # noqa: PLC0415 - casadi, only where our pilot flies
+
+        bench = self.bench
+        pilot = Pilot(bench.pilot_link.client, ...)
+        self._observers.append(lambda: pilot.update(bench.plant.time_us))
+        return pilot
+
+    def _record(self, stack: ExitStack) -> None:
+        # rerun takes half a second to import: only where somebody records or looks.
+        from scenarios.recording import Recorder, RecordingError, RunInfo  # noqa: PLC0415
+        from scenarios.viewer import DATA_PORT, Viewer, ViewerError, free_port  # noqa: PLC0415
+
+        cfg, bench = self.cfg, self.bench
+        info = RunInfo(
+            scene=bench.scene.scene_id,
+            vehicle=cfg.bench.vehicle,
+            seed=cfg.bench.seed,
+            config=cfg.to_plain(),
+        )
+        try:
+            recorder = Recorder(
+                cfg.record,
+                scene=bench.scene,
+                primitives=scene_primitives(bench.scene),
+                airframe=bench.airframe,
+                info=info,
+                serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
+            )
+            stack.enter_context(recorder)
+            if cfg.viewer != "off" and recorder.url is not None:
+                self.viewer_url = stack.enter_context(Viewer(cfg.viewer, recorder.url)).url
+        except (RecordingError, ViewerError) as error:
+            raise TestbenchError(str(error)) from error
+        if cfg.camera_hz > 0:
+            cameras = self._open_cameras(stack)
+            cameras.listen(recorder.log_frame)
+            self._observers.append(self._shutter(cameras))
+        self._observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
+        self.recorder = recorder
+
+    def _shutter(self, cameras: Cameras) -> Callable[[], None]:
+        """Renders each camera at the configured rate."""
+        plant = self.bench.plant
+        names = [mount.name for mount in self.bench.airframe.cameras]
+        period_us = round(1e6 / self.cfg.camera_hz)
+
+        def on_tick() -> None:
+            if plant.time_us % period_us < TICK_US:
+                for name in names:
+                    cameras.render(name)
+
+        return on_tick
+
+    def run(self, should_stop: Callable[[], bool]) -> None:
+        """Simulate until the demo is done, the time is up or `should_stop` says so."""
+        simulator, plant = self.bench.simulator, self.bench.plant
+        until_us = None
+        if self.cfg.headless_seconds is not None:
+            until_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
+        self._wall_start_s = time.perf_counter()
+        pilot = self.pilot
+        if pilot is None:
+            simulator.run(until_us=until_us, stop=should_stop)
+            return
+        deadline_us = plant.time_us + round(MAX_TRIAL_S * 1e6)
+        simulator.run(
+            until_us=min(deadline_us, until_us or deadline_us),
+            stop=lambda: pilot.is_done or should_stop(),
+        )
+        simulator.run(until_us=plant.time_us + round(SETTLE_S * 1e6), stop=should_stop)
+
+    def finish(self) -> TrialResult:
+        """Judge what was flown, and write the verdict into and beside the recording."""
+        result = self._judge()
+        if self.recorder is not None:
+            self.recorder.close(verdict=result.to_plain())
+        if self.cfg.record is not None:
+            summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
+            write_text(self.cfg.record.with_suffix(".json"), json.dumps(summary, indent=2) + "\n")
+        return result
+
+    def _judge(self) -> TrialResult:
+        """Without a demo there is no verdict, only figures."""
+        cfg, plant = self.cfg.bench, self.bench.plant
+        wall_s = time.perf_counter() - self._wall_start_s
+        sim_s = plant.time_us * 1e-6
+        pilot = self.pilot
+        score = self.log.score(
+            None if pilot is None else pilot.area,
+            None if pilot is None else pilot.touchdown_enu_m,
+            self.bench.airframe.leg_length_m,
+        )
+        verdict = None if pilot is None else judge(pilot, score)
+        return TrialResult(
+            success=None if verdict is None else verdict.success,
+            reason="ended" if verdict is None else verdict.reason,
+            scene=self.bench.scene.scene_id,
+            vehicle=cfg.vehicle,
+            seed=cfg.seed,
+            area=None if pilot is None else pilot.area.id,
+            sim_seconds=round(sim_s, 2),
+            wall_seconds=round(wall_s, 2),
+            real_time_factor=round(sim_s / wall_s, 2),
+            contacts_before_touchdown=None if pilot is None else score.contacts_before_touchdown,
+            touchdown_error_m=score.touchdown_error_m,
+            position_rmse_m=round(score.position_rmse_m, 3),
+            attitude_rmse_deg=round(score.attitude_rmse_deg, 3),
+            recording=None if self.cfg.record is None else str(self.cfg.record),
+        )
+
+    def close(self) -> None:
+        """Finish the recording, end the viewer, give the ports back."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole or not at all."""
+    temporary = path.with_name(f".{path.name}.part")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)

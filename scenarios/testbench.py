@@ -1,0 +1,126 @@
+"""The testbench: a scene, a vehicle in it, its autopilot and its MAVLink, in one loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, Self
+
+from aeroscene.scene import Scene
+from aeroscene.sources import open_scene
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.links import InProcessLink, Link, TcpServerLink, UdpLink
+from flightsim.mavlink.server import MavlinkServer
+from flightsim.plant import Plant, PlantCfg
+from flightsim.simulator import Simulator
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import World, build_world
+
+MAX_INSTANCES = 100
+
+
+class TestbenchError(ValueError):
+    """A configuration that no testbench can be built from."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TestbenchCfg:
+    """What to simulate, and how."""
+
+    scene: str = "42"
+    """Scene of the dataset by number, or a scene JSON file."""
+    vehicle: str = "iris"
+    """Airframe: iris, iris-rotors or hummingbird."""
+    seed: int = 0
+    """Seed of every random draw: sensor noise, choice of the landing area."""
+    gnss: Literal["rtk", "standard"] = "rtk"
+    """GNSS grade: rtk has decimetre errors, standard metres."""
+    speed: float | Literal["max"] = 1.0
+    """Simulated seconds per wall second, or max for as fast as it goes."""
+    instance: int = 0
+    """Number of this vehicle: shifts every port and the MAVLink system id (1 + instance)."""
+    bind: str = "127.0.0.1"
+    """Address that the MAVLink ports listen on; 0.0.0.0 opens them to the network."""
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be built, before anything is."""
+        airframe_by_name(self.vehicle)
+        if self.speed != "max" and not 0.0 < self.speed < float("inf"):
+            raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
+        if not 0 <= self.instance < MAX_INSTANCES:
+            raise TestbenchError(
+                f"instance {self.instance} is out of range; valid: 0 to {MAX_INSTANCES - 1}"
+            )
+        if self.seed < 0:
+            raise TestbenchError(f"seed {self.seed} is negative; valid: 0 or more")
+
+
+class Testbench:
+    """Builds every part of a run and owns what must be closed.
+
+    Attributes:
+        pilot_link: Lockstep MAVLink for a companion inside this process.
+    """
+
+    def __init__(
+        self,
+        cfg: TestbenchCfg,
+        *,
+        scene: Scene | None = None,
+        has_network: bool = True,
+        extra_links: Sequence[Link] = (),
+        observers: Sequence[Callable[[], None]] = (),
+    ) -> None:
+        """Open the scene (or take the one given), build its world and open the links.
+
+        `extra_links` are MAVLink links besides the in-process one and the network's.
+
+        Raises:
+            SceneError: If the scene is unknown or malformed.
+            WorldError: If the vehicle cannot start there.
+            PortInUseError: If a MAVLink port is taken.
+        """
+        self.cfg = cfg
+        self.scene = open_scene(cfg.scene) if scene is None else scene
+        self.airframe = airframe_by_name(cfg.vehicle)
+        self.world: World = build_world(self.scene, self.airframe)
+        self.plant = Plant(self.world, PlantCfg(seed=cfg.seed, gnss=cfg.gnss))
+        frame = LocalFrame(
+            Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
+        )
+        self.autopilot = Autopilot(self.plant, frame, airframe=self.airframe)
+        self.pilot_link = InProcessLink()
+        links: list[Link] = [self.pilot_link, *extra_links]
+        if has_network:
+            links += network_links(cfg.instance, cfg.bind)
+        self.server = MavlinkServer(
+            self.autopilot, self.plant, frame, links, system_id=1 + cfg.instance
+        )
+        self.simulator = Simulator(
+            self.plant, self.autopilot, self.server, observers=observers, speed=cfg.speed
+        )
+
+    def close(self) -> None:
+        """Close every link."""
+        self.server.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def network_links(instance: int, bind: str) -> list[Link]:
+    """The ports of a PX4 SITL instance: UDP to 14550 and 14540, TCP server on 5760."""
+    return [
+        UdpLink(local_port=18570 + instance, remote_port=14550 + instance, bind_address=bind),
+        UdpLink(
+            local_port=14580 + instance,
+            remote_port=14540 + instance,
+            profile="onboard",
+            bind_address=bind,
+        ),
+        TcpServerLink(port=5760 + 10 * instance, bind_address=bind),
+    ]

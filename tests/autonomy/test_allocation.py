@@ -1,0 +1,120 @@
+"""Allocation: rotor limits always hold, and demands yield in the order of their priority."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from autonomy.control.allocation import allocate, lead_command
+from autonomy.model import QuadrotorParams, RotorParams
+from autonomy.model.dynamics import thrust_torque_matrix
+
+
+def quadrotor(hubs, spins, kf=5.84e-6, c=0.06, max_speed=1100.0):
+    rotors = tuple(
+        RotorParams(
+            position_flu_m=hub,
+            spin=spin,
+            thrust_constant=kf,
+            torque_per_thrust_m=c,
+            time_constant_up_s=0.0125,
+            time_constant_down_s=0.025,
+            max_speed_radps=max_speed,
+            drag_coefficient=1.75e-4,
+            rolling_moment_coefficient=1e-6,
+        )
+        for hub, spin in zip(hubs, spins, strict=True)
+    )
+    return QuadrotorParams(mass_kg=1.535, inertia_flu_kgm2=(0.029, 0.029, 0.055), rotors=rotors)
+
+
+# notes/simulation.md: the Iris's layout is asymmetric, the Hummingbird's is a plus
+IRIS = quadrotor(
+    ((0.13, -0.22, 0.023), (-0.13, 0.20, 0.023), (0.13, 0.22, 0.023), (-0.13, -0.20, 0.023)),
+    (1, 1, -1, -1),
+)
+PLUS = quadrotor(
+    ((0.17, 0.0, 0.01), (0.0, 0.17, 0.01), (-0.17, 0.0, 0.01), (0.0, -0.17, 0.01)),
+    (-1, 1, -1, 1),
+    kf=8.54858e-6,
+    c=0.016,
+    max_speed=838.0,
+)
+demands = st.tuples(
+    st.sampled_from([IRIS, PLUS]),
+    st.floats(-5.0, 40.0),
+    st.tuples(*[st.floats(-8.0, 8.0)] * 2, st.floats(-3.0, 3.0)),
+)
+
+
+def solve(vehicle, collective, torque):
+    B = thrust_torque_matrix(vehicle)
+    high = np.array([r.thrust_constant * r.max_speed_radps**2 for r in vehicle.rotors])
+    low = 0.0144 * high
+    thrust = np.empty(4)
+    allocate(np.linalg.inv(B), collective, np.array(torque), low, high, thrust)
+    return thrust, B @ thrust, low, high
+
+
+def fits(thrust, low, high, slack=1e-9):
+    return np.all(thrust >= low - slack) and np.all(thrust <= high + slack)
+
+
+@given(demands)
+def test_rotor_limits_are_never_exceeded(demand):
+    thrust, _, low, high = solve(*demand)
+    assert np.all(thrust >= low)
+    assert np.all(thrust <= high)
+
+
+@given(demands)
+def test_a_demand_that_fits_is_met_exactly(demand):
+    vehicle, collective, torque = demand
+    wanted = np.array([collective, *torque])
+    exact = np.linalg.solve(thrust_torque_matrix(vehicle), wanted)
+    thrust, made, low, high = solve(*demand)
+    if fits(exact, low, high, slack=0.0):
+        np.testing.assert_allclose(made, wanted, atol=1e-9)
+    else:
+        assert not np.allclose(thrust, exact, atol=1e-12)
+
+
+@given(demands)
+def test_roll_and_pitch_are_met_whenever_any_collective_allows_it(demand):
+    vehicle, _, torque = demand
+    _, made, low, high = solve(*demand)
+    A = np.linalg.inv(thrust_torque_matrix(vehicle))
+    tilt = A[:, 1] * torque[0] + A[:, 2] * torque[1]
+    least = np.max((low - tilt) / A[:, 0])
+    most = np.min((high - tilt) / A[:, 0])
+    if least <= most:
+        np.testing.assert_allclose(made[1:3], torque[:2], atol=1e-9)
+    else:  # direction kept, size reduced
+        assert made[1] * torque[1] == pytest.approx(made[2] * torque[0], abs=1e-9)
+        assert made[1] * torque[0] + made[2] * torque[1] >= 0.0
+        assert np.linalg.norm(made[1:3]) < np.linalg.norm(torque[:2])
+
+
+@given(demands)
+def test_yaw_yields_before_the_collective(demand):
+    vehicle, collective, torque = demand
+    _, made, low, high = solve(*demand)
+    A = np.linalg.inv(thrust_torque_matrix(vehicle))
+    without_yaw = A @ np.array([collective, torque[0], torque[1], 0.0])
+    if fits(without_yaw, low, high, slack=0.0):
+        assert made[0] == pytest.approx(collective, abs=1e-9)
+        assert abs(made[3]) <= abs(torque[2]) + 1e-9
+        assert made[3] * torque[2] >= -1e-9
+
+
+@given(st.floats(100.0, 1000.0), st.floats(100.0, 1000.0), st.sampled_from([0.0125, 0.025]))
+def test_lead_makes_a_slow_rotor_as_fast_as_asked(speed, wanted, tau):
+    dt, response = 0.004, 0.006
+    command = lead_command(speed, wanted, tau, response, dt)
+    reached = speed + (command - speed) * (1.0 - np.exp(-dt / tau))
+    ideal = speed + (wanted - speed) * (1.0 - np.exp(-dt / response))
+    assert reached == pytest.approx(ideal, abs=1e-9)
+
+
+def test_a_fast_rotor_is_commanded_directly():
+    assert lead_command(100.0, 500.0, 0.005, 0.006, 0.004) == 500.0

@@ -1,0 +1,123 @@
+"""GNSS, barometer and magnetometer into the filter."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.spatial.transform import Rotation
+from test_predict import DT, G, add_error, filter_at
+
+from autonomy.estimation.error_state import N_STATES
+from autonomy.estimation.fusion import (
+    fuse_barometer,
+    fuse_gnss,
+    fuse_magnetometer,
+    heading_innovation,
+)
+from autonomy.estimation.predict import predict
+
+FIELD = np.array([0.8, 21.5, -42.8])
+SIGMA_M, SIGMA_MPS = np.full(3, 0.05), np.full(3, 0.05)
+
+
+def moving_filter(velocity, sigma=1.0):
+    """Level flight at constant velocity with an exact estimate and a wide covariance."""
+    f = filter_at(np.random.default_rng(0))
+    for name in ("position_enu_m", "gyro_bias_flu_radps", "accel_bias_flu_mps2"):
+        f[name] = 0.0
+    f["quat_wxyz"] = (1.0, 0.0, 0.0, 0.0)
+    f["velocity_enu_mps"] = velocity
+    f["covariance"] = np.diag([sigma**2] * 6 + [1e-4] * 9 + [0.01])
+    return f
+
+
+def fly(f, ticks):
+    for _ in range(ticks):
+        predict(f, np.array([0.0, 0.0, G]), np.zeros(3))
+
+
+def test_a_late_fix_is_compared_with_the_estimate_of_its_time():
+    velocity = np.array([8.0, -3.0, 1.0])
+    f = moving_filter(velocity)
+    fly(f, 100)
+    true_now = velocity * 100 * DT
+    fuse_gnss(f, velocity * 70 * DT, velocity, 30, SIGMA_M, SIGMA_MPS)
+    np.testing.assert_allclose(f["position_enu_m"], true_now, atol=1e-9)
+    assert f["ratio_gnss_position"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_late_fixes_pull_a_wrong_estimate_onto_the_moving_truth():
+    velocity = np.array([5.0, 0.0, 0.0])
+    f = moving_filter(velocity)
+    add_error(f, np.concatenate([[1.0, -0.5, 0.3, 0.2, 0.1, -0.1], np.zeros(10)]))
+    for k in range(1, 40):
+        fly(f, 25)
+        true = velocity * (25 * k - 30) * DT
+        if k > 1:
+            fuse_gnss(f, true, velocity, 30, SIGMA_M, SIGMA_MPS)
+    np.testing.assert_allclose(f["position_enu_m"], velocity * 25 * 39 * DT, atol=0.02)
+    np.testing.assert_allclose(f["velocity_enu_mps"], velocity, atol=0.02)
+
+
+def test_a_jump_of_the_receiver_is_refused_then_believed():
+    f = moving_filter(np.zeros(3), sigma=0.1)
+    f["max_gnss_rejections"] = 5
+    far = np.array([30.0, 0.0, 0.0])
+    for _ in range(4):
+        fly(f, 25)
+        fuse_gnss(f, far, np.zeros(3), 30, SIGMA_M, SIGMA_MPS)
+        assert f["ratio_gnss_position"] > 1.0
+        assert abs(f["position_enu_m"][0]) < 0.1
+    fuse_gnss(f, far, np.zeros(3), 30, SIGMA_M, SIGMA_MPS)
+    np.testing.assert_allclose(f["position_enu_m"], far, atol=1e-9)
+    assert np.linalg.eigvalsh(f["covariance"]).min() >= 0.0
+    fuse_gnss(f, far, np.zeros(3), 30, SIGMA_M, SIGMA_MPS)
+    assert f["ratio_gnss_position"] < 1e-6  # the past was moved along
+
+
+def test_the_barometer_smooths_height_without_deciding_it():
+    """A barometer 50 m off is an offset, not a height, once GNSS has said what height is."""
+    f = moving_filter(np.zeros(3), sigma=0.1)
+    f["baro_offset_m"] = 50.0
+    rng = np.random.default_rng(3)
+    for k in range(500):
+        fly(f, 5)
+        fuse_barometer(f, 50.4 + 0.1 * rng.normal())
+        if k % 5 == 4:
+            fuse_gnss(f, np.zeros(3), np.zeros(3), 30, SIGMA_M, SIGMA_MPS)
+    assert f["position_enu_m"][2] == pytest.approx(0.0, abs=0.05)
+    assert f["baro_offset_m"] == pytest.approx(50.4, abs=0.07)
+
+
+@given(
+    hnp.arrays(float, 3, elements=st.floats(-0.6, 0.6)),
+    st.floats(-3.0, 3.0),
+    st.integers(0, 2),
+)
+def test_heading_row_is_the_derivative_of_the_innovation(tilt, yaw, axis):
+    f = filter_at(np.random.default_rng(0))
+    f["field_enu_ut"] = FIELD
+    true = Rotation.from_euler("z", yaw) * Rotation.from_rotvec([tilt[0], tilt[1], 0.0])
+    f["quat_wxyz"] = true.as_quat(scalar_first=True)
+    measured = true.inv().apply(FIELD)
+    assert heading_innovation(f, measured) == pytest.approx(0.0, abs=1e-12)
+    row = f["measurement_row"].copy()
+    kick = np.zeros(N_STATES)
+    kick[6 + axis] = -1e-6  # the estimate lacks this error
+    add_error(f, kick)
+    assert heading_innovation(f, measured) / 1e-6 == pytest.approx(row[6 + axis], abs=1e-3)
+
+
+def test_heading_is_corrected_and_not_position():
+    f = moving_filter(np.zeros(3))
+    f["field_enu_ut"] = FIELD
+    f["covariance"] = np.diag([0.1] * 6 + [1e-6] * 2 + [0.05] + [1e-6] * 7)
+    truth = Rotation.from_euler("z", 0.1)
+    for _ in range(100):
+        fuse_magnetometer(f, truth.inv().apply(FIELD))
+    q = f["quat_wxyz"]
+    assert 2.0 * math.atan2(q[3], q[0]) == pytest.approx(0.1, abs=0.03)
+    np.testing.assert_array_equal(f["position_enu_m"], 0.0)

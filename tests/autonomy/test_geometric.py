@@ -1,0 +1,149 @@
+"""The geometric controller: its fixed points, and its rates against finite differences."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.spatial.transform import Rotation
+from test_allocation import IRIS
+
+from autonomy.control import ControllerCfg, new_controller
+from autonomy.control.geometric import (
+    attitude_torque,
+    command_attitude,
+    demand_force,
+    estimate_acceleration,
+    rate_torque,
+)
+from autonomy.estimation import EstimatorCfg, new_filter
+from autonomy.model.dynamics import thrust_torque_matrix
+
+G = 9.81
+HOVER = np.sqrt(IRIS.mass_kg * G / sum(r.thrust_constant for r in IRIS.rotors))
+vectors = hnp.arrays(float, 3, elements=st.floats(-1.0, 1.0))
+
+
+def hovering():
+    """Controller and filter in perfect hover over the origin."""
+    c = new_controller(IRIS, ControllerCfg(), dt_s=0.004)[0]
+    f = new_filter(EstimatorCfg(), dt_s=0.004, field_enu_ut=(0, 21, -43), gravity_mps2=G)[0]
+    c["R"] = np.eye(3)
+    c["rotor_model_radps"] = HOVER
+    return c, f
+
+
+def test_hover_needs_weight_and_nothing_else():
+    c, f = hovering()
+    demand_force(c, f)
+    np.testing.assert_allclose(c["force_enu_mps2"], (0.0, 0.0, G), atol=1e-12)
+    command_attitude(c, f)
+    np.testing.assert_allclose(c["R_cmd"], np.eye(3), atol=1e-12)
+    attitude_torque(c, np.zeros(3))
+    np.testing.assert_allclose(c["torque_flu_nm"], 0.0, atol=1e-12)
+
+
+@given(vectors)
+def test_feedback_acts_against_the_error_and_is_bounded(error):
+    c, f = hovering()
+    f["position_enu_m"] = -10.0 * error
+    demand_force(c, f)
+    demanded = c["force_enu_mps2"] - (0.0, 0.0, G)
+    assert demanded @ error >= 0.0
+    assert np.hypot(*demanded[:2]) <= c["max_feedback_mps2"] + 1e-9
+
+
+@given(vectors, vectors)
+def test_tilt_and_thrust_limits_hold_for_any_reference(acceleration, error):
+    c, f = hovering()
+    c["reference_acceleration_enu_mps2"] = 60.0 * acceleration
+    f["velocity_enu_mps"] = 40.0 * error
+    demand_force(c, f)
+    force = c["force_enu_mps2"]
+    assert force[2] > 0.0
+    assert np.hypot(*force[:2]) <= c["max_tilt_tangent"] * force[2] + 1e-9
+    assert np.linalg.norm(force) <= np.hypot(c["max_thrust_mps2"], 1.0) + 1e-9
+
+
+def test_wind_seen_by_the_accelerometer_is_flown_against():
+    c, f = hovering()
+    f["acceleration_enu_mps2"] = (1.5, 0.0, 0.0)
+    for _ in range(500):
+        estimate_acceleration(c, f)
+    demand_force(c, f)
+    np.testing.assert_allclose(c["force_enu_mps2"], (-1.5, 0.0, G), atol=1e-4)
+
+
+def test_integral_removes_a_lasting_error_within_its_limit():
+    c, f = hovering()
+    f["position_enu_m"] = (-0.05, 0.0, 0.02)
+    for _ in range(2500):
+        f["acceleration_enu_mps2"] = 0.0
+        demand_force(c, f)
+    np.testing.assert_allclose(c["integral_mps2"], (1.0, 0.0, -0.6), atol=1e-6)
+
+
+def reference(t):
+    """A curve with yaw, its derivatives known."""
+    a = np.array([2.0 * np.sin(t), 1.5 * np.cos(1.3 * t), 1.0 * np.sin(0.7 * t)])
+    j = np.array([2.0 * np.cos(t), -1.95 * np.sin(1.3 * t), 0.7 * np.cos(0.7 * t)])
+    return a, j, 0.4 * np.sin(0.9 * t), 0.36 * np.cos(0.9 * t)
+
+
+def commanded(t):
+    c, f = hovering()
+    c["drag_coefficient"] = 0.0
+    a, j, yaw, yaw_rate = reference(t)
+    c["reference_acceleration_enu_mps2"], c["reference_jerk_enu_mps3"] = a, j
+    c["reference_yaw_rad"], c["reference_yaw_rate_radps"] = yaw, yaw_rate
+    c["velocity_gain"] = 0.0  # no feedback: the rates are the reference's alone
+    demand_force(c, f)
+    command_attitude(c, f)
+    return c["R_cmd"].copy(), c["rate_cmd_flu_radps"].copy()
+
+
+@given(st.floats(0.0, 20.0))
+def test_commanded_rates_are_the_derivative_of_the_commanded_attitude(t):
+    h = 1e-5
+    before, after = commanded(t - h)[0], commanded(t + h)[0]
+    R, rate = commanded(t)
+    turn = Rotation.from_matrix(R.T @ after) * Rotation.from_matrix(R.T @ before).inv()
+    np.testing.assert_allclose(turn.as_rotvec() / (2.0 * h), rate, atol=1e-4)
+    np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
+
+
+@given(vectors)
+def test_torque_turns_towards_the_command(turn):
+    c, _ = hovering()
+    c["R"] = Rotation.from_rotvec(2.0 * turn).as_matrix()
+    c["R_cmd"] = np.eye(3)
+    attitude_torque(c, np.zeros(3))
+    alpha = c["torque_flu_nm"] / c["inertia_flu_kgm2"]
+    angle = np.linalg.norm(2.0 * turn)
+    if 1e-3 < angle < np.pi - 1e-3:
+        # eq. (10): e_R is sin(angle) along the axis, here against the error
+        expected = -c["attitude_gain"] * turn * (2.0 * np.sin(angle) / angle)
+        np.testing.assert_allclose(alpha, expected, atol=1e-9)
+
+
+@given(vectors)
+def test_torques_cancel_the_gyroscopic_term(rate):
+    c, _ = hovering()
+    rate = 5.0 * rate
+    c["R_cmd"] = np.eye(3)
+    c["rate_cmd_flu_radps"] = rate
+    J = c["inertia_flu_kgm2"]
+    for law in (attitude_torque, rate_torque):
+        law(c, rate)
+        alpha = (c["torque_flu_nm"] - np.cross(rate, J * rate)) / J
+        np.testing.assert_allclose(alpha, 0.0, atol=1e-9)
+
+
+def test_thrust_torque_matrix_knows_the_axes():
+    B = thrust_torque_matrix(IRIS)
+    np.testing.assert_array_equal(B[0], 1.0)
+    # front right pushed up: rolls left (negative y arm), pitches up (FLU: negative about y)
+    assert B[1, 0] < 0.0
+    assert B[2, 0] < 0.0
+    # a counter-clockwise rotor turns the body clockwise
+    assert B[3, 0] == pytest.approx(-0.06)

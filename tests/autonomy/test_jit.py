@@ -1,0 +1,73 @@
+"""The kernels' cache notices every change; the message comes once."""
+
+import importlib
+import logging
+import sys
+
+import numpy as np
+import pytest
+
+from autonomy import jit
+
+
+@pytest.fixture
+def fresh_tree(tmp_path, monkeypatch):
+    """An empty source tree and an empty user cache."""
+    source, cache = tmp_path / "source", tmp_path / "cache"
+    source.mkdir()
+    monkeypatch.setattr(jit, "_ROOT", source)
+    monkeypatch.setattr(jit.platformdirs, "user_cache_dir", lambda _name: str(cache))
+    forget()
+    yield source
+    forget()
+
+
+def forget():
+    jit.cache_directory.cache_clear()
+    jit._imported.cache_clear()
+
+
+def directory_of(module):
+    forget()
+    return jit.cache_directory(module)
+
+
+def test_cache_moves_when_a_module_called_by_a_called_module_changes(fresh_tree):
+    package = fresh_tree / "craft"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "outer.py").write_text("from craft.middle import f\n")
+    (package / "middle.py").write_text("import math\nfrom craft.inner import g\n")
+    (package / "inner.py").write_text("def g(): return 1\n")
+    (package / "bystander.py").write_text("x = 1\n")
+    before = directory_of("craft.outer")
+    (package / "bystander.py").write_text("x = 2\n")
+    assert directory_of("craft.outer") == before
+    (package / "inner.py").write_text("def g(): return 2\n")
+    assert directory_of("craft.outer") != before
+
+
+def test_old_caches_are_forgotten(fresh_tree, tmp_path):
+    root = tmp_path / "cache" / "kernels" / "craft"
+    for i in range(9):
+        (root / f"old{i}").mkdir(parents=True)
+    (fresh_tree / "craft.py").write_text("x = 1\n")
+    directory_of("craft")
+    assert 0 < len(list(root.iterdir())) < 9
+
+
+def test_compilation_is_announced_once_and_gives_the_kernel(fresh_tree, monkeypatch, caplog):
+    (fresh_tree / "craft.py").write_text(
+        "from autonomy.jit import kernel\n\n\n@kernel\ndef double(x):\n    return 2.0 * x\n"
+    )
+    monkeypatch.syspath_prepend(fresh_tree)
+    for _ in range(2):
+        monkeypatch.delitem(sys.modules, "craft", raising=False)
+        double = importlib.import_module("craft").double
+        with caplog.at_level(logging.WARNING):
+            jit.compile_ahead(double, (1.0,), "the doubler", 3.0)
+    assert [record.getMessage() for record in caplog.records] == [
+        "compiling the doubler, once, about 3 s"
+    ]
+    assert double(np.pi) == 2.0 * np.pi
+    assert double.stats.cache_hits  # the second time it came from the disk

@@ -1,0 +1,50 @@
+"""MAVSDK-Python, gRPC style: offboard positions in the local frame, right after arming."""
+
+import asyncio
+import sys
+
+from mavsdk_grpc import System
+from mavsdk_grpc.offboard import OffboardError, PositionNedYaw
+
+
+async def reach(drone, north_m, east_m, down_m):
+    async for sample in drone.telemetry.position_velocity_ned():
+        at = sample.position
+        errors = (at.north_m - north_m, at.east_m - east_m, at.down_m - down_m)
+        if max(map(abs, errors)) < 0.5:
+            return
+
+
+async def run(address, server_port):
+    drone = System(port=server_port)
+    await drone.connect(system_address=address)
+    async for state in drone.core.connection_state():
+        if state.is_connected:
+            break
+    async for health in drone.telemetry.health():
+        if health.is_global_position_ok and health.is_home_position_ok:
+            break
+
+    try:
+        await drone.offboard.start()
+    except OffboardError as error:
+        assert error._result.result.name == "NO_SETPOINT_SET", error
+    else:
+        raise AssertionError("offboard started without a setpoint")
+
+    await drone.action.arm()
+    await drone.offboard.set_position_ned(PositionNedYaw(0.0, 0.0, 0.0, 0.0))
+    await drone.offboard.start()
+    for north_m, east_m, down_m, yaw_deg in ((0, 0, -5, 0), (5, 0, -8, 90), (5, 6, -8, 90)):
+        await drone.offboard.set_position_ned(PositionNedYaw(north_m, east_m, down_m, yaw_deg))
+        await reach(drone, north_m, east_m, down_m)
+    async for attitude in drone.telemetry.attitude_euler():
+        if abs(attitude.yaw_deg - 90.0) < 10.0:
+            break
+    await drone.offboard.stop()
+    async for mode in drone.telemetry.flight_mode():
+        if mode.name == "HOLD":
+            break
+
+
+asyncio.run(run(sys.argv[1], int(sys.argv[2])))

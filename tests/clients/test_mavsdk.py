@@ -1,0 +1,23 @@
+"""Scripts for MAVSDK, in the style of its published examples and in its native API."""
+
+import pytest
+
+pytestmark = pytest.mark.timeout(150)
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "grpc_takeoff_and_land.py",
+        "grpc_goto.py",
+        "grpc_mission.py",
+        "grpc_offboard_position.py",
+        "grpc_offboard_velocity.py",
+    ],
+)
+def test_published_style_scripts_fly(script, testbench, run_script):
+    run_script(script, testbench.sdk_address, str(50_100 + testbench.instance))
+
+
+def test_the_native_api_flies(testbench, run_script):
+    run_script("native_flight.py", testbench.sdk_address)

@@ -1,0 +1,1 @@
+"""Tests of the autopilot; most of them fly the real plant."""

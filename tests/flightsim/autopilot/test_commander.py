@@ -1,0 +1,162 @@
+"""Arming, disarming, refusals, mode changes."""
+
+import math
+
+import pytest
+
+from autonomy.types import ControlLevel
+from autopilot.bench import Bench
+from flightsim.autopilot.modes import LandedState, Mode, SystemState
+from flightsim.autopilot.results import CommandResult
+
+REJECTED = CommandResult.TEMPORARILY_REJECTED
+
+
+def test_arming_waits_for_the_estimator():
+    bench = Bench.__new__(Bench)
+    bench.__init__()
+    fresh = Bench()
+    fresh.plant.set_sensor_enabled("gnss", is_enabled=False)
+    assert fresh.run(60.0, lambda: not fresh.pilot.health.is_position_ok)
+    reply = fresh.pilot.arm()
+    assert reply.result is REJECTED
+    fresh.step()
+    assert fresh.says("Arming denied: position estimate not valid")
+    assert not fresh.pilot.is_armed
+    assert not fresh.pilot.health.is_armable
+    assert fresh.pilot.prearm.reasons == ("position estimate not valid",)
+
+
+def test_forced_arming_skips_the_checks():
+    bench = Bench()
+    bench.plant.set_sensor_enabled("gnss", is_enabled=False)
+    assert bench.run(60.0, lambda: not bench.pilot.health.is_position_ok)
+    assert bench.pilot.arm(is_forced=True).is_accepted
+    assert bench.pilot.is_armed
+
+
+def test_a_satellite_fix_is_asked_for_where_a_parameter_says_so():
+    bench = Bench()
+    bench.pilot.set_parameter("COM_ARM_WO_GPS", 0)
+    assert bench.pilot.run_prearm_checks().is_ok
+    bench.plant.set_sensor_enabled("gnss", is_enabled=False)
+    bench.run(1.0)
+    assert bench.pilot.arm().reason == "arming denied: no satellite fix"
+    bench.pilot.run_prearm_checks()
+    bench.step()
+    assert bench.says("Preflight fail: no satellite fix")
+
+
+@pytest.mark.parametrize("mode", [Mode.LAND, Mode.RETURN])
+def test_modes_that_end_a_flight_do_not_begin_one(mode):
+    bench = Bench()
+    assert bench.pilot.set_mode(mode).is_accepted
+    assert "not suitable for takeoff" in bench.pilot.arm().reason
+
+
+def test_disarming_in_the_air_needs_force():
+    bench = Bench().take_off()
+    assert bench.pilot.disarm().result is REJECTED
+    bench.step()
+    assert bench.says("Disarming denied: not landed")
+    assert bench.pilot.is_armed
+    assert bench.pilot.disarm(is_forced=True).is_accepted
+    bench.run(2.0)
+    assert bench.pilot.setpoint.level is ControlLevel.OFF
+    assert bench.position[2] < 0.5
+
+
+def test_a_forgotten_vehicle_disarms():
+    bench = Bench()
+    bench.pilot.arm()
+    bench.run(9.5)
+    assert bench.pilot.is_armed
+    assert bench.run(1.0, lambda: not bench.pilot.is_armed)
+    assert bench.says("Disarmed by auto preflight disarming")
+
+
+def test_a_negative_time_switches_disarming_off():
+    bench = Bench()
+    bench.pilot.set_parameter("COM_DISARM_PRFLT", -1)
+    bench.pilot.set_parameter("COM_DISARM_LAND", -1)
+    bench.take_off()
+    bench.pilot.land()
+    bench.run(25.0)
+    assert bench.is_on_ground
+    assert bench.pilot.is_armed
+    assert bench.pilot.disarm().is_accepted
+
+
+def test_arming_and_disarming_twice_is_no_error():
+    bench = Bench()
+    assert bench.pilot.arm().is_accepted
+    assert bench.pilot.arm().is_accepted
+    assert bench.pilot.disarm().is_accepted
+    assert bench.pilot.disarm().is_accepted
+
+
+@pytest.mark.parametrize(
+    ("mode", "result", "why"),
+    [
+        (Mode.OFFBOARD, REJECTED, "no offboard setpoints"),
+        (Mode.MISSION, CommandResult.DENIED, "no valid mission"),
+        (Mode.STABILIZED, REJECTED, "no manual control"),
+        (Mode.ORBIT, CommandResult.DENIED, "no mode to switch to"),
+        (Mode.DESCEND, CommandResult.DENIED, "no mode to switch to"),
+        (Mode.TERMINATION, CommandResult.DENIED, "no mode to switch to"),
+    ],
+)
+def test_modes_that_cannot_be_entered_say_why_and_nothing_changes(mode, result, why):
+    bench = Bench().take_off()
+    reply = bench.pilot.set_mode(mode)
+    assert reply.result is result
+    assert why in reply.reason
+    bench.run(1.0)
+    assert bench.pilot.mode is Mode.HOLD
+    assert bench.position[2] == pytest.approx(3.0, abs=0.4)
+    assert bench.says(f"Switching to {mode.value} denied")
+
+
+@pytest.mark.parametrize("mode", [Mode.POSITION, Mode.ALTITUDE])
+def test_without_sticks_the_guided_stick_modes_hold(mode):
+    bench = Bench(wind_enu_mps=(3.0, 0.0, 0.0)).take_off()
+    assert bench.pilot.set_mode(mode).is_accepted
+    bench.run(6.0)
+    assert bench.position == pytest.approx((0.0, 0.0, 3.0), abs=0.5)
+
+
+def test_termination_stops_the_rotors_and_disarms_on_the_ground():
+    bench = Bench().take_off(2.0)
+    assert bench.pilot.terminate().is_accepted
+    bench.step()
+    assert bench.pilot.setpoint.level is ControlLevel.OFF
+    assert bench.pilot.system_state is SystemState.EMERGENCY
+    assert bench.run(10.0, lambda: not bench.pilot.is_armed)
+    assert bench.pilot.landed_state is LandedState.ON_GROUND
+
+
+def test_a_toppled_vehicle_disarms():
+    bench = Bench().take_off(4.0)
+    bench.plant.set_rotor_effectiveness(0, 0.0)
+    bench.plant.set_rotor_effectiveness(2, 0.0)
+    assert bench.run(30.0, lambda: not bench.pilot.is_armed)
+    assert bench.says("Failsafe activated: vehicle toppled, disarming")
+
+
+def test_setting_a_speed_changes_the_flight_in_progress():
+    bench = Bench().take_off()
+    bench.pilot.goto(bench.geodetic(40.0, 0.0))
+    bench.run(4.0)
+    assert bench.pilot.set_speed(2.0).is_accepted
+    bench.run(3.0)
+    assert bench.speed_mps == pytest.approx(2.0, abs=0.3)
+    assert bench.pilot.set_speed(math.nan).result is CommandResult.DENIED
+    assert bench.pilot.set_speed(-1.0).result is CommandResult.DENIED
+
+
+def test_listeners_and_the_queue_hear_the_same_events():
+    bench, heard = Bench(), []
+    bench.pilot.add_event_listener(heard.append)
+    bench.texts.clear()
+    bench.take_off()
+    assert [event.text for event in heard] == bench.texts

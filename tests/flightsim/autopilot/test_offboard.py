@@ -1,0 +1,118 @@
+"""Offboard: entering, following each kind of setpoint, landing by it."""
+
+import math
+
+import pytest
+
+from autonomy.types import NAN3, ControlLevel, Setpoint
+from autopilot.bench import NAN, Bench
+from flightsim.autopilot.modes import Mode
+
+
+def position(x, y, z, yaw_rad=0.0):
+    return Setpoint(level=ControlLevel.TRAJECTORY, position_enu_m=(x, y, z + 0.11), yaw_rad=yaw_rad)
+
+
+def velocity(x, y, z, **fields):
+    return Setpoint(level=ControlLevel.TRAJECTORY, velocity_enu_mps=(x, y, z), **fields)
+
+
+def flying():
+    bench = Bench().take_off()
+    bench.pilot.set_offboard_setpoint(position(0.0, 0.0, 3.0))
+    assert bench.pilot.set_mode(Mode.OFFBOARD).is_accepted
+    return bench
+
+
+def test_one_fresh_setpoint_opens_the_door_a_stale_one_does_not():
+    bench = Bench().take_off()
+    bench.pilot.set_offboard_setpoint(position(0.0, 0.0, 3.0))
+    bench.run(0.6)
+    assert not bench.pilot.set_mode(Mode.OFFBOARD).is_accepted
+    bench.pilot.set_offboard_setpoint(position(0.0, 0.0, 3.0))
+    assert bench.pilot.set_mode(Mode.OFFBOARD).is_accepted
+
+
+def test_a_position_above_takes_off_and_one_below_does_not():
+    bench = Bench()
+    bench.pilot.arm()
+    bench.pilot.set_offboard_setpoint(position(0.0, 0.0, -0.2))
+    assert bench.pilot.set_mode(Mode.OFFBOARD).is_accepted
+    bench.stream(position(0.0, 0.0, -0.2), 3.0)
+    assert bench.pilot.setpoint.level is ControlLevel.IDLE
+    bench.stream(position(0.0, 0.0, 4.0), 8.0)
+    assert bench.position == pytest.approx((0.0, 0.0, 4.0), abs=0.4)
+
+
+def test_positions_and_yaw_are_reached():
+    bench = flying()
+    bench.stream(position(6.0, -4.0, 5.0, yaw_rad=1.2), 9.0)
+    assert bench.position == pytest.approx((6.0, -4.0, 5.0), abs=0.4)
+    assert bench.yaw_rad == pytest.approx(1.2, abs=0.1)
+
+
+def test_velocities_are_followed():
+    bench = flying()
+    bench.stream(velocity(0.0, 3.0, 0.5), 4.0)
+    assert bench.plant.truth.velocity_enu_mps == pytest.approx((0.0, 3.0, 0.5), abs=0.25)
+
+
+def test_mixed_axes_are_followed():
+    bench = flying()
+    mixed = Setpoint(
+        level=ControlLevel.TRAJECTORY,
+        position_enu_m=(NAN, NAN, 5.11),
+        velocity_enu_mps=(2.0, 0.0, NAN),
+    )
+    bench.stream(mixed, 6.0)
+    assert bench.plant.truth.velocity_enu_mps == pytest.approx((2.0, 0.0, 0.0), abs=0.25)
+    assert bench.position[2] == pytest.approx(5.0, abs=0.4)
+
+
+def test_bare_velocities_are_held_to_the_vehicle_maxima():
+    bench = flying()
+    bench.pilot.set_parameter("MPC_XY_VEL_MAX", 4.0)
+    bench.stream(velocity(30.0, 40.0, 0.0), 3.0)
+    assert bench.pilot.setpoint.velocity_enu_mps == pytest.approx((2.4, 3.2, 0.0))
+    assert bench.speed_mps < 4.5
+
+
+def test_attitude_setpoints_pass_through():
+    bench = flying()
+    hover = bench.plant.world.airframe.quadrotor.hover_thrust_fraction
+    tilt = math.radians(8.0)
+    setpoint = Setpoint(
+        level=ControlLevel.ATTITUDE,
+        quat_wxyz=(math.cos(tilt / 2), 0.0, math.sin(tilt / 2), 0.0),
+        thrust=hover / math.cos(tilt),
+    )
+    bench.stream(setpoint, 1.5)
+    assert bench.plant.truth.velocity_enu_mps[0] > 1.0
+
+
+def test_a_descent_into_the_ground_lands_and_disarms():
+    bench = flying()
+    sinking = velocity(0.0, 0.0, -0.5)
+    assert bench.stream(sinking, 25.0, lambda: not bench.pilot.is_armed)
+    assert bench.says("Landing detected")
+    assert bench.says("Disarmed by landing")
+    assert bench.position[2] == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_setpoint_without_any_number_holds():
+    bench = flying()
+    nothing = Setpoint(level=ControlLevel.TRAJECTORY, position_enu_m=NAN3)
+    bench.stream(nothing, 3.0)
+    assert bench.pilot.mode is Mode.OFFBOARD
+    assert bench.position == pytest.approx((0.0, 0.0, 3.0), abs=0.5)
+
+
+def test_leaving_offboard_at_speed_is_smooth():
+    bench = flying()
+    bench.stream(velocity(5.0, 0.0, 0.0), 4.0)
+    assert bench.pilot.set_mode(Mode.HOLD).is_accepted
+    before = bench.plant.truth.velocity_enu_mps
+    bench.step()
+    assert bench.pilot.setpoint.velocity_enu_mps == pytest.approx(before, abs=0.4)
+    bench.run(5.0)
+    assert bench.speed_mps < 0.2

@@ -1,0 +1,104 @@
+"""Layouts pack what pymavlink packs, byte for byte."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flightsim.mavlink.dialect import LAYOUTS, LayoutError, UnknownMessageError, dialect, layout
+
+_INTEGERS = {
+    "uint8_t": (0, 0xFF),
+    "int8_t": (-0x80, 0x7F),
+    "uint16_t": (0, 0xFFFF),
+    "int16_t": (-0x8000, 0x7FFF),
+    "uint32_t": (0, 0xFFFFFFFF),
+    "int32_t": (-0x80000000, 0x7FFFFFFF),
+    "uint64_t": (0, 2**64 - 1),
+    "int64_t": (-(2**63), 2**63 - 1),
+}
+
+
+def _scalars(field_type: str):
+    if field_type in _INTEGERS:
+        return st.integers(*_INTEGERS[field_type])
+    return st.floats(width=32, allow_nan=False)
+
+
+@st.composite
+def messages(draw):
+    """A message class of the dialect with values for all its fields."""
+    message_class = draw(st.sampled_from(sorted(dialect.mavlink_map.values(), key=lambda c: c.id)))
+    values = {}
+    for position, field in enumerate(message_class.fieldnames):
+        order = message_class.orders[position]
+        length = message_class.array_lengths[order]
+        field_type = message_class.fieldtypes[position]
+        if field_type == "char":
+            values[field] = draw(st.binary(max_size=max(1, length)))
+        elif length:
+            scalars = _scalars(field_type)
+            values[field] = draw(st.lists(scalars, min_size=length, max_size=length))
+        else:
+            values[field] = draw(_scalars(field_type))
+    return message_class, values
+
+
+@given(message=messages(), sequence=st.integers(0, 255), system_id=st.integers(1, 255))
+@settings(max_examples=300)
+def test_version_2_frames_equal_pymavlinks(message, sequence, system_id):
+    message_class, values = message
+    reference = dialect.MAVLink(None, system_id, 1)
+    reference.seq = sequence
+    found = LAYOUTS[message_class.msgname]
+    frame = found.frame_v2(found.encode(**values), sequence, system_id, 1)
+    assert frame == message_class(**values).pack(reference)
+
+
+@given(message=messages())
+@settings(max_examples=200)
+def test_version_1_frames_decode_to_the_same_fields_without_extensions(message):
+    message_class, values = message
+    found = LAYOUTS[message_class.msgname]
+    frame = found.frame_v1(found.encode(**values), 7, 1, 1)
+    if message_class.id > 255:
+        assert frame == b""
+        return
+    decoded = dialect.MAVLink(None).decode(bytearray(frame))
+    assert len(frame) == 8 + found.base_size
+    expected = message_class(**values)
+    n_extensions = len(message_class.__init__.__defaults__ or ())
+    for field in message_class.fieldnames[: len(message_class.fieldnames) - n_extensions]:
+        sent, received = getattr(expected, field), getattr(decoded, field)
+        if isinstance(sent, str):
+            sent, received = sent.rstrip("\0"), received.rstrip("\0")
+        assert received == sent
+
+
+def test_base_sizes_are_those_of_the_protocol_definition():
+    # https://mavlink.io/en/messages/common.html, fields above the extension line
+    sizes = {"GPS_RAW_INT": 30, "MISSION_ITEM_INT": 37, "COMMAND_ACK": 3, "BATTERY_STATUS": 36}
+    assert {name: LAYOUTS[name].base_size for name in sizes} == sizes
+
+
+def test_fields_not_named_are_zero_and_short_arrays_are_filled():
+    found = layout("BATTERY_STATUS")
+    decoded = dialect.MAVLink(None).decode(
+        bytearray(found.frame_v2(found.encode(voltages=[1, 2]), 0, 1, 1))
+    )
+    assert decoded.voltages == [1, 2] + [0] * 8
+    assert decoded.current_battery == 0
+
+
+def test_a_wire_order_that_differs_from_the_dialect_is_refused():
+    assert layout("SYSTEM_TIME", "time_unix_usec", "time_boot_ms").message_id == 2
+    with pytest.raises(LayoutError, match="SYSTEM_TIME is packed as"):
+        layout("SYSTEM_TIME", "time_boot_ms", "time_unix_usec")
+
+
+def test_names_that_do_not_exist_are_refused():
+    with pytest.raises(UnknownMessageError, match="NO_SUCH_MESSAGE"):
+        layout("NO_SUCH_MESSAGE")
+    with pytest.raises(LayoutError, match="no field"):
+        layout("HEARTBEAT").encode(kind=2)
+    with pytest.raises(LayoutError, match="does not fit"):
+        layout("BATTERY_STATUS").encode(voltages=[0] * 11)

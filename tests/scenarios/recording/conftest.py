@@ -1,0 +1,124 @@
+"""One recorded flight of the real stack, which the tests of this folder read back."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+import rerun as rr
+from rerun.chunk import RrdReader
+
+from aeroscene.scene import Scene
+from aeroscene.shapes import Primitive, scene_primitives
+from flightsim.autopilot.events import Severity
+from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
+from flightsim.vehicles.airframe import Airframe
+from scenarios.recording import Recorder, RunInfo
+from scenarios.testbench import Testbench, TestbenchCfg
+
+FLIGHT_S = 3.5
+PLAN_ENU_M = ((0.0, 0.0, 1.0), (1.0, 2.0, 3.0), (4.0, 4.0, 4.0))
+VERDICT = {"success": True, "reason": "landed", "position_rmse_m": 0.25}
+CONFIG = {"scene": "42", "speed": "max", "camera_hz": 2.0}
+FRAME_PERIOD_US = 500_000
+
+
+@dataclass(frozen=True)
+class RecordedFlight:
+    """A recording and what should be in it."""
+
+    path: Path
+    scene: Scene
+    airframe: Airframe
+    primitives: tuple[Primitive, ...]
+    history: np.ndarray
+    frames: tuple[RgbdFrame, ...]
+
+
+@pytest.fixture(autouse=True)
+def strict() -> Iterator[None]:
+    """Let rerun raise where it would only warn."""
+    before = rr.strict_mode()
+    rr.set_strict_mode(True)
+    yield
+    rr.set_strict_mode(before)
+
+
+@pytest.fixture(scope="session")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
+    path = tmp_path_factory.mktemp("recording") / "flight.rrd"
+    rows: list[np.ndarray] = []
+    frames: list[RgbdFrame] = []
+    with Testbench(TestbenchCfg(seed=5, speed="max"), has_network=False) as bench:
+        primitives = tuple(scene_primitives(bench.scene))
+        recorder = Recorder(
+            path,
+            scene=bench.scene,
+            primitives=primitives,
+            airframe=bench.airframe,
+            info=RunInfo(scene="42", vehicle="iris", seed=5, config=CONFIG),
+        )
+        renderer = open_camera_renderer(bench.world, 64, 48)
+        plant, autopilot = bench.plant, bench.autopilot
+        bench.server.statustext.listeners.append(
+            lambda severity, text: recorder.log_statustext(plant.time_us, severity, text)
+        )
+        recorder.log_plan(0, PLAN_ENU_M)
+        while plant.time_us < FLIGHT_S * 1e6:
+            if plant.time_us == 2_000_000:
+                assert autopilot.arm(is_forced=True).is_accepted
+            bench.simulator.step()
+            rows.append(plant.history.copy())
+            recorder.on_tick(plant, autopilot)
+            if plant.time_us % FRAME_PERIOD_US == 0:
+                for mount in bench.airframe.cameras:
+                    frames.append(renderer.render(plant.data, mount.name, plant.time_us))
+                    recorder.log_frame(frames[-1])
+        recorder.log_statustext(plant.time_us, Severity.WARNING, "battery low")
+        cells = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
+        recorder.log_landing_map(plant.time_us, cells, np.array([0.0, 1.0]), (0.5, 0.0, 0.0))
+        renderer.close()
+        recorder.close(VERDICT)
+        return RecordedFlight(
+            path=path,
+            scene=bench.scene,
+            airframe=bench.airframe,
+            primitives=primitives,
+            history=np.concatenate(rows),
+            frames=tuple(frames),
+        )
+
+
+class Contents:
+    """A recording in memory, by entity and component, through rerun's own reader."""
+
+    def __init__(self, path: Path) -> None:
+        self.reader = RrdReader(path)
+        self.chunks = list(self.reader.stream())
+
+    def entities(self) -> set[str]:
+        return {chunk.entity_path for chunk in self.chunks}
+
+    def column(self, entity: str, component: str) -> tuple[np.ndarray, list[Any]]:
+        """Times in microseconds (empty where static) and values, in order of time."""
+        times: list[int] = []
+        values: list[Any] = []
+        for chunk in self.chunks:
+            batch = chunk.to_record_batch()
+            if chunk.entity_path != f"/{entity}" or component not in batch.schema.names:
+                continue
+            values += batch.column(component).to_pylist()
+            if not chunk.is_static:
+                times += batch.column("sim_time").cast(pa.int64()).to_pylist()
+        if not times:
+            return np.array([]), values
+        order = np.argsort(times, kind="stable")
+        return np.array(times)[order] // 1000, [values[i] for i in order]
+
+
+@pytest.fixture(scope="session")
+def contents(flight: RecordedFlight) -> Contents:
+    return Contents(flight.path)

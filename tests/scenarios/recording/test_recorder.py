@@ -1,0 +1,211 @@
+import socket
+
+import cv2
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+from scipy.spatial.transform import Rotation
+
+from scenarios.recording import Recorder, RecordingError, RunInfo, layout
+from scenarios.scoring import rotation_angle_rad
+
+FAST = (
+    ("state/position/true", "position_true_enu_m", 5),
+    ("state/position/estimate", "position_est_enu_m", 5),
+    ("state/position/reference", "reference_position_enu_m", 5),
+    ("state/velocity/true", "velocity_true_enu_mps", 5),
+    ("state/velocity/estimate", "velocity_est_enu_mps", 5),
+    ("state/velocity/reference", "reference_velocity_enu_mps", 5),
+    ("sensors/imu/acceleration", "accel_flu_mps2", 1),
+    ("sensors/imu/angular_rate", "gyro_flu_radps", 1),
+    ("motors/command", "rotor_command_radps", 1),
+    ("motors/speed", "rotor_speed_radps", 1),
+)
+
+
+@pytest.mark.parametrize(("entity", "field", "step"), FAST)
+def test_fast_data_comes_back_as_the_plant_logged_it(flight, contents, entity, field, step):
+    times_us, rows = contents.column(entity, "Scalars:scalars")
+    expected = flight.history[step - 1 :: step]
+    np.testing.assert_array_equal(times_us, expected["time_us"])
+    np.testing.assert_array_equal(np.array(rows), expected[field])
+
+
+def test_vehicle_pose_is_the_true_one_at_every_control_tick(flight, contents):
+    times_us, positions = contents.column("world/vehicle", "Transform3D:translation")
+    _, quats_xyzw = contents.column("world/vehicle", "Transform3D:quaternion")
+    np.testing.assert_array_equal(times_us, flight.history["time_us"])
+    np.testing.assert_allclose(
+        np.array(positions)[:, 0], flight.history["position_true_enu_m"], atol=1e-5
+    )
+    np.testing.assert_allclose(
+        np.array(quats_xyzw)[:, 0][:, [3, 0, 1, 2]], flight.history["quat_true_wxyz"], atol=1e-6
+    )
+
+
+def test_errors_are_estimate_against_truth(flight, contents):
+    rows = flight.history[4::5]
+    _, position = contents.column("error/position", "Scalars:scalars")
+    _, attitude = contents.column("error/attitude", "Scalars:scalars")
+    error_m = rows["position_est_enu_m"] - rows["position_true_enu_m"]
+    np.testing.assert_allclose(np.array(position)[:, :3], error_m)
+    np.testing.assert_allclose(np.array(position)[:, 3], np.linalg.norm(error_m, axis=1))
+    angle_deg = np.degrees(rotation_angle_rad(rows["quat_est_wxyz"], rows["quat_true_wxyz"]))
+    np.testing.assert_allclose(np.array(attitude)[:, 0], angle_deg)
+
+
+def test_executed_trajectory_is_one_line_to_the_last_position(flight, contents):
+    times_us, strips = contents.column("world/trajectory/executed", "LineStrips3D:strips")
+    pieces = [np.array(strip[0]) for strip in strips]
+    for before, after in zip(pieces, pieces[1:], strict=False):
+        np.testing.assert_array_equal(before[-1], after[0])
+    last = flight.history[-1]
+    np.testing.assert_allclose(pieces[-1][-1], last["position_true_enu_m"], atol=1e-5)
+    assert times_us[-1] == last["time_us"]
+
+
+def test_everything_in_time_is_on_one_timeline(contents):
+    timelines = {name for chunk in contents.chunks for name in chunk.timeline_names}
+    assert timelines == {layout.TIMELINE}
+
+
+def test_frames_come_back_in_colour_and_in_metres(flight, contents):
+    for camera in ("forward", "down"):
+        frames = [frame for frame in flight.frames if frame.camera == camera]
+        times_us, jpegs = contents.column(layout.camera_rgb(camera), "EncodedImage:blob")
+        _, pngs = contents.column(layout.camera_depth(camera), "EncodedDepthImage:blob")
+        assert times_us.tolist() == [frame.time_us for frame in frames]
+        for frame, jpeg, png in zip(frames, jpegs, pngs, strict=True):
+            rgb = cv2.imdecode(_bytes(jpeg), cv2.IMREAD_COLOR_RGB)
+            assert np.abs(rgb.astype(float) - frame.rgb).mean() < 12.0
+            depth_m = cv2.imdecode(_bytes(png), cv2.IMREAD_UNCHANGED) / 1000.0
+            is_seen = np.isfinite(frame.depth_m) & (frame.depth_m < 65.5)
+            np.testing.assert_allclose(depth_m[is_seen], frame.depth_m[is_seen], atol=6e-4)
+            assert (depth_m[~is_seen] == 0).all()
+
+
+def _bytes(blob):
+    return np.frombuffer(bytes(blob[0]), np.uint8)
+
+
+def test_pinhole_has_the_frames_intrinsics(flight, contents):
+    frame = flight.frames[0]
+    _, matrices = contents.column(layout.camera(frame.camera), "Pinhole:image_from_camera")
+    _, sizes = contents.column(layout.camera(frame.camera), "Pinhole:resolution")
+    expected = [frame.fx, 0, 0, 0, frame.fy, 0, frame.cx, frame.cy, 1]
+    np.testing.assert_allclose(matrices[0][0], expected, rtol=1e-6)
+    assert sizes[0][0] == [64, 48]
+
+
+def test_camera_entity_stands_where_the_renderer_looks_from(flight, contents):
+    for frame in flight.frames[-2:]:
+        entity = layout.camera(frame.camera)
+        _, ((mount_flu_m,),) = contents.column(entity, "Transform3D:translation")
+        _, ((columns,),) = contents.column(entity, "Transform3D:mat3x3")
+        row = flight.history[flight.history["time_us"] == frame.time_us][0]
+        rotation_enu_from_flu = _matrix(row["quat_true_wxyz"])
+        rotation_flu_from_optical = np.array(columns).reshape(3, 3).T
+        np.testing.assert_allclose(
+            rotation_enu_from_flu @ rotation_flu_from_optical,
+            frame.rotation_enu_from_optical,
+            atol=1e-4,
+        )
+        position = row["position_true_enu_m"] + rotation_enu_from_flu @ np.array(mount_flu_m)
+        np.testing.assert_allclose(position, frame.position_enu_m, atol=1e-3)
+
+
+def _matrix(quat_wxyz):
+    return Rotation.from_quat(quat_wxyz, scalar_first=True).as_matrix()
+
+
+def test_states_are_written_when_they_change(contents):
+    times_us, armed = contents.column(layout.ARMED, "StateChange:state")
+    assert [state[0] for state in armed] == ["disarmed", "armed"]
+    assert times_us.tolist() == [20_000, 2_020_000]
+    _, modes = contents.column(layout.MODE, "StateChange:state")
+    assert modes
+    _, landed = contents.column(layout.LANDED, "StateChange:state")
+    assert landed[0] == ["on ground"]
+    _, failsafe = contents.column(layout.FAILSAFE, "StateChange:state")
+    assert failsafe[0] == ["none"]
+
+
+def test_statustext_keeps_time_level_and_words(flight, contents):
+    times_us, texts = contents.column(layout.STATUSTEXT, "TextLog:text")
+    _, levels = contents.column(layout.STATUSTEXT, "TextLog:level")
+    assert texts[-1] == ["battery low"]
+    assert levels[-1] == ["WARN"]
+    assert times_us[-1] == flight.history[-1]["time_us"]
+    assert len(texts) > 1, "the autopilot's own words are missing"
+
+
+def test_gauges_are_sampled_ten_times_a_second(contents):
+    for entity in (
+        layout.BATTERY_VOLTAGE,
+        layout.BATTERY_CURRENT,
+        layout.BATTERY_REMAINING,
+        layout.RANGE,
+        f"{layout.POSITION_SIGMA}/horizontal",
+        f"{layout.POSITION_SIGMA}/vertical",
+    ):
+        times_us, values = contents.column(entity, "Scalars:scalars")
+        assert times_us.tolist() == list(range(20_000, 3_500_000, 100_000))
+        assert len(values) == len(times_us)
+    _, volts = contents.column(layout.BATTERY_VOLTAGE, "Scalars:scalars")
+    assert 9.0 < volts[0][0] < 13.0
+
+
+def test_plan_and_landing_map_come_back(contents):
+    times_us, strips = contents.column(layout.PLANNED, "LineStrips3D:strips")
+    assert times_us.tolist() == [0]
+    assert len(strips[0][0]) == 3
+    _, cells = contents.column(layout.LANDING_MAP, "Points3D:positions")
+    assert cells[0] == [[0, 0, 0], [1, 0, 0]]
+    _, touchdown = contents.column(layout.TOUCHDOWN, "Points3D:positions")
+    assert touchdown[0] == [[0.5, 0, 0]]
+
+
+def test_blueprint_is_in_the_file(contents):
+    (blueprint,) = contents.reader.blueprints()
+    assert blueprint.application_id == layout.APPLICATION_ID
+
+
+@pytest.mark.parametrize("place", ["folder", "under_a_file"])
+def test_path_that_cannot_be_written_is_refused_in_one_line(flight, tmp_path, place):
+    (tmp_path / "file").touch()
+    path = tmp_path if place == "folder" else tmp_path / "file" / "x.rrd"
+    with pytest.raises(RecordingError, match="cannot be written") as error:
+        _open(flight, path)
+    assert "\n" not in str(error.value)
+
+
+def test_live_port_in_use_is_refused_in_one_line(flight, tmp_path):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(RecordingError, match=f"port {port} cannot be had") as error:
+            _open(flight, tmp_path / "x.rrd", serve_port=port)
+    assert "\n" not in str(error.value)
+
+
+def test_closing_twice_is_fine_and_two_recordings_are_two(flight, tmp_path):
+    ids = set()
+    for name in ("a.rrd", "b.rrd"):
+        recorder = _open(flight, tmp_path / name)
+        recorder.close()
+        recorder.close({"success": True})
+        (entry,) = RrdReader(tmp_path / name).recordings()
+        ids.add(entry.recording_id)
+    assert len(ids) == 2
+
+
+def _open(flight, path, serve_port=None):
+    return Recorder(
+        path,
+        scene=flight.scene,
+        primitives=flight.primitives[:3],
+        airframe=flight.airframe,
+        info=RunInfo(scene="42", vehicle="iris", seed=0),
+        serve_port=serve_port,
+    )
