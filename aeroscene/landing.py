@@ -93,10 +93,14 @@ class LandingFinder:
         return tuple(replace(area, id=number) for number, area in enumerate(areas))
 
     def _areas_of(self, face: Face) -> list[InteractionArea]:
+        """Areas under open sky, or where the face has none, under a ceiling high enough."""
+        return self._areas_below(face, np.inf) or self._areas_below(face, CLEARANCE_M)
+
+    def _areas_below(self, face: Face, clearance_m: float) -> list[InteractionArea]:
         obstacles = self._footprints.between(
             face.outline.buffer(NEEDS["large"].body_radius_m),
             face.height_m + STEP_M,
-            face.height_m + CLEARANCE_M,
+            face.height_m + clearance_m,
         )
         free = shapely.intersection(face.outline.difference(obstacles), self._volume)
         least_m = NEEDS["small"].surface_radius_m

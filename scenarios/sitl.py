@@ -113,10 +113,18 @@ class Sitl:
         return self._cameras
 
     def _board_pilot(self, stack: ExitStack) -> Pilot:
-        from scenarios.pilot import Pilot  # noqa: PLC0415 - casadi, only where our pilot flies
+        # casadi and the kernels of planning and perception: only where our pilot flies.
+        from scenarios.mavlink_client import MavlinkClient  # noqa: PLC0415
+        from scenarios.mission import MissionError, plan_mission  # noqa: PLC0415
+        from scenarios.pilot import Pilot  # noqa: PLC0415
 
         bench = self.bench
-        pilot = Pilot(bench.pilot_link.client, ...)
+        try:
+            mission = plan_mission(bench.scene, bench.airframe, seed=self.cfg.bench.seed)
+        except MissionError as error:
+            raise TestbenchError(str(error)) from error
+        client = MavlinkClient(bench.pilot_link.client, bench.frame)
+        pilot = Pilot(client, mission, look=self._open_cameras(stack).render)
         self._observers.append(lambda: pilot.update(bench.plant.time_us))
         return pilot
 
@@ -150,6 +158,8 @@ class Sitl:
             cameras = self._open_cameras(stack)
             cameras.listen(recorder.log_frame)
             self._observers.append(self._shutter(cameras))
+        if self.pilot is not None:
+            self.pilot.journals.append(recorder)
         self._observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
         self.recorder = recorder
 

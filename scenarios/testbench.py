@@ -86,16 +86,16 @@ class Testbench:
         self.airframe = airframe_by_name(cfg.vehicle)
         self.world: World = build_world(self.scene, self.airframe)
         self.plant = Plant(self.world, PlantCfg(seed=cfg.seed, gnss=cfg.gnss))
-        frame = LocalFrame(
+        self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )
-        self.autopilot = Autopilot(self.plant, frame, airframe=self.airframe)
+        self.autopilot = Autopilot(self.plant, self.frame, airframe=self.airframe)
         self.pilot_link = InProcessLink()
         links: list[Link] = [self.pilot_link, *extra_links]
         if has_network:
             links += network_links(cfg.instance, cfg.bind)
         self.server = MavlinkServer(
-            self.autopilot, self.plant, frame, links, system_id=1 + cfg.instance
+            self.autopilot, self.plant, self.frame, links, system_id=1 + cfg.instance
         )
         self.simulator = Simulator(
             self.plant, self.autopilot, self.server, observers=observers, speed=cfg.speed

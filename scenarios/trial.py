@@ -58,8 +58,8 @@ class Verdict:
 def judge(pilot: Pilot, score: FlightScore) -> Verdict:
     """A trial succeeds when the pilot says so and the truth agrees."""
     objections: tuple[tuple[bool, str], ...] = (
-        (not pilot.is_done, f"not finished after {MAX_TRIAL_S:.0f} s: {pilot.phase}"),
-        (pilot.is_done and not pilot.verdict.success, pilot.verdict.reason),
+        (not pilot.is_done, f"not finished, still in {pilot.phase.value}"),
+        (pilot.is_done and not pilot.has_landed, pilot.reason),
         (not score.has_flown, "never left the ground"),
         (
             score.contacts_before_touchdown > 0,
@@ -74,4 +74,4 @@ def judge(pilot: Pilot, score: FlightScore) -> Verdict:
     for applies, reason in objections:
         if applies:
             return Verdict(success=False, reason=reason)
-    return Verdict(success=True, reason=pilot.verdict.reason)
+    return Verdict(success=True, reason=pilot.reason)

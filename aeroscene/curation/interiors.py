@@ -9,7 +9,9 @@ from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
 from aeroscene.curation.frame import QUARTER, Frame
 from aeroscene.curation.shells import RoomSpace
-from aeroscene.scene import Vector3
+from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.shapes.furniture import WOODS
+from aeroscene.shapes.materials import FABRIC_COLOURS
 
 _GAP_M = 0.03
 """Between furniture and the wall behind it."""
@@ -17,6 +19,9 @@ _GAP_M = 0.03
 # Turn of the wall's frame in the room: v leads from the wall into the room.
 _WALLS = {"front": QUARTER, "back": -QUARTER, "left": pi, "right": 0.0}
 _TRIES = 7
+_STYLED = frozenset(
+    ("table", "chair", "desk", "cabinet", "shelf", "coffee_table", "nightstand", "sofa", "armchair")
+)
 
 
 class Interior:
@@ -27,6 +32,11 @@ class Interior:
         self.draw = draw
         self.room = space.placed
         self.floor = space.floor
+        # One room, one taste: furniture shares its wood and upholstery its colour.
+        self._style: dict[str, AttributeValue] = {
+            "wood": draw.one_of(WOODS),
+            "colour": draw.one_of(FABRIC_COLOURS),
+        }
 
     def wall(self, side: str) -> tuple[Frame, float]:
         """Frame in the middle of a wall's foot with v into the room, and the wall's length."""
@@ -131,6 +141,7 @@ class Interior:
             parent=self.room,
             within=self.room,
             margin=margin,
+            attributes=dict(self._style) if name in _STYLED else None,
         )
 
 

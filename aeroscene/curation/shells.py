@@ -26,6 +26,8 @@ PARTITION_M = 0.12
 STOREY_M = 3.3
 DOOR_M = 1.5
 """Width of a door in a partition."""
+_BEARING_M = 0.1
+"""How far an upper slab reaches into the walls that carry it."""
 _APRON_M = 1.3
 """Depth of the air kept free on either side of an opening."""
 
@@ -94,12 +96,13 @@ def _fit_out_storey(
     depth, length = shell.size[0] - 2 * WALL_M, shell.size[1] - 2 * WALL_M
     foot = shell.base + storey * STOREY_M
     under = SLAB_TOP_M - SLAB_M if storey else 0.0
+    bearing = 2 * _BEARING_M if storey else 0.0
     builder.place(
         "floor",
         shell.frame,
         0,
         0,
-        (depth, length, SLAB_TOP_M - under),
+        (depth + bearing, length + bearing, SLAB_TOP_M - under),
         base=foot + under,
         parent=shell,
         domain="indoor",

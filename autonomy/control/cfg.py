@@ -46,8 +46,10 @@ class ControllerCfg:
     max_acceleration_vertical_mps2: float = 3.0
     max_jerk_mps3: float = 25.0
     max_speed_mps: float = 12.0
-    """Horizontal, of the reference towards a bare position setpoint, as are the next two."""
+    """Horizontal, of the reference towards bare position and velocity setpoints."""
+    max_vertical_speed_mps: float = 5.0
     max_climb_mps: float = 3.0
+    """Towards a bare position setpoint, as is the next."""
     max_descent_mps: float = 1.5
     leash_m: float = 1.0
     """The reference waits when the vehicle falls behind by this much, half of it vertically."""

@@ -135,21 +135,18 @@ def _aim(c: np.record, s: np.record) -> None:
             climb = _approach_speed(abs(left), gain, 0.5 * c.max_acceleration_vertical_mps2)
             limit = c.max_climb_mps if left > 0.0 else c.max_descent_mps
             target[i] += math.copysign(min(climb, limit), left)
+    factor = _shortening(target[0], target[1], c.max_speed_mps)
+    target[0] *= factor
+    target[1] *= factor
+    target[2] = min(max(target[2], -c.max_vertical_speed_mps), c.max_vertical_speed_mps)
 
 
 @kernel
 def _follow_by_model(c: np.record, s: np.record, f: np.record) -> None:
-    dt = c.dt_s
-    ax, ay = _model_acceleration(c, s, 0), _model_acceleration(c, s, 1)
-    az = _model_acceleration(c, s, 2)
-    factor = min(1.0, c.max_acceleration_mps2 / max(math.sqrt(ax * ax + ay * ay), 1e-9))
-    limit = c.max_acceleration_vertical_mps2
-    wanted = (ax * factor, ay * factor, min(max(az, -limit), limit))
+    dt, jerk = c.dt_s, c.reference_jerk_enu_mps3
+    _aim_jerk(c, s)
     for i in range(3):
-        jerk = (wanted[i] - c.reference_acceleration_enu_mps2[i]) / dt
-        jerk = min(max(jerk, -c.max_jerk_mps3), c.max_jerk_mps3)
-        c.reference_acceleration_enu_mps2[i] += jerk * dt
-        c.reference_jerk_enu_mps3[i] = jerk
+        c.reference_acceleration_enu_mps2[i] += jerk[i] * dt
         c.reference_velocity_enu_mps[i] += c.reference_acceleration_enu_mps2[i] * dt
         c.reference_position_enu_m[i] += c.reference_velocity_enu_mps[i] * dt
         c.is_free[i] = 1 if _is_acceleration_only(s, i) else 0
@@ -157,7 +154,37 @@ def _follow_by_model(c: np.record, s: np.record, f: np.record) -> None:
             c.reference_acceleration_enu_mps2[i] = s.acceleration_enu_mps2[i]
             c.reference_velocity_enu_mps[i] = f.velocity_enu_mps[i]
             c.reference_position_enu_m[i] = f.position_enu_m[i]
-            c.reference_jerk_enu_mps3[i] = 0.0
+            jerk[i] = 0.0
+
+
+@kernel
+def _aim_jerk(c: np.record, s: np.record) -> None:
+    """Jerk towards the acceleration that the target velocity asks for, both limited.
+
+    Limited as horizontal vectors: the acceleration then moves straight from one point of its
+    disc to another and never leaves it.
+    """
+    jerk, limit = c.reference_jerk_enu_mps3, c.max_acceleration_vertical_mps2
+    ax, ay, az = (
+        _model_acceleration(c, s, 0),
+        _model_acceleration(c, s, 1),
+        _model_acceleration(c, s, 2),
+    )
+    factor = _shortening(ax, ay, c.max_acceleration_mps2)
+    jerk[0] = (factor * ax - c.reference_acceleration_enu_mps2[0]) / c.dt_s
+    jerk[1] = (factor * ay - c.reference_acceleration_enu_mps2[1]) / c.dt_s
+    jerk[2] = (min(max(az, -limit), limit) - c.reference_acceleration_enu_mps2[2]) / c.dt_s
+    factor = _shortening(jerk[0], jerk[1], c.max_jerk_mps3)
+    jerk[0] *= factor
+    jerk[1] *= factor
+    jerk[2] = min(max(jerk[2], -c.max_jerk_mps3), c.max_jerk_mps3)
+
+
+@kernel
+def _shortening(x: float, y: float, limit: float) -> float:
+    """Factor that brings the length of (x, y) to the limit where it is longer."""
+    length = math.sqrt(x * x + y * y)
+    return limit / length if length > limit else 1.0
 
 
 @kernel
@@ -182,7 +209,7 @@ def _keep_on_leash(c: np.record, f: np.record) -> None:
     """Hold the reference near a vehicle that cannot follow, such as one that has landed."""
     ex = c.reference_position_enu_m[0] - f.position_enu_m[0]
     ey = c.reference_position_enu_m[1] - f.position_enu_m[1]
-    factor = min(1.0, c.leash_m / max(math.sqrt(ex * ex + ey * ey), 1e-9))
+    factor = _shortening(ex, ey, c.leash_m)
     c.reference_position_enu_m[0] = f.position_enu_m[0] + factor * ex
     c.reference_position_enu_m[1] = f.position_enu_m[1] + factor * ey
     ez = c.reference_position_enu_m[2] - f.position_enu_m[2]

@@ -91,10 +91,9 @@ def assess(
     foot, body = (_square(r, resolution) for r in (needs.footprint_radius_m, needs.body_radius_m))
     slope, residual, spread = _fit_planes(elevation, foot)
     observed = elevation.is_observed
-    is_surveyed = cv2.erode(observed.astype(np.uint8), np.ones((foot, foot), np.uint8)) > 0
-    in_view = (elevation.is_in_view | observed).astype(np.uint8)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (body, body))
-    is_surveyed &= cv2.erode(in_view, disc) > 0
+    is_surveyed = _all_within(observed, np.ones((foot, foot), np.uint8))
+    is_surveyed &= _all_within(elevation.is_in_view | observed, disc)
     # What was never seen rises nowhere here: the two lines above have dealt with it.
     top = np.where(observed, elevation.top_m, -np.inf).astype(np.float32)
     rise = cv2.dilate(top, disc) - elevation.height_m - np.tan(slope) * needs.body_radius_m
@@ -156,6 +155,16 @@ def choose_site(
 def _square(radius_m: float, resolution_m: float) -> int:
     """Odd side of the window of cells that holds a circle."""
     return 2 * math.ceil(radius_m / resolution_m) + 1
+
+
+def _all_within(mask: np.ndarray, window: np.ndarray) -> np.ndarray:
+    """Cells whose whole window lies in a mask; beyond the border nothing does."""
+    import cv2  # noqa: PLC0415 - loads only where something lands
+
+    inside = cv2.erode(
+        mask.astype(np.uint8), window, borderType=cv2.BORDER_CONSTANT, borderValue=(0,)
+    )
+    return inside > 0
 
 
 def _fit_planes(

@@ -22,6 +22,9 @@ from autonomy.planning.yaw import STEP_S, yaw_along_path
 from autonomy.types import ZERO3, FlatReference
 
 
+_MIN_LEG_S = 0.5
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PlannerCfg:
     """How a plan is made."""
@@ -90,11 +93,35 @@ def plan_trajectory(
     raise reason
 
 
-def vehicle_sphere_radius_m(
-    collision_radius_m: float, leg_spread_m: float, leg_length_m: float
-) -> float:
-    """Radius of a sphere about the centre of mass that holds rotors and soles."""
-    return max(collision_radius_m, math.hypot(leg_spread_m, leg_length_m))
+def plan_leg(
+    start_enu_m: Vector3,
+    goal_enu_m: Vector3,
+    yaw_rad: float,
+    limits: FlightLimits,
+    quadrotor: QuadrotorParams,
+) -> Trajectory:
+    """A straight line from rest to rest, as fast as the limits allow; not certified.
+
+    For take-off and landing, where the vehicle leaves or meets a surface on purpose.
+    """
+    bounds = _motion_bounds(FlatReference(position_enu_m=start_enu_m), limits, quadrotor)
+    way = np.subtract(goal_enu_m, start_enu_m)
+    across, up = math.hypot(way[0], way[1]), abs(way[2])
+    # Rest to rest in degree 5 peaks at 15/8 of the mean speed and at 10/sqrt(3) way/T^2.
+    duration_s = max(
+        _MIN_LEG_S,
+        15 / 8 * across / bounds.speed_horizontal_mps,
+        15 / 8 * up / bounds.speed_vertical_mps,
+        math.sqrt(10 / math.sqrt(3) * across / bounds.acceleration_horizontal_mps2),
+        math.sqrt(10 / math.sqrt(3) * up / bounds.acceleration_vertical_mps2),
+    )
+    nodes = np.array([[start_enu_m, ZERO3, ZERO3], [goal_enu_m, ZERO3, ZERO3]])
+    durations_s = np.array([duration_s])
+    return Trajectory(
+        durations_s=durations_s,
+        coefficients=coefficients_from_nodes(nodes, durations_s),
+        yaw=YawProfile(step_s=STEP_S, yaw_rad=np.array([yaw_rad])),
+    )
 
 
 def _motion_bounds(

@@ -112,7 +112,13 @@ class Autopilot:
         is_guarding = self._n_ticks % _GUARD_EVERY == 0
         if is_guarding:
             vehicle.read_slowly()
-        self._flight.land_detector.update(vehicle, is_armed=commander.is_armed)
+        elif commander.behaviour.may_rest:
+            vehicle.read_range()
+        self._flight.land_detector.update(
+            vehicle,
+            is_armed=commander.is_armed,
+            commanded_up_mps=self.setpoint.velocity_enu_mps[2],
+        )
         if is_guarding:
             commander.guard()
             if self._n_ticks % _REPORT_EVERY == 0:

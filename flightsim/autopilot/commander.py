@@ -63,6 +63,7 @@ class Commander:
         self._failsafe_action = Action.WARN
         self.failsafe: FailsafeReason | None = None
         self._was_landed = True
+        self._is_resting = False
 
     def arm(self, *, is_forced: bool) -> Reply:
         """Let the rotors turn, unless a check speaks against it."""
@@ -152,6 +153,8 @@ class Commander:
             self._idle_s += TICK_S
             setpoint = IDLE
             self._disarm_idle()
+        elif self._rests():
+            setpoint = IDLE
         else:
             setpoint = self.behaviour.update()
         if self.behaviour.next_mode is not None:
@@ -201,6 +204,18 @@ class Commander:
             self.took_off_at_us = self._flight.vehicle.time_us
         text = "Landing detected" if is_landed else "Takeoff detected"
         self._flight.events.say(Severity.INFO, text)
+
+    def _rests(self) -> bool:
+        """Whether the ground carries a descending vehicle, so that its rotors should idle.
+
+        Holding attitude and position against the ground makes a vehicle dance on it.
+        """
+        flight = self._flight
+        is_resting = flight.land_detector.has_contact and self.behaviour.may_rest
+        if self._is_resting and not is_resting:
+            flight.start_references_here()
+        self._is_resting = is_resting
+        return is_resting
 
     def _lifts_off(self) -> bool:
         """Whether a landed vehicle goes up now; else its rotors idle."""

@@ -13,56 +13,88 @@ from flightsim.autopilot.vehicle import TICK_S, Vehicle
 
 _CARRIED_FRACTION = 0.8
 """Of the hover thrust. In the air the vehicle would sink at 2 m/s within a second."""
-_CONTACT_AFTER_S = 0.3
-_LANDED_AFTER_S = 1.0
+_CONTACT_NEAR_GROUND_S = 0.1
+_CONTACT_S = 0.4
+_NEAR_GROUND_M = 0.25
+_TOUCH_S = 0.04
+_TOUCH_HEIGHT_M = 0.1
+_TOUCH_STOP_MPS = 0.2
+_FALL_MPS = 0.8
+_LANDED_S = 1.0
 _MAX_RATE_RADPS = 0.7
-_LIFT_OFF_AFTER_S = 0.1
+_LIFT_OFF_S = 0.1
 _LIFT_OFF_HEIGHT_M = 0.15
 _LIFT_OFF_CLIMB_MPS = 0.25
 
 
 class LandDetector:
-    """Keeps `vehicle.is_landed` and whether there is ground contact."""
+    """Keeps `vehicle.is_landed`, and knows ground contact before that.
+
+    Attributes:
+        has_contact: Whether something seems to carry the vehicle. It begins when a commanded descent
+            ends within a hand's breadth of the ground, or when the rotors have carried too little
+            for 0.1 s near the ground, 0.4 s where the rangefinder sees none. It ends when the
+            vehicle falls or is lifted.
+    """
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         self._carried_s = 0.0
+        self._touching_s = 0.0
         self._lifting_s = 0.0
+        self.has_contact = True
 
-    @property
-    def has_contact(self) -> bool:
-        """Whether the vehicle seems to touch down, before that counts as landed."""
-        return self._carried_s >= _CONTACT_AFTER_S
+    def update(self, vehicle: Vehicle, *, is_armed: bool, commanded_up_mps: float) -> bool:
+        """Take a tick in, and return whether the vehicle is landed.
 
-    def update(self, vehicle: Vehicle, *, is_armed: bool) -> bool:
-        """Take a tick in, and return whether the vehicle is landed."""
+        Args:
+            vehicle: Its estimates; `is_landed` is written.
+            is_armed: Whether the rotors may turn.
+            commanded_up_mps: Vertical speed asked of the inner loops; NaN if none was.
+        """
         if vehicle.is_landed:
             vehicle.is_landed = not self._is_lifting_off(vehicle, is_armed=is_armed)
-            if not vehicle.is_landed:
-                self._carried_s = 0.0
-        else:
-            self._carried_s = self._carried_s + TICK_S if self._is_carried(vehicle) else 0.0
-            if self._carried_s >= _LANDED_AFTER_S:
-                vehicle.is_landed = True
-        if vehicle.is_landed and not is_armed and isfinite(vehicle.range_m):
-            vehicle.resting_range_m = vehicle.range_m * vehicle.cos_tilt
+            self._carried_s = self._touching_s = 0.0
+            self.has_contact = vehicle.is_landed
+            if not is_armed and isfinite(vehicle.range_m):
+                vehicle.resting_range_m = vehicle.range_m * vehicle.cos_tilt
+            return vehicle.is_landed
+        self._carried_s = self._carried_s + TICK_S if self._is_carried(vehicle) else 0.0
+        self._follow_contact(vehicle, commanded_up_mps)
+        vehicle.is_landed = self._carried_s >= _LANDED_S and _is_still(vehicle)
         return vehicle.is_landed
 
+    def _follow_contact(self, vehicle: Vehicle, commanded_up_mps: float) -> None:
+        height_m, up_mps = vehicle.height_m, vehicle.velocity_enu_mps[2]
+        if self.has_contact:
+            is_lifted = _carries(vehicle) and (
+                up_mps > _LIFT_OFF_CLIMB_MPS or (height_m or 0.0) > _NEAR_GROUND_M
+            )
+            self.has_contact = not is_lifted and up_mps > -_FALL_MPS
+            return
+        is_touching = (
+            height_m is not None
+            and height_m < _TOUCH_HEIGHT_M
+            and commanded_up_mps < 0.0
+            and up_mps > commanded_up_mps + _TOUCH_STOP_MPS
+        )
+        self._touching_s = self._touching_s + TICK_S if is_touching else 0.0
+        is_near = height_m is not None and height_m < _NEAR_GROUND_M
+        enough_s = _CONTACT_NEAR_GROUND_S if is_near else _CONTACT_S
+        self.has_contact = self._touching_s >= _TOUCH_S or self._carried_s >= enough_s
+
     def _is_carried(self, vehicle: Vehicle) -> bool:
-        if vehicle.thrust_fraction > _CARRIED_FRACTION * vehicle.hover_thrust_fraction:
+        if _carries(vehicle):
             return False
         if abs(vehicle.velocity_enu_mps[2]) > self._parameters["LNDMC_Z_VEL_MAX"]:
             return False
-        if vehicle.is_position_ok and vehicle.speed_xy_mps > self._parameters["LNDMC_XY_VEL_MAX"]:
-            return False
-        p, q, r = vehicle.angular_rate_flu_radps
-        return p * p + q * q + r * r < _MAX_RATE_RADPS**2
+        return not (
+            vehicle.is_position_ok and vehicle.speed_xy_mps > self._parameters["LNDMC_XY_VEL_MAX"]
+        )
 
     def _is_lifting_off(self, vehicle: Vehicle, *, is_armed: bool) -> bool:
         """Whether the rotors carry the weight and the vehicle rises."""
-        if not is_armed or vehicle.thrust_fraction < (
-            _CARRIED_FRACTION * vehicle.hover_thrust_fraction
-        ):
+        if not (is_armed and _carries(vehicle)):
             self._lifting_s = 0.0
             return False
         height_m = vehicle.height_m
@@ -70,4 +102,14 @@ class LandDetector:
             height_m is not None and height_m > _LIFT_OFF_HEIGHT_M
         )
         self._lifting_s = self._lifting_s + TICK_S if is_rising else 0.0
-        return self._lifting_s >= _LIFT_OFF_AFTER_S
+        return self._lifting_s >= _LIFT_OFF_S
+
+
+def _carries(vehicle: Vehicle) -> bool:
+    """Whether the rotors may well carry the weight."""
+    return vehicle.thrust_fraction > _CARRIED_FRACTION * vehicle.hover_thrust_fraction
+
+
+def _is_still(vehicle: Vehicle) -> bool:
+    p, q, r = vehicle.angular_rate_flu_radps
+    return p * p + q * q + r * r < _MAX_RATE_RADPS**2

@@ -25,6 +25,7 @@ _BEHAVIOURS: dict[Mode, Callable[[Flight], Behaviour]] = {
     Mode.MISSION: MissionFlight,
     Mode.OFFBOARD: Offboard,
     Mode.DESCEND: Descend,
+    Mode.TERMINATION: Descend,
     Mode.ALTITUDE: partial(StickGuided, holds_position=False),
     Mode.POSITION: partial(StickGuided, holds_position=True),
     Mode.MANUAL: partial(Manual, is_acro=False),

@@ -61,11 +61,14 @@ class Vehicle:
         self.yaw_rad = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         self.thrust_fraction = plant.collective_thrust_fraction
 
+    def read_range(self) -> None:
+        """Take the present reading of the rangefinder."""
+        self.range_m = self._plant.sensors.range_m
+
     def read_slowly(self) -> None:
         """Take what changes slowly or costs more to ask for; a few times a second."""
-        plant = self._plant
-        self.range_m = plant.sensors.range_m
-        estimator = plant.estimator
+        self.read_range()
+        estimator = self._plant.estimator
         self.is_attitude_ok = estimator.is_attitude_valid
         limit_m = self._parameters["COM_POS_FS_EPH"]
         self.is_position_ok = (

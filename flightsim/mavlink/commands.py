@@ -136,8 +136,11 @@ def given(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def choice(value: float) -> int | None:
-    """A parameter that selects something as the whole number it is; NaN is 0, None is neither."""
+def choice(value: float, default: int | None = None) -> int | None:
+    """A parameter that selects something as the whole number it is; None if it is none.
+
+    NaN, "not given", is the default.
+    """
     if math.isnan(value):
-        return 0
+        return default
     return int(value) if value == int(value) else None

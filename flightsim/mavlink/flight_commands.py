@@ -83,7 +83,7 @@ class FlightCommands:
         return ACCEPTED
 
     def _set_mode(self, c: Command) -> Reply:
-        base, main, sub = (choice(value) for value in (c.param1, c.param2, c.param3))
+        base, main, sub = choice(c.param1), choice(c.param2), choice(c.param3, default=0)
         if base is None or not base & _CUSTOM_MODE_FLAG:
             return denied(f"base mode {c.param1:g} has no custom mode flag (1)")
         if main is None or sub is None or not 0 <= max(main, sub) <= _MAX_MODE_PART or sub < 0:
@@ -212,7 +212,7 @@ class FlightCommands:
         return denied(f"param1 = {c.param1:g}; valid are 0 (pause) and 1 (continue)")
 
     def _start_mission(self, c: Command) -> Reply:
-        first, last = choice(c.param1), choice(c.param2)
+        first, last = choice(c.param1, default=0), choice(c.param2, default=0)
         n_items = len(self._autopilot.mission)
         if first is None or last is None or not 0 <= first < max(1, n_items):
             return denied(f"items {c.param1:g} to {c.param2:g}; there are {n_items}")

@@ -68,7 +68,7 @@ class MessageCommands:
 
     def _send_modes(self, c: Command) -> Reply:
         """AVAILABLE_MODES: one by its index from 1, or all for index 0."""
-        index = choice(c.param2)
+        index = choice(c.param2, default=0)
         if index is None or not 0 <= index <= len(self._modes):
             return _DENIED
         chosen = range(1, len(self._modes) + 1) if index == 0 else (index,)

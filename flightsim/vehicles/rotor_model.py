@@ -13,7 +13,7 @@
     fuselage         -(rho / 2) CdA_i |v_i| v_i along each body axis i
 
 Sources: Furrer et al. 2016 (RotorS) for all but two; the axial loss is PX4's gazebo-classic
-motor model; the fuselage is a box of which a part is solid.
+motor model; the fuselage is a box.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from autonomy.model.quadrotor import QuadrotorParams, Vector3
 from autonomy.rotation import matrix_from_quat
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
 
-# Share of the collision box that stands in the wind, times a drag coefficient near 1.
-_SOLIDITY = 0.25
+# Of a box across the wind (Hoerner 1965, Fluid-Dynamic Drag, chapter 3).
+_BOX_DRAG_COEFFICIENT = 1.05
 
 ROTORS_DTYPE = np.dtype(
     [
@@ -88,7 +88,9 @@ def new_rotors(
     r["share_down"] = [1.0 - math.exp(-dt_s / rotor.time_constant_down_s) for rotor in rotors]
     r["axial_limit_mps"] = axial_limit_mps
     x, y, z = body_size_m
-    r["fuselage_drag"] = np.array([y * z, x * z, x * y]) * (0.5 * AIR_DENSITY_KGPM3 * _SOLIDITY)
+    r["fuselage_drag"] = np.array([y * z, x * z, x * y]) * (
+        0.5 * AIR_DENSITY_KGPM3 * _BOX_DRAG_COEFFICIENT
+    )
     return records
 
 

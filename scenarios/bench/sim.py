@@ -80,14 +80,17 @@ def rows(cfg: SimBenchCfg, on_progress: Callable[[str, float], None]) -> Iterato
         on_progress: Called before each part with its title and the share done.
 
     Raises:
+        SceneError: If there is no such scene.
+        AirframeError: If there is no such vehicle.
         BenchError: If the vehicle does not fly.
+        LaunchError: If a real launch brings no heartbeat.
     """
-    scene = open_scene(cfg.scene)
+    scene, airframe = open_scene(cfg.scene), airframe_by_name(cfg.vehicle)
     compile_kernels()
     on_progress("whole stack", 0.0)
     yield from _whole_stack(cfg, scene)
     on_progress("plant alone", 0.25)
-    world = build_world(scene, airframe_by_name(cfg.vehicle))
+    world = build_world(scene, airframe)
     yield _plant_alone(world, cfg.seconds)
     on_progress("physics alone", 0.35)
     yield _physics_alone(world)
@@ -151,9 +154,9 @@ def _fly(
                 observers=observers,
             )
         )
+        _take_off(bench)
         if equip is not None:
             observers += equip(bench, stack)
-        _take_off(bench)
         before, start_us = bench.simulator.timing, bench.plant.time_us
         cpu_s, wall_s = time.process_time(), time.perf_counter()
         _fly_square(bench, seconds)

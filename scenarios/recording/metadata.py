@@ -48,7 +48,8 @@ def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str,
     stream.send_property(
         layout.VERDICT_PROPERTY,
         rr.AnyValues(
-            success=bool(verdict.get("success", False)),
+            # Absent where nothing was to be judged.
+            success=verdict.get("success"),
             reason=str(verdict.get("reason", "")),
             figures=json.dumps(verdict, sort_keys=True),
         ),

@@ -108,9 +108,15 @@ class Recorder:
             batcher_config=rr.ChunkBatcherConfig(flush_num_bytes=_CHUNK_BYTES),
         )
         self._stream.set_log_time_enabled(False)
-        self._stream.set_sinks(
-            *self._open_sinks(serve_port), default_blueprint=recording_blueprint(scene, airframe)
-        )
+        try:
+            self._stream.set_sinks(
+                *self._open_sinks(serve_port),
+                default_blueprint=recording_blueprint(scene, airframe),
+            )
+        except RuntimeError as error:
+            raise RecordingError(
+                f"recording {str(path)!r} cannot be written ({error}); valid: a file with room"
+            ) from None
         self._is_open = True
         self._history: list[bytes] = []
         self._flush_due_us = FLUSH_PERIOD_US

@@ -223,7 +223,7 @@ def _log_landing_areas(
         rr.Mesh3D(
             vertex_positions=triangles.reshape(-1, 3).astype(np.float32),
             vertex_normals=[(0.0, 0.0, 1.0)] * n_corners,
-            vertex_colors=[(*rgb, _AREA_FILL_ALPHA)] * n_corners,
+            albedo_factor=(*rgb, _AREA_FILL_ALPHA),
         ),
         static=True,
     )

@@ -150,7 +150,9 @@ def test_a_hummingbird_can_fly_into_rooms(scene):
     assert entered == len(rooms)
 
 
-def test_every_corpus_scene_tried_has_a_start_and_a_furnished_building():
-    for index in range(200, 206):
-        categories = {o.category for o in curate_scene(index).objects}
-        assert {"room", "floor", "landing_pad", "road", "table", "chair"} <= categories | {"table"}
+@pytest.mark.parametrize("index", [201, 812])
+def test_every_scene_has_a_start_a_furnished_building_and_areas(index):
+    scene = curate_scene(index)
+    categories = {o.category for o in scene.objects}
+    assert {"room", "floor", "landing_pad", "road", "chair", "street_lamp"} <= categories
+    assert len(scene.interaction_areas) >= 30

@@ -18,9 +18,7 @@ G = 9.81
 
 def filter_at(rng, **cfg):
     """A filter in a random state with a random covariance."""
-    f = new_filter(
-        EstimatorCfg(**cfg), dt_s=DT, field_enu_ut=(0.8, 21.5, -42.8), gravity_mps2=G
-    )[0]
+    f = new_filter(EstimatorCfg(**cfg), dt_s=DT, field_enu_ut=(0.8, 21.5, -42.8), gravity_mps2=G)[0]
     f["position_enu_m"] = rng.normal(size=3)
     f["velocity_enu_mps"] = rng.normal(size=3)
     f["quat_wxyz"] = Rotation.random(random_state=int(rng.integers(2**31))).as_quat(

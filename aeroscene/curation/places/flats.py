@@ -71,11 +71,11 @@ class Flats:
             equip_flat_roof(ground.builder, draw, roof, items=draw.count(3, 6))
         for _ in range(draw.count(1, 3)):
             ground.stand("bicycle", draw.between(-0.9, 0.9) * half, 1.5, margin=0.1)
-        for _ in range(2):
+        for _ in range(draw.count(1, 2)):
             ground.stand("bin", draw.between(-0.9, 0.9) * half, depth - 0.7)
         ground.stand("mailbox", draw.between(-0.8, 0.8) * half, 0.6)
         ground.plant_trees(draw.count(2, 5))
         ground.scatter("bush", draw.count(0, 3))
-        for _ in range(draw.count(1, 2)):
+        for _ in range(draw.count(0, 2)):
             turn = STREETWARD if draw.chance(0.5) else STREETWARD + QUARTER
             ground.stand("bench", draw.between(-0.8, 0.8) * half, 0.55 * depth, turn=turn)

@@ -110,5 +110,5 @@ class Houses:
                     parent=ground.surface,
                 )
         ground.plant_trees(draw.count(2, 4), back)
-        ground.plant_trees(draw.count(0, 2), (-half, half, 0.3, 5.0))
+        ground.plant_trees(draw.count(0, 1), (-half, half, 0.3, 5.0))
         ground.scatter("bush", draw.count(1, 4))

@@ -58,7 +58,7 @@ class Market:
         for index in range(draw.count(2, 3)):
             u = -0.85 * half + 0.42 * half * index
             ground.stand("planter", u, 1.2, (0.7, 1.8, 1.1), turn=STREETWARD)
-        for _ in range(draw.count(1, 3)):
+        for _ in range(draw.count(1, 2)):
             ground.stand("bench", draw.between(-0.8, 0.8) * half, draw.between(2.5, 0.4 * depth))
         ground.stand("bin", draw.between(-0.8, 0.8) * half, 2.4)
         ground.stand("sign", draw.between(-0.8, 0.8) * half, 1.0)

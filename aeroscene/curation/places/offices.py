@@ -87,7 +87,7 @@ class Offices:
                 )
         ground.plant_trees(draw.count(1, 3), (-half, half, 0.6 * depth, depth))
         ground.scatter("bush", draw.count(1, 2), near=(-half, half, 0.5, 4.0))
-        for _ in range(draw.count(1, 2)):
+        if draw.chance(0.7):
             ground.stand("bench", draw.between(-0.8, 0.8) * half, 1.2)
         for _ in range(draw.count(0, 2)):
             ground.stand("bicycle", draw.between(-0.8, 0.8) * half, 2.6, margin=0.1)

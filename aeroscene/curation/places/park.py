@@ -88,7 +88,7 @@ class Park:
             sign = 1 if index % 2 else -1
             v = depth * (0.12 + 0.19 * index)
             turn = pi if sign > 0 else 0.0
-            if ground.stand("bench", self._path_u + sign * 1.7, v, turn=turn) and draw.chance(0.4):
+            if ground.stand("bench", self._path_u + sign * 1.7, v, turn=turn) and draw.chance(0.3):
                 ground.stand("bin", self._path_u + sign * 1.6, v + 1.7, turn=turn)
         if self._stage:
             ground.builder.place(
@@ -100,7 +100,7 @@ class Park:
                 base=self._stage.top,
                 parent=self._stage,
             )
-        ground.plant_trees(draw.count(3, 5))
+        ground.plant_trees(draw.count(2, 4))
         ground.plant_trees(draw.count(2, 4), (-half, half, 0.5 * depth, depth))
         ground.scatter("bush", draw.count(2, 6))
         ground.stand("sign", self._path_u + 1.7, 0.7)

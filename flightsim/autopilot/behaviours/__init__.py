@@ -19,6 +19,11 @@ class Behaviour(Protocol):
         """Whether it means to touch the ground now."""
         ...
 
+    @property
+    def may_rest(self) -> bool:
+        """Whether it leads down, so that rotors may idle once something carries the vehicle."""
+        ...
+
     def ready_to_lift(self) -> bool:
         """One tick on the ground with idle rotors; whether to take off now."""
         ...

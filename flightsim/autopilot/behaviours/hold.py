@@ -17,6 +17,7 @@ class Hold:
     """Stop and stay, or fly straight to a target and stay; faces where it goes unless told."""
 
     is_landing = False
+    may_rest = False
 
     def __init__(
         self, flight: Flight, target_enu_m: Vector3 | None = None, yaw_rad: float | None = None

@@ -1,11 +1,11 @@
-"""Land: stop above a place, come down ever more slowly, stop the rotors on contact."""
+"""Land: stop above a place, come down ever more slowly until the ground carries the vehicle."""
 
 from __future__ import annotations
 
 from math import hypot
 
 from autonomy.model.quadrotor import Vector3
-from autonomy.types import IDLE, Setpoint
+from autonomy.types import Setpoint
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.modes import Mode
 
@@ -33,9 +33,13 @@ class Land:
         self._place_enu_m = place_enu_m
         self._yaw_rad = yaw_rad
         self._above_enu_m: Vector3 | None = None
-        self._touched = False
         self.is_landing = False
         self.next_mode: Mode | None = None
+
+    @property
+    def may_rest(self) -> bool:
+        """Once it descends."""
+        return self.is_landing
 
     def ready_to_lift(self) -> bool:
         """Landed is where it wants to be."""
@@ -65,12 +69,6 @@ class Land:
             px, py, _ = flight.vehicle.position_enu_m
             self.is_landing = flight.path.is_at_rest and hypot(px - x, py - y) < _ABOVE_PLACE_M
             return flight.follow_path()
-        if touches_down(flight):
-            self._touched = True
-            return IDLE
-        if self._touched:
-            self._touched = False
-            flight.start_references_here()
         flight.target_enu_m = (x, y, 0.0 if flight.home is None else flight.home.position_enu_m[2])
         flight.path.fly_to((x, y, z - _FAR_BELOW_M), flight.limits.automatic)
         flight.path.speed_limit_mps = landing_speed(flight)
@@ -81,6 +79,7 @@ class Descend:
     """Come down level, without a position: the last resort."""
 
     is_landing = True
+    may_rest = True
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
@@ -97,16 +96,9 @@ class Descend:
         flight.target_enu_m = None
 
     def update(self) -> Setpoint:
-        """Sink until something carries the vehicle."""
+        """Sink."""
         flight = self._flight
-        if touches_down(flight):
-            return IDLE
         return flight.sink(landing_speed(flight))
-
-
-def touches_down(flight: Flight) -> bool:
-    """Whether the vehicle stands on something although it is not called landed yet."""
-    return flight.vehicle.is_landed or flight.land_detector.has_contact
 
 
 def landing_speed(flight: Flight) -> float:

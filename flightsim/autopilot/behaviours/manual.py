@@ -13,6 +13,7 @@ from flightsim.autopilot.trajectory import VelocityMotion
 from flightsim.autopilot.vehicle import TICK_S
 
 _RISE_THROTTLE = 0.6
+_SINK_THROTTLE = 0.4
 _RAISED_THROTTLE = 0.05
 _YAW_ACCELERATION_RADPS2 = 2.0 * pi
 
@@ -21,6 +22,7 @@ class Manual:
     """Sticks command tilt, or rates in acro mode, and collective thrust."""
 
     is_landing = False
+    may_rest = False
 
     def __init__(self, flight: Flight, *, is_acro: bool) -> None:
         self._flight = flight
@@ -83,6 +85,11 @@ class StickGuided:
         self._holds_position = holds_position
         self._motion = VelocityMotion()
         self.next_mode: Mode | None = None
+
+    @property
+    def may_rest(self) -> bool:
+        """Whether the throttle asks to sink."""
+        return self._sticks().throttle < _SINK_THROTTLE
 
     def ready_to_lift(self) -> bool:
         """Whether the throttle asks to rise."""

@@ -52,6 +52,11 @@ class MissionFlight:
         """Whether the present leg is a landing."""
         return self._leg is not None and self._leg.behaviour.is_landing
 
+    @property
+    def may_rest(self) -> bool:
+        """While it lands."""
+        return self.is_landing
+
     def ready_to_lift(self) -> bool:
         """Work off what can be done on the ground; whether the present item flies."""
         self._synchronise()

@@ -25,6 +25,17 @@ class Offboard:
         self._limited: Setpoint = IDLE
         self.next_mode: Mode | None = None
 
+    @property
+    def may_rest(self) -> bool:
+        """Whether the setpoint leads down."""
+        setpoint = self._flight.offboard.setpoint
+        if setpoint is None or setpoint.level != ControlLevel.TRAJECTORY:
+            return False
+        z, up_mps = setpoint.position_enu_m[2], setpoint.velocity_enu_mps[2]
+        if up_mps < -_CLIMB_MARGIN_MPS:
+            return True
+        return z < self._flight.vehicle.position_enu_m[2] - _CLIMB_MARGIN_M and not up_mps > 0.0
+
     def ready_to_lift(self) -> bool:
         """Whether the setpoint leads up."""
         setpoint = self._flight.offboard.setpoint

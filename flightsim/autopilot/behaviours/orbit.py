@@ -17,6 +17,7 @@ class Orbit:
     """Fly to the nearest point of a circle, then around it until told otherwise."""
 
     is_landing = False
+    may_rest = False
 
     def __init__(
         self,

@@ -32,6 +32,11 @@ class ReturnHome:
         """Whether it is in its last, vertical part."""
         return self._land is not None and self._land.is_landing
 
+    @property
+    def may_rest(self) -> bool:
+        """While it lands."""
+        return self.is_landing
+
     def ready_to_lift(self) -> bool:
         """Landed is where it wants to be."""
         return False

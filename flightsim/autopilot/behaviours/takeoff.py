@@ -15,6 +15,7 @@ class Takeoff:
     """Climb to a height, then go to a place at that height if one is given."""
 
     is_landing = False
+    may_rest = False
 
     def __init__(
         self,

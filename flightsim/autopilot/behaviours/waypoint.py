@@ -19,6 +19,7 @@ class WaypointLeg:
     """One leg; `is_done` once the waypoint has been accepted and the hold time has passed."""
 
     is_landing = False
+    may_rest = False
 
     def __init__(
         self,

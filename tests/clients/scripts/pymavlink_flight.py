@@ -64,7 +64,7 @@ def run(address):
 
     wait(link, "SYS_STATUS", lambda m: m.onboard_control_sensors_health & 1 << 28)
     assert command(link, 4242) == mavutil.mavlink.MAV_RESULT_UNSUPPORTED
-    assert command(link, 400, float("nan"), 0.0) == 0  # NaN is "default": stays disarmed
+    assert command(link, 400, float("nan"), 0.0) == mavutil.mavlink.MAV_RESULT_DENIED
     assert command(link, 511, 33, 50_000) == 0
     home = wait(link, "HOME_POSITION", lambda _: True)
     assert upload_mission(link, home.latitude, home.longitude) == 0

@@ -1,6 +1,7 @@
 """Takeoff, hold, goto, return, land: flights in the real physics."""
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -274,7 +275,7 @@ def test_the_reference_is_continuous_through_a_whole_flight():
     bench.pilot.return_to_launch()
     assert bench.run(60.0, lambda: not bench.pilot.is_armed)
     flown = [s for s in bench.setpoints if s.level is ControlLevel.TRAJECTORY]
-    for before, after in zip(flown, flown[1:], strict=False):
+    for before, after in pairwise(flown):
         assert math.dist(before.position_enu_m, after.position_enu_m) < 0.15
         assert math.dist(before.velocity_enu_mps, after.velocity_enu_mps) < 0.12
         assert math.dist(before.acceleration_enu_mps2, after.acceleration_enu_mps2) < 0.2

@@ -13,8 +13,6 @@ REJECTED = CommandResult.TEMPORARILY_REJECTED
 
 
 def test_arming_waits_for_the_estimator():
-    bench = Bench.__new__(Bench)
-    bench.__init__()
     fresh = Bench()
     fresh.plant.set_sensor_enabled("gnss", is_enabled=False)
     assert fresh.run(60.0, lambda: not fresh.pilot.health.is_position_ok)

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 from flightsim.autopilot.events import EventLog, MissionItemReached, Severity, Statustext
 
 
@@ -8,7 +10,7 @@ def test_the_same_line_is_not_repeated_at_once():
         log.say(Severity.WARNING, "Low battery level")
     times = [event.time_us for event in log.pop()]
     assert len(times) == 5
-    assert all(b - a >= 2_000_000 for a, b in zip(times, times[1:], strict=False))
+    assert all(b - a >= 2_000_000 for a, b in pairwise(times))
 
 
 def test_events_wait_in_order_until_they_are_popped():

@@ -1,4 +1,5 @@
 import socket
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -57,7 +58,7 @@ def test_errors_are_estimate_against_truth(flight, contents):
 def test_executed_trajectory_is_one_line_to_the_last_position(flight, contents):
     times_us, strips = contents.column("world/trajectory/executed", "LineStrips3D:strips")
     pieces = [np.array(strip[0]) for strip in strips]
-    for before, after in zip(pieces, pieces[1:], strict=False):
+    for before, after in pairwise(pieces):
         np.testing.assert_array_equal(before[-1], after[0])
     last = flight.history[-1]
     np.testing.assert_allclose(pieces[-1][-1], last["position_true_enu_m"], atol=1e-5)

@@ -91,5 +91,5 @@ def test_other_files_are_refused_in_one_line(tmp_path, content):
 
 def test_missing_file_and_folder_are_refused(tmp_path):
     for path in (tmp_path / "missing.rrd", tmp_path):
-        with pytest.raises(UnreadableRecordingError, match="valid: an .rrd file"):
+        with pytest.raises(UnreadableRecordingError, match=r"valid: an \.rrd file"):
             summarise(path)

@@ -1,3 +1,4 @@
+import socket
 import urllib.request
 from urllib.parse import parse_qs, urlsplit
 
@@ -86,8 +87,6 @@ def test_viewer_that_cannot_start_says_why(tmp_path, listeners_before):
 
 
 def test_free_port_prefers_the_one_asked_for_and_avoids_one_in_use():
-    import socket
-
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()

@@ -1,0 +1,144 @@
+"""What a companion knows of the vehicle from MAVLink: the latest of each message, ENU and FLU."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.types import NAN3, Quaternion
+from flightsim.frames import (
+    Geodetic,
+    LocalFrame,
+    swap_enu_ned,
+    swap_flu_frd,
+    swap_quat_enu_flu_ned_frd,
+)
+
+# MAV_MODE_FLAG_SAFETY_ARMED
+_ARMED_FLAG = 128
+# MAV_SYS_STATUS_PREARM_CHECK
+_PREARM_BIT = 1 << 28
+# ESTIMATOR_STATUS_FLAGS: attitude, horizontal and vertical velocity, absolute position, height
+_NAVIGATING_BITS = 1 | 2 | 4 | 16 | 32
+# MAV_LANDED_STATE
+LANDED_ON_GROUND, LANDED_IN_AIR, LANDED_TAKEOFF, LANDED_LANDING = 1, 2, 3, 4
+_AUTOPILOT_COMPONENT = 1
+_MAX_TEXTS = 200
+
+
+@dataclass(kw_only=True, slots=True)
+class Telemetry:
+    """The vehicle as last reported; NaN and 0 for what never came."""
+
+    system_id: int = 0
+    """Of the autopilot, 0 before its first heartbeat."""
+    is_armed: bool = False
+    custom_mode: int = 0
+    is_armable: bool = False
+    is_navigating: bool = False
+    """Whether the estimator claims attitude, velocity and absolute position."""
+    landed_state: int = 0
+    """MAV_LANDED_STATE."""
+    local_origin_enu_m: Vector3 | None = None
+    """Origin of MAVLink's local frame in the scene's, None until it is known."""
+    position_time_ms: int = 0
+    position_enu_m: Vector3 = NAN3
+    """In the scene's frame."""
+    velocity_enu_mps: Vector3 = NAN3
+    quat_wxyz: Quaternion = (math.nan, math.nan, math.nan, math.nan)
+    angular_rate_flu_radps: Vector3 = NAN3
+    range_m: float = math.nan
+    home: Geodetic | None = None
+    battery_remaining: float = math.nan
+    texts: list[tuple[int, str]] = field(default_factory=list)
+    """Severity and text of each STATUSTEXT, the latest last."""
+
+    @property
+    def yaw_rad(self) -> float:
+        """Heading of the body's x axis, counter-clockwise from east."""
+        w, x, y, z = self.quat_wxyz
+        return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+    @property
+    def has_state(self) -> bool:
+        """Whether position and attitude are known."""
+        return not (math.isnan(self.position_enu_m[0]) or math.isnan(self.quat_wxyz[0]))
+
+
+class TelemetryReader:
+    """Fills a `Telemetry` from messages."""
+
+    def __init__(self, frame: LocalFrame) -> None:
+        """Begin with nothing known.
+
+        Args:
+            frame: The scene's, in which positions are wanted.
+        """
+        self._frame = frame
+        self.telemetry = Telemetry()
+        self._readers: dict[str, Callable[[Any], None]] = {
+            "HEARTBEAT": self._heartbeat,
+            "SYS_STATUS": self._sys_status,
+            "ESTIMATOR_STATUS": self._estimator_status,
+            "EXTENDED_SYS_STATE": self._extended_sys_state,
+            "GPS_GLOBAL_ORIGIN": self._origin,
+            "LOCAL_POSITION_NED": self._local_position,
+            "ATTITUDE_QUATERNION": self._attitude,
+            "DISTANCE_SENSOR": self._distance,
+            "HOME_POSITION": self._home,
+            "STATUSTEXT": self._text,
+        }
+
+    def read(self, message: Any) -> None:
+        """Take one message in; unknown types are passed over."""
+        reader = self._readers.get(message.get_type())
+        if reader is not None and message.get_srcComponent() == _AUTOPILOT_COMPONENT:
+            reader(message)
+
+    def _heartbeat(self, m: Any) -> None:
+        self.telemetry.system_id = m.get_srcSystem()
+        self.telemetry.is_armed = bool(m.base_mode & _ARMED_FLAG)
+        self.telemetry.custom_mode = m.custom_mode
+
+    def _sys_status(self, m: Any) -> None:
+        self.telemetry.is_armable = bool(m.onboard_control_sensors_health & _PREARM_BIT)
+        if m.battery_remaining >= 0:
+            self.telemetry.battery_remaining = m.battery_remaining / 100.0
+
+    def _estimator_status(self, m: Any) -> None:
+        self.telemetry.is_navigating = m.flags & _NAVIGATING_BITS == _NAVIGATING_BITS
+
+    def _extended_sys_state(self, m: Any) -> None:
+        self.telemetry.landed_state = m.landed_state
+
+    def _origin(self, m: Any) -> None:
+        place = Geodetic(m.latitude * 1e-7, m.longitude * 1e-7, m.altitude * 1e-3)
+        self.telemetry.local_origin_enu_m = self._frame.enu_from_geodetic(place)
+
+    def _local_position(self, m: Any) -> None:
+        origin = self.telemetry.local_origin_enu_m
+        if origin is None:
+            return
+        east, north, up = swap_enu_ned((m.x, m.y, m.z))
+        self.telemetry.position_enu_m = (east + origin[0], north + origin[1], up + origin[2])
+        self.telemetry.velocity_enu_mps = swap_enu_ned((m.vx, m.vy, m.vz))
+        self.telemetry.position_time_ms = m.time_boot_ms
+
+    def _attitude(self, m: Any) -> None:
+        self.telemetry.quat_wxyz = swap_quat_enu_flu_ned_frd((m.q1, m.q2, m.q3, m.q4))
+        rates = (m.rollspeed, m.pitchspeed, m.yawspeed)
+        self.telemetry.angular_rate_flu_radps = swap_flu_frd(rates)
+
+    def _distance(self, m: Any) -> None:
+        is_measured = m.min_distance <= m.current_distance <= m.max_distance
+        self.telemetry.range_m = m.current_distance / 100.0 if is_measured else math.inf
+
+    def _home(self, m: Any) -> None:
+        self.telemetry.home = Geodetic(m.latitude * 1e-7, m.longitude * 1e-7, m.altitude * 1e-3)
+
+    def _text(self, m: Any) -> None:
+        self.telemetry.texts.append((m.severity, m.text.rstrip("\0")))
+        del self.telemetry.texts[:-_MAX_TEXTS]

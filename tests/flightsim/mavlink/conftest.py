@@ -1,0 +1,121 @@
+"""A vehicle with its real plant and autopilot on an empty field, and a client in its process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from aeroscene.scene import Scene
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.links import InProcessLink
+from flightsim.mavlink.server import MavlinkServer
+from flightsim.plant import Plant, PlantCfg
+from flightsim.simulator import Simulator
+from flightsim.vehicles.catalogue import AIRFRAMES
+from flightsim.world import World, build_world
+from tests.flightsim.mavlink.wire import Wire, named
+
+START_ENU_M = (12.0, -7.0, 0.0)
+
+
+class Flight:
+    """A simulated vehicle and one client of its MAVLink server, in lockstep."""
+
+    def __init__(self, world: World):
+        self.plant = Plant(world, PlantCfg(seed=3))
+        scene = world.scene
+        self.frame = LocalFrame(
+            Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m)
+        )
+        self.autopilot = Autopilot(self.plant, self.frame, airframe=world.airframe)
+        self.link = InProcessLink()
+        self.server = MavlinkServer(self.autopilot, self.plant, self.frame, [self.link])
+        self.simulator = Simulator(self.plant, self.autopilot, self.server, speed="max")
+        self.wire = Wire()
+        self.heard: list[Any] = []
+
+    def send(self, name: str, *values: Any, **named_values: Any) -> None:
+        self.link.client.send(self.wire.encode(name, *values, **named_values))
+
+    def step(self, count: int = 1) -> list[Any]:
+        """Run some ticks; the messages that came meanwhile."""
+        came = []
+        for _ in range(count):
+            self.simulator.step()
+            came += self.wire.decode(self.link.client.recv())
+        self.heard += came
+        return came
+
+    def run(self, seconds: float) -> list[Any]:
+        return self.step(round(50 * seconds))
+
+    def run_until(self, is_reached: Callable[[], bool], limit_s: float = 60.0) -> None:
+        for _ in range(round(50 * limit_s)):
+            if is_reached():
+                return
+            self.step()
+        raise AssertionError(f"not reached within {limit_s} simulated seconds")
+
+    def command(self, number: int, *params: float, **fields: Any) -> int:
+        """Send a COMMAND_LONG; the result of its acknowledgement."""
+        params = (*params, *(0.0,) * (7 - len(params)))
+        self.send("COMMAND_LONG", fields.get("system", 1), 1, number, 0, *params)
+        return self.result_of(number)
+
+    def command_int(self, number: int, frame: int, *params: Any) -> int:
+        """Send a COMMAND_INT; the result of its acknowledgement."""
+        self.send("COMMAND_INT", 1, 1, frame, number, 0, 0, *params)
+        return self.result_of(number)
+
+    def result_of(self, number: int) -> int:
+        (ack,) = [m for m in named(self.step(), "COMMAND_ACK") if m.command == number]
+        assert (ack.target_system, ack.target_component) == (255, 190)
+        return ack.result
+
+    def last(self, name: str) -> Any:
+        """The latest message of a type."""
+        return named(self.heard, name)[-1]
+
+    def become_ready(self) -> None:
+        """Wait until the vehicle can be armed."""
+        self.run_until(lambda: self.autopilot.health.is_armable)
+
+    def take_off(self, height_m: float = 10.0) -> None:
+        self.become_ready()
+        self.autopilot.parameters.set("MIS_TAKEOFF_ALT", height_m)
+        assert self.command(400, 1) == 0
+        assert self.command(22, *(float("nan"),) * 7) == 0
+        up_m = self.plant.truth.position_enu_m[2]
+        self.run_until(lambda: self.plant.truth.position_enu_m[2] > up_m + height_m - 0.5)
+
+
+@pytest.fixture(scope="session")
+def field() -> World:
+    """An empty field, the vehicle away from the scene's origin."""
+    scene = Scene(
+        scene_id="field",
+        domain="outdoor",
+        seed=0,
+        extent_min_enu_m=(-200.0, -200.0, 0.0),
+        extent_max_enu_m=(200.0, 200.0, 120.0),
+        start_position_enu_m=START_ENU_M,
+        start_yaw_rad=0.7,
+        latitude_deg=47.4,
+        longitude_deg=8.5,
+        altitude_m=488.0,
+        objects=(),
+    )
+    return build_world(scene, AIRFRAMES["iris"])
+
+
+@pytest.fixture
+def flight(field: World) -> Iterator[Flight]:
+    """A fresh vehicle on the field whose client has said hello."""
+    flight = Flight(field)
+    flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
+    flight.step()
+    yield flight
+    flight.server.close()

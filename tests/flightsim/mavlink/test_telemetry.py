@@ -1,0 +1,171 @@
+"""What the vehicle tells is what its estimator, sensors and autopilot say."""
+
+import math
+
+import pytest
+
+from flightsim.frames import Geodetic
+from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.px4 import PX4
+from flightsim.autopilot.modes import Mode
+from tests.flightsim.mavlink.conftest import START_ENU_M
+from tests.flightsim.mavlink.wire import named
+
+
+def test_a_heartbeat_comes_every_second_from_the_autopilot_component(flight):
+    heartbeats = named(flight.run(10.0), "HEARTBEAT")
+    assert len(heartbeats) == 10
+    heartbeat = heartbeats[-1]
+    assert (heartbeat.get_srcSystem(), heartbeat.get_srcComponent()) == (1, 1)
+    assert (heartbeat.type, heartbeat.autopilot, heartbeat.system_status) == (2, 12, 3)
+    assert heartbeat.base_mode & 1
+    assert not heartbeat.base_mode & 128
+
+
+def test_nothing_is_told_of_position_before_the_estimator_knows_it(flight):
+    came = flight.run(0.1)
+    assert not named(came, "LOCAL_POSITION_NED")
+    assert not named(came, "GLOBAL_POSITION_INT")
+    flight.become_ready()
+    assert named(flight.run(0.1), "LOCAL_POSITION_NED")
+
+
+def test_the_local_frame_begins_where_the_vehicle_stands(flight):
+    flight.become_ready()
+    flight.run(1.0)
+    local = flight.last("LOCAL_POSITION_NED")
+    assert max(abs(local.x), abs(local.y), abs(local.z)) < 0.6
+    flight.command(512, LAYOUTS["GPS_GLOBAL_ORIGIN"].message_id)
+    origin = flight.last("GPS_GLOBAL_ORIGIN")
+    place = Geodetic(origin.latitude * 1e-7, origin.longitude * 1e-7, origin.altitude * 1e-3)
+    assert flight.frame.enu_from_geodetic(place)[:2] == pytest.approx(START_ENU_M[:2], abs=0.02)
+
+
+def test_the_messages_of_a_tick_agree_with_the_estimate(flight):
+    flight.take_off()
+    # Sideways, so that nothing is zero.
+    flight.command_int(192, 6, -1, 1, 0, math.nan, round(47.40012e7), round(8.50012e7), 12.0)
+    flight.run(2.0)
+    flight.heard.clear()
+    flight.run_until(
+        lambda: {"ATTITUDE", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "ATTITUDE_QUATERNION"}
+        <= {message.get_type() for message in flight.step()}
+    )
+    state = flight.plant.estimate
+    local = flight.last("LOCAL_POSITION_NED")
+    east, north, up = state.velocity_enu_mps
+    assert (local.vx, local.vy, local.vz) == pytest.approx((north, east, -up), abs=1e-5)
+    assert local.time_boot_ms == state.time_us // 1000
+    whole = flight.last("GLOBAL_POSITION_INT")
+    place = flight.frame.geodetic_from_enu(state.position_enu_m)
+    assert whole.lat == pytest.approx(place.latitude_deg * 1e7, abs=1)
+    assert whole.lon == pytest.approx(place.longitude_deg * 1e7, abs=1)
+    assert whole.vx == pytest.approx(100 * north, abs=1)
+    attitude = flight.last("ATTITUDE")
+    w, x, y, z = state.quat_wxyz
+    yaw_enu = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    assert math.cos(attitude.yaw - (math.pi / 2 - yaw_enu)) == pytest.approx(1.0, abs=1e-6)
+    assert attitude.rollspeed == pytest.approx(state.angular_rate_flu_radps[0], abs=1e-6)
+    assert attitude.pitchspeed == pytest.approx(-state.angular_rate_flu_radps[1], abs=1e-6)
+    quaternion = flight.last("ATTITUDE_QUATERNION")
+    norm = math.hypot(quaternion.q1, quaternion.q2, quaternion.q3, quaternion.q4)
+    assert norm == pytest.approx(1.0, abs=1e-6)
+
+
+def test_the_imu_feels_gravity_upwards_in_frd(flight):
+    flight.become_ready()
+    flight.run(0.1)
+    imu = flight.last("HIGHRES_IMU")
+    assert imu.zacc == pytest.approx(-9.8, abs=0.6)
+    assert imu.abs_pressure == pytest.approx(955.0, abs=10.0)
+    assert imu.zmag > 0.2  # the field points down in the north
+
+
+def test_health_bits_let_clients_arm(flight):
+    flight.become_ready()
+    flight.run(1.0)
+    status = flight.last("SYS_STATUS")
+    needed = 1 | 2 | 4 | 32 | 1 << 28
+    assert status.onboard_control_sensors_health & needed == needed
+    assert status.voltage_battery > 10_000
+    battery = flight.last("BATTERY_STATUS")
+    assert sum(cell for cell in battery.voltages if cell != 0xFFFF) == pytest.approx(
+        status.voltage_battery, abs=60
+    )
+    assert flight.last("GPS_RAW_INT").fix_type >= 3
+
+
+def test_a_flight_is_told_from_takeoff_to_landing(flight):
+    flight.take_off(5.0)
+    flight.run(1.0)
+    assert flight.last("HEARTBEAT").base_mode & 128
+    assert flight.last("HEARTBEAT").system_status == 4
+    assert flight.last("EXTENDED_SYS_STATE").landed_state in {2, 3}
+    assert min(getattr(flight.last("SERVO_OUTPUT_RAW"), f"servo{i}_raw") for i in range(1, 5)) > 1300
+    assert flight.last("VFR_HUD").throttle > 30
+    assert flight.last("ALTITUDE").altitude_relative == pytest.approx(5.0, abs=0.6)
+    assert flight.last("DISTANCE_SENSOR").current_distance == pytest.approx(500, abs=70)
+    assert flight.command(21, *(math.nan,) * 7) == 0
+    flight.run_until(lambda: not flight.autopilot.is_armed)
+    flight.run(1.1)
+    assert flight.last("EXTENDED_SYS_STATE").landed_state == 1
+    assert [m.text for m in named(flight.heard, "STATUSTEXT")][0] == "Armed by external command"
+
+
+def test_ground_truth_comes_only_when_asked_for(flight):
+    ground_truth = LAYOUTS["HIL_STATE_QUATERNION"].message_id
+    assert not named(flight.run(1.0), "HIL_STATE_QUATERNION")
+    assert flight.command(511, ground_truth, 100_000) == 0
+    came = named(flight.run(2.0), "HIL_STATE_QUATERNION")
+    assert len(came) == 20
+    place = flight.frame.geodetic_from_enu(flight.plant.truth.position_enu_m)
+    assert came[-1].lat == pytest.approx(place.latitude_deg * 1e7, abs=1)
+
+
+def test_each_client_has_its_own_rates(field):
+    from flightsim.mavlink.links import InProcessLink
+    from flightsim.mavlink.server import MavlinkServer
+    from tests.flightsim.mavlink.conftest import Flight
+    from tests.flightsim.mavlink.wire import Wire
+
+    flight = Flight(field)
+    links = [InProcessLink(), InProcessLink(profile="normal")]
+    server = MavlinkServer(flight.autopilot, flight.plant, flight.frame, links)
+    wires = [Wire(), Wire()]
+    imu = LAYOUTS["HIGHRES_IMU"].message_id
+    links[0].client.send(
+        wires[0].encode("COMMAND_LONG", 1, 1, 511, 0, imu, 200_000, 0, 0, 0, 0, 0)
+    )
+    links[1].client.recv()
+    counts = [0, 0]
+    for _ in range(250):
+        flight.plant.advance()
+        flight.autopilot.update()
+        server.update()
+        for index, (link, wire) in enumerate(zip(links, wires, strict=True)):
+            counts[index] += len(named(wire.decode(link.client.recv()), "HIGHRES_IMU"))
+    assert counts == [25, 10]
+    server.close()
+    flight.server.close()
+
+
+@pytest.mark.parametrize("mode", list(Mode))
+def test_every_mode_is_one_that_pymavlink_can_name(mode):
+    from pymavlink import mavutil
+
+    entry = PX4.entry(mode)
+    name = mavutil.interpret_px4_mode(entry.base_mode, entry.custom_mode)
+    assert name != "UNKNOWN"
+    if entry.is_selectable:
+        assert PX4.selectable(entry.custom_mode) is mode
+
+
+def test_an_estimate_that_is_no_number_ends_nothing(flight, monkeypatch):
+    flight.become_ready()
+    view = flight.server._view  # noqa: SLF001 - what a diverged filter would leave there
+    monkeypatch.setattr(view, "refresh", lambda: None)
+    view.position_ned_m = (math.nan, math.inf, 1e300)
+    view.place = Geodetic(math.nan, math.inf, math.nan)
+    came = flight.run(1.0)
+    assert named(came, "HEARTBEAT")
+    assert not named(came, "GLOBAL_POSITION_INT")

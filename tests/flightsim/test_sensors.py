@@ -1,0 +1,262 @@
+"""Sensors: noise as their data say, delay, range, and truth behind it all."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.spatial.transform import Rotation
+
+from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa
+from flightsim.environment.wind import WindError, wind_from, wind_towards
+from flightsim.sensors.barometer import BarometerCfg, new_barometer, sample_barometer
+from flightsim.sensors.drift import density_of, drift_terms
+from flightsim.sensors.gnss import RTK, STANDARD, follow_gnss, new_gnss, sample_gnss
+from flightsim.sensors.imu import ADIS16448, IMU_NORMALS, PX4_IMU, new_imu, sample_imu
+from flightsim.sensors.magnetometer import (
+    MagnetometerCfg,
+    new_magnetometer,
+    sample_magnetometer,
+)
+from flightsim.sensors.normals import NormalBlocks
+from flightsim.sensors.rangefinder import (
+    RangefinderCfg,
+    aim_ray,
+    new_rangefinder,
+    sample_rangefinder,
+)
+
+HZ = 250
+LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
+NO_NORMALS = np.zeros(IMU_NORMALS)
+
+
+def rng():
+    return np.random.default_rng(7)
+
+
+def perfect_imu(quat=LEVEL, velocity=(0.0, 0.0, 0.0)):
+    cfg = dataclasses.replace(PX4_IMU, gyro_noise_density=0.0, accel_noise_density=0.0)
+    return new_imu(cfg, rng(), rate_hz=HZ, quat_wxyz=quat, velocity_enu_mps=velocity)[0]
+
+
+def test_imu_at_rest_feels_gravity():
+    r = perfect_imu()
+    sample_imu(r, LEVEL, np.zeros(3), NO_NORMALS)
+    np.testing.assert_allclose(r["accel_flu_mps2"], (0.0, 0.0, 9.81))
+    np.testing.assert_allclose(r["gyro_flu_radps"], 0.0)
+
+
+@given(
+    hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)),
+    hnp.arrays(float, 3, elements=st.floats(-20.0, 20.0)),
+    hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)),
+)
+def test_imu_samples_integrate_to_the_true_motion(attitude, acceleration, rate):
+    """Rate and specific force are the means that carry one state into the next."""
+    start = Rotation.from_rotvec(attitude)
+    r = perfect_imu(start.as_quat(scalar_first=True))
+    end = start * Rotation.from_rotvec(rate / HZ)
+    sample_imu(r, end.as_quat(scalar_first=True), acceleration / HZ, NO_NORMALS)
+    np.testing.assert_allclose(r["gyro_flu_radps"], rate, atol=1e-6)
+    middle = start * Rotation.from_rotvec(0.5 * rate / HZ)
+    expected = middle.inv().apply(acceleration + np.array([0.0, 0.0, 9.81]))
+    np.testing.assert_allclose(r["accel_flu_mps2"], expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("cfg", [ADIS16448, PX4_IMU])
+def test_imu_noise_falls_with_the_square_root_of_averaging_time(cfg):
+    """Allan deviation at short times is the density over sqrt(tau), and no bias shows yet."""
+    cfg = dataclasses.replace(cfg, gyro_turn_on_sigma_radps=0.0, accel_turn_on_sigma_mps2=0.0)
+    r = new_imu(cfg, rng(), rate_hz=HZ, quat_wxyz=LEVEL, velocity_enu_mps=(0, 0, 0))[0]
+    normals = rng().standard_normal((40 * HZ, IMU_NORMALS))
+    gyro, accel = np.empty((len(normals), 3)), np.empty((len(normals), 3))
+    for k, row in enumerate(normals):
+        sample_imu(r, LEVEL, np.zeros(3), row)
+        gyro[k], accel[k] = r["gyro_flu_radps"], r["accel_flu_mps2"]
+    for samples in (1, 10, 50):
+        tau = samples / HZ
+        for data, density in ((gyro, cfg.gyro_noise_density), (accel, cfg.accel_noise_density)):
+            means = data.reshape(-1, samples, 3).mean(axis=1)
+            allan = math.sqrt(0.5 * np.mean(np.diff(means, axis=0) ** 2))
+            assert allan == pytest.approx(density / math.sqrt(tau), rel=0.12)
+
+
+def test_imu_biases_are_drawn_and_wander():
+    records = [
+        new_imu(ADIS16448, np.random.default_rng(k), rate_hz=HZ, quat_wxyz=LEVEL,
+                velocity_enu_mps=(0, 0, 0))[0]
+        for k in range(300)
+    ]  # fmt: skip
+    gyro = np.array([r["gyro_bias_flu_radps"] for r in records])
+    accel = np.array([r["accel_bias_flu_mps2"] for r in records])
+    assert gyro.std() == pytest.approx(0.0087, rel=0.1)
+    assert accel.std() == pytest.approx(0.196, rel=0.1)
+    r = records[0]
+    before = r["accel_bias_flu_mps2"].copy()
+    sample_imu(r, LEVEL, np.zeros(3), np.ones(IMU_NORMALS))
+    assert np.all(r["accel_bias_flu_mps2"] != before)
+
+
+@given(st.floats(0.01, 5.0), st.floats(5.0, 500.0), st.floats(1e-3, 1.0))
+def test_drift_keeps_its_stationary_deviation_at_any_rate(sigma, correlation_s, dt_s):
+    decay, step = drift_terms(density_of(sigma, correlation_s), correlation_s, dt_s)
+    assert math.sqrt(decay**2 * sigma**2 + step**2) == pytest.approx(sigma, rel=1e-9)
+
+
+def gnss_track(cfg, seconds, velocity=(3.0, -2.0, 1.0), seed=7):
+    """Errors of position and velocity of every fix along a straight flight."""
+    r = new_gnss(cfg, np.random.default_rng(seed), tick_hz=HZ)[0]
+    normals = np.random.default_rng(seed + 1)
+    errors = []
+    velocity = np.array(velocity)
+    for tick in range(round(seconds * HZ)):
+        follow_gnss(r, tick, velocity * tick / HZ, velocity)
+        if tick % r["period_ticks"] == 0 and tick >= r["delay_ticks"]:
+            sample_gnss(r, tick, normals.standard_normal(9))
+            valid_s = (tick - r["delay_ticks"]) / HZ
+            errors.append(
+                (r["position_enu_m"] - velocity * valid_s, r["velocity_enu_mps"] - velocity)
+            )
+    return np.array(errors)
+
+
+def test_a_fix_is_valid_for_a_time_before_its_delivery():
+    silent = dataclasses.replace(
+        RTK, drift_sigma_m=(0.0, 0.0), position_noise_m=(0.0, 0.0), velocity_noise_mps=(0.0, 0.0)
+    )
+    r = new_gnss(silent, rng(), tick_hz=HZ)[0]
+    assert r["delay_ticks"] == 30  # 0.12 s
+    np.testing.assert_allclose(gnss_track(silent, 2.0), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("cfg", "hz"), [(RTK, 10), (STANDARD, 5)])
+def test_fixes_come_at_their_rate(cfg, hz):
+    assert len(gnss_track(cfg, 10.0)) == pytest.approx(10 * hz, abs=hz)
+
+
+@pytest.mark.parametrize("cfg", [RTK, STANDARD])
+def test_gnss_errors_have_their_grade(cfg):
+    errors = np.concatenate([gnss_track(cfg, 6.0, seed=k) for k in range(60)])
+    horizontal, vertical = cfg.drift_sigma_m
+    spread = errors[:, 0].std(axis=0)
+    expected = np.hypot(
+        [horizontal, horizontal, vertical], [*cfg.position_noise_m[:1] * 2, cfg.position_noise_m[1]]
+    )
+    np.testing.assert_allclose(spread, expected, rtol=0.3)
+    np.testing.assert_allclose(
+        errors[:, 1].std(axis=0),
+        [*cfg.velocity_noise_mps[:1] * 2, cfg.velocity_noise_mps[1]],
+        rtol=0.1,
+    )
+
+
+def test_gnss_errors_wander_slowly():
+    """Neighbouring fixes share their error; those minutes apart do not."""
+    quiet = dataclasses.replace(RTK, position_noise_m=(0.0, 0.0))
+    errors = gnss_track(quiet, 60.0)[:, 0]
+    steps = np.diff(errors, axis=0).std()
+    assert steps < 0.1 * quiet.drift_sigma_m[0]
+
+
+@given(st.floats(-300.0, 8000.0))
+def test_pressure_and_altitude_are_inverse(altitude):
+    assert pressure_altitude_m(pressure_pa(altitude)) == pytest.approx(altitude, abs=1e-6)
+
+
+def test_atmosphere_is_the_standard_one():
+    # ISO 2533 tables
+    assert pressure_pa(0.0) == pytest.approx(101325.0)
+    assert pressure_pa(1000.0) == pytest.approx(89874.6, rel=1e-4)
+    assert pressure_pa(5000.0) == pytest.approx(54019.9, rel=1e-4)
+
+
+def test_barometer_noise_is_one_pascal_about_the_truth():
+    r = new_barometer(BarometerCfg(), tick_hz=HZ, origin_altitude_m=488.0)[0]
+    draws = rng().standard_normal((2000, 2))
+    altitudes = np.empty(len(draws))
+    pressures = np.empty(len(draws))
+    for k, row in enumerate(draws):
+        sample_barometer(r, k, 12.0, row)
+        altitudes[k], pressures[k] = r["altitude_m"], r["pressure_pa"]
+    assert pressures.std() == pytest.approx(1.0, rel=0.06)
+    assert altitudes.mean() == pytest.approx(500.0, abs=0.01)
+    assert r["temperature_degc"] == pytest.approx(15.0 - 3.25)
+
+
+def test_barometer_drift_is_optional_and_bounded():
+    cfg = BarometerCfg(noise_pa=0.0, drift_density_pa=0.5, drift_correlation_s=100.0)
+    r = new_barometer(cfg, tick_hz=HZ, origin_altitude_m=0.0)[0]
+    drifts = []
+    for row in rng().standard_normal((50 * 1000, 2)):
+        sample_barometer(r, 0, 0.0, row)
+        drifts.append(r["pressure_pa"] - 101325.0)
+    assert np.std(drifts) == pytest.approx(0.5 * math.sqrt(50.0), rel=0.5)
+
+
+@given(hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)))
+def test_magnetometer_sees_the_field_in_body_axes(vector):
+    field = (0.8, 21.5, -42.8)
+    attitude = Rotation.from_rotvec(vector)
+    r = new_magnetometer(MagnetometerCfg(), tick_hz=HZ, field_enu_ut=field)[0]
+    sample_magnetometer(r, 1, attitude.as_quat(scalar_first=True), np.zeros(6))
+    np.testing.assert_allclose(r["field_flu_ut"], attitude.inv().apply(field), atol=1e-9)
+
+
+def test_magnetometer_noise_has_its_density():
+    r = new_magnetometer(MagnetometerCfg(), tick_hz=HZ, field_enu_ut=(0.0, 20.0, 0.0))[0]
+    samples = []
+    for row in rng().standard_normal((2000, 6)):
+        sample_magnetometer(r, 1, LEVEL, row)
+        samples.append(r["field_flu_ut"].copy())
+    assert np.std(samples, axis=0).mean() == pytest.approx(0.04 * math.sqrt(50.0), rel=0.05)
+
+
+def test_range_is_noisy_near_and_infinite_far():
+    r = new_rangefinder(RangefinderCfg(), tick_hz=HZ)[0]
+    assert math.isnan(r["range_m"])
+    readings = []
+    for row in rng().standard_normal((1000, 1)):
+        sample_rangefinder(r, 1, 10.0, row)
+        readings.append(r["range_m"])
+    assert np.std(readings) == pytest.approx(math.hypot(0.01, 0.03), rel=0.1)
+    for nothing in (-1.0, 30.01):
+        sample_rangefinder(r, 1, nothing, np.zeros(1))
+        assert r["range_m"] == math.inf
+    sample_rangefinder(r, 1, 0.001, np.full(1, -5.0))
+    assert r["range_m"] == 0.0
+
+
+@given(hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)))
+def test_ray_looks_along_body_down(vector):
+    attitude = Rotation.from_rotvec(vector)
+    r = new_rangefinder(RangefinderCfg(), tick_hz=HZ)[0]
+    aim_ray(r, np.array([1.0, 2.0, 3.0]), attitude.as_quat(scalar_first=True))
+    np.testing.assert_allclose(r["ray"][:3], (1.0, 2.0, 3.0))
+    np.testing.assert_allclose(r["ray"][3:], attitude.apply([0.0, 0.0, -1.0]), atol=1e-9)
+
+
+def test_streams_are_independent_of_each_other():
+    seeds = np.random.SeedSequence(1).spawn(2)
+    short = NormalBlocks(seeds, [(4, 2), (3, 1)])
+    long = NormalBlocks(np.random.SeedSequence(1).spawn(2), [(9, 5), (3, 1)])
+    short.draw()
+    long.draw()
+    np.testing.assert_array_equal(short.blocks[1], long.blocks[1])
+    first = short.blocks[0].copy()
+    short.draw()
+    assert np.all(short.blocks[0] != first)
+
+
+def test_wind_comes_from_where_it_is_said_to():
+    np.testing.assert_allclose(wind_from(90.0, 5.0), (-5.0, 0.0, 0.0), atol=1e-12)
+    np.testing.assert_allclose(wind_from(0.0, 5.0), (0.0, -5.0, 0.0), atol=1e-12)
+
+
+@pytest.mark.parametrize("wind", [(math.nan, 0.0, 0.0), (40.0, 0.0, 0.0)])
+def test_an_impossible_wind_is_refused_with_what_is_valid(wind):
+    with pytest.raises(WindError, match="at most 30 m/s"):
+        wind_towards(wind)

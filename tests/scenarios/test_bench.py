@@ -1,0 +1,95 @@
+import json
+import socket
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pymavlink.dialects.v20 import common
+
+from scenarios.bench.clients import Clients, count_messages
+from scenarios.bench.row import Row
+
+
+def _bench(*args):
+    code = (
+        "import sys\n"
+        "from scenarios.cli import bench\n"
+        "from scenarios.cli.command_line import parse\n"
+        "sys.exit(bench.run(parse(bench.BenchCfg, 'aeroscene bench', sys.argv[1:])))"
+    )
+    return subprocess.run(
+        [sys.executable, "-c", code, *args], capture_output=True, text=True, check=False
+    )
+
+
+def test_sim_prints_rows_of_a_real_flight_as_one_object():
+    result = _bench("sim", "--seconds", "2", "--json")
+    assert result.returncode in {0, 1}, result.stderr  # 1: a target missed on a busy machine
+    report = json.loads(result.stdout)
+    assert report["scene"] == "42"
+    rows = {row["metric"]: row for row in report["rows"]}
+    assert all(row["value"] > 0 for row in rows.values())
+    assert {"metric", "value", "unit", "target", "better"} == set(report["rows"][0])
+    whole, recorded = rows["whole stack, two UDP clients"], rows["whole stack with recording"]
+    assert whole["target"] == 30
+    assert rows["launch to first heartbeat"]["target"] == 3
+    # What does less is not slower, by more than this machine's noise.
+    assert rows["plant alone"]["value"] > whole["value"] > 0.5 * recorded["value"]
+    assert rows["MAVLink received by both clients"]["value"] > 100
+
+
+@pytest.mark.parametrize(
+    ("args", "says"),
+    [
+        (("sim", "--scene", "9999"), "9999"),
+        (("sim", "--vehicle", "zeppelin"), "zeppelin"),
+        (("sim", "--seconds", "0"), "seconds 0"),
+        (("sim", "--seconds", "nan"), "seconds nan"),
+        (("warp",), "warp"),
+    ],
+)
+def test_bad_input_ends_with_status_2_and_one_line(args, says):
+    result = _bench(*args)
+    assert result.returncode == 2
+    assert result.stdout == ""
+    (line,) = result.stderr.strip().splitlines()
+    assert says in line
+
+
+@given(st.lists(st.text(st.characters(codec="ascii"), max_size=40), min_size=1, max_size=5))
+def test_messages_in_a_datagram_are_counted(texts):
+    sender = common.MAVLink(None)
+    frames = [sender.statustext_encode(6, text.encode()).pack(sender) for text in texts]
+    assert count_messages(b"".join(frames)) == len(texts)
+    assert count_messages(b"".join(frames)[:-1]) <= len(texts)
+
+
+def test_clients_count_what_they_receive_and_greet_whom_they_know():
+    sender = common.MAVLink(None)
+    frame = sender.heartbeat_encode(2, 12, 0, 0, 4).pack(sender)
+    with Clients(2) as clients, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+        vehicle.bind(("127.0.0.1", 0))
+        vehicle.settimeout(10)
+        for port in clients.ports:
+            vehicle.sendto(frame * 3, ("127.0.0.1", port))
+            greeting, (_, sender_port) = vehicle.recvfrom(1000)
+            assert count_messages(greeting) == 1
+            assert sender_port in clients.ports
+        assert clients.close() == 6
+
+
+@pytest.mark.parametrize(
+    ("value", "target", "better", "is_met"),
+    [
+        (31.0, 30.0, "higher", True),
+        (29.0, 30.0, "higher", False),
+        (2.0, 3.0, "lower", True),
+        (4.0, 3.0, "lower", False),
+        (0.0, None, "higher", True),
+    ],
+)
+def test_target_is_met_in_the_direction_that_is_better(value, target, better, is_met):
+    row = Row(metric="x", value=value, unit="y", target=target, better=better)
+    assert row.is_met is is_met
