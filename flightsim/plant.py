@@ -25,7 +25,7 @@ from flightsim.vehicles.battery import Battery
 from flightsim.world import World
 
 _LOG = logging.getLogger(__name__)
-_COMPILE_SECONDS = 20.0
+_COMPILE_SECONDS = 12.0
 _ADVANCE_US = 1_000_000 // ADVANCE_HZ
 
 SensorName = Literal["gnss", "baro", "mag", "range"]

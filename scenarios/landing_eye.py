@@ -13,7 +13,7 @@ from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception.elevation import DepthImage, ElevationMap
 from autonomy.perception.landing import LandingMap, LandingNeeds, LandingSite, assess, choose_site
-from autonomy.types import State
+from autonomy.types import Quaternion
 from flightsim.sensors.camera import RgbdFrame
 from flightsim.vehicles.airframe import Airframe, CameraMount
 
@@ -57,9 +57,15 @@ class LandingEye:
         self._is_allowed = shapely.contains_xy(polygon, *np.meshgrid(east, north))
         self.n_frames = 0
 
-    def look(self, frame: RgbdFrame, state: State) -> None:
-        """Add a frame, placed by where the vehicle believes it is: the true pose stays unused."""
-        position_enu_m, rotation = camera_pose(state, self._mount)
+    def look(self, frame: RgbdFrame, position_enu_m: Vector3, quat_wxyz: Quaternion) -> None:
+        """Add a frame that was taken where the vehicle believes it is; the true pose stays unused.
+
+        Args:
+            frame: From the downward camera.
+            position_enu_m: Estimated position of the vehicle.
+            quat_wxyz: Its estimated attitude, FLU to ENU.
+        """
+        eye_enu_m, rotation = camera_pose(position_enu_m, quat_wxyz, self._mount)
         self._elevation.add(
             DepthImage(
                 depth_m=frame.depth_m,
@@ -67,7 +73,7 @@ class LandingEye:
                 fy=frame.fy,
                 cx=frame.cx,
                 cy=frame.cy,
-                position_enu_m=position_enu_m,
+                position_enu_m=eye_enu_m,
                 rotation_enu_from_optical=rotation,
             )
         )
@@ -84,12 +90,17 @@ class LandingEye:
         return bool(landing.is_safe[row, column])
 
 
-def camera_pose(state: State, mount: CameraMount) -> tuple[Vector3, np.ndarray]:
-    """Position and rotation (optical axes x right, y down, z forward, to ENU) of a body camera."""
-    rotation_enu_from_flu = Rotation.from_quat(state.quat_wxyz, scalar_first=True).as_matrix()
+def camera_pose(
+    position_enu_m: Vector3, quat_wxyz: Quaternion, mount: CameraMount
+) -> tuple[Vector3, np.ndarray]:
+    """Where a camera of a vehicle is and looks: position, rotation from optical axes to ENU (3, 3).
+
+    The optical axes are x right, y down, z forward.
+    """
+    rotation_enu_from_flu = Rotation.from_quat(quat_wxyz, scalar_first=True).as_matrix()
     dip = mount.pitch_down_rad
     forward = np.array([math.cos(dip), 0.0, -math.sin(dip)])
     right = np.array([0.0, -1.0, 0.0])
     rotation_flu_from_optical = np.column_stack([right, np.cross(forward, right), forward])
-    x, y, z = np.array(state.position_enu_m) + rotation_enu_from_flu @ mount.position_flu_m
+    x, y, z = np.array(position_enu_m) + rotation_enu_from_flu @ mount.position_flu_m
     return (float(x), float(y), float(z)), rotation_enu_from_flu @ rotation_flu_from_optical

@@ -14,24 +14,18 @@ from enum import Enum
 from typing import Protocol
 
 import numpy as np
-from pymavlink.dialects.v20 import common as mavlink
 
 from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception.landing import LandingSite
 from autonomy.planning.errors import PlanningError
 from autonomy.planning.trajectory import Trajectory
-from autonomy.types import FlatReference, State
+from autonomy.types import FlatReference
 from flightsim.autopilot.events import Severity
 from flightsim.sensors.camera import RgbdFrame
 from scenarios.landing_eye import CAMERA, LandingEye, View
-from scenarios.mavlink_client import (
-    MODE_LAND,
-    MODE_OFFBOARD,
-    MODE_RETURN,
-    MavlinkClient,
-    PendingCommand,
-)
+from scenarios.mavlink_client import PX4_LAND, PX4_OFFBOARD, PX4_RETURN, Command, MavlinkClient
+from scenarios.mavlink_telemetry import LANDED_ON_GROUND
 from scenarios.mission import Mission
 
 
@@ -90,11 +84,6 @@ _STREAM_BEFORE_OFFBOARD_US = 1_000_000
 _AIRBORNE = frozenset(
     {Phase.TAKEOFF, Phase.NAVIGATE, Phase.SEARCH, Phase.ALIGN, Phase.DESCEND, Phase.CLIMB}
 )
-_STREAMS_US: Mapping[int, int] = {
-    mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 20_000,
-    mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: 20_000,
-    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 100_000,
-}
 
 
 class Journal(Protocol):
@@ -164,6 +153,7 @@ class Pilot:
             cfg: How to fly.
         """
         self._client = client
+        self._vehicle = client.telemetry
         self._mission = mission
         self._surroundings = mission.surroundings
         self._airframe = mission.surroundings.airframe
@@ -178,8 +168,7 @@ class Pilot:
         self.touchdown_enu_m: Vector3 | None = None
         self._phase_start_us = 0
         self._leg: Leg | None = None
-        self._pending: PendingCommand | None = None
-        self._streams_to_ask = list(_STREAMS_US.items())
+        self._pending: list[Command] = []
         self._look_due_us = 0
         self._n_unsafe = 0
         self._n_attempts = 0
@@ -220,30 +209,23 @@ class Pilot:
             return
         step()
         if self._leg is not None:
-            self._client.send_reference(self._reference())
+            self._client.send_setpoint(self._reference())
 
     # The phases, in the order of a mission
 
     def _connect(self) -> None:
-        if not self._client.is_connected:
-            return
-        if self._pending is not None and self._pending.result is None:
-            if self._pending.is_refused:
-                self._fail("the vehicle does not answer commands")
-            return
-        if self._streams_to_ask:
-            message_id, interval_us = self._streams_to_ask.pop()
-            self._pending = self._client.request_interval(message_id, interval_us)
-        elif not self._client.has_origin:
-            self._pending = self._client.request_origin()
-        else:
+        if not self._pending:
+            self._pending = [*self._client.request_streams(), self._client.request_origin()]
+        elif any(command.is_done and not command.is_accepted for command in self._pending):
+            self._fail("the vehicle refuses a stream")
+        elif all(command.is_accepted for command in self._pending):
             self._enter(Phase.PREFLIGHT, "telemetry flows")
 
     def _preflight(self) -> None:
-        state = self._client.state
-        if state is None or not self._client.is_ready_to_arm:
+        vehicle = self._vehicle
+        if not (vehicle.is_armable and vehicle.is_navigating and vehicle.has_state):
             return
-        self._leg = self._straight(state.position_enu_m, state.position_enu_m, _yaw_rad(state))
+        self._leg = self._straight(vehicle.position_enu_m, vehicle.position_enu_m, vehicle.yaw_rad)
         self._log_plan()
         self._enter(
             Phase.ENGAGE,
@@ -254,13 +236,14 @@ class Pilot:
     def _engage(self) -> None:
         if self._elapsed_us < _STREAM_BEFORE_OFFBOARD_US:
             return
-        if self._pending is None:
-            self._pending = self._client.set_mode(MODE_OFFBOARD)
-        elif self._pending.is_refused:
-            self._fail("the vehicle refuses to arm or to enter OFFBOARD")
-        elif self._pending.is_accepted and self._pending.command == mavlink.MAV_CMD_DO_SET_MODE:
-            self._pending = self._client.arm()
-        elif self._pending.is_accepted:
+        if not self._pending:
+            self._pending = [self._client.set_mode(PX4_OFFBOARD)]
+        last = self._pending[-1]
+        if last.is_done and not last.is_accepted:
+            self._fail(f"the vehicle answers {last.outcome()} to OFFBOARD or arming")
+        elif last.is_accepted and len(self._pending) == 1:
+            self._pending.append(self._client.arm())
+        elif last.is_accepted:
             self._go_straight(self._mission.takeoff_enu_m)
             self._enter(Phase.TAKEOFF, "armed, in OFFBOARD")
 
@@ -312,8 +295,8 @@ class Pilot:
         if self._is_place_lost():
             self._abort()
         elif self._has_arrived:
-            self._pending = self._client.set_mode(MODE_LAND)
             self._enter(Phase.TOUCHDOWN, f"committed at {self._cfg.commit_height_m:.1f} m")
+            self._pending = [self._client.set_mode(PX4_LAND)]
 
     def _is_place_lost(self) -> bool:
         """Look again; whether the chosen place has been found unsafe several times in a row."""
@@ -363,19 +346,18 @@ class Pilot:
             self._start_search("climbed")
 
     def _touch_down(self) -> None:
-        assert self._pending is not None
-        if self._pending.is_refused:
+        if any(command.is_done and not command.is_accepted for command in self._pending):
             self._fail("the vehicle refuses to land")
-        elif self._client.is_on_ground:
+        elif self._vehicle.custom_mode == PX4_LAND:
             self._leg = None
-            self._pending = self._client.disarm()
-            self._enter(Phase.DISARM, "on the ground")
-        elif self._client.is_in_mode(MODE_LAND):
-            self._leg = None
+            if self._vehicle.landed_state == LANDED_ON_GROUND:
+                self._enter(Phase.DISARM, "on the ground")
 
     def _disarm(self) -> None:
-        if not self._client.is_armed:
+        if not self._vehicle.is_armed:
             self._enter(Phase.DONE, "landed and disarmed")
+        elif not self._pending or self._pending[-1].is_done:
+            self._pending = [self._client.disarm()]
 
     # Flying
 
@@ -387,8 +369,7 @@ class Pilot:
         self.phase, self.reason = phase, reason
         self._phase_start_us = self._now_us
         self._look_due_us = self._now_us
-        if phase not in {Phase.TOUCHDOWN, Phase.DISARM}:
-            self._pending = None
+        self._pending = []
         self.transitions.append(Transition(self._now_us, phase, reason))
         severity = Severity.ERROR if phase is Phase.FAILED else Severity.INFO
         for journal in self.journals:
@@ -396,7 +377,7 @@ class Pilot:
 
     def _fail(self, reason: str) -> None:
         if self.phase in _AIRBORNE:
-            self._client.set_mode(MODE_RETURN)
+            self._client.set_mode(PX4_RETURN)
         self._leg = None
         self._enter(Phase.FAILED, f"{self.phase.value}: {reason}")
 
@@ -420,29 +401,22 @@ class Pilot:
     @property
     def _has_arrived(self) -> bool:
         """Whether the leg is over and the vehicle near its end."""
-        state, leg = self._client.state, self._leg
-        assert state is not None
-        assert leg is not None
-        if (self._now_us - leg.start_us) * 1e-6 < leg.trajectory.duration_s:
+        assert self._leg is not None
+        if (self._now_us - self._leg.start_us) * 1e-6 < self._leg.trajectory.duration_s:
             return False
         end_enu_m = self._reference().position_enu_m
-        return math.dist(state.position_enu_m, end_enu_m) < self._cfg.arrival_m
+        return math.dist(self._vehicle.position_enu_m, end_enu_m) < self._cfg.arrival_m
 
     def _look_down(self, preferred_enu_m: Vector3) -> View | None:
         """Take and judge a depth image if one is due."""
-        state = self._client.state
-        if self._now_us < self._look_due_us or state is None:
+        if self._now_us < self._look_due_us:
             return None
         self._look_due_us += self._cfg.look_period_us
-        self._eye.look(self._look(CAMERA), state)
+        vehicle = self._vehicle
+        self._eye.look(self._look(CAMERA), vehicle.position_enu_m, vehicle.quat_wxyz)
         view = self._eye.judge(preferred_enu_m)
         for journal in self.journals:
             journal.log_landing_map(
                 self._now_us, view.landing.cells_enu_m, view.landing.cost, self.touchdown_enu_m
             )
         return view
-
-
-def _yaw_rad(state: State) -> float:
-    w, x, y, z = state.quat_wxyz
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))

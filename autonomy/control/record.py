@@ -40,8 +40,10 @@ CONTROLLER_DTYPE = np.dtype(
         ("reference_yaw_rad", "f8"),
         ("reference_yaw_rate_radps", "f8"),
         ("is_free", "i8", 3),  # axes without position and velocity feedback
-        ("last_acceleration_enu_mps2", "f8", 3),  # of the setpoint before
-        ("setpoint_jerk_enu_mps3", "f8", 3),  # derived from accelerations where it is NaN
+        ("last_position_enu_m", "f8", 3),  # of the setpoint before, as the next two
+        ("last_velocity_enu_mps", "f8", 3),
+        ("last_acceleration_enu_mps2", "f8", 3),
+        ("setpoint_jerk_enu_mps3", "f8", 3),  # derived if not given
         ("integral_mps2", "f8", 3),
         ("is_saturated", "i8"),
         ("rotor_model_radps", "f8", 4),  # speeds that the commands should have made

@@ -16,8 +16,8 @@ import numpy as np
 from autonomy.jit import kernel
 from autonomy.rotation import wrap_angle, yaw_from_quat
 
-MAX_EXTRAPOLATION_S = 0.02
-"""A setpoint is carried on for one tick of 50 Hz, then its reference stands."""
+MAX_EXTRAPOLATION_S = 0.1
+"""A setpoint is carried on for this long, enough for a stream of 10 Hz; then it stands."""
 
 _MAX_JERK_AGE_S = 0.11
 _MAX_DERIVED_JERK_MPS3 = 60.0
@@ -37,6 +37,7 @@ def start_reference(c: np.record, f: np.record) -> None:
         c.reference_jerk_enu_mps3[i] = 0.0
         c.integral_mps2[i] = 0.0
         c.disturbance_mps2[i] = 0.0
+        c.last_position_enu_m[i] = math.inf  # nothing has been asked yet
         c.last_acceleration_enu_mps2[i] = math.nan
     c.reference_yaw_rad = yaw_from_quat(f.quat_wxyz)
     c.reference_yaw_rate_radps = 0.0
@@ -45,17 +46,45 @@ def start_reference(c: np.record, f: np.record) -> None:
 
 @kernel
 def accept_setpoint(c: np.record, s: np.record) -> None:
-    """Take a new setpoint in: its jerk, from the accelerations before and now if not given."""
+    """Take a setpoint in that has just arrived; one that says the same again is no new one.
+
+    A jerk that is zero or NaN is not given: it is derived from the accelerations of this setpoint
+    and the one before.
+    """
+    if _is_repeated(c, s):
+        return
     elapsed = c.setpoint_age_s
+    is_given = False
+    for i in range(3):
+        is_given = is_given or (math.isfinite(s.jerk_enu_mps3[i]) and s.jerk_enu_mps3[i] != 0.0)
     for i in range(3):
         jerk = s.jerk_enu_mps3[i]
-        if math.isnan(jerk):
+        if not is_given:
             change = s.acceleration_enu_mps2[i] - c.last_acceleration_enu_mps2[i]
             jerk = change / elapsed if 0.0 < elapsed < _MAX_JERK_AGE_S else 0.0
             jerk = min(max(jerk, -_MAX_DERIVED_JERK_MPS3), _MAX_DERIVED_JERK_MPS3)
-        c.setpoint_jerk_enu_mps3[i] = 0.0 if math.isnan(jerk) else jerk
+        c.setpoint_jerk_enu_mps3[i] = jerk if math.isfinite(jerk) else 0.0
+        c.last_position_enu_m[i] = s.position_enu_m[i]
+        c.last_velocity_enu_mps[i] = s.velocity_enu_mps[i]
         c.last_acceleration_enu_mps2[i] = s.acceleration_enu_mps2[i]
     c.setpoint_age_s = 0.0
+
+
+@kernel
+def _is_repeated(c: np.record, s: np.record) -> bool:
+    for i in range(3):
+        if (
+            _differs(s.position_enu_m[i], c.last_position_enu_m[i])
+            or _differs(s.velocity_enu_mps[i], c.last_velocity_enu_mps[i])
+            or _differs(s.acceleration_enu_mps2[i], c.last_acceleration_enu_mps2[i])
+        ):
+            return False
+    return True
+
+
+@kernel
+def _differs(a: float, b: float) -> bool:
+    return a != b and not (math.isnan(a) and math.isnan(b))
 
 
 @kernel

@@ -112,11 +112,13 @@ class Autopilot:
         is_guarding = self._n_ticks % _GUARD_EVERY == 0
         if is_guarding:
             vehicle.read_slowly()
-        elif commander.behaviour.may_rest:
+        is_descending = commander.behaviour.may_rest
+        if is_descending:
             vehicle.read_range()
         self._flight.land_detector.update(
             vehicle,
             is_armed=commander.is_armed,
+            is_descending=is_descending,
             commanded_up_mps=self.setpoint.velocity_enu_mps[2],
         )
         if is_guarding:

@@ -6,7 +6,7 @@ not sink is carried by something else. Contact sensors are not needed, nor the r
 
 from __future__ import annotations
 
-from math import isfinite
+from math import inf, isfinite, isnan
 
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.vehicle import TICK_S, Vehicle
@@ -19,6 +19,8 @@ _NEAR_GROUND_M = 0.25
 _TOUCH_S = 0.04
 _TOUCH_HEIGHT_M = 0.1
 _TOUCH_STOP_MPS = 0.2
+_BARE_DESCENT_MPS = -0.25
+"""A descent to a bare position is at least as fast, until it is stopped."""
 _FALL_MPS = 0.8
 _LANDED_S = 1.0
 _MAX_RATE_RADPS = 0.7
@@ -31,10 +33,10 @@ class LandDetector:
     """Keeps `vehicle.is_landed`, and knows ground contact before that.
 
     Attributes:
-        has_contact: Whether something seems to carry the vehicle. It begins when a commanded descent
-            ends within a hand's breadth of the ground, or when the rotors have carried too little
-            for 0.1 s near the ground, 0.4 s where the rangefinder sees none. It ends when the
-            vehicle falls or is lifted.
+        has_contact: Whether something seems to carry the vehicle. It begins when a commanded
+            descent ends within a hand's breadth of the ground, or when the rotors have carried too
+            little for 0.1 s near the ground, 0.4 s where the rangefinder sees none. It ends when
+            the vehicle falls or is lifted.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -44,12 +46,15 @@ class LandDetector:
         self._lifting_s = 0.0
         self.has_contact = True
 
-    def update(self, vehicle: Vehicle, *, is_armed: bool, commanded_up_mps: float) -> bool:
+    def update(
+        self, vehicle: Vehicle, *, is_armed: bool, is_descending: bool, commanded_up_mps: float
+    ) -> bool:
         """Take a tick in, and return whether the vehicle is landed.
 
         Args:
             vehicle: Its estimates; `is_landed` is written.
             is_armed: Whether the rotors may turn.
+            is_descending: Whether the present behaviour leads down.
             commanded_up_mps: Vertical speed asked of the inner loops; NaN if none was.
         """
         if vehicle.is_landed:
@@ -60,7 +65,9 @@ class LandDetector:
                 vehicle.resting_range_m = vehicle.range_m * vehicle.cos_tilt
             return vehicle.is_landed
         self._carried_s = self._carried_s + TICK_S if self._is_carried(vehicle) else 0.0
-        self._follow_contact(vehicle, commanded_up_mps)
+        if isnan(commanded_up_mps):
+            commanded_up_mps = _BARE_DESCENT_MPS
+        self._follow_contact(vehicle, commanded_up_mps if is_descending else inf)
         vehicle.is_landed = self._carried_s >= _LANDED_S and _is_still(vehicle)
         return vehicle.is_landed
 
@@ -75,7 +82,6 @@ class LandDetector:
         is_touching = (
             height_m is not None
             and height_m < _TOUCH_HEIGHT_M
-            and commanded_up_mps < 0.0
             and up_mps > commanded_up_mps + _TOUCH_STOP_MPS
         )
         self._touching_s = self._touching_s + TICK_S if is_touching else 0.0

@@ -26,10 +26,10 @@ class Follower:
         self.is_stuck = is_stuck
         self.rows = []
 
-    def follow(self, seconds, **setpoint):
+    def follow(self, seconds, *, every=5, **setpoint):
         records = np.zeros(1, SETPOINT_DTYPE)
         for k in range(round(seconds / DT)):
-            if k % 5 == 0:
+            if k % every == 0:
                 values = setpoint if "at" not in setpoint else setpoint["at"](k * DT)
                 records.view("f8")[:] = setpoint_row(
                     Setpoint(level=ControlLevel.TRAJECTORY, **values)
@@ -148,6 +148,23 @@ def test_a_missing_jerk_is_derived_from_the_accelerations():
     for k in range(50, 1500, 5):
         j = circle(k * DT - 0.01)[3]
         np.testing.assert_allclose(r.rows[k]["reference_jerk_enu_mps3"], j, atol=0.1)
+
+
+def test_a_slow_stream_is_as_smooth_as_a_fast_one():
+    r = Follower().follow(6.0, every=25, at=lambda t: circle_setpoint(t, jerk=True))
+    for k in range(30, 1500, 7):
+        np.testing.assert_allclose(
+            r.rows[k]["reference_position_enu_m"], circle(k * DT)[0], atol=1e-3
+        )
+
+
+def test_a_setpoint_said_again_is_no_new_one():
+    """A trajectory that stops coming stands still soon, however often its last point is sent."""
+    r = Follower().follow(2.0, at=lambda t: circle_setpoint(t, jerk=True))
+    last = circle_setpoint(2.0 - 0.02, jerk=True)
+    r.follow(1.0, **last)
+    p = r.column("reference_position_enu_m")[-200:]
+    assert np.ptp(p, axis=0).max() < 1e-12
 
 
 def test_a_far_trajectory_point_is_approached_and_then_followed():

@@ -69,9 +69,9 @@ def test_a_run_ends_at_its_time_by_its_condition_or_on_request():
     counter = itertools.count()
     simulator.run(stop=lambda: next(counter) == 10)
     assert plant.time_us == 1_200_000
-    stopping = Simulator(
-        plant, _Parts(), None, observers=[lambda: stopping.request_stop()], speed="max"
-    )
+    observers = []
+    stopping = Simulator(plant, _Parts(), None, observers=observers, speed="max")
+    observers.append(stopping.request_stop)
     stopping.run()
     assert plant.time_us == 1_220_000
 

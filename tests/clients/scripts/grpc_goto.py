@@ -10,17 +10,20 @@ NORTH_M = 12.0
 DEGREES_PER_METRE = 1.0 / 111_200.0
 
 
-async def run(address, server_port):
-    drone = System(port=server_port)
-    await drone.connect(system_address=address)
+async def wait_until_ready(drone):
     async for state in drone.core.connection_state():
         if state.is_connected:
             break
     async for health in drone.telemetry.health():
         if health.is_global_position_ok and health.is_home_position_ok:
             break
-    async for home in drone.telemetry.home():
-        break
+
+
+async def run(address, server_port):
+    drone = System(port=server_port)
+    await drone.connect(system_address=address)
+    await wait_until_ready(drone)
+    home = await anext(drone.telemetry.home())
     await drone.action.arm()
     await drone.action.takeoff()
     await asyncio.sleep(0.5)

@@ -36,17 +36,20 @@ async def follow_progress(drone, seen):
             return
 
 
-async def run(address, server_port):
-    drone = System(port=server_port)
-    await drone.connect(system_address=address)
+async def wait_until_ready(drone):
     async for state in drone.core.connection_state():
         if state.is_connected:
             break
     async for health in drone.telemetry.health():
         if health.is_global_position_ok and health.is_home_position_ok:
             break
-    async for home in drone.telemetry.home():
-        break
+
+
+async def run(address, server_port):
+    drone = System(port=server_port)
+    await drone.connect(system_address=address)
+    await wait_until_ready(drone)
+    home = await anext(drone.telemetry.home())
 
     offsets = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)]
     plan = MissionPlan(

@@ -15,9 +15,7 @@ async def reach(drone, north_m, east_m, down_m):
             return
 
 
-async def run(address, server_port):
-    drone = System(port=server_port)
-    await drone.connect(system_address=address)
+async def wait_until_ready(drone):
     async for state in drone.core.connection_state():
         if state.is_connected:
             break
@@ -25,12 +23,21 @@ async def run(address, server_port):
         if health.is_global_position_ok and health.is_home_position_ok:
             break
 
+
+async def starting_offboard_fails_with(drone):
     try:
         await drone.offboard.start()
     except OffboardError as error:
-        assert error._result.result.name == "NO_SETPOINT_SET", error
-    else:
-        raise AssertionError("offboard started without a setpoint")
+        return error._result.result.name
+    return None
+
+
+async def run(address, server_port):
+    drone = System(port=server_port)
+    await drone.connect(system_address=address)
+    await wait_until_ready(drone)
+
+    assert await starting_offboard_fails_with(drone) == "NO_SETPOINT_SET"
 
     await drone.action.arm()
     await drone.offboard.set_position_ned(PositionNedYaw(0.0, 0.0, 0.0, 0.0))

@@ -7,15 +7,19 @@ from mavsdk_grpc import System
 from mavsdk_grpc.offboard import VelocityBodyYawspeed, VelocityNedYaw
 
 
-async def run(address, server_port):
-    drone = System(port=server_port)
-    await drone.connect(system_address=address)
+async def wait_until_ready(drone):
     async for state in drone.core.connection_state():
         if state.is_connected:
             break
     async for health in drone.telemetry.health():
         if health.is_global_position_ok and health.is_home_position_ok:
             break
+
+
+async def run(address, server_port):
+    drone = System(port=server_port)
+    await drone.connect(system_address=address)
+    await wait_until_ready(drone)
 
     await drone.action.arm()
     await drone.offboard.set_velocity_ned(VelocityNedYaw(0.0, 0.0, 0.0, 0.0))

@@ -6,15 +6,19 @@ import sys
 from mavsdk_grpc import System
 
 
-async def run(address, server_port):
-    drone = System(port=server_port)
-    await drone.connect(system_address=address)
+async def wait_until_ready(drone):
     async for state in drone.core.connection_state():
         if state.is_connected:
             break
     async for health in drone.telemetry.health():
         if health.is_global_position_ok and health.is_home_position_ok:
             break
+
+
+async def run(address, server_port):
+    drone = System(port=server_port)
+    await drone.connect(system_address=address)
+    await wait_until_ready(drone)
     version = await drone.info.get_version()
     assert version.flight_sw_major == 1, version
 

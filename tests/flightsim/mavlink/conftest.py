@@ -27,9 +27,7 @@ class Flight:
     def __init__(self, world: World):
         self.plant = Plant(world, PlantCfg(seed=3))
         scene = world.scene
-        self.frame = LocalFrame(
-            Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m)
-        )
+        self.frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
         self.autopilot = Autopilot(self.plant, self.frame, airframe=world.airframe)
         self.link = InProcessLink()
         self.server = MavlinkServer(self.autopilot, self.plant, self.frame, [self.link])

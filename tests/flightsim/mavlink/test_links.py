@@ -156,8 +156,9 @@ def test_tcp_serves_several_clients_each_with_its_own_numbers(tcp):
         b.sendall(Wire().encode("PING", 0, 2, 0, 0))
         heard = []
         tcp.poll_until(
-            lambda received: heard.extend(m.seq for ms in received.values() for m in ms)
-            or len(heard) == 2
+            lambda received: (
+                heard.extend(m.seq for ms in received.values() for m in ms) or len(heard) == 2
+            )
         )
         assert sorted(heard) == [1, 2]
         tcp.say_to_all()
@@ -174,8 +175,9 @@ def test_tcp_frames_arrive_though_they_come_in_crumbs(tcp):
             received = tcp.poll()
             heard += [m.seq for messages in received.values() for m in messages]
         tcp.poll_until(
-            lambda received: heard.extend(m.seq for ms in received.values() for m in ms)
-            or len(heard) == 5
+            lambda received: (
+                heard.extend(m.seq for ms in received.values() for m in ms) or len(heard) == 5
+            )
         )
     assert heard == list(range(5))
 

@@ -23,7 +23,11 @@ class _Bench:
     """A mission service with one partner, whose frames may be lost on both ways."""
 
     def __init__(self, loss: float = 0.0, seed: int = 0):
-        self.stores = {MISSION: MissionStore(), FENCE: FenceStore(_FRAME), RALLY: RallyStore(_FRAME)}
+        self.stores = {
+            MISSION: MissionStore(),
+            FENCE: FenceStore(_FRAME),
+            RALLY: RallyStore(_FRAME),
+        }
         self.loop = Loop()
         self.partners = Partners()
         self.partners.channels = [self.loop.channel]

@@ -47,7 +47,7 @@ def recorder(flight, monkeypatch):
 def test_a_local_position_is_relative_to_the_start(recorder):
     setpoint = recorder.local(_POSITION, p=(3.0, 2.0, -5.0), yaw=0.5)
     x, y, z = setpoint.position_enu_m
-    start = recorder.flight.server._view.origin_enu_m  # noqa: SLF001 - the origin in use
+    start = recorder.flight.server._view.origin_enu_m
     assert (x, y, z) == pytest.approx((start[0] + 2.0, start[1] + 3.0, start[2] + 5.0))
     assert start[:2] == pytest.approx(START_ENU_M[:2], abs=0.01)
     assert setpoint.yaw_rad == pytest.approx(math.pi / 2 - 0.5)
@@ -89,7 +89,7 @@ def test_each_bit_of_the_mask_frees_its_axis(recorder, mask):
         return
     ned = []
     for vector in (
-        recorder.flight.server._view.ned_from_enu(setpoint.position_enu_m),  # noqa: SLF001
+        recorder.flight.server._view.ned_from_enu(setpoint.position_enu_m),
         (setpoint.velocity_enu_mps[1], setpoint.velocity_enu_mps[0], -setpoint.velocity_enu_mps[2]),
         tuple(setpoint.acceleration_enu_mps2[i] * (-1 if i == 2 else 1) for i in (1, 0, 2)),
     ):

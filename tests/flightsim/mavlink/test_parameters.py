@@ -98,9 +98,7 @@ def test_an_integer_is_understood_bytewise_and_cast(wire_value, wire_type):
         (b"SYS_AUTOSTART", _as_float(1), _INT32, 4),
     ],
 )
-def test_a_refused_value_is_answered_with_the_old_one_and_the_reason(
-    name, value, wire_type, error
-):
+def test_a_refused_value_is_answered_with_the_old_one_and_the_reason(name, value, wire_type, error):
     bench = _Bench()
     old = bench.parameters[name.decode()]
     messages = bench.ask("PARAM_SET", 1, 1, name, value, wire_type)

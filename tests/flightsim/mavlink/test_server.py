@@ -12,6 +12,7 @@ from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.dialect import LAYOUTS, dialect
 from flightsim.mavlink.links import InProcessLink, PortInUseError, TcpServerLink, UdpLink
 from flightsim.mavlink.server import MavlinkServer
+from tests.flightsim.mavlink.conftest import Flight
 from tests.flightsim.mavlink.wire import Wire, named
 
 # Commands that end a flight when they are meant: not what a fuzz test is after.
@@ -53,7 +54,7 @@ def _addressed(message_class, payload):
 def test_random_valid_frames_end_nothing(flight, seed):
     rng = random.Random(seed)
     flight.take_off(20.0)
-    handled = [c for c in dialect.mavlink_map.values() if c.id in flight.server._handlers]  # noqa: SLF001
+    handled = [c for c in dialect.mavlink_map.values() if c.id in flight.server._handlers]
     assert len(handled) > 25
     everything = list(dialect.mavlink_map.values())
     n_ticks = 400
@@ -230,8 +231,6 @@ def test_links_opened_before_the_one_that_fails_are_closed_again(flight):
 
 
 def test_two_runs_with_the_same_client_send_the_same_bytes(field):
-    from tests.flightsim.mavlink.conftest import Flight
-
     def run():
         flight = Flight(field)
         flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)

@@ -88,4 +88,4 @@ def test_the_calendar_does_not_grow():
     for tick in range(1, 2000):
         table.due(tick * TICK_US)
         table.set_interval(_ATTITUDE, 20_000 + tick % 7)
-    assert len(table._calendar) < 200  # noqa: SLF001 - growth is what is tested
+    assert len(table._calendar) < 200

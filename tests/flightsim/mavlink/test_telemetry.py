@@ -3,13 +3,16 @@
 import math
 
 import pytest
+from pymavlink import mavutil
 
+from flightsim.autopilot.modes import Mode
 from flightsim.frames import Geodetic
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.links import InProcessLink
 from flightsim.mavlink.px4 import PX4
-from flightsim.autopilot.modes import Mode
-from tests.flightsim.mavlink.conftest import START_ENU_M
-from tests.flightsim.mavlink.wire import named
+from flightsim.mavlink.server import MavlinkServer
+from tests.flightsim.mavlink.conftest import START_ENU_M, Flight
+from tests.flightsim.mavlink.wire import Wire, named
 
 
 def test_a_heartbeat_comes_every_second_from_the_autopilot_component(flight):
@@ -48,8 +51,10 @@ def test_the_messages_of_a_tick_agree_with_the_estimate(flight):
     flight.run(2.0)
     flight.heard.clear()
     flight.run_until(
-        lambda: {"ATTITUDE", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "ATTITUDE_QUATERNION"}
-        <= {message.get_type() for message in flight.step()}
+        lambda: (
+            {"ATTITUDE", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "ATTITUDE_QUATERNION"}
+            <= {message.get_type() for message in flight.step()}
+        )
     )
     state = flight.plant.estimate
     local = flight.last("LOCAL_POSITION_NED")
@@ -101,7 +106,9 @@ def test_a_flight_is_told_from_takeoff_to_landing(flight):
     assert flight.last("HEARTBEAT").base_mode & 128
     assert flight.last("HEARTBEAT").system_status == 4
     assert flight.last("EXTENDED_SYS_STATE").landed_state in {2, 3}
-    assert min(getattr(flight.last("SERVO_OUTPUT_RAW"), f"servo{i}_raw") for i in range(1, 5)) > 1300
+    assert (
+        min(getattr(flight.last("SERVO_OUTPUT_RAW"), f"servo{i}_raw") for i in range(1, 5)) > 1300
+    )
     assert flight.last("VFR_HUD").throttle > 30
     assert flight.last("ALTITUDE").altitude_relative == pytest.approx(5.0, abs=0.6)
     assert flight.last("DISTANCE_SENSOR").current_distance == pytest.approx(500, abs=70)
@@ -109,7 +116,7 @@ def test_a_flight_is_told_from_takeoff_to_landing(flight):
     flight.run_until(lambda: not flight.autopilot.is_armed)
     flight.run(1.1)
     assert flight.last("EXTENDED_SYS_STATE").landed_state == 1
-    assert [m.text for m in named(flight.heard, "STATUSTEXT")][0] == "Armed by external command"
+    assert named(flight.heard, "STATUSTEXT")[0].text == "Armed by external command"
 
 
 def test_ground_truth_comes_only_when_asked_for(flight):
@@ -123,19 +130,12 @@ def test_ground_truth_comes_only_when_asked_for(flight):
 
 
 def test_each_client_has_its_own_rates(field):
-    from flightsim.mavlink.links import InProcessLink
-    from flightsim.mavlink.server import MavlinkServer
-    from tests.flightsim.mavlink.conftest import Flight
-    from tests.flightsim.mavlink.wire import Wire
-
     flight = Flight(field)
     links = [InProcessLink(), InProcessLink(profile="normal")]
     server = MavlinkServer(flight.autopilot, flight.plant, flight.frame, links)
     wires = [Wire(), Wire()]
     imu = LAYOUTS["HIGHRES_IMU"].message_id
-    links[0].client.send(
-        wires[0].encode("COMMAND_LONG", 1, 1, 511, 0, imu, 200_000, 0, 0, 0, 0, 0)
-    )
+    links[0].client.send(wires[0].encode("COMMAND_LONG", 1, 1, 511, 0, imu, 200_000, 0, 0, 0, 0, 0))
     links[1].client.recv()
     counts = [0, 0]
     for _ in range(250):
@@ -151,8 +151,6 @@ def test_each_client_has_its_own_rates(field):
 
 @pytest.mark.parametrize("mode", list(Mode))
 def test_every_mode_is_one_that_pymavlink_can_name(mode):
-    from pymavlink import mavutil
-
     entry = PX4.entry(mode)
     name = mavutil.interpret_px4_mode(entry.base_mode, entry.custom_mode)
     assert name != "UNKNOWN"
@@ -162,7 +160,7 @@ def test_every_mode_is_one_that_pymavlink_can_name(mode):
 
 def test_an_estimate_that_is_no_number_ends_nothing(flight, monkeypatch):
     flight.become_ready()
-    view = flight.server._view  # noqa: SLF001 - what a diverged filter would leave there
+    view = flight.server._view
     monkeypatch.setattr(view, "refresh", lambda: None)
     view.position_ned_m = (math.nan, math.inf, 1e300)
     view.place = Geodetic(math.nan, math.inf, math.nan)
