@@ -20,6 +20,7 @@ from scenarios.mavlink_telemetry import Telemetry, TelemetryReader
 
 _HEARTBEAT_PERIOD_US = 1_000_000
 _ACK_TIMEOUT_US = 500_000
+_PROGRESS_TIMEOUT_US = 5_000_000
 _TRIES = 5
 _AUTOPILOT_COMPONENT = 1
 # PX4's custom modes, sub << 24 | main << 16.
@@ -137,7 +138,9 @@ class MavlinkClient:
         if time_us >= self._heartbeat_due_us:
             self._heartbeat_due_us = time_us + _HEARTBEAT_PERIOD_US
             self._send_heartbeat()
-        for command in self._commands:
+        # Two commands of one number cannot be told apart by their acknowledgements: one at a time.
+        first_of_kind = {command.command: command for command in reversed(self._commands)}
+        for command in first_of_kind.values():
             self._press(command)
         self._commands = [command for command in self._commands if not command.is_done]
 
@@ -237,13 +240,13 @@ class MavlinkClient:
         command.due_us = self._time_us + _ACK_TIMEOUT_US
 
     def _on_ack(self, ack: Any) -> None:
-        """The oldest sent command of that number is the one that is answered."""
         for command in self._commands:
-            if command.command == ack.command and command.tries and not command.is_done:
-                if ack.result == mavlink.MAV_RESULT_IN_PROGRESS:
-                    command.due_us = self._time_us + 10 * _ACK_TIMEOUT_US
-                    return
-                command.result = ack.result
-                is_accepted = ack.result == mavlink.MAV_RESULT_ACCEPTED
-                command.state = CommandState.ACCEPTED if is_accepted else CommandState.REFUSED
+            if command.command != ack.command or not command.tries or command.is_done:
+                continue
+            if ack.result == mavlink.MAV_RESULT_IN_PROGRESS:
+                command.due_us = self._time_us + _PROGRESS_TIMEOUT_US
                 return
+            command.result = ack.result
+            is_accepted = ack.result == mavlink.MAV_RESULT_ACCEPTED
+            command.state = CommandState.ACCEPTED if is_accepted else CommandState.REFUSED
+            return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -80,9 +80,18 @@ class Surroundings:
             PlannerCfg(vehicle_radius_m=self.radius_m),
         )
 
-    def leg(self, start_enu_m: Vector3, goal_enu_m: Vector3, yaw_rad: float) -> Trajectory:
-        """A straight line from rest to rest."""
-        return plan_leg(start_enu_m, goal_enu_m, yaw_rad, self.limits, self.airframe.quadrotor)
+    def leg(
+        self,
+        start_enu_m: Vector3,
+        goal_enu_m: Vector3,
+        yaw_rad: float,
+        speed_mps: float | None = None,
+    ) -> Trajectory:
+        """A straight line from rest to rest, not certified; no faster up or down than `speed_mps`."""
+        limits = self.limits
+        if speed_mps is not None:
+            limits = replace(limits, speed_vertical_mps=speed_mps)
+        return plan_leg(start_enu_m, goal_enu_m, yaw_rad, limits, self.airframe.quadrotor)
 
     def hover_point(self, area: InteractionArea) -> Vector3 | None:
         """Where to look at an area from: above it, free all the way down; None if nowhere."""

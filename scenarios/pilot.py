@@ -1,422 +1,453 @@
-"""Our own pilot: flies to a landing area and lands on it, knowing only MAVLink and camera frames.
+"""Our own pilot: flies a mission over MAVLink, chooses the touchdown point from depth, lands.
 
-The unified task of the paper, section "AeroScene for Navigation and Interaction Tasks": a
-navigation phase along a planned trajectory, then an interaction phase by onboard depth. An explicit
-state machine in simulated time; every transition is written down with its reason.
+A state machine that is called every 20 ms of simulated time. It knows the map of the scene, what
+MAVLink tells, and the frames of the downward camera; the true state it never sees.
 """
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
-
-import numpy as np
 
 from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
-from autonomy.perception.landing import LandingSite
-from autonomy.planning.errors import PlanningError
-from autonomy.planning.trajectory import Trajectory
+from autonomy.perception import LandingMap, LandingSite
+from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference
-from flightsim.autopilot.events import Severity
-from flightsim.sensors.camera import RgbdFrame
-from scenarios.landing_eye import CAMERA, LandingEye, View
-from scenarios.mavlink_client import PX4_LAND, PX4_OFFBOARD, PX4_RETURN, Command, MavlinkClient
+from scenarios.landing_watch import DepthFrame, LandingWatch
+from scenarios.mavlink_client import (
+    PX4_OFFBOARD,
+    PX4_RETURN,
+    Command,
+    MavlinkClient,
+)
 from scenarios.mavlink_telemetry import LANDED_ON_GROUND
 from scenarios.mission import Mission
 
+_LOG = logging.getLogger(__name__)
+
+COMMIT_HEIGHT_M = 1.0
+"""Of the soles above the surface: below it the landing is no longer called off."""
+TOUCHDOWN_SPEED_MPS = 0.4
+DESCENT_SPEED_MPS = 0.8
+SEARCH_FRAMES = 6
+"""Depth images that are fused before a place is chosen."""
+MAX_SEARCH_FRAMES = 20
+MAX_LOOKS = 4
+"""Searches and descents at one area before the next is tried."""
+MAX_AREAS = 3
+_ON_COURSE_M = 0.4
+_AT_PLACE_M = 0.25
+_AT_REST_MPS = 0.2
+_PRESS_M = 0.4
+"""How far below the surface the last setpoints lie, so that the rotors let go."""
+
 
 class Phase(Enum):
-    """What the pilot is about."""
+    """What the pilot is doing."""
 
     CONNECT = "connect"
-    PREFLIGHT = "preflight"
-    ENGAGE = "engage"
-    TAKEOFF = "takeoff"
+    PREPARE = "wait for health"
+    ARM = "arm"
+    TAKEOFF = "take off"
     NAVIGATE = "navigate"
     SEARCH = "search"
     ALIGN = "align"
     DESCEND = "descend"
-    CLIMB = "climb"
-    TOUCHDOWN = "touchdown"
+    TOUCHDOWN = "touch down"
     DISARM = "disarm"
+    CLIMB = "climb"
+    RETURN = "return"
     DONE = "done"
     FAILED = "failed"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class PilotCfg:
-    """How the pilot flies."""
-
-    look_period_us: int = 200_000
-    """Between two depth images while searching and descending."""
-    n_search_frames: int = 6
-    """Fused before a touchdown point is chosen."""
-    max_search_frames: int = 25
-    """After so many without a safe place the search has failed."""
-    commit_height_m: float = 0.9
-    """Soles above the surface where checking ends and landing begins."""
-    n_unsafe_looks: int = 3
-    """So many looks in a row that find the chosen place unsafe abort the descent."""
-    max_attempts: int = 2
-    """Descents to one area before the next one is tried."""
-    max_areas: int = 3
-    arrival_m: float = 0.3
-
-
-_TIME_LIMIT_S: Mapping[Phase, float] = {
+_TIME_LIMIT_S = {
     Phase.CONNECT: 10.0,
-    Phase.PREFLIGHT: 30.0,
-    Phase.ENGAGE: 10.0,
-    Phase.TAKEOFF: 20.0,
+    Phase.PREPARE: 60.0,
+    Phase.ARM: 20.0,
+    Phase.TAKEOFF: 30.0,
     Phase.NAVIGATE: 120.0,
     Phase.SEARCH: 20.0,
-    Phase.ALIGN: 15.0,
-    Phase.DESCEND: 20.0,
-    Phase.CLIMB: 15.0,
+    Phase.ALIGN: 30.0,
+    Phase.DESCEND: 40.0,
     Phase.TOUCHDOWN: 20.0,
     Phase.DISARM: 10.0,
+    Phase.CLIMB: 30.0,
+    Phase.RETURN: 5.0,
 }
-_STREAM_BEFORE_OFFBOARD_US = 1_000_000
-_AIRBORNE = frozenset(
-    {Phase.TAKEOFF, Phase.NAVIGATE, Phase.SEARCH, Phase.ALIGN, Phase.DESCEND, Phase.CLIMB}
-)
+_IN_THE_AIR = {
+    Phase.TAKEOFF,
+    Phase.NAVIGATE,
+    Phase.SEARCH,
+    Phase.ALIGN,
+    Phase.DESCEND,
+    Phase.TOUCHDOWN,
+    Phase.CLIMB,
+}
+Step = tuple[Phase, str] | None
 
 
-class Journal(Protocol):
-    """Where the pilot writes down what it plans, sees and decides; the recorder is one."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PilotVerdict:
+    """How a flight ended, as far as the pilot can know."""
 
-    def log_plan(self, time_us: int, positions_enu_m: np.ndarray) -> None:
-        """A trajectory that is flown from now on, as (n, 3) points."""
-
-    def log_landing_map(
-        self,
-        time_us: int,
-        cells_enu_m: np.ndarray,
-        cost: np.ndarray,
-        touchdown_enu_m: Vector3 | None = None,
-    ) -> None:
-        """What is known of the ground, (n, 3), with the cost of each cell, 0 to 1."""
-
-    def log_statustext(self, time_us: int, severity: Severity, text: str) -> None:
-        """A transition."""
+    success: bool
+    reason: str
+    touchdown_error_m: float | None = None
+    """Estimated resting place against the chosen point, horizontally."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Transition:
     """A change of phase."""
 
     time_us: int
-    phase: Phase
+    source: Phase
+    target: Phase
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class Leg:
-    """A trajectory and when it began."""
-
-    trajectory: Trajectory
-    start_us: int
-
-
 class Pilot:
-    """Flies one mission; call `update` after every simulator tick.
+    """Flies one mission; call `update` at the end of every tick.
 
     Attributes:
-        phase: What it is about now.
-        area: Where it means to land.
-        trajectory: The way there.
-        reason: Of the last transition; of the failure, in the end.
-        transitions: All of them, in order.
-        touchdown_enu_m: Where it chose to touch down, in the frame of the estimate.
+        phase: What it is doing.
+        area: Where it wants to land at present.
+        trajectory: What it is flying or flew last.
+        site: The touchdown point that it chose, None before.
+        landing_map: What it knows of the landing area, None before it looked.
+        verdict: How it ended; of a flight that is not done, that it is not.
+        transitions: Every change of phase with its reason.
     """
 
     def __init__(
-        self,
-        client: MavlinkClient,
-        mission: Mission,
-        *,
-        look: Callable[[str], RgbdFrame],
-        journals: list[Journal] | None = None,
-        cfg: PilotCfg | None = None,
+        self, client: MavlinkClient, mission: Mission, frames: Callable[[str], DepthFrame]
     ) -> None:
-        """Take the controls.
+        """Prepare a flight.
 
         Args:
-            client: MAVLink to the vehicle.
-            mission: Where to land, and the way there.
-            look: Takes a frame of the named camera now.
-            journals: Who hears of plans, maps and transitions.
-            cfg: How to fly.
+            client: Connection to the vehicle.
+            mission: What to fly.
+            frames: Renders the named camera now.
         """
         self._client = client
-        self._vehicle = client.telemetry
         self._mission = mission
-        self._surroundings = mission.surroundings
-        self._airframe = mission.surroundings.airframe
+        self._frames = frames
+        self._world = mission.surroundings
+        self._hover_enu_m = mission.hover_enu_m
         self._alternates = list(mission.alternates)
-        self._look = look
-        self.journals = journals or []
-        self._cfg = cfg or PilotCfg()
-        self._target(mission.area, mission.hover_enu_m, mission.trajectory)
-        self.phase = Phase.CONNECT
-        self.reason = ""
-        self.transitions: list[Transition] = []
-        self.touchdown_enu_m: Vector3 | None = None
-        self._phase_start_us = 0
-        self._leg: Leg | None = None
-        self._pending: list[Command] = []
-        self._look_due_us = 0
-        self._n_unsafe = 0
-        self._n_attempts = 0
+        self._watch: LandingWatch | None = None
+        self._commands: list[Command] = []
+        self._n_looks = 0
         self._n_areas = 1
-        self._steps: Mapping[Phase, Callable[[], None]] = {
+        self._time_us = 0
+        self._since_us = 0
+        self._begun_us = 0
+        self._hold: FlatReference | None = None
+        self._commit: FlatReference | None = None
+        self.phase = Phase.CONNECT
+        self.area: InteractionArea = mission.area
+        self.trajectory: Trajectory = mission.trajectory
+        self.site: LandingSite | None = None
+        self.verdict = PilotVerdict(success=False, reason="not finished")
+        self.transitions: list[Transition] = []
+        self._steps: dict[Phase, Callable[[], Step]] = {
             Phase.CONNECT: self._connect,
-            Phase.PREFLIGHT: self._preflight,
-            Phase.ENGAGE: self._engage,
+            Phase.PREPARE: self._prepare,
+            Phase.ARM: self._arm,
             Phase.TAKEOFF: self._take_off,
             Phase.NAVIGATE: self._navigate,
             Phase.SEARCH: self._search,
             Phase.ALIGN: self._align,
             Phase.DESCEND: self._descend,
-            Phase.CLIMB: self._climb,
             Phase.TOUCHDOWN: self._touch_down,
             Phase.DISARM: self._disarm,
+            Phase.CLIMB: self._climb,
+            Phase.RETURN: self._return,
         }
 
     @property
     def is_done(self) -> bool:
-        """Whether it has landed or given up."""
+        """Whether the flight is over, well or badly."""
         return self.phase in {Phase.DONE, Phase.FAILED}
 
     @property
-    def has_landed(self) -> bool:
-        """Whether, as far as it knows, the vehicle stands disarmed where it should."""
-        return self.phase is Phase.DONE
+    def landing_map(self) -> LandingMap | None:
+        """What it knows of the landing area, None before it looked."""
+        return None if self._watch is None else self._watch.map
+
+    @property
+    def touchdown_enu_m(self) -> Vector3 | None:
+        """The touchdown point that it chose, None before."""
+        return None if self.site is None else self.site.position_enu_m
 
     def update(self, time_us: int) -> None:
-        """Take in what came, decide, and send the setpoint of this tick."""
-        self._now_us = time_us
+        """Read telemetry, decide, send a setpoint."""
+        self._time_us = time_us
         self._client.update(time_us)
-        step = self._steps.get(self.phase)
-        if step is None:
+        if self.is_done:
             return
-        if self._elapsed_us > 1e6 * _TIME_LIMIT_S[self.phase]:
-            self._fail(f"{self.phase.value} took longer than {_TIME_LIMIT_S[self.phase]:.0f} s")
-            return
-        step()
-        if self._leg is not None:
+        step = self._watchdog() or self._steps[self.phase]()
+        if step is not None:
+            self._enter(*step)
+        self._steer()
+
+    # --- the machine ---
+
+    def _enter(self, phase: Phase, reason: str) -> None:
+        self.transitions.append(
+            Transition(time_us=self._time_us, source=self.phase, target=phase, reason=reason)
+        )
+        _LOG.info("%.2f s %s -> %s: %s", self._time_us * 1e-6, self.phase.value, phase.value, reason)
+        if phase is Phase.FAILED or phase is Phase.RETURN:
+            self.verdict = PilotVerdict(success=False, reason=reason)
+        self.phase = phase
+        self._since_us = self._time_us
+        self._commands = []
+
+    def _watchdog(self) -> Step:
+        """What ends any phase: too long, or the vehicle no longer obeys."""
+        telemetry = self._client.telemetry
+        if self.phase in _IN_THE_AIR:
+            if not telemetry.is_armed:
+                return Phase.FAILED, f"disarmed while trying to {self.phase.value}{self._last_words()}"
+            if telemetry.custom_mode != PX4_OFFBOARD:
+                return Phase.FAILED, f"the autopilot left offboard mode{self._last_words()}"
+        if self._elapsed_s() <= _TIME_LIMIT_S[self.phase]:
+            return None
+        reason = f"no success to {self.phase.value} within {_TIME_LIMIT_S[self.phase]:.0f} s"
+        if self.phase in _IN_THE_AIR:
+            return Phase.RETURN, reason
+        return Phase.FAILED, reason + self._last_words()
+
+    def _last_words(self) -> str:
+        texts = self._client.telemetry.texts
+        return f"; the autopilot said: {texts[-1][1]}" if texts else ""
+
+    def _elapsed_s(self) -> float:
+        return (self._time_us - self._since_us) * 1e-6
+
+    def _steer(self) -> None:
+        """Send the setpoint of this tick."""
+        if self._commit is not None:
+            self._client.send_setpoint(self._sinking(self._commit))
+        elif self._hold is not None:
+            self._client.send_setpoint(self._hold)
+        elif self.phase in _IN_THE_AIR:
             self._client.send_setpoint(self._reference())
 
-    # The phases, in the order of a mission
+    # --- on the ground ---
 
-    def _connect(self) -> None:
-        if not self._pending:
-            self._pending = [*self._client.request_streams(), self._client.request_origin()]
-        elif any(command.is_done and not command.is_accepted for command in self._pending):
-            self._fail("the vehicle refuses a stream")
-        elif all(command.is_accepted for command in self._pending):
-            self._enter(Phase.PREFLIGHT, "telemetry flows")
+    def _connect(self) -> Step:
+        telemetry = self._client.telemetry
+        if telemetry.system_id and not self._commands:
+            self._commands = [self._client.request_origin(), *self._client.request_streams()]
+        if self._commands and all(command.is_done for command in self._commands):
+            return Phase.PREPARE, f"system {telemetry.system_id} answers"
+        return None
 
-    def _preflight(self) -> None:
-        vehicle = self._vehicle
-        if not (vehicle.is_armable and vehicle.is_navigating and vehicle.has_state):
-            return
-        self._leg = self._straight(vehicle.position_enu_m, vehicle.position_enu_m, vehicle.yaw_rad)
-        self._log_plan()
-        self._enter(
-            Phase.ENGAGE,
-            f"planned {self.trajectory.duration_s:.1f} s to area {self.area.id}, "
-            f"clearance {self.trajectory.min_clearance_m:.2f} m",
-        )
+    def _prepare(self) -> Step:
+        telemetry = self._client.telemetry
+        if telemetry.has_state and telemetry.is_armable and telemetry.is_navigating:
+            self._hold = FlatReference(
+                position_enu_m=telemetry.position_enu_m, yaw_rad=telemetry.yaw_rad
+            )
+            return Phase.ARM, "estimator and arming checks are ready"
+        return None
 
-    def _engage(self) -> None:
-        if self._elapsed_us < _STREAM_BEFORE_OFFBOARD_US:
-            return
-        if not self._pending:
-            self._pending = [self._client.set_mode(PX4_OFFBOARD)]
-        last = self._pending[-1]
-        if last.is_done and not last.is_accepted:
-            self._fail(f"the vehicle answers {last.outcome()} to OFFBOARD or arming")
-        elif last.is_accepted and len(self._pending) == 1:
-            self._pending.append(self._client.arm())
-        elif last.is_accepted:
-            self._go_straight(self._mission.takeoff_enu_m)
-            self._enter(Phase.TAKEOFF, "armed, in OFFBOARD")
+    def _arm(self) -> Step:
+        """The stream of setpoints runs; now the mode, then the rotors."""
+        telemetry = self._client.telemetry
+        if telemetry.is_armed and telemetry.custom_mode == PX4_OFFBOARD:
+            here = telemetry.position_enu_m
+            self._fly(self._world.leg(here, self._mission.takeoff_enu_m, telemetry.yaw_rad))
+            return Phase.TAKEOFF, "armed in offboard mode"
+        if self._elapsed_s() < 0.2 or not all(command.is_done for command in self._commands):
+            return None
+        refused = [command for command in self._commands if not command.is_accepted]
+        if refused and len(self._commands) > 10:
+            return Phase.FAILED, f"arming was {refused[-1].outcome()}{self._last_words()}"
+        if telemetry.custom_mode != PX4_OFFBOARD:
+            self._commands.append(self._client.set_mode(PX4_OFFBOARD))
+        elif not telemetry.is_armed:
+            self._commands.append(self._client.arm())
+        return None
 
-    def _take_off(self) -> None:
-        if self._has_arrived:
-            self._leg = Leg(self.trajectory, self._now_us)
-            self._enter(Phase.NAVIGATE, "above the start")
+    def _disarm(self) -> Step:
+        telemetry = self._client.telemetry
+        if not telemetry.is_armed:
+            error_m = math.dist(telemetry.position_enu_m[:2], self._site().position_enu_m[:2])
+            self.verdict = PilotVerdict(
+                success=True,
+                reason=f"landed {error_m:.2f} m from the chosen point and disarmed",
+                touchdown_error_m=error_m,
+            )
+            return Phase.DONE, self.verdict.reason
+        if all(command.is_done for command in self._commands):
+            self._commands = [self._client.disarm()]
+        return None
 
-    def _navigate(self) -> None:
-        if self._has_arrived:
-            self._start_search("above the landing area")
+    # --- on the way ---
 
-    def _start_search(self, reason: str) -> None:
-        self._n_attempts += 1
-        self._eye.forget()
-        self._enter(Phase.SEARCH, f"{reason}, attempt {self._n_attempts}")
+    def _take_off(self) -> Step:
+        if not self._has_arrived():
+            return None
+        try:
+            self._navigate_to(self._mission.hover_enu_m, self._mission.trajectory)
+        except PlanningError as error:
+            return Phase.RETURN, f"no way from the take-off: {error}"
+        return Phase.NAVIGATE, "above the start"
 
-    def _search(self) -> None:
-        view = self._look_down(self.area.centroid)
-        if view is None or self._eye.n_frames < self._cfg.n_search_frames:
-            return
-        if view.site is not None:
-            self._approach(view.site)
-        elif self._eye.n_frames >= self._cfg.max_search_frames:
-            self._give_area_up("no safe place to land is in sight")
+    def _navigate(self) -> Step:
+        if not self._has_arrived():
+            return None
+        return self._look(f"above area {self.area.id}")
 
-    def _approach(self, site: LandingSite) -> None:
-        self.touchdown_enu_m = site.position_enu_m
-        x, y, _ = site.position_enu_m
-        self._n_unsafe = 0
-        self._go_straight((x, y, self._hover_enu_m[2]))
-        self._enter(
-            Phase.ALIGN,
-            f"touchdown point chosen: slope {math.degrees(site.slope_rad):.1f} degrees, "
-            f"roughness {100 * site.roughness_m:.0f} cm, room {site.clearance_m:.2f} m",
-        )
+    def _navigate_to(self, goal_enu_m: Vector3, prepared: Trajectory | None = None) -> None:
+        """Fly a prepared trajectory if it begins here, else one that does.
 
-    def _align(self) -> None:
-        if self._is_place_lost():
-            self._abort()
-        elif self._has_arrived:
-            assert self.touchdown_enu_m is not None
-            x, y, z = self.touchdown_enu_m
-            low = z + self._airframe.leg_length_m + self._cfg.commit_height_m
-            self._go_straight((x, y, low))
-            self._enter(Phase.DESCEND, "above the touchdown point")
+        Raises:
+            PlanningError: If there is none.
+        """
+        telemetry = self._client.telemetry
+        here = telemetry.position_enu_m
+        if prepared is not None:
+            begin = prepared.sample(0.0).position_enu_m
+            if math.dist(begin, here) <= _ON_COURSE_M:
+                self._fly(prepared)
+                return
+        start = FlatReference(position_enu_m=here, yaw_rad=telemetry.yaw_rad)
+        self._fly(self._world.plan(start, goal_enu_m))
 
-    def _descend(self) -> None:
-        if self._is_place_lost():
-            self._abort()
-        elif self._has_arrived:
-            self._enter(Phase.TOUCHDOWN, f"committed at {self._cfg.commit_height_m:.1f} m")
-            self._pending = [self._client.set_mode(PX4_LAND)]
+    # --- at the area ---
 
-    def _is_place_lost(self) -> bool:
-        """Look again; whether the chosen place has been found unsafe several times in a row."""
-        assert self.touchdown_enu_m is not None
-        view = self._look_down(self.touchdown_enu_m)
-        if view is not None:
-            is_safe = self._eye.is_safe(view.landing, self.touchdown_enu_m)
-            self._n_unsafe = 0 if is_safe else self._n_unsafe + 1
-        return self._n_unsafe >= self._cfg.n_unsafe_looks
+    def _look(self, reason: str) -> Step:
+        """Begin to look at the area anew, or go on to the next one."""
+        self._n_looks += 1
+        if self._n_looks > MAX_LOOKS:
+            return self._give_up_area(reason)
+        self._watch = LandingWatch(self._world, self.area, self._hover_enu_m, self._frames)
+        return Phase.SEARCH, reason
 
-    def _abort(self) -> None:
-        self.touchdown_enu_m = None
-        if self._n_attempts >= self._cfg.max_attempts:
-            self._give_area_up(f"no place stayed safe in {self._n_attempts} attempts")
-            return
-        self._go_straight(self._hover_enu_m)
-        self._enter(Phase.CLIMB, "the touchdown point turned out unsafe")
-
-    def _give_area_up(self, reason: str) -> None:
-        """Go on to the next area that can be flown to, or fail."""
-        here = self._reference()
-        while self._alternates and self._n_areas < self._cfg.max_areas:
+    def _give_up_area(self, reason: str) -> Step:
+        self._n_looks = 0
+        while self._alternates and self._n_areas < MAX_AREAS:
             area = self._alternates.pop(0)
-            hover = self._surroundings.hover_point(area)
+            hover = self._world.hover_point(area)
             if hover is None:
                 continue
             try:
-                trajectory = self._surroundings.plan(here, hover)
-            except PlanningError:
+                self._navigate_to(hover)
+            except PlanningError as error:
+                _LOG.info("area %d: %s", area.id, error)
                 continue
-            given_up = self.area.id
-            self._target(area, hover, trajectory)
             self._n_areas += 1
-            self._n_attempts = 0
-            self._leg = Leg(trajectory, self._now_us)
-            self._log_plan()
-            self._enter(Phase.NAVIGATE, f"area {given_up}: {reason}; on to area {area.id}")
-            return
-        self._fail(reason)
+            self.area, self._hover_enu_m, self.site = area, hover, None
+            return Phase.NAVIGATE, f"{reason}; on to area {area.id}"
+        return Phase.RETURN, reason
 
-    def _target(self, area: InteractionArea, hover: Vector3, trajectory: Trajectory) -> None:
-        self.area, self._hover_enu_m, self.trajectory = area, hover, trajectory
-        self._eye = LandingEye(area, self._airframe)
+    def _search(self) -> Step:
+        watch = self._watching()
+        if not watch.look(self._time_us, self._client.telemetry):
+            return None
+        if watch.n_frames < SEARCH_FRAMES:
+            return None
+        self.site = watch.choose()
+        if self.site is not None:
+            self._fly(self._straight_to(self._above(self.site, self._hover_enu_m[2])))
+            return Phase.ALIGN, (
+                f"chose ({self.site.position_enu_m[0]:.2f}, {self.site.position_enu_m[1]:.2f}): "
+                f"slope {math.degrees(self.site.slope_rad):.1f} deg, "
+                f"{self.site.clearance_m:.2f} m of room"
+            )
+        if watch.n_frames < MAX_SEARCH_FRAMES:
+            return None
+        return self._give_up_area(f"no safe place seen on area {self.area.id}")
 
-    def _climb(self) -> None:
-        if self._has_arrived:
-            self._start_search("climbed")
+    def _align(self) -> Step:
+        if not self._has_arrived():
+            return None
+        site = self._site()
+        commit_m = site.position_enu_m[2] + self._world.airframe.leg_length_m + COMMIT_HEIGHT_M
+        self._fly(self._straight_to(self._above(site, commit_m), DESCENT_SPEED_MPS))
+        return Phase.DESCEND, "above the touchdown point"
 
-    def _touch_down(self) -> None:
-        if any(command.is_done and not command.is_accepted for command in self._pending):
-            self._fail("the vehicle refuses to land")
-        elif self._vehicle.custom_mode == PX4_LAND:
-            self._leg = None
-            if self._vehicle.landed_state == LANDED_ON_GROUND:
-                self._enter(Phase.DISARM, "on the ground")
+    def _descend(self) -> Step:
+        watch, site = self._watching(), self._site()
+        if watch.look(self._time_us, self._client.telemetry) and not watch.is_safe(site):
+            x, y, z = self._client.telemetry.position_enu_m
+            self._fly(self._straight_to((x, y, max(z, self._hover_enu_m[2]))))
+            return Phase.CLIMB, "the touchdown point no longer looks safe"
+        if not self._has_arrived():
+            return None
+        self._commit = self._reference()
+        return Phase.TOUCHDOWN, f"safe down to {COMMIT_HEIGHT_M} m"
 
-    def _disarm(self) -> None:
-        if not self._vehicle.is_armed:
-            self._enter(Phase.DONE, "landed and disarmed")
-        elif not self._pending or self._pending[-1].is_done:
-            self._pending = [self._client.disarm()]
+    def _climb(self) -> Step:
+        if not self._has_arrived():
+            return None
+        return self._look("climbed back")
 
-    # Flying
+    def _touch_down(self) -> Step:
+        if self._client.telemetry.landed_state != LANDED_ON_GROUND:
+            return None
+        return Phase.DISARM, "on the ground"
 
-    @property
-    def _elapsed_us(self) -> int:
-        return self._now_us - self._phase_start_us
+    def _return(self) -> Step:
+        """Hand the vehicle back to the autopilot."""
+        if not self._commands:
+            self._commands = [self._client.set_mode(PX4_RETURN)]
+        if all(command.is_done for command in self._commands):
+            return Phase.FAILED, self.verdict.reason
+        return None
 
-    def _enter(self, phase: Phase, reason: str) -> None:
-        self.phase, self.reason = phase, reason
-        self._phase_start_us = self._now_us
-        self._look_due_us = self._now_us
-        self._pending = []
-        self.transitions.append(Transition(self._now_us, phase, reason))
-        severity = Severity.ERROR if phase is Phase.FAILED else Severity.INFO
-        for journal in self.journals:
-            journal.log_statustext(self._now_us, severity, f"pilot: {phase.value}: {reason}")
+    # --- references ---
 
-    def _fail(self, reason: str) -> None:
-        if self.phase in _AIRBORNE:
-            self._client.set_mode(PX4_RETURN)
-        self._leg = None
-        self._enter(Phase.FAILED, f"{self.phase.value}: {reason}")
+    def _fly(self, trajectory: Trajectory) -> None:
+        self.trajectory = trajectory
+        self._begun_us = self._time_us
+        self._hold = None
+        self._commit = None
 
     def _reference(self) -> FlatReference:
-        assert self._leg is not None
-        return self._leg.trajectory.sample((self._now_us - self._leg.start_us) * 1e-6)
+        return self.trajectory.sample((self._time_us - self._begun_us) * 1e-6)
 
-    def _straight(self, start_enu_m: Vector3, goal_enu_m: Vector3, yaw_rad: float) -> Leg:
-        return Leg(self._surroundings.leg(start_enu_m, goal_enu_m, yaw_rad), self._now_us)
-
-    def _go_straight(self, goal_enu_m: Vector3) -> None:
-        """From the present setpoint to a point at rest."""
-        now = self._reference()
-        self._leg = self._straight(now.position_enu_m, goal_enu_m, now.yaw_rad)
-
-    def _log_plan(self) -> None:
-        times_s = np.linspace(0.0, self.trajectory.duration_s, 400)
-        for journal in self.journals:
-            journal.log_plan(self._now_us, self.trajectory.positions(times_s))
-
-    @property
     def _has_arrived(self) -> bool:
-        """Whether the leg is over and the vehicle near its end."""
-        assert self._leg is not None
-        if (self._now_us - self._leg.start_us) * 1e-6 < self._leg.trajectory.duration_s:
+        """Whether the trajectory is over and the vehicle rests at its end."""
+        if (self._time_us - self._begun_us) * 1e-6 < self.trajectory.duration_s:
             return False
-        end_enu_m = self._reference().position_enu_m
-        return math.dist(self._vehicle.position_enu_m, end_enu_m) < self._cfg.arrival_m
+        telemetry = self._client.telemetry
+        away_m = math.dist(telemetry.position_enu_m, self._reference().position_enu_m)
+        return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
 
-    def _look_down(self, preferred_enu_m: Vector3) -> View | None:
-        """Take and judge a depth image if one is due."""
-        if self._now_us < self._look_due_us:
-            return None
-        self._look_due_us += self._cfg.look_period_us
-        vehicle = self._vehicle
-        self._eye.look(self._look(CAMERA), vehicle.position_enu_m, vehicle.quat_wxyz)
-        view = self._eye.judge(preferred_enu_m)
-        for journal in self.journals:
-            journal.log_landing_map(
-                self._now_us, view.landing.cells_enu_m, view.landing.cost, self.touchdown_enu_m
-            )
-        return view
+    def _straight_to(self, goal_enu_m: Vector3, speed_mps: float | None = None) -> Trajectory:
+        """A straight way from where the last one ends."""
+        here = self._reference()
+        return self._world.leg(here.position_enu_m, goal_enu_m, here.yaw_rad, speed_mps)
+
+    def _sinking(self, commit: FlatReference) -> FlatReference:
+        """Straight down at a steady speed, a little past the surface."""
+        x, y, z = commit.position_enu_m
+        surface_m = self._site().position_enu_m[2] + self._world.airframe.leg_length_m
+        lowest_m = surface_m - _PRESS_M
+        height_m = z - TOUCHDOWN_SPEED_MPS * self._elapsed_s()
+        return FlatReference(
+            position_enu_m=(x, y, max(height_m, lowest_m)),
+            velocity_enu_mps=(0.0, 0.0, -TOUCHDOWN_SPEED_MPS if height_m > lowest_m else 0.0),
+            yaw_rad=commit.yaw_rad,
+        )
+
+    def _above(self, site: LandingSite, height_m: float) -> Vector3:
+        return (site.position_enu_m[0], site.position_enu_m[1], height_m)
+
+    def _site(self) -> LandingSite:
+        assert self.site is not None
+        return self.site
+
+    def _watching(self) -> LandingWatch:
+        assert self._watch is not None
+        return self._watch

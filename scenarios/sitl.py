@@ -124,7 +124,7 @@ class Sitl:
         except MissionError as error:
             raise TestbenchError(str(error)) from error
         client = MavlinkClient(bench.pilot_link.client, bench.frame)
-        pilot = Pilot(client, mission, look=self._open_cameras(stack).render)
+        pilot = Pilot(client, mission, self._open_cameras(stack).render)
         self._observers.append(lambda: pilot.update(bench.plant.time_us))
         return pilot
 
@@ -159,7 +159,13 @@ class Sitl:
             cameras.listen(recorder.log_frame)
             self._observers.append(self._shutter(cameras))
         if self.pilot is not None:
-            self.pilot.journals.append(recorder)
+            from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415
+
+            pilot_log = PilotLog(self.pilot, recorder)
+            self._observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
+        bench.server.statustext.listeners.append(
+            lambda severity, text: recorder.log_statustext(bench.plant.time_us, severity, text)
+        )
         self._observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
         self.recorder = recorder
 

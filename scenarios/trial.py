@@ -59,7 +59,7 @@ def judge(pilot: Pilot, score: FlightScore) -> Verdict:
     """A trial succeeds when the pilot says so and the truth agrees."""
     objections: tuple[tuple[bool, str], ...] = (
         (not pilot.is_done, f"not finished, still in {pilot.phase.value}"),
-        (pilot.is_done and not pilot.has_landed, pilot.reason),
+        (pilot.is_done and not pilot.verdict.success, pilot.verdict.reason),
         (not score.has_flown, "never left the ground"),
         (
             score.contacts_before_touchdown > 0,
@@ -74,4 +74,4 @@ def judge(pilot: Pilot, score: FlightScore) -> Verdict:
     for applies, reason in objections:
         if applies:
             return Verdict(success=False, reason=reason)
-    return Verdict(success=True, reason=pilot.reason)
+    return Verdict(success=True, reason=pilot.verdict.reason)

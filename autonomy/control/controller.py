@@ -13,7 +13,8 @@ from autonomy.control.geometric import (
     demand_force,
     rate_torque,
 )
-from autonomy.control.reference import accept_setpoint, start_reference, update_reference
+from autonomy.control.reference import start_reference, update_reference
+from autonomy.control.setpoint_stream import accept_setpoint
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat
 

@@ -43,7 +43,8 @@ CONTROLLER_DTYPE = np.dtype(
         ("last_position_enu_m", "f8", 3),  # of the setpoint before, as the next two
         ("last_velocity_enu_mps", "f8", 3),
         ("last_acceleration_enu_mps2", "f8", 3),
-        ("setpoint_jerk_enu_mps3", "f8", 3),  # derived if not given
+        ("setpoint_acceleration_enu_mps2", "f8", 3),  # derived if not given, as is the next
+        ("setpoint_jerk_enu_mps3", "f8", 3),
         ("integral_mps2", "f8", 3),
         ("is_saturated", "i8"),
         ("rotor_model_radps", "f8", 4),  # speeds that the commands should have made

@@ -16,11 +16,9 @@ import numpy as np
 from autonomy.jit import kernel
 from autonomy.rotation import wrap_angle, yaw_from_quat
 
-MAX_EXTRAPOLATION_S = 0.1
-"""A setpoint is carried on for this long, enough for a stream of 10 Hz; then it stands."""
+MAX_EXTRAPOLATION_S = 0.25
+"""A trajectory's point is carried on for this long, enough for a stream of 4 Hz; then it stands."""
 
-_MAX_JERK_AGE_S = 0.11
-_MAX_DERIVED_JERK_MPS3 = 60.0
 _ENTER_DIRECT_M = 0.2
 _ENTER_DIRECT_MPS = 0.5
 _LEAVE_DIRECT_M = 2.0
@@ -38,53 +36,11 @@ def start_reference(c: np.record, f: np.record) -> None:
         c.integral_mps2[i] = 0.0
         c.disturbance_mps2[i] = 0.0
         c.last_position_enu_m[i] = math.inf  # nothing has been asked yet
-        c.last_acceleration_enu_mps2[i] = math.nan
+        c.last_velocity_enu_mps[i] = math.nan
+        c.setpoint_acceleration_enu_mps2[i] = 0.0
     c.reference_yaw_rad = yaw_from_quat(f.quat_wxyz)
     c.reference_yaw_rate_radps = 0.0
     c.is_direct = 0
-
-
-@kernel
-def accept_setpoint(c: np.record, s: np.record) -> None:
-    """Take a setpoint in that has just arrived; one that says the same again is no new one.
-
-    A jerk that is zero or NaN is not given: it is derived from the accelerations of this setpoint
-    and the one before.
-    """
-    if _is_repeated(c, s):
-        return
-    elapsed = c.setpoint_age_s
-    is_given = False
-    for i in range(3):
-        is_given = is_given or (math.isfinite(s.jerk_enu_mps3[i]) and s.jerk_enu_mps3[i] != 0.0)
-    for i in range(3):
-        jerk = s.jerk_enu_mps3[i]
-        if not is_given:
-            change = s.acceleration_enu_mps2[i] - c.last_acceleration_enu_mps2[i]
-            jerk = change / elapsed if 0.0 < elapsed < _MAX_JERK_AGE_S else 0.0
-            jerk = min(max(jerk, -_MAX_DERIVED_JERK_MPS3), _MAX_DERIVED_JERK_MPS3)
-        c.setpoint_jerk_enu_mps3[i] = jerk if math.isfinite(jerk) else 0.0
-        c.last_position_enu_m[i] = s.position_enu_m[i]
-        c.last_velocity_enu_mps[i] = s.velocity_enu_mps[i]
-        c.last_acceleration_enu_mps2[i] = s.acceleration_enu_mps2[i]
-    c.setpoint_age_s = 0.0
-
-
-@kernel
-def _is_repeated(c: np.record, s: np.record) -> bool:
-    for i in range(3):
-        if (
-            _differs(s.position_enu_m[i], c.last_position_enu_m[i])
-            or _differs(s.velocity_enu_mps[i], c.last_velocity_enu_mps[i])
-            or _differs(s.acceleration_enu_mps2[i], c.last_acceleration_enu_mps2[i])
-        ):
-            return False
-    return True
-
-
-@kernel
-def _differs(a: float, b: float) -> bool:
-    return a != b and not (math.isnan(a) and math.isnan(b))
 
 
 @kernel
@@ -120,15 +76,14 @@ def _choose_direct(c: np.record, s: np.record, f: np.record) -> None:
 @kernel
 def _follow_directly(c: np.record, s: np.record) -> None:
     t = min(c.setpoint_age_s, MAX_EXTRAPOLATION_S)
+    is_moving = 1.0 if c.setpoint_age_s < MAX_EXTRAPOLATION_S else 0.0
     for i in range(3):
-        v, a, j = s.velocity_enu_mps[i], s.acceleration_enu_mps2[i], c.setpoint_jerk_enu_mps3[i]
-        a = a if math.isfinite(a) else 0.0
-        c.reference_position_enu_m[i] = (
-            s.position_enu_m[i] + v * t + 0.5 * a * t * t + j * t * t * t / 6.0
-        )
-        c.reference_velocity_enu_mps[i] = v + a * t + 0.5 * j * t * t
-        c.reference_acceleration_enu_mps2[i] = a + j * t
-        c.reference_jerk_enu_mps3[i] = j
+        p, v = s.position_enu_m[i], s.velocity_enu_mps[i]
+        a, j = c.setpoint_acceleration_enu_mps2[i], c.setpoint_jerk_enu_mps3[i]
+        c.reference_position_enu_m[i] = p + v * t + 0.5 * a * t * t + j * t * t * t / 6.0
+        c.reference_velocity_enu_mps[i] = is_moving * (v + a * t + 0.5 * j * t * t)
+        c.reference_acceleration_enu_mps2[i] = is_moving * (a + j * t)
+        c.reference_jerk_enu_mps3[i] = is_moving * j
         c.is_free[i] = 0
 
 

@@ -1,7 +1,17 @@
 """Perception: from depth images to a place where the vehicle can stand."""
 
-from autonomy.perception.elevation import DepthImage, ElevationMap
-from autonomy.perception.landing import LandingMap, LandingNeeds, LandingSite, assess, choose_site
+from autonomy.perception.camera_pose import camera_pose
+from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.elevation import ElevationMap
+from autonomy.perception.landing import (
+    LandingMap,
+    LandingNeeds,
+    LandingSite,
+    assess,
+    choose_site,
+    objection,
+    site_at,
+)
 
 __all__ = [
     "DepthImage",
@@ -10,5 +20,8 @@ __all__ = [
     "LandingNeeds",
     "LandingSite",
     "assess",
+    "camera_pose",
     "choose_site",
+    "objection",
+    "site_at",
 ]

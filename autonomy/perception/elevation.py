@@ -1,42 +1,34 @@
 """Elevation map: depth images, levelled by the estimated attitude, fused on a grid in ENU.
 
-A cell keeps the mean height of the surface seen in it and the highest and lowest points, each
-averaged over frames with a bounded memory. Before it is fused, a frame is shifted vertically by
-the median difference to the map: the estimate's height wanders more between frames than the
-ground does.
+A cell keeps the mean height of the surface seen in it, averaged over frames with a bounded memory,
+and its highest and lowest points, which new frames move outwards at once and inwards slowly: a
+thin pole seen in one frame of several is not averaged away. Before it is fused, a frame is shifted
+vertically by the median difference to the map: the estimate's height wanders more between frames
+than the ground does. The map as a whole follows the mean of the frames.
+
+A cell that no frame has seen still has a bound: whatever hides there does not break a line of
+sight that passed over it. So the ground behind the edge of a table is known not to reach above
+the table, while what stands behind a wall may be as high as the wall.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
 from autonomy.jit import kernel
 from autonomy.model.quadrotor import Vector3
+from autonomy.perception.depth_image import DepthImage, bound_hidden, steepest_sight
 
 MEMORY_FRAMES = 8
 """A new frame weighs at least one in so many."""
 _MIN_COMMON_CELLS = 50
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class DepthImage:
-    """A depth image and where the vehicle believes it was taken.
-
-    Pixel (column u, row v) looks along ((u - cx) / fx, (v - cy) / fy, 1), optical frame: x right,
-    y down, z forward.
-    """
-
-    depth_m: Float[np.ndarray, "height width"]
-    """Along the optical axis; inf or NaN where nothing was measured."""
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    position_enu_m: Vector3
-    rotation_enu_from_optical: Float[np.ndarray, "3 3"]
+_N_BEARINGS = 512
+# Lines of sight that end farther away than this many map widths are as good as endless.
+_SIGHT_WIDTHS = 2.0
 
 
 class ElevationMap:
@@ -47,9 +39,8 @@ class ElevationMap:
             and images have it. Zero where nothing was seen.
         top_m: Highest point of each cell.
         bottom_m: Lowest point of each cell.
+        hidden_m: Bound of the height of each cell by lines of sight over it; inf without one.
         n_frames: In how many frames each cell was seen, 0 for never.
-        is_in_view: Which cells lay within the field of view at the height of `center_enu_m`,
-            even if what is there was hidden by something nearer.
     """
 
     def __init__(
@@ -61,13 +52,19 @@ class ElevationMap:
         self.height_m = np.zeros((n, n), dtype=np.float32)
         self.top_m = np.zeros((n, n), dtype=np.float32)
         self.bottom_m = np.zeros((n, n), dtype=np.float32)
+        self.hidden_m = np.full((n, n), np.inf, dtype=np.float32)
         self.n_frames = np.zeros((n, n), dtype=np.int32)
-        self.is_in_view = np.zeros((n, n), dtype=bool)
+        self._n_fused = 0
 
     @property
     def is_observed(self) -> Bool[np.ndarray, "n n"]:
         """Which cells were seen at least once."""
         return self.n_frames > 0
+
+    @property
+    def ceiling_m(self) -> Float[np.ndarray, "n n"]:
+        """No part of a cell is higher than this: its top where it was seen, else its bound."""
+        return np.where(self.is_observed, self.top_m, self.hidden_m)
 
     def cell_centres(self) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
         """East coordinates of the columns and north coordinates of the rows, ENU, m."""
@@ -82,87 +79,82 @@ class ElevationMap:
         row = round((north_m - self.center_enu_m[1]) / self.resolution_m) + n // 2
         return row, column
 
+    def cells_within(self, polygon_enu_m: Sequence[Vector3]) -> Bool[np.ndarray, "n n"]:
+        """Cells whose centres lie inside a polygon, seen from above."""
+        import shapely  # noqa: PLC0415 - loads only where something lands
+
+        outline = shapely.Polygon([vertex[:2] for vertex in polygon_enu_m])
+        return shapely.contains_xy(outline, *np.meshgrid(*self.cell_centres()))
+
     def add(self, image: DepthImage) -> None:
         """Fuse one depth image."""
-        n = len(self.height_m)
-        total, top, bottom, count = rasterise(
-            np.ascontiguousarray(image.depth_m, dtype=np.float32),
-            np.array([image.fx, image.fy, image.cx, image.cy]),
-            np.array(image.position_enu_m),
-            np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
-            np.array(self.center_enu_m),
-            self.resolution_m,
-            n,
-        )
-        seen = count > 0
-        height = total / np.maximum(count, 1)
-        common = seen & self.is_observed
-        if np.count_nonzero(common) >= _MIN_COMMON_CELLS:
-            shift = float(np.median(height[common] - self.height_m[common]))
-        else:
-            shift = 0.0
+        points = image.points_enu_m()
+        frame = rasterise(points, np.array(self.center_enu_m), self.resolution_m, len(self.top_m))
+        hidden = self._bound_hidden(points, np.array(image.position_enu_m))
+        seen = frame[3] > 0
+        self._align(frame[:3], hidden, seen)
         self.n_frames[seen] += 1
-        weight = 1.0 / np.minimum(self.n_frames[seen], MEMORY_FRAMES)
-        for layer, new in ((self.height_m, height), (self.top_m, top), (self.bottom_m, bottom)):
-            layer[seen] += weight * (new[seen] - shift - layer[seen])
-        self._mark_view(image)
+        height, top, bottom = (layer[seen] for layer in frame[:3])
+        self.height_m[seen] += (height - self.height_m[seen]) / self._frames_counted(seen)
+        self._stretch(self.top_m, top, seen, np.maximum)
+        self._stretch(self.bottom_m, bottom, seen, np.minimum)
+        np.minimum(self.hidden_m, hidden, out=self.hidden_m)
+        self._n_fused += 1
 
-    def _mark_view(self, image: DepthImage) -> None:
-        import cv2  # noqa: PLC0415 - loads only where something lands
+    def _bound_hidden(self, points: np.ndarray, eye: np.ndarray) -> np.ndarray:
+        width_m = len(self.height_m) * self.resolution_m
+        n_steps = math.ceil(_SIGHT_WIDTHS * width_m / self.resolution_m)
+        fall = steepest_sight(points, eye, self.resolution_m, _N_BEARINGS, n_steps)
+        return bound_hidden(fall, eye, self.resolution_m, *self.cell_centres())
 
-        rows, columns = image.depth_m.shape
-        corners = np.array([(0, 0), (columns - 1, 0), (columns - 1, rows - 1), (0, rows - 1)])
-        rays = np.column_stack(
-            [
-                (corners[:, 0] - image.cx) / image.fx,
-                (corners[:, 1] - image.cy) / image.fy,
-                np.ones(4),
-            ]
-        )
-        rays = rays @ image.rotation_enu_from_optical.T
-        fall_m = image.position_enu_m[2] - self.center_enu_m[2]
-        if fall_m <= 0 or np.any(rays[:, 2] > -1e-3):
+    def _align(
+        self, layers: Sequence[np.ndarray], hidden: np.ndarray, seen: Bool[np.ndarray, "n n"]
+    ) -> None:
+        """Bring a frame and the map to the mean of their heights, each by its weight."""
+        common = seen & self.is_observed
+        if np.count_nonzero(common) < _MIN_COMMON_CELLS:
             return
-        points = np.array(image.position_enu_m) - rays * (fall_m / rays[:, 2:])
-        n = len(self.height_m)
-        pixels = (points[:, :2] - self.center_enu_m[:2]) / self.resolution_m + n // 2
-        view = np.zeros((n, n), dtype=np.uint8)
-        cv2.fillConvexPoly(view, np.rint(pixels).astype(np.int32), 1)
-        self.is_in_view |= view.astype(bool)
+        shift = float(np.median(layers[0][common] - self.height_m[common]))
+        follow = shift / min(self._n_fused + 1, MEMORY_FRAMES)
+        for layer in (*layers, hidden):
+            layer -= shift - follow
+        observed = self.is_observed
+        for layer in (self.height_m, self.top_m, self.bottom_m):
+            layer[observed] += follow
+        self.hidden_m += follow
+
+    def _frames_counted(self, seen: np.ndarray) -> np.ndarray:
+        return np.minimum(self.n_frames[seen], MEMORY_FRAMES).astype(np.float32)
+
+    def _stretch(
+        self, layer: np.ndarray, new: np.ndarray, seen: np.ndarray, outer: np.ufunc
+    ) -> None:
+        """Take a new extreme at once and let go of an old one slowly."""
+        old = layer[seen]
+        kept = np.where(self.n_frames[seen] > 1, old + (new - old) / MEMORY_FRAMES, new)
+        layer[seen] = outer(new, kept)
 
 
 @kernel
 def rasterise(
-    depth: Float[np.ndarray, "h w"],
-    intrinsics: Float[np.ndarray, "4"],
-    position: Float[np.ndarray, "3"],
-    rotation: Float[np.ndarray, "3 3"],
-    center: Float[np.ndarray, "3"],
-    resolution: float,
-    n: Int[np.ndarray, ""],
+    points: Float[np.ndarray, "k 3"], center: Float[np.ndarray, "3"], resolution: float, n: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Sum, maximum, minimum and number of the heights of a depth image's points in each cell."""
-    total = np.zeros((n, n), dtype=np.float32)
-    top = np.full((n, n), -np.inf, dtype=np.float32)
-    bottom = np.full((n, n), np.inf, dtype=np.float32)
+    """Mean, maximum, minimum and number of the heights of the points in each cell."""
+    mean = np.zeros((n, n))
+    top = np.full((n, n), -np.inf)
+    bottom = np.full((n, n), np.inf)
     count = np.zeros((n, n), dtype=np.int32)
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
-    for v in range(depth.shape[0]):
-        y = (v - cy) / fy
-        for u in range(depth.shape[1]):
-            d = depth[v, u]
-            if not (0.0 < d < np.inf):
-                continue
-            x = (u - cx) / fx
-            e = rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2]
-            w = rotation[1, 0] * x + rotation[1, 1] * y + rotation[1, 2]
-            h = rotation[2, 0] * x + rotation[2, 1] * y + rotation[2, 2]
-            column = int(np.floor((position[0] + d * e - center[0]) / resolution + n // 2 + 0.5))
-            row = int(np.floor((position[1] + d * w - center[1]) / resolution + n // 2 + 0.5))
-            if 0 <= row < n and 0 <= column < n:
-                height = np.float32(position[2] + d * h)
-                total[row, column] += height
-                top[row, column] = max(top[row, column], height)
-                bottom[row, column] = min(bottom[row, column], height)
-                count[row, column] += 1
-    return total, top, bottom, count
+    middle = n // 2 + 0.5
+    for k in range(len(points)):
+        column = int(np.floor((points[k, 0] - center[0]) / resolution + middle))
+        row = int(np.floor((points[k, 1] - center[1]) / resolution + middle))
+        if 0 <= row < n and 0 <= column < n:
+            height = points[k, 2]
+            mean[row, column] += height
+            top[row, column] = max(top[row, column], height)
+            bottom[row, column] = min(bottom[row, column], height)
+            count[row, column] += 1
+    for row in range(n):
+        for column in range(n):
+            mean[row, column] /= max(count[row, column], 1)
+    return mean, top, bottom, count

@@ -1,14 +1,13 @@
 """Where to land: slope, roughness and room on an elevation map, and the best place on it.
 
-A cell is safe as the vehicle's centre when, within the square that holds its feet, everything was
-observed, the fitted plane is level enough and nothing stands out of it, and when within the
-circle that holds the whole vehicle nothing rises above the surface into the rotors. Beyond an
-edge, cells that the surface itself hides from the camera cannot hold anything that rises above
-it, so there it is enough that they were in view.
+A cell is safe as the vehicle's centre when, within the circle that holds its feet, everything was
+observed, the fitted plane is level enough and nothing stands out of it or drops below it, and when
+within the circle that holds the whole vehicle nothing rises above that plane into the rotors. What
+was not seen there counts as high as the lines of sight over it allow: beyond the edge of a roof,
+where the roof itself hides the ground, that is below the roof; elsewhere it is anything.
 
-Over a fully observed square window the least-squares plane separates into two correlations, so
-slope and residual come from four filters; the place that is chosen is then fitted once more,
-point by point over the disc of its feet, and refused if it is worse than it looked.
+Over a fully observed disc the least-squares plane separates into three correlations: with one,
+with x and with y.
 """
 
 from __future__ import annotations
@@ -17,16 +16,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
+from autonomy.jit import kernel
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception.elevation import ElevationMap
 
-_ENOUGH_CLEARANCE_M = 0.8
-"""Room beyond this makes a place no better."""
 _DISTANCE_PRICE = 0.1
 """Metres of room that a metre nearer to the preferred point is worth."""
-_MAX_CANDIDATES = 30
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,7 +38,21 @@ class LandingNeeds:
     max_roughness_m: float = 0.06
     """Largest height range about the plane under the feet."""
     max_rise_m: float = 0.06
-    """How far things within the body's radius may rise above the surface: below the rotors."""
+    """How far things within the body's radius may rise above the plane: below the rotors."""
+    enough_clearance_m: float = 0.8
+    """Room beyond this makes a place no better."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no vehicle needs."""
+        if not 0.0 < self.footprint_radius_m <= self.body_radius_m:
+            raise ValueError(
+                f"footprint_radius_m {self.footprint_radius_m} is not valid; valid: above 0, at "
+                f"most body_radius_m {self.body_radius_m}"
+            )
+        if not 0.0 < self.max_slope_rad < math.pi / 2:
+            raise ValueError(
+                f"max_slope_rad {self.max_slope_rad} is not valid; valid: above 0, below pi/2"
+            )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -49,28 +60,38 @@ class LandingSite:
     """A place to touch down."""
 
     position_enu_m: Vector3
-    """On the surface, in the frame of the estimate."""
+    """On the plane under the feet, in the frame of the estimate."""
+    normal_enu: Vector3
+    """Of that plane, upwards."""
     slope_rad: float
     roughness_m: float
     """Height range about the plane under the feet."""
     clearance_m: float
-    """Distance from here to the nearest place that is unsafe as a centre."""
+    """Distance from here to the nearest place that is unsafe as a centre, or not allowed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LandingMap:
     """What is known about every cell; rows along north, columns along east."""
 
+    surface_m: Float[np.ndarray, "n n"]
+    """Height of the plane under the feet, ENU; NaN, like all that follows from it, where not all
+    under the feet was observed."""
+    gradient: Float[np.ndarray, "2 n n"]
+    """Rise of the plane per metre to the east and to the north."""
     slope_rad: Float[np.ndarray, "n n"]
     roughness_m: Float[np.ndarray, "n n"]
+    """Height range about the plane under the feet."""
+    rise_m: Float[np.ndarray, "n n"]
+    """How far anything within the body's radius may rise above the plane; inf: it is unknown."""
     is_observed: Bool[np.ndarray, "n n"]
     is_safe: Bool[np.ndarray, "n n"]
     clearance_m: Float[np.ndarray, "n n"]
-    """Distance to the nearest cell that is unsafe or not allowed."""
+    """Distance to the nearest cell that is unsafe or not allowed; 0 in those."""
     cells_enu_m: Float[np.ndarray, "m 3"]
     """The observed cells as points."""
     cost: Float[np.ndarray, " m"]
-    """Of each of those, from 0 with much room to 1 where it is unsafe."""
+    """Of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
 
 
 def assess(
@@ -85,35 +106,36 @@ def assess(
         needs: Of the vehicle.
         is_allowed: Cells that may be landed on; all of them if None.
     """
-    import cv2  # noqa: PLC0415 - loads only where something lands
-
-    resolution = elevation.resolution_m
-    foot, body = (_square(r, resolution) for r in (needs.footprint_radius_m, needs.body_radius_m))
-    slope, residual, spread = _fit_planes(elevation, foot)
     observed = elevation.is_observed
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (body, body))
-    is_surveyed = _all_within(observed, np.ones((foot, foot), np.uint8))
-    is_surveyed &= _all_within(elevation.is_in_view | observed, disc)
-    # What was never seen rises nowhere here: the two lines above have dealt with it.
-    top = np.where(observed, elevation.top_m, -np.inf).astype(np.float32)
-    rise = cv2.dilate(top, disc) - elevation.height_m - np.tan(slope) * needs.body_radius_m
-    roughness = np.maximum(spread, 4.0 * residual)
+    # Heights about their mean, so that single precision keeps every digit that matters.
+    level = float(np.mean(elevation.height_m[observed])) if observed.any() else 0.0
+    foot = _disc(needs.footprint_radius_m, elevation.resolution_m)
+    height = np.where(observed, elevation.height_m - level, 0.0)
+    plane = _fit_planes(height, foot, elevation.resolution_m)
+    plane[:, ~_all_within(observed, foot)] = np.nan
+    top = np.where(observed, elevation.top_m - level, np.inf)
+    bottom = np.where(observed, elevation.bottom_m - level, -np.inf)
+    step = elevation.resolution_m
+    roughness = _highest(top, plane, foot, step) + _highest(-bottom, -plane, foot, step)
+    body = _disc(needs.body_radius_m, elevation.resolution_m)
+    rise = _highest(elevation.ceiling_m - level, plane, body, step)
+    slope = np.arctan(np.hypot(plane[1], plane[2]))
     is_safe = (
-        is_surveyed
-        & (slope <= needs.max_slope_rad)
+        (slope <= needs.max_slope_rad)
         & (roughness <= needs.max_roughness_m)
         & (rise <= needs.max_rise_m)
     )
-    allowed = is_safe if is_allowed is None else is_safe & is_allowed
-    # The border of the map is the border of what is known.
-    padded = cv2.copyMakeBorder(allowed.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
-    clearance = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1] * resolution
+    clearance = _clearance(is_safe if is_allowed is None else is_safe & is_allowed, step)
+    share = np.minimum(clearance / needs.enough_clearance_m, 1.0)
+    cost = np.where(clearance > 0, 0.5 * (1.0 - share), 1.0)
     rows, columns = np.nonzero(observed)
     east, north = elevation.cell_centres()
-    cost = np.where(is_safe, 0.5 * (1.0 - np.minimum(clearance / _ENOUGH_CLEARANCE_M, 1.0)), 1.0)
     return LandingMap(
+        surface_m=plane[0] + level,
+        gradient=plane[1:],
         slope_rad=slope,
         roughness_m=roughness,
+        rise_m=rise,
         is_observed=observed,
         is_safe=is_safe,
         clearance_m=clearance,
@@ -134,78 +156,142 @@ def choose_site(
     """
     east, north = elevation.cell_centres()
     away = np.hypot(east[None, :] - preferred_enu_m[0], north[:, None] - preferred_enu_m[1])
-    score = np.minimum(landing.clearance_m, _ENOUGH_CLEARANCE_M) - _DISTANCE_PRICE * away
+    score = np.minimum(landing.clearance_m, needs.enough_clearance_m) - _DISTANCE_PRICE * away
     score = np.where(landing.clearance_m > 0, score, -np.inf)
-    for _ in range(_MAX_CANDIDATES):
-        row, column = np.unravel_index(int(np.argmax(score)), score.shape)
-        if score[row, column] == -np.inf:
-            return None
-        height_m, slope, roughness = _fit_disc(elevation, row, column, needs.footprint_radius_m)
-        if slope <= needs.max_slope_rad and roughness <= needs.max_roughness_m:
-            return LandingSite(
-                position_enu_m=(float(east[column]), float(north[row]), height_m),
-                slope_rad=slope,
-                roughness_m=roughness,
-                clearance_m=float(landing.clearance_m[row, column]),
-            )
-        score[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2] = -np.inf
+    best = np.unravel_index(int(np.argmax(score)), score.shape)
+    if score[best] == -np.inf:
+        return None
+    row, column = best
+    return site_at(landing, elevation, (float(east[column]), float(north[row]), 0.0))
+
+
+def site_at(
+    landing: LandingMap, elevation: ElevationMap, place_enu_m: Vector3
+) -> LandingSite | None:
+    """What a map holds of a place by now, safe or not; None where its ground was not observed."""
+    cell = elevation.cell(*place_enu_m[:2])
+    if not _is_known(landing, cell):
+        return None
+    gradient_east, gradient_north = landing.gradient[(slice(None), *cell)].tolist()
+    length = math.hypot(gradient_east, gradient_north, 1.0)
+    return LandingSite(
+        position_enu_m=(place_enu_m[0], place_enu_m[1], float(landing.surface_m[cell])),
+        normal_enu=(-gradient_east / length, -gradient_north / length, 1.0 / length),
+        slope_rad=float(landing.slope_rad[cell]),
+        roughness_m=float(landing.roughness_m[cell]),
+        clearance_m=float(landing.clearance_m[cell]),
+    )
+
+
+def objection(
+    landing: LandingMap, elevation: ElevationMap, needs: LandingNeeds, place_enu_m: Vector3
+) -> str | None:
+    """Why a place is not safe, by what a map holds by now; None if it is safe."""
+    cell = elevation.cell(*place_enu_m[:2])
+    if not _is_known(landing, cell):
+        return "not all of the ground under the feet was observed"
+    slope, roughness, rise = (
+        float(layer[cell]) for layer in (landing.slope_rad, landing.roughness_m, landing.rise_m)
+    )
+    if slope > needs.max_slope_rad:
+        most = math.degrees(needs.max_slope_rad)
+        return f"slope {math.degrees(slope):.1f} deg, at most {most:.1f} deg"
+    if roughness > needs.max_roughness_m:
+        return f"height range {roughness:.2f} m under the feet, at most {needs.max_roughness_m} m"
+    if math.isinf(rise):
+        return f"not everything within {needs.body_radius_m:.2f} m was observed"
+    if rise > needs.max_rise_m:
+        return f"something rises {rise:.2f} m beside the vehicle, at most {needs.max_rise_m} m"
     return None
 
 
-def _square(radius_m: float, resolution_m: float) -> int:
-    """Odd side of the window of cells that holds a circle."""
-    return 2 * math.ceil(radius_m / resolution_m) + 1
+def _is_known(landing: LandingMap, cell: tuple[int, int]) -> bool:
+    n = len(landing.surface_m)
+    return all(0 <= i < n for i in cell) and bool(np.isfinite(landing.surface_m[cell]))
+
+
+def _disc(radius_m: float, resolution_m: float) -> Float[np.ndarray, "k k"]:
+    """Window of cells, 1 where a cell is at least about half inside a circle, else 0."""
+    reach = math.floor(radius_m / resolution_m + 0.5)
+    offset = np.arange(-reach, reach + 1)
+    return (np.hypot(*np.meshgrid(offset, offset)) <= radius_m / resolution_m + 0.5).astype(float)
 
 
 def _all_within(mask: np.ndarray, window: np.ndarray) -> np.ndarray:
     """Cells whose whole window lies in a mask; beyond the border nothing does."""
     import cv2  # noqa: PLC0415 - loads only where something lands
 
-    inside = cv2.erode(
-        mask.astype(np.uint8), window, borderType=cv2.BORDER_CONSTANT, borderValue=(0,)
-    )
-    return inside > 0
+    shape = window.astype(np.uint8)
+    border = {"borderType": cv2.BORDER_CONSTANT, "borderValue": (0,)}
+    return cv2.erode(mask.astype(np.uint8), shape, **border).astype(bool)
 
 
 def _fit_planes(
-    elevation: ElevationMap, side: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Slope, root mean square residual and height spread about the plane in a window per cell.
-
-    Valid where the whole window was observed.
-    """
+    height: Float[np.ndarray, "n n"], window: Float[np.ndarray, "k k"], resolution_m: float
+) -> Float[np.ndarray, "3 n n"]:
+    """Least-squares plane in the window about each cell: height there, rise to east and north."""
     import cv2  # noqa: PLC0415 - loads only where something lands
 
-    offset = (np.arange(side) - side // 2) * elevation.resolution_m
-    ones = np.full(side, 1.0 / side)
-    ramp = offset / (np.sum(offset**2) or 1.0)
-    # Heights about their mean: squares of absolute heights would eat float32's digits.
-    observed = elevation.is_observed
-    level = float(np.mean(elevation.height_m[observed])) if observed.any() else 0.0
-    height = np.where(observed, elevation.height_m - level, 0.0).astype(np.float64)
-    mean = cv2.sepFilter2D(height, -1, ones, ones)
-    square = cv2.sepFilter2D(height**2, -1, ones, ones)
-    along_east = cv2.sepFilter2D(height, -1, ramp, ones)
-    along_north = cv2.sepFilter2D(height, -1, ones, ramp)
-    variance = float(np.mean(offset**2))
-    explained = variance * (along_east**2 + along_north**2)
-    residual = np.sqrt(np.maximum(square - mean**2 - explained, 0.0))
-    window = np.ones((side, side), np.uint8)
-    spread = cv2.dilate(elevation.top_m, window) - cv2.erode(elevation.bottom_m, window)
-    of_plane = (np.abs(along_east) + np.abs(along_north)) * side * elevation.resolution_m
-    return np.arctan(np.hypot(along_east, along_north)), residual, np.maximum(spread - of_plane, 0.0)
+    offset = (np.arange(len(window)) - len(window) // 2) * resolution_m
+    east = window * offset
+    moment = float(np.sum(east * offset)) or 1.0
+    weights = (window / window.sum(), east / moment, east.T / moment)
+    return np.stack([cv2.filter2D(height, -1, weight) for weight in weights])
 
 
-def _fit_disc(
-    elevation: ElevationMap, row: int, column: int, radius_m: float
-) -> tuple[float, float, float]:
-    """Height at the centre, slope and height range about the plane of the cells in a disc."""
-    reach = math.ceil(radius_m / elevation.resolution_m)
-    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1] * elevation.resolution_m
-    inside = np.hypot(x, y) <= radius_m
-    block = np.s_[row - reach : row + reach + 1, column - reach : column + reach + 1]
-    z = elevation.height_m[block][inside].astype(float)
-    design = np.column_stack([np.ones(len(z)), x[inside], y[inside]])
-    (height, east, north), *_ = np.linalg.lstsq(design, z, rcond=None)
-    residual = z - design @ [height, east, north]
-    return float(height), math.atan(math.hypot(east, north)), float(np.ptp(residual))
+def _highest(
+    surface: Float[np.ndarray, "n n"],
+    plane: Float[np.ndarray, "3 n n"],
+    window: Float[np.ndarray, "k k"],
+    resolution_m: float,
+) -> Float[np.ndarray, "n n"]:
+    """How far a surface rises above each cell's plane within the window; inf beyond the border."""
+    reach = len(window) // 2
+    padded = np.pad(surface.astype(np.float32), reach, constant_values=np.inf)
+    height, *gradient = plane.astype(np.float32)
+    offsets = np.argwhere(window > 0) - reach
+    return highest_above_planes(padded, height, *gradient, offsets, reach, np.float32(resolution_m))
+
+
+@kernel
+def highest_above_planes(
+    surface: Float[np.ndarray, "m m"],
+    height: Float[np.ndarray, "n n"],
+    east: Float[np.ndarray, "n n"],
+    north: Float[np.ndarray, "n n"],
+    offsets: Int[np.ndarray, "k 2"],
+    reach: int,
+    resolution: float,
+) -> Float[np.ndarray, "n n"]:
+    """Largest surface minus plane over a window about each cell.
+
+    Args:
+        surface: Heights, `reach` cells wider than the grid on every side.
+        height: Of each cell's plane over the cell.
+        east: Rise of each cell's plane per metre to the east (columns).
+        north: The same to the north (rows).
+        offsets: Rows and columns of the window's cells from its middle.
+        reach: The largest of them.
+        resolution: Size of a cell, m.
+    """
+    n = len(height)
+    highest = np.full((n, n), np.float32(-np.inf))
+    for i in range(n):
+        # Rows as arrays of their own and a bare comparison: so this compiles to vector instructions.
+        best, level, east_row, north_row = highest[i], height[i], east[i], north[i]
+        for k in range(len(offsets)):
+            x, y = np.float32(offsets[k, 1] * resolution), np.float32(offsets[k, 0] * resolution)
+            right = offsets[k, 1] + reach
+            row = surface[i + offsets[k, 0] + reach, right : right + n]
+            for j in range(n):
+                above = row[j] - (level[j] + x * east_row[j] + y * north_row[j])
+                best[j] = best[j] if best[j] > above else above
+    return highest
+
+
+def _clearance(is_usable: Bool[np.ndarray, "n n"], resolution_m: float) -> np.ndarray:
+    """Distance to the nearest cell that is not usable; the map's border is one."""
+    import cv2  # noqa: PLC0415 - loads only where something lands
+
+    padded = np.pad(is_usable.astype(np.uint8), 1)
+    return cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1] * resolution_m

@@ -59,7 +59,7 @@ class Commander:
         self.took_off_at_us: int | None = None
         self.n_arms = 0
         self._is_idle = True
-        self._idle_s = 0.0
+        self._standing_s = 0.0
         self._failsafe_action = Action.WARN
         self.failsafe: FailsafeReason | None = None
         self._was_landed = True
@@ -80,7 +80,7 @@ class Commander:
         self.n_arms += 1
         self.armed_at_us = self._flight.vehicle.time_us
         self.took_off_at_us = None
-        self._idle_s = 0.0
+        self._standing_s = 0.0
         self._is_idle = self._was_landed = self._flight.vehicle.is_landed
         self._forget_failsafes()
         home = self._flight.home
@@ -128,6 +128,8 @@ class Commander:
         )
         if mode is self.mode and behaviour is None and not is_restart:
             return ACCEPTED
+        if self.mode is Mode.TERMINATION and self.is_armed:
+            return rejected("the flight has been terminated")
         reply = may_enter(mode, self._flight, is_armed=self.is_armed, is_bare=behaviour is None)
         if not reply.is_accepted:
             self._flight.events.say(
@@ -149,14 +151,13 @@ class Commander:
         if not self.is_armed:
             return OFF
         self._follow_landing()
-        if self._flight.vehicle.is_landed and not self._lifts_off():
-            self._idle_s += TICK_S
-            setpoint = IDLE
-            self._disarm_idle()
-        elif self._rests():
+        is_standing = self._flight.vehicle.is_landed
+        if (is_standing and not self._lifts_off()) or self._rests():
             setpoint = IDLE
         else:
             setpoint = self.behaviour.update()
+        if is_standing:
+            self._disarm_if_forgotten()
         if self.behaviour.next_mode is not None:
             self._enter(self.behaviour.next_mode, None)
         return setpoint if self.is_armed and self.mode is not Mode.TERMINATION else OFF
@@ -198,7 +199,7 @@ class Commander:
         if is_landed == self._was_landed:
             return
         self._was_landed = is_landed
-        self._idle_s = 0.0
+        self._standing_s = 0.0
         self._is_idle = is_landed
         if not is_landed:
             self.took_off_at_us = self._flight.vehicle.time_us
@@ -226,19 +227,22 @@ class Commander:
         )
         if is_ready == self._is_idle:
             self._is_idle = not is_ready
-            self._idle_s = 0.0
+            self._standing_s = 0.0
             if is_ready:
                 self._flight.start_references_here()
                 self.behaviour.start()
         return is_ready
 
-    def _disarm_idle(self) -> None:
+    def _disarm_if_forgotten(self) -> None:
+        """Disarm a vehicle that has landed, that nobody flies or that cannot leave the ground."""
         p = self._flight.parameters
-        if self.mode is Mode.MISSION and not self._flight.mission.is_finished:
+        self._standing_s += TICK_S
+        is_in_mission = self.mode is Mode.MISSION and not self._flight.mission.is_finished
+        if self._is_idle and is_in_mission:
             return
-        has_flown = self.took_off_at_us is not None
+        has_flown = self.took_off_at_us is not None and self._is_idle
         limit_s = p["COM_DISARM_LAND"] if has_flown else p["COM_DISARM_PRFLT"]
-        if 0.0 <= limit_s <= self._idle_s:
+        if 0.0 <= limit_s <= self._standing_s:
             why = "landing" if has_flown else "auto preflight disarming"
             self.disarm(is_forced=True, why=why)
 

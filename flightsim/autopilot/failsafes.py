@@ -76,6 +76,7 @@ BATTERY_REASONS = frozenset(
 """The battery monitor has its own words for these."""
 _GOING_DOWN = frozenset({Mode.RETURN, Mode.LAND, Mode.DESCEND, Mode.TERMINATION})
 _POSITION_GRACE_S = 0.5
+_SHORTEST_GAP_S = 0.1
 
 
 class Failsafes:
@@ -190,7 +191,7 @@ class Failsafes:
         if mode is not Mode.OFFBOARD:
             return None
         p = self._flight.parameters
-        limit_us = 1e6 * p["COM_OF_LOSS_T"]
+        limit_us = 1e6 * max(p["COM_OF_LOSS_T"], _SHORTEST_GAP_S)
         if self._flight.offboard.is_alive(self._flight.vehicle.time_us, limit_us):
             return None
         return _OFFBOARD_ACTIONS[int(p["COM_OBL_RC_ACT"])]

@@ -7,8 +7,12 @@ from math import hypot, inf, sqrt
 
 from autonomy.model.quadrotor import Vector3
 
-_ROOM_SHARE = 0.8
-"""Of the room in a corner that is used; the rest is for accelerations that fade while turning."""
+_ROOM_SHARE = 0.6
+"""Of the room in a corner that is used; the rest is for the deceleration that fades in the turn.
+
+Measured over random corners: 0.8 leaves the next line by up to 0.37 m, 0.6 by 0.09 m, at the same
+mean duration.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

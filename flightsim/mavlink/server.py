@@ -19,6 +19,7 @@ from flightsim.mavlink.commands import CommandService
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
+from flightsim.mavlink.ground_stations import GroundStationService
 from flightsim.mavlink.links import Link
 from flightsim.mavlink.manual_control import ManualControlService
 from flightsim.mavlink.message_commands import MessageCommands
@@ -39,7 +40,6 @@ from flightsim.mavlink.view import VehicleView
 from flightsim.plant import Plant
 
 AUTOPILOT_COMPONENT = 1
-_MAV_TYPE_GCS = 6
 
 
 class MavlinkServer:
@@ -108,14 +108,18 @@ class MavlinkServer:
             TimesyncService(lambda: view.plant.time_us),
             FileService(),
         )
-        self._stateful: Sequence[StatefulService] = (self._missions, parameters, self.telemetry)
+        self._stateful: Sequence[StatefulService] = (
+            GroundStationService(autopilot),
+            self._missions,
+            parameters,
+            self.telemetry,
+        )
         self._handlers: dict[int, Handler] = {
             LAYOUTS[name].message_id: handler
             for service in (*services, *self._stateful)
             for name, handler in service.handlers.items()
         }
         self._handlers |= {
-            LAYOUTS["HEARTBEAT"].message_id: self._on_heartbeat,
             LAYOUTS["SET_MODE"].message_id: lambda _, m: self._flight_commands.on_set_mode(m),
             LAYOUTS["MISSION_SET_CURRENT"].message_id: self._on_set_current,
         }
@@ -184,10 +188,6 @@ class MavlinkServer:
                 self._missions.announce_reached(event.index)
             else:
                 self.statustext.say(event.severity, event.text)
-
-    def _on_heartbeat(self, channel: Channel, message: Message) -> None:
-        if message.type == _MAV_TYPE_GCS:
-            self._autopilot.on_link_heartbeat((channel.name, message.get_srcSystem()))
 
     def _on_set_current(self, channel: Channel, message: Message) -> None:
         reply = self._autopilot.set_current_mission_item(message.seq)

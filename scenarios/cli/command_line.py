@@ -6,12 +6,9 @@ import contextlib
 import io
 import re
 import sys
-from collections.abc import Callable
-from typing import NoReturn, TypeVar
+from typing import Any, NoReturn
 
 import tyro
-
-Command = TypeVar("Command")
 
 EXIT_DONE = 0
 EXIT_NEGATIVE = 1
@@ -23,8 +20,8 @@ _BOX = re.compile(r"[╭╮╰╯│─]+")
 _DATACLASS = re.compile(r"^Error parsing \w+: ")
 
 
-def parse(command: Callable[..., Command], prog: str, args: list[str] | None = None) -> Command:
-    """Parse a command line into the dataclass `command`.
+def parse(command: Any, prog: str, args: list[str] | None = None) -> Any:
+    """Parse a command line into the dataclass `command`, or into one of a union of them.
 
     Prints one line and exits with status 2 where the command line is malformed.
     """

@@ -4,42 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sample_quadrotors import IRIS, PLUS
 
 from autonomy.control.allocation import allocate, lead_command
-from autonomy.model import QuadrotorParams, RotorParams
 from autonomy.model.dynamics import thrust_torque_matrix
 
-
-def quadrotor(hubs, spins, kf=5.84e-6, c=0.06, max_speed=1100.0):
-    rotors = tuple(
-        RotorParams(
-            position_flu_m=hub,
-            spin=spin,
-            thrust_constant=kf,
-            torque_per_thrust_m=c,
-            time_constant_up_s=0.0125,
-            time_constant_down_s=0.025,
-            max_speed_radps=max_speed,
-            drag_coefficient=1.75e-4,
-            rolling_moment_coefficient=1e-6,
-        )
-        for hub, spin in zip(hubs, spins, strict=True)
-    )
-    return QuadrotorParams(mass_kg=1.535, inertia_flu_kgm2=(0.029, 0.029, 0.055), rotors=rotors)
-
-
-# notes/simulation.md: the Iris's layout is asymmetric, the Hummingbird's is a plus
-IRIS = quadrotor(
-    ((0.13, -0.22, 0.023), (-0.13, 0.20, 0.023), (0.13, 0.22, 0.023), (-0.13, -0.20, 0.023)),
-    (1, 1, -1, -1),
-)
-PLUS = quadrotor(
-    ((0.17, 0.0, 0.01), (0.0, 0.17, 0.01), (-0.17, 0.0, 0.01), (0.0, -0.17, 0.01)),
-    (-1, 1, -1, 1),
-    kf=8.54858e-6,
-    c=0.016,
-    max_speed=838.0,
-)
 demands = st.tuples(
     st.sampled_from([IRIS, PLUS]),
     st.floats(-5.0, 40.0),

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_allocation import IRIS
-from test_geometric import HOVER, hovering
+from sample_quadrotors import HOVER, IRIS, hovering
 
 from autonomy.control import SETPOINT_DTYPE
 from autonomy.control.cfg import controller_cfg_for

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from sample_filters import DT, G, add_error, filter_at, moving_filter
 from scipy.spatial.transform import Rotation
-from test_predict import DT, G, add_error, filter_at
 
 from autonomy.estimation.error_state import N_STATES
 from autonomy.estimation.fusion import (
@@ -21,17 +21,6 @@ from autonomy.estimation.predict import predict
 
 FIELD = np.array([0.8, 21.5, -42.8])
 SIGMA_M, SIGMA_MPS = np.full(3, 0.05), np.full(3, 0.05)
-
-
-def moving_filter(velocity, sigma=1.0):
-    """Level flight at constant velocity with an exact estimate and a wide covariance."""
-    f = filter_at(np.random.default_rng(0))
-    for name in ("position_enu_m", "gyro_bias_flu_radps", "accel_bias_flu_mps2"):
-        f[name] = 0.0
-    f["quat_wxyz"] = (1.0, 0.0, 0.0, 0.0)
-    f["velocity_enu_mps"] = velocity
-    f["covariance"] = np.diag([sigma**2] * 6 + [1e-4] * 9 + [0.01])
-    return f
 
 
 def fly(f, ticks):

@@ -6,30 +6,11 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from sample_filters import DT, G, add_error, error_between, filter_at
 from scipy.spatial.transform import Rotation
 
-from autonomy.estimation import EstimatorCfg, new_filter
 from autonomy.estimation.error_state import ACCEL_BIAS, ATTITUDE, GYRO_BIAS, N_STATES, VELOCITY
 from autonomy.estimation.predict import predict, propagate_covariance
-
-DT = 0.004
-G = 9.81
-
-
-def filter_at(rng, **cfg):
-    """A filter in a random state with a random covariance."""
-    f = new_filter(EstimatorCfg(**cfg), dt_s=DT, field_enu_ut=(0.8, 21.5, -42.8), gravity_mps2=G)[0]
-    f["position_enu_m"] = rng.normal(size=3)
-    f["velocity_enu_mps"] = rng.normal(size=3)
-    f["quat_wxyz"] = Rotation.random(random_state=int(rng.integers(2**31))).as_quat(
-        scalar_first=True
-    )
-    f["gyro_bias_flu_radps"] = 0.01 * rng.normal(size=3)
-    f["accel_bias_flu_mps2"] = 0.1 * rng.normal(size=3)
-    root = 0.1 * rng.normal(size=(N_STATES, N_STATES))
-    f["covariance"] = root @ root.T
-    f["is_aligned"] = 1
-    return f
 
 
 def cross(v):
@@ -84,31 +65,6 @@ def test_transition_is_the_derivative_of_the_nominal_step(seed, accel, gyro):
         np.testing.assert_allclose(
             error_between(g, f) / size, F[:, k], atol=2e-3 * (1.0 + np.abs(F[:, k]).max())
         )
-
-
-def add_error(f, e):
-    f["position_enu_m"] += e[0:3]
-    f["velocity_enu_mps"] += e[3:6]
-    q = Rotation.from_rotvec(e[6:9]) * Rotation.from_quat(f["quat_wxyz"], scalar_first=True)
-    f["quat_wxyz"] = q.as_quat(scalar_first=True)
-    f["gyro_bias_flu_radps"] += e[9:12]
-    f["accel_bias_flu_mps2"] += e[12:15]
-    f["baro_offset_m"] += e[15]
-
-
-def error_between(g, f):
-    q = Rotation.from_quat(g["quat_wxyz"], scalar_first=True)
-    turn = q * Rotation.from_quat(f["quat_wxyz"], scalar_first=True).inv()
-    return np.concatenate(
-        [
-            g["position_enu_m"] - f["position_enu_m"],
-            g["velocity_enu_mps"] - f["velocity_enu_mps"],
-            turn.as_rotvec(),
-            g["gyro_bias_flu_radps"] - f["gyro_bias_flu_radps"],
-            g["accel_bias_flu_mps2"] - f["accel_bias_flu_mps2"],
-            [g["baro_offset_m"] - f["baro_offset_m"]],
-        ]
-    )
 
 
 @given(seeds, vectors, vectors)

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_geometric import hovering
+from sample_quadrotors import hovering
 
 from autonomy.control import SETPOINT_DTYPE
 from autonomy.control.record import setpoint_row
-from autonomy.control.reference import accept_setpoint, start_reference, update_reference
+from autonomy.control.reference import start_reference, update_reference
+from autonomy.control.setpoint_stream import accept_setpoint
 from autonomy.types import ControlLevel, Setpoint
 
 NAN = math.nan
@@ -150,6 +151,16 @@ def test_a_missing_jerk_is_derived_from_the_accelerations():
         np.testing.assert_allclose(r.rows[k]["reference_jerk_enu_mps3"], j, atol=0.1)
 
 
+def test_a_missing_acceleration_is_derived_from_the_velocities():
+    def at(t):
+        return circle_setpoint(t, jerk=False) | {"acceleration_enu_mps2": (NAN, NAN, NAN)}
+
+    r = Follower().follow(6.0, at=at)
+    for k in range(50, 1500, 5):
+        a = circle(k * DT - 0.01)[2]
+        np.testing.assert_allclose(r.rows[k]["reference_acceleration_enu_mps2"], a, atol=0.05)
+
+
 def test_a_slow_stream_is_as_smooth_as_a_fast_one():
     r = Follower().follow(6.0, every=25, at=lambda t: circle_setpoint(t, jerk=True))
     for k in range(30, 1500, 7):
@@ -163,8 +174,9 @@ def test_a_setpoint_said_again_is_no_new_one():
     r = Follower().follow(2.0, at=lambda t: circle_setpoint(t, jerk=True))
     last = circle_setpoint(2.0 - 0.02, jerk=True)
     r.follow(1.0, **last)
-    p = r.column("reference_position_enu_m")[-200:]
+    p = r.column("reference_position_enu_m")[-180:]
     assert np.ptp(p, axis=0).max() < 1e-12
+    np.testing.assert_array_equal(r.c["reference_velocity_enu_mps"], 0.0)
 
 
 def test_a_far_trajectory_point_is_approached_and_then_followed():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from test_fusion import moving_filter
+from sample_filters import moving_filter
 
 from autonomy.estimation.terrain import fuse_range
 

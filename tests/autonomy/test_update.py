@@ -8,7 +8,7 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from test_predict import add_error, error_between, filter_at
+from sample_filters import add_error, error_between, filter_at
 
 from autonomy.estimation.error_state import N_STATES
 from autonomy.estimation.update import inject, scalar_update

@@ -136,7 +136,8 @@ class StickGuided:
     def _tilt(self, east: float, north: float) -> Setpoint:
         """Level the vehicle or tilt it; hold or change the height."""
         flight = self._flight
-        z = self._motion.axes[2]
+        x, y, z = self._motion.axes
+        flight.path.reset((x.x, y.x, z.x), (x.v, y.v, z.v), (x.a, y.a, z.a))
         share = GRAVITY_MPS2 * tan(radians(flight.parameters["MPC_MAN_TILT_MAX"]))
         share /= max(1.0, hypot(east, north))
         return Setpoint(

@@ -20,15 +20,24 @@ NAN = math.nan
 
 
 @cache
-def world_with(vehicle):
-    return build_world(empty_scene(), AIRFRAMES[vehicle])
+def world_with(vehicle, start=(0.0, 0.0, 0.0), extra=()):
+    return build_world(empty_scene(start), AIRFRAMES[vehicle], extra=extra)
 
 
 class Bench:
-    """A vehicle at (0, 0), facing east, ready to arm."""
+    """A vehicle at (0, 0), facing east, ready to arm; `plant` configures the plant."""
 
-    def __init__(self, vehicle="iris", *, initial_parameters=None, **plant):
-        self.plant = Plant(world_with(vehicle), PlantCfg(seed=plant.pop("seed", 7), **plant))
+    def __init__(
+        self,
+        vehicle="iris",
+        *,
+        initial_parameters=None,
+        start=(0.0, 0.0, 0.0),
+        extra=(),
+        seed=7,
+        **plant,
+    ):
+        self.plant = Plant(world_with(vehicle, start, extra), PlantCfg(seed=seed, **plant))
         self.frame = LocalFrame(Geodetic(47.4, 8.5, GROUND_AMSL_M))
         self.pilot = Autopilot(
             self.plant,

@@ -4,6 +4,7 @@ import math
 from itertools import pairwise
 
 import pytest
+from handmade import slope
 
 from autonomy.types import ControlLevel
 from autopilot.bench import GROUND_AMSL_M, NAN, Bench
@@ -289,3 +290,32 @@ def test_the_same_seed_and_requests_fly_the_same_flight():
         return bench.positions
 
     assert flight() == flight()
+
+
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_wandering_estimate_does_not_make_the_landing_dance(vehicle, seed):
+    bench = Bench(vehicle, gnss="standard", seed=seed, wind_enu_mps=(4.0, 2.0, 0.0)).take_off(5.0)
+    bench.pilot.goto(bench.geodetic(6.0, 3.0))
+    bench.run(8.0)
+    assert not bench.says("Landing detected")
+    assert bench.pilot.land().is_accepted
+    climbs = []
+    assert bench.run(
+        60.0,
+        lambda: not bench.pilot.is_armed,
+        each=lambda: climbs.append((bench.position[2], bench.plant.truth.velocity_enu_mps[2])),
+    )
+    assert max(climb for height, climb in climbs if height < 0.3) < 0.4
+
+
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+@pytest.mark.parametrize("angle_deg", [5.0, 15.0])
+def test_it_lands_on_a_slope_and_stays_there(vehicle, angle_deg):
+    bench = Bench(vehicle, start=(0.0, 0.0, 5.0), extra=(slope(angle_deg),)).take_off(10.0)
+    assert bench.pilot.land().is_accepted
+    assert bench.run(40.0, lambda: not bench.pilot.is_armed)
+    assert math.dist(bench.position[:2], (0.0, 0.0)) < 0.5
+    _, x, y, _ = bench.plant.truth.quat_wxyz
+    assert math.degrees(math.acos(1.0 - 2.0 * (x * x + y * y))) == pytest.approx(angle_deg, abs=1.5)
+    assert bench.texts.count("Landing detected") == 1

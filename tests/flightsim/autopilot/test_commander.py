@@ -73,6 +73,18 @@ def test_a_forgotten_vehicle_disarms():
     assert bench.says("Disarmed by auto preflight disarming")
 
 
+def test_a_vehicle_that_cannot_lift_off_disarms():
+    bench = Bench()
+    for rotor in range(4):
+        bench.plant.set_rotor_effectiveness(rotor, 0.4)
+    bench.pilot.arm()
+    bench.pilot.takeoff()
+    bench.run(5.0)
+    assert bench.pilot.setpoint.level is ControlLevel.TRAJECTORY
+    assert bench.run(8.0, lambda: not bench.pilot.is_armed)
+    assert bench.position[2] < 0.05
+
+
 def test_a_negative_time_switches_disarming_off():
     bench = Bench()
     bench.pilot.set_parameter("COM_DISARM_PRFLT", -1)
@@ -129,6 +141,7 @@ def test_termination_stops_the_rotors_and_disarms_on_the_ground():
     bench.step()
     assert bench.pilot.setpoint.level is ControlLevel.OFF
     assert bench.pilot.system_state is SystemState.EMERGENCY
+    assert not bench.pilot.set_mode(Mode.HOLD).is_accepted
     assert bench.run(10.0, lambda: not bench.pilot.is_armed)
     assert bench.pilot.landed_state is LandedState.ON_GROUND
 

@@ -116,3 +116,31 @@ def test_leaving_offboard_at_speed_is_smooth():
     assert bench.pilot.setpoint.velocity_enu_mps == pytest.approx(before, abs=0.4)
     bench.run(5.0)
     assert bench.speed_mps < 0.2
+
+
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+@pytest.mark.parametrize("gnss", ["rtk", "standard"])
+def test_a_bare_position_below_the_ground_lands_without_dancing(vehicle, gnss):
+    bench = Bench(vehicle, gnss=gnss, seed=1).take_off()
+    x, y, z = bench.plant.estimate.position_enu_m
+    below = position(x, y, z - 8.0)
+    bench.pilot.set_offboard_setpoint(below)
+    assert bench.pilot.set_mode(Mode.OFFBOARD).is_accepted
+    climbs = []
+
+    def send():
+        bench.pilot.set_offboard_setpoint(below)
+        climbs.append(bench.plant.truth.velocity_enu_mps[2])
+
+    assert bench.run(30.0, lambda: not bench.pilot.is_armed, each=send)
+    assert max(climbs) < 0.6
+
+
+def test_going_up_again_after_touching_the_ground_flies_on():
+    bench = flying()
+    assert bench.stream(velocity(0.0, 0.0, -0.4), 20.0, lambda: bench.position[2] < 0.01)
+    bench.stream(velocity(0.0, 0.0, -0.4), 0.4)
+    assert bench.pilot.setpoint.level is ControlLevel.IDLE
+    bench.stream(velocity(0.0, 0.0, 1.0), 3.0)
+    assert bench.position[2] > 1.5
+    assert bench.pilot.is_armed

@@ -36,11 +36,12 @@ def test_each_parameter_is_well_formed(spec):
 
 @given(specs, st.floats(allow_nan=True, allow_infinity=True))
 def test_a_value_is_stored_as_the_wire_carries_it_or_refused_and_nothing_changes(spec, value):
-    parameters = Parameters()
+    parameters, words = Parameters(), ""
     try:
         stored = parameters.set(spec.name, value)
     except ParameterError as error:
-        stored, words = None, str(error)
+        stored = None
+        words = str(error)
     if stored is None:
         assert spec.name in words
         assert parameters[spec.name] == spec.default

@@ -70,6 +70,17 @@ def test_altitude_mode_tilts_and_keeps_the_height():
     assert bench.plant.truth.velocity_enu_mps[0] > 1.0, "it drifts on: nobody brakes"
 
 
+def test_from_altitude_mode_the_hold_begins_where_the_vehicle_is():
+    bench = flying(Mode.ALTITUDE)
+    bench.steer(2.0, pitch=0.4)
+    x = bench.position[0]
+    assert x > 2.0
+    assert bench.pilot.set_mode(Mode.HOLD).is_accepted
+    bench.steer(5.0)
+    assert bench.position[0] > x
+    assert bench.speed_mps < 0.2
+
+
 def test_manual_mode_commands_tilt_and_thrust():
     bench = flying(Mode.STABILIZED)
     bench.steer(1.0, roll=0.3)

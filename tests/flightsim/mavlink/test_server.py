@@ -160,10 +160,23 @@ def test_a_ground_station_that_falls_silent_is_noticed(flight):
     flight.take_off(8.0)
     flight.autopilot.parameters.set("NAV_DLL_ACT", 2)
     flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
-    flight.run(5.0)
-    assert flight.autopilot.mode is Mode.HOLD
     flight.run(8.0)
+    assert flight.autopilot.mode is Mode.HOLD
+    flight.run(5.0)
     assert flight.autopilot.mode is Mode.RETURN
+
+
+def test_a_ground_station_in_wall_time_is_not_lost_in_fast_simulated_time(flight, monkeypatch):
+    flight.take_off(8.0)
+    flight.autopilot.parameters.set("NAV_DLL_ACT", 2)
+    (channel,) = flight.server.channels
+    monkeypatch.setattr(channel, "clock", lambda: flight.plant.time_us * 1e-6 / 30.0)
+    for _ in range(3):  # a heartbeat in 30 simulated seconds
+        flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
+        flight.run(30.0)
+    assert flight.autopilot.mode is Mode.HOLD
+    flight.run(40.0)
+    assert flight.autopilot.mode is not Mode.HOLD
 
 
 def test_the_budget_of_one_partner_bounds_the_work_of_a_tick(flight):

@@ -1,0 +1,125 @@
+"""Depth images as points and as lines of sight."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.jit import kernel
+from autonomy.model.quadrotor import Vector3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DepthImage:
+    """A depth image and where the vehicle believes it was taken.
+
+    Pixel (column u, row v) looks along ((u - cx) / fx, (v - cy) / fy, 1), optical frame: x right,
+    y down, z forward; whole numbers are pixel centres.
+    """
+
+    depth_m: Float[np.ndarray, "height width"]
+    """Along the optical axis; inf, NaN or 0 where nothing was measured."""
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    position_enu_m: Vector3
+    rotation_enu_from_optical: Float[np.ndarray, "3 3"]
+
+    def points_enu_m(self) -> Float[np.ndarray, "n 3"]:
+        """The point that each pixel with a measurement shows, row by row."""
+        return back_project(
+            np.ascontiguousarray(self.depth_m, dtype=np.float32),
+            np.array([self.fx, self.fy, self.cx, self.cy], dtype=float),
+            np.array(self.position_enu_m, dtype=float),
+            np.ascontiguousarray(self.rotation_enu_from_optical, dtype=float),
+        )
+
+
+@kernel
+def back_project(
+    depth: Float[np.ndarray, "h w"],
+    intrinsics: Float[np.ndarray, "4"],
+    position: Float[np.ndarray, "3"],
+    rotation: Float[np.ndarray, "3 3"],
+) -> Float[np.ndarray, "n 3"]:
+    """Points of the pixels whose depth is finite and positive."""
+    points = np.empty((depth.size, 3))
+    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    n = 0
+    for v in range(depth.shape[0]):
+        y = (v - cy) / fy
+        for u in range(depth.shape[1]):
+            d = depth[v, u]
+            if 0.0 < d < np.inf:
+                x = (u - cx) / fx
+                for i in range(3):
+                    ray = rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2]
+                    points[n, i] = position[i] + d * ray
+                n += 1
+    return points[:n]
+
+
+@kernel
+def steepest_sight(
+    points: Float[np.ndarray, "k 3"],
+    eye: Float[np.ndarray, "3"],
+    step: float,
+    n_bearings: int,
+    n_steps: int,
+) -> Float[np.ndarray, "b s"]:
+    """The steepest line of sight that reaches beyond each horizontal distance, per bearing.
+
+    Entry (b, s) is the largest fall per metre of the lines in bearing b that end `s * step` or
+    farther from the eye; -inf where none does. Nothing stands above such a line before its end.
+    """
+    fall = np.full((n_bearings, n_steps), -np.inf)
+    for k in range(len(points)):
+        x, y = points[k, 0] - eye[0], points[k, 1] - eye[1]
+        away = math.sqrt(x * x + y * y)
+        if away > 0.0:
+            b = bearing(x, y, n_bearings)
+            s = min(int(away / step), n_steps - 1)
+            fall[b, s] = max(fall[b, s], (eye[2] - points[k, 2]) / away)
+    for b in range(n_bearings):
+        for s in range(n_steps - 2, -1, -1):
+            fall[b, s] = max(fall[b, s], fall[b, s + 1])
+    return fall
+
+
+@kernel
+def bound_hidden(
+    fall: Float[np.ndarray, "b s"],
+    eye: Float[np.ndarray, "3"],
+    step: float,
+    east: Float[np.ndarray, " n"],
+    north: Float[np.ndarray, " n"],
+) -> Float[np.ndarray, "n n"]:
+    """How high anything may stand in each cell of a grid without breaking a line of sight.
+
+    Cells are as wide as `step`; taken is the height of the line over their far side.
+    """
+    bound = np.full((len(north), len(east)), np.inf)
+    for row in range(len(north)):
+        for column in range(len(east)):
+            x, y = east[column] - eye[0], north[row] - eye[1]
+            away = math.sqrt(x * x + y * y) + 0.5 * step
+            s = int(away / step) + 1
+            if s < fall.shape[1]:
+                bound[row, column] = eye[2] - away * fall[bearing(x, y, fall.shape[0]), s]
+    return bound
+
+
+@kernel
+def bearing(x: float, y: float, n_bearings: int) -> Int[np.ndarray, ""]:
+    """Which of `n_bearings` sectors a direction lies in, by the perimeter of a diamond: no atan2."""
+    across = abs(x) + abs(y)
+    turn = y / across if across > 0.0 else 0.0
+    if x < 0.0:
+        turn = 2.0 - turn
+    elif y < 0.0:
+        turn += 4.0
+    return int(turn * 0.25 * n_bearings) % n_bearings

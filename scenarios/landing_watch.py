@@ -1,0 +1,163 @@
+"""Looks at a landing area through the downward camera and says where to touch down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from aeroscene.scene import InteractionArea
+from autonomy.model.quadrotor import Vector3
+from autonomy.perception import (
+    DepthImage,
+    ElevationMap,
+    LandingMap,
+    LandingNeeds,
+    LandingSite,
+    assess,
+    choose_site,
+)
+from autonomy.planning.obstacles import rotation_matrices
+from flightsim.vehicles.airframe import Airframe, CameraMount
+from scenarios.mavlink_telemetry import Telemetry
+from scenarios.mission import Surroundings
+
+CAMERA = "down"
+FRAME_PERIOD_US = 200_000
+_SCATTER_M = 0.12
+"""By how much a touchdown may miss: estimate, tracking and map together."""
+_BORDER_M = 0.8
+_MAX_HALF_EXTENT_M = 4.0
+_COLUMN_STEP_M = 0.25
+_COLUMN_MARGIN_M = 0.05
+_LEAST_CLEARANCE_M = 0.1
+
+
+class DepthFrame(Protocol):
+    """What the watch needs of a camera frame; where it was really taken is none of its business."""
+
+    depth_m: np.ndarray
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+
+def landing_needs(airframe: Airframe) -> LandingNeeds:
+    """What an airframe needs to stand safely."""
+    return LandingNeeds(
+        footprint_radius_m=airframe.leg_spread_m + _SCATTER_M,
+        body_radius_m=airframe.collision_radius_m + _SCATTER_M,
+    )
+
+
+def camera_pose(
+    mount: CameraMount, telemetry: Telemetry
+) -> tuple[Vector3, np.ndarray]:
+    """Position (ENU) and attitude (optical to ENU) of a camera on the estimated vehicle."""
+    rotation_enu_from_flu = rotation_matrices(np.array([telemetry.quat_wxyz]))[0]
+    s, c = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
+    # Columns: the optical right, down and forward axes in FLU.
+    rotation_flu_from_optical = np.array([[0.0, -s, c], [-1.0, 0.0, 0.0], [0.0, -c, -s]])
+    lever = rotation_enu_from_flu @ np.array(mount.position_flu_m)
+    x, y, z = (np.array(telemetry.position_enu_m) + lever).tolist()
+    return (x, y, z), rotation_enu_from_flu @ rotation_flu_from_optical
+
+
+class LandingWatch:
+    """One look at one area; a new one forgets what the last saw.
+
+    Attributes:
+        n_frames: Depth images fused so far.
+        map: The latest judgement of the area, None before the first.
+    """
+
+    def __init__(
+        self,
+        surroundings: Surroundings,
+        area: InteractionArea,
+        hover_enu_m: Vector3,
+        frames: Callable[[str], DepthFrame],
+    ) -> None:
+        self._mount = next(m for m in surroundings.airframe.cameras if m.name == CAMERA)
+        self._needs = landing_needs(surroundings.airframe)
+        self._frames = frames
+        self._preferred_enu_m = area.centroid
+        reach_m = max(math.dist(corner[:2], area.centroid[:2]) for corner in area.polygon)
+        self._elevation = ElevationMap(
+            area.centroid, half_extent_m=min(reach_m + _BORDER_M, _MAX_HALF_EXTENT_M)
+        )
+        self._is_allowed = _inside(self._elevation, area) & _is_open_above(
+            self._elevation, surroundings, area.centroid[2], hover_enu_m[2]
+        )
+        self._due_us = 0
+        self.n_frames = 0
+        self.map: LandingMap | None = None
+
+    def look(self, time_us: int, telemetry: Telemetry) -> bool:
+        """Fuse a depth image if one is due; True if so."""
+        if time_us < self._due_us:
+            return False
+        self._due_us = time_us + FRAME_PERIOD_US
+        frame = self._frames(CAMERA)
+        position_enu_m, rotation = camera_pose(self._mount, telemetry)
+        self._elevation.add(
+            DepthImage(
+                depth_m=frame.depth_m,
+                fx=frame.fx,
+                fy=frame.fy,
+                cx=frame.cx,
+                cy=frame.cy,
+                position_enu_m=position_enu_m,
+                rotation_enu_from_optical=rotation,
+            )
+        )
+        self.n_frames += 1
+        self.map = assess(self._elevation, self._needs, self._is_allowed)
+        return True
+
+    def choose(self) -> LandingSite | None:
+        """The best place on what was seen so far, None if none is safe."""
+        if self.map is None:
+            return None
+        site = choose_site(self.map, self._elevation, self._needs, self._preferred_enu_m)
+        return site if site is not None and site.clearance_m >= _LEAST_CLEARANCE_M else None
+
+    def is_safe(self, site: LandingSite) -> bool:
+        """Whether a place chosen before still looks safe."""
+        row, column = self._elevation.cell(*site.position_enu_m[:2])
+        return self.map is not None and bool(self.map.is_safe[row, column])
+
+    def height_m(self, site: LandingSite) -> float:
+        """Height of the surface at a place, as seen by now."""
+        return float(self._elevation.height_m[self._elevation.cell(*site.position_enu_m[:2])])
+
+
+def _inside(elevation: ElevationMap, area: InteractionArea) -> np.ndarray:
+    """Cells over the area's polygon."""
+    import cv2  # noqa: PLC0415 - loads only where something lands
+
+    corners = [elevation.cell(x, y)[::-1] for x, y, _ in area.polygon]
+    mask = np.zeros(elevation.height_m.shape, dtype=np.uint8)
+    cv2.fillPoly(mask, [np.array(corners, dtype=np.int32)], (1,))
+    return mask.astype(bool)
+
+
+def _is_open_above(
+    elevation: ElevationMap, surroundings: Surroundings, surface_m: float, hover_m: float
+) -> np.ndarray:
+    """Cells above which the vehicle has room from just over the surface up to the hover height.
+
+    By the map of the scene, which knows of branches and eaves that a camera below them cannot see.
+    """
+    stride = max(1, round(_COLUMN_STEP_M / elevation.resolution_m))
+    east, north = (axis[::stride] for axis in elevation.cell_centres())
+    lowest_m = surface_m + surroundings.radius_m + _COLUMN_STEP_M
+    heights = np.arange(lowest_m, hover_m + 0.1, _COLUMN_STEP_M)
+    z, y, x = np.meshgrid(heights, north, east, indexing="ij")
+    room_m = surroundings.clearance_m(np.stack([x, y, z], axis=-1).reshape(-1, 3))
+    is_open = np.all(room_m.reshape(z.shape) >= _COLUMN_MARGIN_M, axis=0)
+    n = len(elevation.height_m)
+    return np.kron(is_open, np.ones((stride, stride), dtype=bool))[:n, :n]
