@@ -53,9 +53,7 @@ def landing_needs(airframe: Airframe) -> LandingNeeds:
     )
 
 
-def camera_pose(
-    mount: CameraMount, telemetry: Telemetry
-) -> tuple[Vector3, np.ndarray]:
+def camera_pose(mount: CameraMount, telemetry: Telemetry) -> tuple[Vector3, np.ndarray]:
     """Position (ENU) and attitude (optical to ENU) of a camera on the estimated vehicle."""
     rotation_enu_from_flu = rotation_matrices(np.array([telemetry.quat_wxyz]))[0]
     s, c = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -87,7 +86,7 @@ class Surroundings:
         yaw_rad: float,
         speed_mps: float | None = None,
     ) -> Trajectory:
-        """A straight line from rest to rest, not certified; no faster up or down than `speed_mps`."""
+        """A straight line from rest to rest, not certified, up or down at `speed_mps` at most."""
         limits = self.limits
         if speed_mps is not None:
             limits = replace(limits, speed_vertical_mps=speed_mps)
@@ -226,9 +225,10 @@ def rank_areas(scene: Scene, airframe: Airframe, seed: int) -> list[InteractionA
     start = scene.start_position_enu_m
     chance = np.random.default_rng(seed).uniform(0.0, 1.0, len(fits)).tolist()
     score = {area.id: luck + _appeal(scene, area) for area, luck in zip(fits, chance, strict=True)}
-    is_near: Callable[[InteractionArea], bool] = lambda area: (
-        math.dist(area.centroid, start) < FAR_ENOUGH_M
-    )
+
+    def is_near(area: InteractionArea) -> bool:
+        return math.dist(area.centroid, start) < FAR_ENOUGH_M
+
     return sorted(fits, key=lambda area: (is_near(area), -score[area.id], area.id))
 
 

@@ -1,7 +1,9 @@
 """Our own pilot: flies a mission over MAVLink, chooses the touchdown point from depth, lands.
 
-A state machine that is called every 20 ms of simulated time. It knows the map of the scene, what
-MAVLink tells, and the frames of the downward camera; the true state it never sees.
+The task of the paper, section "AeroScene for Navigation and Interaction Tasks": navigate along a
+planned trajectory, then land by onboard depth. A state machine that is called every 20 ms of
+simulated time. It knows the map of the scene, what MAVLink tells, and the frames of the downward
+camera; the true state it never sees.
 """
 
 from __future__ import annotations
@@ -9,29 +11,25 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from enum import Enum
 
 from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingMap, LandingSite
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference
+from scenarios.course import Course
 from scenarios.landing_watch import DepthFrame, LandingWatch
-from scenarios.mavlink_client import (
-    PX4_OFFBOARD,
-    PX4_RETURN,
-    Command,
-    MavlinkClient,
-)
+from scenarios.mavlink_client import PX4_OFFBOARD, PX4_RETURN, Command, MavlinkClient
 from scenarios.mavlink_telemetry import LANDED_ON_GROUND
 from scenarios.mission import Mission
+from scenarios.pilot_phases import IN_THE_AIR, TIME_LIMIT_S, Phase, PilotVerdict, Transition
+
+__all__ = ["Phase", "Pilot", "PilotVerdict", "Transition"]
 
 _LOG = logging.getLogger(__name__)
 
 COMMIT_HEIGHT_M = 1.0
 """Of the soles above the surface: below it the landing is no longer called off."""
-TOUCHDOWN_SPEED_MPS = 0.4
 DESCENT_SPEED_MPS = 0.8
 SEARCH_FRAMES = 6
 """Depth images that are fused before a place is chosen."""
@@ -39,76 +37,10 @@ MAX_SEARCH_FRAMES = 20
 MAX_LOOKS = 4
 """Searches and descents at one area before the next is tried."""
 MAX_AREAS = 3
+MAX_ARMING_TRIES = 10
+_STREAM_BEFORE_ARMING_S = 0.2
 _ON_COURSE_M = 0.4
-_AT_PLACE_M = 0.25
-_AT_REST_MPS = 0.2
-_PRESS_M = 0.4
-"""How far below the surface the last setpoints lie, so that the rotors let go."""
-
-
-class Phase(Enum):
-    """What the pilot is doing."""
-
-    CONNECT = "connect"
-    PREPARE = "wait for health"
-    ARM = "arm"
-    TAKEOFF = "take off"
-    NAVIGATE = "navigate"
-    SEARCH = "search"
-    ALIGN = "align"
-    DESCEND = "descend"
-    TOUCHDOWN = "touch down"
-    DISARM = "disarm"
-    CLIMB = "climb"
-    RETURN = "return"
-    DONE = "done"
-    FAILED = "failed"
-
-
-_TIME_LIMIT_S = {
-    Phase.CONNECT: 10.0,
-    Phase.PREPARE: 60.0,
-    Phase.ARM: 20.0,
-    Phase.TAKEOFF: 30.0,
-    Phase.NAVIGATE: 120.0,
-    Phase.SEARCH: 20.0,
-    Phase.ALIGN: 30.0,
-    Phase.DESCEND: 40.0,
-    Phase.TOUCHDOWN: 20.0,
-    Phase.DISARM: 10.0,
-    Phase.CLIMB: 30.0,
-    Phase.RETURN: 5.0,
-}
-_IN_THE_AIR = {
-    Phase.TAKEOFF,
-    Phase.NAVIGATE,
-    Phase.SEARCH,
-    Phase.ALIGN,
-    Phase.DESCEND,
-    Phase.TOUCHDOWN,
-    Phase.CLIMB,
-}
 Step = tuple[Phase, str] | None
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class PilotVerdict:
-    """How a flight ended, as far as the pilot can know."""
-
-    success: bool
-    reason: str
-    touchdown_error_m: float | None = None
-    """Estimated resting place against the chosen point, horizontally."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Transition:
-    """A change of phase."""
-
-    time_us: int
-    source: Phase
-    target: Phase
-    reason: str
 
 
 class Pilot:
@@ -117,9 +49,7 @@ class Pilot:
     Attributes:
         phase: What it is doing.
         area: Where it wants to land at present.
-        trajectory: What it is flying or flew last.
         site: The touchdown point that it chose, None before.
-        landing_map: What it knows of the landing area, None before it looked.
         verdict: How it ended; of a flight that is not done, that it is not.
         transitions: Every change of phase with its reason.
     """
@@ -135,23 +65,21 @@ class Pilot:
             frames: Renders the named camera now.
         """
         self._client = client
+        self._telemetry = client.telemetry
         self._mission = mission
         self._frames = frames
         self._world = mission.surroundings
         self._hover_enu_m = mission.hover_enu_m
         self._alternates = list(mission.alternates)
+        self._course = Course(mission.trajectory)
         self._watch: LandingWatch | None = None
         self._commands: list[Command] = []
         self._n_looks = 0
         self._n_areas = 1
         self._time_us = 0
         self._since_us = 0
-        self._begun_us = 0
-        self._hold: FlatReference | None = None
-        self._commit: FlatReference | None = None
         self.phase = Phase.CONNECT
         self.area: InteractionArea = mission.area
-        self.trajectory: Trajectory = mission.trajectory
         self.site: LandingSite | None = None
         self.verdict = PilotVerdict(success=False, reason="not finished")
         self.transitions: list[Transition] = []
@@ -176,6 +104,11 @@ class Pilot:
         return self.phase in {Phase.DONE, Phase.FAILED}
 
     @property
+    def trajectory(self) -> Trajectory:
+        """What it is flying or flew last; before the flight, the way to the area."""
+        return self._course.trajectory
+
+    @property
     def landing_map(self) -> LandingMap | None:
         """What it knows of the landing area, None before it looked."""
         return None if self._watch is None else self._watch.map
@@ -194,104 +127,93 @@ class Pilot:
         step = self._watchdog() or self._steps[self.phase]()
         if step is not None:
             self._enter(*step)
-        self._steer()
-
-    # --- the machine ---
+        if self._course.has_begun and not self.is_done:
+            self._client.send_setpoint(self._course.reference(time_us))
 
     def _enter(self, phase: Phase, reason: str) -> None:
-        self.transitions.append(
-            Transition(time_us=self._time_us, source=self.phase, target=phase, reason=reason)
-        )
-        _LOG.info("%.2f s %s -> %s: %s", self._time_us * 1e-6, self.phase.value, phase.value, reason)
-        if phase is Phase.FAILED or phase is Phase.RETURN:
+        change = Transition(time_us=self._time_us, source=self.phase, target=phase, reason=reason)
+        self.transitions.append(change)
+        _LOG.info("%.2f s, %s: %s", self._time_us * 1e-6, phase.value, reason)
+        if phase in {Phase.RETURN, Phase.FAILED}:
             self.verdict = PilotVerdict(success=False, reason=reason)
         self.phase = phase
         self._since_us = self._time_us
         self._commands = []
 
     def _watchdog(self) -> Step:
-        """What ends any phase: too long, or the vehicle no longer obeys."""
-        telemetry = self._client.telemetry
-        if self.phase in _IN_THE_AIR:
-            if not telemetry.is_armed:
-                return Phase.FAILED, f"disarmed while trying to {self.phase.value}{self._last_words()}"
-            if telemetry.custom_mode != PX4_OFFBOARD:
+        """What ends any phase: it takes too long, or the vehicle no longer obeys."""
+        phase = self.phase
+        if phase in IN_THE_AIR:
+            if not self._telemetry.is_armed:
+                return Phase.FAILED, f"disarmed in phase {phase.value}{self._last_words()}"
+            if self._telemetry.custom_mode != PX4_OFFBOARD:
                 return Phase.FAILED, f"the autopilot left offboard mode{self._last_words()}"
-        if self._elapsed_s() <= _TIME_LIMIT_S[self.phase]:
+        if self._elapsed_s() <= TIME_LIMIT_S[phase]:
             return None
-        reason = f"no success to {self.phase.value} within {_TIME_LIMIT_S[self.phase]:.0f} s"
-        if self.phase in _IN_THE_AIR:
+        reason = f"phase {phase.value} took more than {TIME_LIMIT_S[phase]:.0f} s"
+        if phase in IN_THE_AIR:
             return Phase.RETURN, reason
         return Phase.FAILED, reason + self._last_words()
 
     def _last_words(self) -> str:
-        texts = self._client.telemetry.texts
+        texts = self._telemetry.texts
         return f"; the autopilot said: {texts[-1][1]}" if texts else ""
 
     def _elapsed_s(self) -> float:
         return (self._time_us - self._since_us) * 1e-6
 
-    def _steer(self) -> None:
-        """Send the setpoint of this tick."""
-        if self._commit is not None:
-            self._client.send_setpoint(self._sinking(self._commit))
-        elif self._hold is not None:
-            self._client.send_setpoint(self._hold)
-        elif self.phase in _IN_THE_AIR:
-            self._client.send_setpoint(self._reference())
-
-    # --- on the ground ---
+    # On the ground
 
     def _connect(self) -> Step:
-        telemetry = self._client.telemetry
-        if telemetry.system_id and not self._commands:
+        if self._telemetry.system_id and not self._commands:
             self._commands = [self._client.request_origin(), *self._client.request_streams()]
         if self._commands and all(command.is_done for command in self._commands):
-            return Phase.PREPARE, f"system {telemetry.system_id} answers"
+            return Phase.PREPARE, f"system {self._telemetry.system_id} answers"
         return None
 
     def _prepare(self) -> Step:
-        telemetry = self._client.telemetry
-        if telemetry.has_state and telemetry.is_armable and telemetry.is_navigating:
-            self._hold = FlatReference(
-                position_enu_m=telemetry.position_enu_m, yaw_rad=telemetry.yaw_rad
-            )
-            return Phase.ARM, "estimator and arming checks are ready"
-        return None
+        telemetry = self._telemetry
+        if not (telemetry.has_state and telemetry.is_armable and telemetry.is_navigating):
+            return None
+        here = telemetry.position_enu_m
+        # A stream of setpoints that stay where it stands: offboard mode wants one.
+        self._fly(self._world.leg(here, here, telemetry.yaw_rad))
+        return Phase.ARM, "estimator and arming checks are ready"
 
     def _arm(self) -> Step:
         """The stream of setpoints runs; now the mode, then the rotors."""
-        telemetry = self._client.telemetry
+        telemetry = self._telemetry
         if telemetry.is_armed and telemetry.custom_mode == PX4_OFFBOARD:
             here = telemetry.position_enu_m
             self._fly(self._world.leg(here, self._mission.takeoff_enu_m, telemetry.yaw_rad))
             return Phase.TAKEOFF, "armed in offboard mode"
-        if self._elapsed_s() < 0.2 or not all(command.is_done for command in self._commands):
+        is_waiting = not all(command.is_done for command in self._commands)
+        if is_waiting or self._elapsed_s() < _STREAM_BEFORE_ARMING_S:
             return None
-        refused = [command for command in self._commands if not command.is_accepted]
-        if refused and len(self._commands) > 10:
-            return Phase.FAILED, f"arming was {refused[-1].outcome()}{self._last_words()}"
+        if len(self._commands) >= MAX_ARMING_TRIES:
+            outcome = self._commands[-1].outcome()
+            return Phase.FAILED, f"mode or arming: {outcome}{self._last_words()}"
         if telemetry.custom_mode != PX4_OFFBOARD:
             self._commands.append(self._client.set_mode(PX4_OFFBOARD))
-        elif not telemetry.is_armed:
+        else:
             self._commands.append(self._client.arm())
         return None
 
     def _disarm(self) -> Step:
-        telemetry = self._client.telemetry
-        if not telemetry.is_armed:
-            error_m = math.dist(telemetry.position_enu_m[:2], self._site().position_enu_m[:2])
-            self.verdict = PilotVerdict(
-                success=True,
-                reason=f"landed {error_m:.2f} m from the chosen point and disarmed",
-                touchdown_error_m=error_m,
-            )
-            return Phase.DONE, self.verdict.reason
-        if all(command.is_done for command in self._commands):
-            self._commands = [self._client.disarm()]
-        return None
+        if self._telemetry.is_armed:
+            if all(command.is_done for command in self._commands):
+                self._commands = [self._client.disarm()]
+            return None
+        rest_enu_m = self._telemetry.position_enu_m
+        error_m = math.dist(rest_enu_m[:2], self._chosen().position_enu_m[:2])
+        self.verdict = PilotVerdict(
+            success=True,
+            reason=f"landed {error_m:.2f} m from the chosen point and disarmed",
+            touchdown_error_m=error_m,
+        )
+        return Phase.DONE, self.verdict.reason
 
-    # --- on the way ---
+    # On the way
 
     def _take_off(self) -> Step:
         if not self._has_arrived():
@@ -303,33 +225,30 @@ class Pilot:
         return Phase.NAVIGATE, "above the start"
 
     def _navigate(self) -> Step:
-        if not self._has_arrived():
-            return None
-        return self._look(f"above area {self.area.id}")
+        return self._look(f"above area {self.area.id}") if self._has_arrived() else None
 
     def _navigate_to(self, goal_enu_m: Vector3, prepared: Trajectory | None = None) -> None:
-        """Fly a prepared trajectory if it begins here, else one that does.
+        """Fly a prepared trajectory if it begins here, else plan one that does.
 
         Raises:
             PlanningError: If there is none.
         """
-        telemetry = self._client.telemetry
-        here = telemetry.position_enu_m
+        here = self._telemetry.position_enu_m
         if prepared is not None:
             begin = prepared.sample(0.0).position_enu_m
             if math.dist(begin, here) <= _ON_COURSE_M:
                 self._fly(prepared)
                 return
-        start = FlatReference(position_enu_m=here, yaw_rad=telemetry.yaw_rad)
+        start = FlatReference(position_enu_m=here, yaw_rad=self._telemetry.yaw_rad)
         self._fly(self._world.plan(start, goal_enu_m))
 
-    # --- at the area ---
+    # At the area
 
     def _look(self, reason: str) -> Step:
         """Begin to look at the area anew, or go on to the next one."""
         self._n_looks += 1
         if self._n_looks > MAX_LOOKS:
-            return self._give_up_area(reason)
+            return self._give_up_area(f"{reason}, for the {MAX_LOOKS}th time")
         self._watch = LandingWatch(self._world, self.area, self._hover_enu_m, self._frames)
         return Phase.SEARCH, reason
 
@@ -352,16 +271,15 @@ class Pilot:
 
     def _search(self) -> Step:
         watch = self._watching()
-        if not watch.look(self._time_us, self._client.telemetry):
-            return None
-        if watch.n_frames < SEARCH_FRAMES:
+        if not watch.look(self._time_us, self._telemetry) or watch.n_frames < SEARCH_FRAMES:
             return None
         self.site = watch.choose()
         if self.site is not None:
-            self._fly(self._straight_to(self._above(self.site, self._hover_enu_m[2])))
+            x, y, _ = self.site.position_enu_m
+            self._go_straight((x, y, self._hover_enu_m[2]))
             return Phase.ALIGN, (
-                f"chose ({self.site.position_enu_m[0]:.2f}, {self.site.position_enu_m[1]:.2f}): "
-                f"slope {math.degrees(self.site.slope_rad):.1f} deg, "
+                f"chose ({x:.2f}, {y:.2f}): slope {math.degrees(self.site.slope_rad):.1f} deg, "
+                f"roughness {100 * self.site.roughness_m:.0f} cm, "
                 f"{self.site.clearance_m:.2f} m of room"
             )
         if watch.n_frames < MAX_SEARCH_FRAMES:
@@ -371,29 +289,26 @@ class Pilot:
     def _align(self) -> Step:
         if not self._has_arrived():
             return None
-        site = self._site()
-        commit_m = site.position_enu_m[2] + self._world.airframe.leg_length_m + COMMIT_HEIGHT_M
-        self._fly(self._straight_to(self._above(site, commit_m), DESCENT_SPEED_MPS))
+        x, y, _ = self._chosen().position_enu_m
+        self._go_straight((x, y, self._resting_height_m() + COMMIT_HEIGHT_M), DESCENT_SPEED_MPS)
         return Phase.DESCEND, "above the touchdown point"
 
     def _descend(self) -> Step:
-        watch, site = self._watching(), self._site()
-        if watch.look(self._time_us, self._client.telemetry) and not watch.is_safe(site):
-            x, y, z = self._client.telemetry.position_enu_m
-            self._fly(self._straight_to((x, y, max(z, self._hover_enu_m[2]))))
+        watch = self._watching()
+        if watch.look(self._time_us, self._telemetry) and not watch.is_safe(self._chosen()):
+            x, y, z = self._telemetry.position_enu_m
+            self._go_straight((x, y, max(z, self._hover_enu_m[2])))
             return Phase.CLIMB, "the touchdown point no longer looks safe"
         if not self._has_arrived():
             return None
-        self._commit = self._reference()
+        self._course.touch_down(self._time_us, self._resting_height_m())
         return Phase.TOUCHDOWN, f"safe down to {COMMIT_HEIGHT_M} m"
 
     def _climb(self) -> Step:
-        if not self._has_arrived():
-            return None
-        return self._look("climbed back")
+        return self._look("climbed back") if self._has_arrived() else None
 
     def _touch_down(self) -> Step:
-        if self._client.telemetry.landed_state != LANDED_ON_GROUND:
+        if self._telemetry.landed_state != LANDED_ON_GROUND:
             return None
         return Phase.DISARM, "on the ground"
 
@@ -405,46 +320,24 @@ class Pilot:
             return Phase.FAILED, self.verdict.reason
         return None
 
-    # --- references ---
+    # Steering
 
     def _fly(self, trajectory: Trajectory) -> None:
-        self.trajectory = trajectory
-        self._begun_us = self._time_us
-        self._hold = None
-        self._commit = None
+        self._course.fly(trajectory, self._time_us)
 
-    def _reference(self) -> FlatReference:
-        return self.trajectory.sample((self._time_us - self._begun_us) * 1e-6)
+    def _go_straight(self, goal_enu_m: Vector3, speed_mps: float | None = None) -> None:
+        """From the present setpoint to a point at rest."""
+        now = self._course.reference(self._time_us)
+        self._fly(self._world.leg(now.position_enu_m, goal_enu_m, now.yaw_rad, speed_mps))
 
     def _has_arrived(self) -> bool:
-        """Whether the trajectory is over and the vehicle rests at its end."""
-        if (self._time_us - self._begun_us) * 1e-6 < self.trajectory.duration_s:
-            return False
-        telemetry = self._client.telemetry
-        away_m = math.dist(telemetry.position_enu_m, self._reference().position_enu_m)
-        return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
+        return self._course.has_arrived(self._time_us, self._telemetry)
 
-    def _straight_to(self, goal_enu_m: Vector3, speed_mps: float | None = None) -> Trajectory:
-        """A straight way from where the last one ends."""
-        here = self._reference()
-        return self._world.leg(here.position_enu_m, goal_enu_m, here.yaw_rad, speed_mps)
+    def _resting_height_m(self) -> float:
+        """Height of the vehicle's origin when it stands on the chosen place."""
+        return self._chosen().position_enu_m[2] + self._world.airframe.leg_length_m
 
-    def _sinking(self, commit: FlatReference) -> FlatReference:
-        """Straight down at a steady speed, a little past the surface."""
-        x, y, z = commit.position_enu_m
-        surface_m = self._site().position_enu_m[2] + self._world.airframe.leg_length_m
-        lowest_m = surface_m - _PRESS_M
-        height_m = z - TOUCHDOWN_SPEED_MPS * self._elapsed_s()
-        return FlatReference(
-            position_enu_m=(x, y, max(height_m, lowest_m)),
-            velocity_enu_mps=(0.0, 0.0, -TOUCHDOWN_SPEED_MPS if height_m > lowest_m else 0.0),
-            yaw_rad=commit.yaw_rad,
-        )
-
-    def _above(self, site: LandingSite, height_m: float) -> Vector3:
-        return (site.position_enu_m[0], site.position_enu_m[1], height_m)
-
-    def _site(self) -> LandingSite:
+    def _chosen(self) -> LandingSite:
         assert self.site is not None
         return self.site
 

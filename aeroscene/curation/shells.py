@@ -8,7 +8,7 @@ from itertools import pairwise
 from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
 from aeroscene.curation.frame import QUARTER, Frame
-from aeroscene.scene import AttributeValue
+from aeroscene.scene import AttributeValue, Vector3
 from aeroscene.shapes.buildings import FINISH_M
 from aeroscene.shapes.facade import (
     LINTEL_M,
@@ -37,9 +37,6 @@ class RoomSpace:
     """A room to furnish: x towards the building's front, y to its left."""
 
     placed: Placed
-    storey: int
-    is_wide: bool
-    """Whether it runs the building's whole length."""
 
     @property
     def floor(self) -> float:
@@ -93,42 +90,20 @@ def raise_shell(
 def _fit_out_storey(
     builder: Builder, draw: Draw, shell: Placed, storey: int, storeys: int
 ) -> list[RoomSpace]:
+    """Slab, partitions and rooms of one storey."""
     depth, length = shell.size[0] - 2 * WALL_M, shell.size[1] - 2 * WALL_M
     foot = shell.base + storey * STOREY_M
-    under = SLAB_TOP_M - SLAB_M if storey else 0.0
-    bearing = 2 * _BEARING_M if storey else 0.0
-    builder.place(
-        "floor",
-        shell.frame,
-        0,
-        0,
-        (depth + bearing, length + bearing, SLAB_TOP_M - under),
-        base=foot + under,
-        parent=shell,
-        domain="indoor",
-    )
+    _lay_slab(builder, shell, foot, is_upper=storey > 0)
     ceiling = STOREY_M if storey == storeys - 1 else STOREY_M + SLAB_TOP_M - SLAB_M
-    clear = ceiling - SLAB_TOP_M
+    floor, clear = foot + SLAB_TOP_M, ceiling - SLAB_TOP_M
     cuts = _partition_places(draw, shell.size[1])
-    doors: list[tuple[float, float]] = []
+    doors: list[float] = []
     for cut in cuts:
         offset = draw.between(-0.25, 0.25) * depth
-        builder.place(
-            "wall",
-            shell.frame,
-            0,
-            cut,
-            (PARTITION_M, depth, clear),
-            base=foot + SLAB_TOP_M,
-            turn=QUARTER,
-            parent=shell,
-            domain="indoor",
-            attributes={"door_m": DOOR_M, "door_offset_m": offset, "colour": "white"},
-        )
-        doors.append((-offset, cut))
-    edges = [-length / 2, *cuts, length / 2]
+        _part(builder, shell, cut, (PARTITION_M, depth, clear), floor, offset)
+        doors.append(-offset)  # The partition's own y axis is the building's -x axis.
     rooms: list[RoomSpace] = []
-    for index, (left, right) in enumerate(pairwise(edges)):
+    for index, (left, right) in enumerate(pairwise([-length / 2, *cuts, length / 2])):
         low = left + (PARTITION_M / 2 if index else 0.0)
         high = right - (PARTITION_M / 2 if index < len(cuts) else 0.0)
         placed = builder.place(
@@ -137,17 +112,51 @@ def _fit_out_storey(
             0,
             (low + high) / 2,
             (depth, high - low, clear),
-            base=foot + SLAB_TOP_M,
+            base=floor,
             parent=shell,
             domain="indoor",
             attributes={"finish": draw.one_of(("parquet", "floor_tiles", "carpet"))},
         )
         if placed:
-            rooms.append(RoomSpace(placed, storey, not cuts))
-    for u, v in doors:  # the partition's own y axis is the building's -x axis
-        apron = (DOOR_M + 0.2, 2 * _APRON_M, 2.5)
-        builder.reserve(shell.frame, u, v, apron, foot + SLAB_TOP_M + 0.1)
+            rooms.append(RoomSpace(placed))
+    for u, v in zip(doors, cuts, strict=True):
+        builder.reserve(shell.frame, u, v, (DOOR_M + 0.2, 2 * _APRON_M, 2.5), floor + 0.1)
     return rooms
+
+
+def _lay_slab(builder: Builder, shell: Placed, foot: float, *, is_upper: bool) -> None:
+    """A storey's floor; an upper one hangs lower and reaches into the walls."""
+    under = SLAB_TOP_M - SLAB_M if is_upper else 0.0
+    reach = 2 * _BEARING_M if is_upper else 0.0
+    depth, length = shell.size[0] - 2 * WALL_M, shell.size[1] - 2 * WALL_M
+    builder.place(
+        "floor",
+        shell.frame,
+        0,
+        0,
+        (depth + reach, length + reach, SLAB_TOP_M - under),
+        base=foot + under,
+        parent=shell,
+        domain="indoor",
+    )
+
+
+def _part(
+    builder: Builder, shell: Placed, cut: float, size: Vector3, floor: float, door_offset_m: float
+) -> None:
+    """A partition with a door across the building."""
+    builder.place(
+        "wall",
+        shell.frame,
+        0,
+        cut,
+        size,
+        base=floor,
+        turn=QUARTER,
+        parent=shell,
+        domain="indoor",
+        attributes={"door_m": DOOR_M, "door_offset_m": door_offset_m, "colour": "white"},
+    )
 
 
 def _partition_places(draw: Draw, length: float) -> list[float]:

@@ -34,8 +34,9 @@ class ControllerCfg:
     """Of the collective that trajectories may use; the rest is left to torques."""
     idle_speed_fraction: float = 0.12
     """Of the maximum rotor speed: what armed rotors never fall below."""
-    rotor_response_s: float = 0.006
-    """Rotors faster than this stay as they are, slower ones are led to it by their command."""
+    rotor_response_s: float = 0.0125
+    """Slower rotors are led to this by their command: falling speeds become as quick as rising
+    ones. 0.006 tracks 2 % closer and moves the rotors three times as much."""
 
     approach_gain_radps: float = 1.0
     """Reference speed per metre left to a bare position setpoint."""

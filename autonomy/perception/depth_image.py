@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from autonomy.jit import kernel
 from autonomy.model.quadrotor import Vector3
@@ -42,8 +42,8 @@ class DepthImage:
 @kernel
 def back_project(
     depth: Float[np.ndarray, "h w"],
-    intrinsics: Float[np.ndarray, "4"],
-    position: Float[np.ndarray, "3"],
+    intrinsics: Float[np.ndarray, " 4"],
+    position: Float[np.ndarray, " 3"],
     rotation: Float[np.ndarray, "3 3"],
 ) -> Float[np.ndarray, "n 3"]:
     """Points of the pixels whose depth is finite and positive."""
@@ -66,7 +66,7 @@ def back_project(
 @kernel
 def steepest_sight(
     points: Float[np.ndarray, "k 3"],
-    eye: Float[np.ndarray, "3"],
+    eye: Float[np.ndarray, " 3"],
     step: float,
     n_bearings: int,
     n_steps: int,
@@ -93,7 +93,7 @@ def steepest_sight(
 @kernel
 def bound_hidden(
     fall: Float[np.ndarray, "b s"],
-    eye: Float[np.ndarray, "3"],
+    eye: Float[np.ndarray, " 3"],
     step: float,
     east: Float[np.ndarray, " n"],
     north: Float[np.ndarray, " n"],
@@ -114,8 +114,8 @@ def bound_hidden(
 
 
 @kernel
-def bearing(x: float, y: float, n_bearings: int) -> Int[np.ndarray, ""]:
-    """Which of `n_bearings` sectors a direction lies in, by the perimeter of a diamond: no atan2."""
+def bearing(x: float, y: float, n_bearings: int) -> int:
+    """Which of `n_bearings` sectors a direction lies in, on the rim of a diamond: no arc tangent."""
     across = abs(x) + abs(y)
     turn = y / across if across > 0.0 else 0.0
     if x < 0.0:

@@ -36,7 +36,7 @@ class ElevationMap:
 
     Attributes:
         height_m: Mean height of each cell, ENU; rows along north, columns along east, as OpenCV
-            and images have it. Zero where nothing was seen.
+            and images have it. Without meaning where nothing was seen.
         top_m: Highest point of each cell.
         bottom_m: Lowest point of each cell.
         hidden_m: Bound of the height of each cell by lines of sight over it; inf without one.
@@ -116,12 +116,10 @@ class ElevationMap:
             return
         shift = float(np.median(layers[0][common] - self.height_m[common]))
         follow = shift / min(self._n_fused + 1, MEMORY_FRAMES)
-        for layer in (*layers, hidden):
-            layer -= shift - follow
-        observed = self.is_observed
-        for layer in (self.height_m, self.top_m, self.bottom_m):
-            layer[observed] += follow
-        self.hidden_m += follow
+        for new in (*layers, hidden):
+            np.subtract(new, shift - follow, out=new)
+        for old in (self.height_m, self.top_m, self.bottom_m, self.hidden_m):
+            np.add(old, follow, out=old)
 
     def _frames_counted(self, seen: np.ndarray) -> np.ndarray:
         return np.minimum(self.n_frames[seen], MEMORY_FRAMES).astype(np.float32)
@@ -137,7 +135,7 @@ class ElevationMap:
 
 @kernel
 def rasterise(
-    points: Float[np.ndarray, "k 3"], center: Float[np.ndarray, "3"], resolution: float, n: int
+    points: Float[np.ndarray, "k 3"], center: Float[np.ndarray, " 3"], resolution: float, n: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Mean, maximum, minimum and number of the heights of the points in each cell."""
     mean = np.zeros((n, n))

@@ -139,8 +139,8 @@ def assess(
         is_observed=observed,
         is_safe=is_safe,
         clearance_m=clearance,
-        cells_enu_m=np.column_stack([east[columns], north[rows], elevation.height_m[rows, columns]]),
-        cost=cost[rows, columns],
+        cells_enu_m=np.column_stack([east[columns], north[rows], elevation.height_m[observed]]),
+        cost=cost[observed],
     )
 
 
@@ -248,9 +248,9 @@ def _highest(
     """How far a surface rises above each cell's plane within the window; inf beyond the border."""
     reach = len(window) // 2
     padded = np.pad(surface.astype(np.float32), reach, constant_values=np.inf)
-    height, *gradient = plane.astype(np.float32)
+    height, east, north = plane.astype(np.float32)
     offsets = np.argwhere(window > 0) - reach
-    return highest_above_planes(padded, height, *gradient, offsets, reach, np.float32(resolution_m))
+    return highest_above_planes(padded, height, east, north, offsets, reach, resolution_m)
 
 
 @kernel
@@ -277,7 +277,7 @@ def highest_above_planes(
     n = len(height)
     highest = np.full((n, n), np.float32(-np.inf))
     for i in range(n):
-        # Rows as arrays of their own and a bare comparison: so this compiles to vector instructions.
+        # Rows as arrays of their own: so the inner loop compiles to vector instructions.
         best, level, east_row, north_row = highest[i], height[i], east[i], north[i]
         for k in range(len(offsets)):
             x, y = np.float32(offsets[k, 1] * resolution), np.float32(offsets[k, 0] * resolution)
@@ -285,7 +285,7 @@ def highest_above_planes(
             row = surface[i + offsets[k, 0] + reach, right : right + n]
             for j in range(n):
                 above = row[j] - (level[j] + x * east_row[j] + y * north_row[j])
-                best[j] = best[j] if best[j] > above else above
+                best[j] = max(above, best[j])
     return highest
 
 

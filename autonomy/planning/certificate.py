@@ -25,7 +25,7 @@ class Certificate:
     """What was proved."""
 
     min_clearance_m: float
-    """Lower bound of the distance from the vehicle's sphere to any obstacle, along the whole way."""
+    """Lower bound of the distance from the vehicle's sphere to obstacles, along the whole way."""
     max_speed_horizontal_mps: float
     max_speed_vertical_mps: float
     max_acceleration_mps2: float
@@ -51,7 +51,7 @@ def certify(
     clearance_m = _clearance(trajectory, times, obstacles, radius_m, margin_m)
     velocity = trajectory.derivatives(times, 1)
     acceleration = trajectory.derivatives(times, 2)
-    thrust = acceleration + [0.0, 0.0, GRAVITY_MPS2]
+    thrust = acceleration + np.array([0.0, 0.0, GRAVITY_MPS2])
     across = np.hypot(thrust[:, 0], thrust[:, 1])
     certificate = Certificate(
         min_clearance_m=clearance_m,

@@ -12,6 +12,7 @@ from the solids themselves.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -22,7 +23,7 @@ from autonomy.planning.obstacles import Obstacles, gap_to_sphere, plane_to_segme
 
 MAX_PLANES = 20
 REACHES_M = (6.0, 3.0, 1.5, 0.75)
-"""How far a polytope may extend beyond its leg along each axis: the first with few planes enough."""
+"""How far a polytope may extend beyond its leg along each axis: the first that needs few planes."""
 _SLACK_M = 1e-6
 
 
@@ -79,13 +80,13 @@ def build_corridor(
         CertificateError: If a leg comes closer to an obstacle than `least_m`.
     """
     planes, gates = [], [legs_enu_m[:1]]
-    for a, b in zip(legs_enu_m[:-1], legs_enu_m[1:], strict=True):
+    for a, b in pairwise(legs_enu_m):
         offered_m = float(segment_clearance(a, b, wanted_m * 2, obstacles.solids))
         if offered_m <= least_m:
             raise CertificateError(
                 f"the leg from ({a[0]:.1f}, {a[1]:.1f}, {a[2]:.1f}) to "
-                f"({b[0]:.1f}, {b[1]:.1f}, {b[2]:.1f}) m passes {offered_m:.2f} m from an obstacle; "
-                f"valid: more than {least_m:.2f} m"
+                f"({b[0]:.1f}, {b[1]:.1f}, {b[2]:.1f}) m passes {offered_m:.2f} m from an "
+                f"obstacle; valid: more than {least_m:.2f} m"
             )
         kept_m = min(wanted_m, (offered_m + least_m) / 2)
         polytope = _polytope(a, b, kept_m, bounds_enu_m, obstacles)

@@ -8,7 +8,7 @@ class PlanningError(ValueError):
 
 
 class BlockedError(PlanningError):
-    """Start or goal is in an obstacle, closer to one than the vehicle's radius, or out of bounds."""
+    """Start or goal is in an obstacle, closer to one than the vehicle's radius, or off the map."""
 
 
 class UnreachableError(PlanningError):

@@ -30,7 +30,7 @@ class DistanceField:
             )
 
     def cells(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> Int[np.ndarray, "*b 3"]:
-        """Indices of the cells that hold the points; outside the grid they lie outside its shape."""
+        """Indices of the cells that hold the points; off the grid they lie outside its shape."""
         offset = (np.asarray(points_enu_m) - self.origin_enu_m) / self.resolution_m
         return np.rint(offset).astype(np.int64)
 
@@ -39,7 +39,7 @@ class DistanceField:
         return np.asarray(self.origin_enu_m) + np.asarray(cells) * self.resolution_m
 
     @property
-    def bounds_enu_m(self) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+    def bounds_enu_m(self) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
         """Centres of the first and of the last cell."""
         return np.array(self.origin_enu_m), self.centres(np.array(self.distance_m.shape) - 1)
 

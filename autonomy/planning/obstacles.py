@@ -2,9 +2,9 @@
 
 All solids are convex, so the point nearest to a solid gives a plane that touches it and has it
 on one side; with the solid's support function as offset that holds to the last bit, whatever the
-nearest point was rounded to. From outside, boxes, cylinders and ellipsoids are measured
-exactly. For a convex hull the plane is that of its farthest face or of its bounding box: exact in front
-of a face, too near beside some edges, never too far. So "farther than r" can always be believed.
+nearest point was rounded to. From outside, boxes, cylinders and ellipsoids are measured exactly.
+For a convex hull the plane is that of its farthest face or of its bounding box: exact in front of a
+face, too near beside some edges, never too far. So "farther than r" can always be believed.
 """
 
 from __future__ import annotations
@@ -128,6 +128,7 @@ def rotation_matrices(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, 
 
 @kernel
 def distances_to_solids(points, solids):
+    """Signed distance from each point to the nearest solid, and its index."""
     distance = np.full(len(points), np.inf)
     nearest = np.full(len(points), -1)
     for k in range(len(points)):
@@ -234,7 +235,7 @@ def _from_segment(p, q, s, i, solids):
 @kernel
 def _box(x, y, z, a, b, c):
     u, v, w = abs(x) - a, abs(y) - b, abs(z) - c
-    inside = max(u, max(v, w))
+    inside = max(u, v, w)
     if inside > 0.0:
         n, m, o = max(u, 0.0), max(v, 0.0), max(w, 0.0)
     else:
@@ -267,7 +268,7 @@ def _ellipsoid(x, y, z, a, b, c):
     point is not unique, the smallest semi-axis times (gauge - 1) is a safe bound.
     """
     gauge = math.sqrt((x / a) ** 2 + (y / b) ** 2 + (z / c) ** 2)
-    shortest = min(a, min(b, c))
+    shortest = min(a, b, c)
     t = max(gauge - 1.0, 0.0) * shortest**2
     for _ in range(_NEWTON_STEPS if gauge > 1.0 else 0):
         p, q, r = a * x / (a * a + t), b * y / (b * b + t), c * z / (c * c + t)

@@ -12,9 +12,9 @@ hull of its control points, so bounds on those hold between samples:
 minimise  sum_k  int |jerk|^2 dt / jerk_weight  +  T_k  +  SLACK_PRICE T_k s_k^2
 
 Horizontal limits are octagons inside the circle. As the speed limits are soft, every T has a
-solution (one that stops at every gate, for a start at rest); J(T), the optimum, is differentiable with
-the Lagrangian's gradient, and L-BFGS moves log T down it. Pieces that still exceed a limit are
-then given more time and the QP is solved again.
+solution (one that stops at every gate, for a start at rest); J(T), the optimum, has the
+Lagrangian's gradient, and L-BFGS moves log T down it. Pieces that still exceed a limit are then
+given more time and the QP is solved again.
 
 Node states are made dimensionless by the times beside them, (p, v tau, a tau^2) with tau the
 geometric mean: in plain SI units the QP is too badly scaled for any solver in CasADi's wheel. The
@@ -98,7 +98,7 @@ def optimise(
         bounds=[(math.log(_MIN_PIECE_S), math.log(_MAX_PIECE_S))] * len(corridor),
         options=_BEST_TIMES,
     )
-    log_times = best.x
+    log_times, excess = best.x, np.zeros(1)
     for _ in range(_MAX_STRETCHES):
         nodes, excess = solve.nodes_and_excess(log_times)
         if np.all(excess <= _RESERVE):
@@ -184,6 +184,7 @@ def _program(n: int) -> _Program:
     ends = ca.SX.sym("ends", 18)
     planes = ca.SX.sym("planes", 4 * MAX_PLANES * n)
     bounds = ca.SX.sym("bounds", 4)
+    v_limits, a_limits = (bounds[0], bounds[1]), (bounds[2], bounds[3])
     inner = ca.SX.sym("inner", 9 * (n - 1))
     slack = ca.SX.sym("slack", n)
 
@@ -197,15 +198,17 @@ def _program(n: int) -> _Program:
     cost, rows = ca.SX(0), []
     for k in range(n):
         t = ca.exp(log_t[k])
-        polytope = ca.reshape(planes[4 * MAX_PLANES * k : 4 * MAX_PLANES * (k + 1)], 4, MAX_PLANES)
         position, velocity, acceleration, jerk = _control_points(nodes[k], nodes[k + 1], t)
-        cost += _integral_of_square(jerk, t) / _JERK_WEIGHT_M2PS5 + t + SLACK_PRICE * t * slack[k] ** 2
-        for point in position:
-            rows.append(polytope[:3, :].T @ point - polytope[3, :].T)
-        for points, across, up in ((velocity, bounds[0], bounds[1]), (acceleration, bounds[2], bounds[3])):
-            for point in points[1:]:
-                rows += [(x * point[0] + y * point[1]) / across - 1 - slack[k] for x, y in _DIRECTIONS]
-                rows += [sign * point[2] / up - 1 - slack[k] for sign in (-1, 1)]
+        cost += _integral_of_square(jerk, t) / _JERK_WEIGHT_M2PS5 + t
+        cost += SLACK_PRICE * t * slack[k] ** 2
+        size = 4 * MAX_PLANES
+        polytope = ca.reshape(planes[size * k : size * (k + 1)], 4, MAX_PLANES)
+        rows += [polytope[:3, :].T @ point - polytope[3, :].T for point in position]
+        # A piece's first points of velocity and acceleration are the last ones of the piece before.
+        for points, across, up in ((velocity, *v_limits), (acceleration, *a_limits)):
+            for x, y, z in (ca.vertsplit(point) for point in points[1:]):
+                rows += [(c * x + s * y) / across - 1 - slack[k] for c, s in _DIRECTIONS]
+                rows += [sign * z / up - 1 - slack[k] for sign in (-1, 1)]
     unknowns, rows = ca.vertcat(inner, slack), ca.vertcat(*rows)
     parameters = ca.vertcat(log_t, ends, planes, bounds)
     multipliers = ca.SX.sym("multipliers", rows.shape[0])

@@ -21,7 +21,6 @@ from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_fr
 from autonomy.planning.yaw import STEP_S, yaw_along_path
 from autonomy.types import ZERO3, FlatReference
 
-
 _MIN_LEG_S = 0.5
 
 
@@ -32,7 +31,7 @@ class PlannerCfg:
     vehicle_radius_m: float
     """Of a sphere about the centre of mass that holds the vehicle."""
     margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
-    """Distance between that sphere and obstacles to aim at; the first that gives a plan is taken."""
+    """Distances from that sphere to obstacles to aim at; the first that gives a plan is taken."""
     min_margin_m: float = 0.05
     """What the proof demands beyond the sphere."""
     comfortable_m: float = 1.5
@@ -197,7 +196,9 @@ def _attempt(
         corridor,
         bounds,
     )
-    return _with_yaw(coefficients_from_nodes(nodes, durations_s), durations_s, start.yaw_rad, limits)
+    return _with_yaw(
+        coefficients_from_nodes(nodes, durations_s), durations_s, start.yaw_rad, limits
+    )
 
 
 def _with_yaw(

@@ -1,9 +1,10 @@
 """Shortest path through the cells of a distance field, with a price on closeness to obstacles.
 
 A* on the 26 neighbours of a cell. A diagonal step needs every cell of the block it crosses to be
-free, so that it cuts no corner. A step costs its length times the mean price of its two cells; the price is 1 where the distance is
-comfortable and rises with its square to `1 + NARROWNESS_PRICE` where it is just enough. The
-heuristic is the 26-neighbour distance of an empty grid, which is consistent, so the path is optimal.
+free, so that it cuts no corner. A step costs its length times the mean price of its two cells;
+the price is 1 where the distance is comfortable and rises with the square of what is lacking to
+`1 + NARROWNESS_PRICE` where the distance is just enough. The heuristic is the distance on an empty
+grid, which is consistent, so the path is optimal.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ _SQRT_2, _SQRT_3 = math.sqrt(2.0), math.sqrt(3.0)
 
 def shortest_path(
     field: DistanceField,
-    start_cell: Int[np.ndarray, "3"],
-    goal_cell: Int[np.ndarray, "3"],
+    start_cell: Int[np.ndarray, " 3"],
+    goal_cell: Int[np.ndarray, " 3"],
     *,
     required_m: float,
     comfortable_m: float,
@@ -54,15 +55,6 @@ def shortest_path(
     return path
 
 
-def path_cost(
-    field: DistanceField, path: Int[np.ndarray, "n 3"], *, required_m: float, comfortable_m: float
-) -> float:
-    """What `shortest_path` minimises, in cells."""
-    price = np.array([_price.py_func(field.distance_m[tuple(c)], required_m, comfortable_m) for c in path])
-    length = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    return float(np.sum(length * (price[:-1] + price[1:]) / 2))
-
-
 @kernel
 def _price(distance, required, comfortable):
     lack = max(0.0, min(1.0, (comfortable - distance) / (comfortable - required)))
@@ -72,7 +64,7 @@ def _price(distance, required, comfortable):
 @kernel
 def _empty_grid_distance(i, j, k):
     a, b, c = abs(i), abs(j), abs(k)
-    low, high = min(a, min(b, c)), max(a, max(b, c))
+    low, high = min(a, b, c), max(a, b, c)
     middle = a + b + c - low - high
     return (high - middle) + _SQRT_2 * (middle - low) + _SQRT_3 * low
 

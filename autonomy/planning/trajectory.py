@@ -98,7 +98,7 @@ class Trajectory:
         return total
 
 
-def _only_if(holds: bool, x: float, y: float, z: float) -> Vector3:  # noqa: FBT001
+def _only_if(holds: bool, x: float, y: float, z: float) -> Vector3:
     return (x, y, z) if holds else (0.0, 0.0, 0.0)
 
 

@@ -45,7 +45,8 @@ def yaw_along_path(
 
 def _wanted_yaw(positions_enu_m: np.ndarray, start_yaw_rad: float) -> list[float]:
     ahead = round(LOOK_AHEAD_S / STEP_S)
-    later = positions_enu_m[np.minimum(np.arange(len(positions_enu_m)) + ahead, -1 % len(positions_enu_m))]
+    last = len(positions_enu_m) - 1
+    later = positions_enu_m[np.minimum(np.arange(last + 1) + ahead, last)]
     travel = later - positions_enu_m
     is_moving = np.hypot(travel[:, 0], travel[:, 1]) >= _MIN_TRAVEL_M
     direction = np.arctan2(travel[:, 1], travel[:, 0])

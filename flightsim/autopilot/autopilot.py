@@ -35,8 +35,6 @@ _GUARD_EVERY = 5
 """Failsafes are looked at every 100 ms."""
 _REPORT_EVERY = 25
 """Health, battery and arming report are refreshed every 500 ms."""
-_FARTHEST_M = 1e5
-_LEAST_CLIMB_M = 0.3
 
 
 class Autopilot:

@@ -15,7 +15,7 @@ from flightsim.autopilot.mission import MAX_MISSION_ITEMS, MissionError, Mission
 from flightsim.mavlink import mission_items as results
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import LAYOUTS
-from flightsim.mavlink.mission_items import payload_of_item, result_of
+from flightsim.mavlink.mission_items import check_frames, payload_of_item, result_of
 from flightsim.mavlink.mission_upload import Upload
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
@@ -160,6 +160,7 @@ class MissionService:
         items: tuple[MissionItem, ...],
     ) -> int:
         try:
+            check_frames(items)
             self._stores[mission_type].replace(items)
         except MissionError as error:
             self._statustext.say(Severity.ERROR, f"Mission refused: {error}")

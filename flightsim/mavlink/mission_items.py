@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from flightsim.autopilot.mission import MissionError, MissionFault, MissionItem
 from flightsim.mavlink.dialect import LAYOUTS
@@ -49,6 +50,21 @@ def _int_from_coordinate(value: float, frame: int) -> int:
     if not math.isfinite(value):
         return _NOT_GIVEN
     return max(_INT32_MIN, min(_NOT_GIVEN, round(value * scale_of(frame))))
+
+
+def check_frames(items: Iterable[MissionItem]) -> None:
+    """Refuse items in local frames, as PX4 does: uploads are meant to outlive a local origin.
+
+    Raises:
+        MissionError: Names the first such item.
+    """
+    for index, item in enumerate(items):
+        if item.frame in _LOCAL_FRAMES:
+            raise MissionError(
+                MissionFault.UNSUPPORTED_FRAME,
+                f"item {index}: frame {item.frame} is local; valid are global frames and 2",
+                index=index,
+            )
 
 
 def item_from_message(message: Message) -> MissionItem:

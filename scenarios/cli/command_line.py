@@ -15,7 +15,9 @@ EXIT_NEGATIVE = 1
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
 
-_BOX = re.compile(r"[╭╮╰╯│─]+")
+# tyro frames its errors with lines or, where the terminal knows none, with ASCII.
+_SIDES = " │|"
+_RULE = re.compile(r"^[─-]{3,}$")
 # Where a configuration refuses itself, tyro names the dataclass, which tells a user nothing.
 _DATACLASS = re.compile(r"^Error parsing \w+: ")
 
@@ -48,7 +50,8 @@ def fail(prog: str, message: str) -> NoReturn:
 
 def _one_line(tyro_box: str) -> str:
     """What tyro says inside the first compartment of its error box, on one line."""
-    lines = tyro_box.splitlines()[1:]
-    end = next((i for i, line in enumerate(lines) if "───" in line), len(lines))
-    text = " ".join(_BOX.sub("", line).strip() for line in lines[:end])
-    return _DATACLASS.sub("", text.strip().rstrip("."))
+    lines = [line.strip(_SIDES) for line in tyro_box.splitlines()[1:-1]]
+    if lines and _RULE.match(lines[0]):
+        del lines[0]
+    end = next((i for i, line in enumerate(lines) if _RULE.match(line)), len(lines))
+    return _DATACLASS.sub("", " ".join(lines[:end]).strip().rstrip("."))

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from aeroscene.catalogue import CATALOGUE
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneError, SceneObject
 
 SQUARE = ((0.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 1.0))
@@ -186,7 +187,7 @@ def test_hierarchy_is_readable_in_both_directions():
     assert scene.ancestors(5) == (1, 0)
     assert [obj.id for obj in scene.children_by_id[0]] == [1]
     assert [obj.id for obj in scene.children_by_id[None]] == [0]
-    assert scene.object_by_id[5].category == "chair" or scene.object_by_id[5].category
+    assert scene.object_by_id[5].category == CATALOGUE[50].name
 
 
 def test_scene_without_objects_is_valid():

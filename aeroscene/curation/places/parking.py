@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from math import pi
 
 from aeroscene.curation.builder import Placed
@@ -66,35 +67,48 @@ class Parking:
             )
 
     def details(self) -> None:
-        """Cars in about half the bays, a van, lamps, trees on the strip of green."""
+        """Cars in about half the bays, lamps, trees on the strip of green."""
         ground, draw = self.ground, self.ground.draw
         if self._lot is None:
             return
-        lot = self._lot
+        self._park_cars(self._lot)
+        self._light(self._lot)
+        if self._roof:
+            equip_flat_roof(ground.builder, draw, self._roof, items=draw.count(2, 4))
+        if ground.surface:
+            half, depth = ground.parcel.width / 2, ground.parcel.depth
+            ground.plant_trees(draw.count(2, 4), (-half, half, _DEPTH_M, depth))
+            ground.scatter("bush", draw.count(2, 4), near=(-half, half, _DEPTH_M, depth))
+            ground.stand("bench", draw.between(-0.7, 0.7) * half, _DEPTH_M + 0.8, turn=-QUARTER)
+
+    def _park_cars(self, lot: Placed) -> None:
+        draw = self.ground.draw
         n_bays = int((lot.size[0] - 0.1) // BAY_WIDTH_M)
         share = draw.between(0.3, 0.55)
-        for row in (-1, 1):
-            for bay in range(n_bays):
-                if not draw.chance(share):
-                    continue
-                u = -n_bays * BAY_WIDTH_M / 2 + (bay + 0.5) * BAY_WIDTH_M
-                name = "van" if draw.chance(0.12) else "car"
-                size = draw.size_of(name)
-                turn = INWARD if draw.chance(0.5) else STREETWARD
-                ground.builder.place(
-                    name,
-                    lot.frame,
-                    u,
-                    row * (lot.size[1] / 2 - 2.7),
-                    (min(size[0], 4.9), size[1], size[2]),
-                    base=lot.top,
-                    turn=turn,
-                    parent=lot,
-                    within=lot,
-                    attributes={"colour": draw.one_of(PAINT_COLOURS)},
-                )
+        for row, bay in product((-1, 1), range(n_bays)):
+            if not draw.chance(share):
+                continue
+            u = -n_bays * BAY_WIDTH_M / 2 + (bay + 0.5) * BAY_WIDTH_M
+            name = "van" if draw.chance(0.12) else "car"
+            size = draw.size_of(name)
+            turn = INWARD if draw.chance(0.5) else STREETWARD
+            self.ground.builder.place(
+                name,
+                lot.frame,
+                u,
+                row * (lot.size[1] / 2 - 2.7),
+                (min(size[0], 4.9), size[1], size[2]),
+                base=lot.top,
+                turn=turn,
+                parent=lot,
+                within=lot,
+                attributes={"colour": draw.one_of(PAINT_COLOURS)},
+            )
+
+    def _light(self, lot: Placed) -> None:
+        """A lamp at each end of the aisle."""
         for sign in (-1, 1):
-            ground.builder.place(
+            self.ground.builder.place(
                 "street_lamp",
                 lot.frame,
                 sign * (lot.size[0] / 2 - 0.6),
@@ -104,10 +118,3 @@ class Parking:
                 turn=pi if sign > 0 else 0.0,
                 parent=lot,
             )
-        if self._roof:
-            equip_flat_roof(ground.builder, draw, self._roof, items=draw.count(2, 4))
-        if ground.surface:
-            half, depth = ground.parcel.width / 2, ground.parcel.depth
-            ground.plant_trees(draw.count(2, 4), (-half, half, _DEPTH_M, depth))
-            ground.scatter("bush", draw.count(2, 4), near=(-half, half, _DEPTH_M, depth))
-            ground.stand("bench", draw.between(-0.7, 0.7) * half, _DEPTH_M + 0.8, turn=-QUARTER)

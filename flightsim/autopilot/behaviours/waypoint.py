@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, radians
 
 from autonomy.model.quadrotor import Vector3
 from autonomy.types import Setpoint
@@ -126,7 +126,7 @@ class WaypointLeg:
             return True
         p = self._flight.parameters
         self._turned_s += TICK_S
-        is_turned = self._flight.heading.remaining_rad <= p["MIS_YAW_ERR"] * 0.0174533
+        is_turned = self._flight.heading.remaining_rad <= radians(p["MIS_YAW_ERR"])
         return is_turned or 0.0 <= p["MIS_YAW_TMT"] <= self._turned_s
 
     def _is_near(self, radius_m: float) -> bool:

@@ -35,7 +35,7 @@ class Link(Protocol):
         """Partners at present."""
         ...
 
-    def open(self, selector: selectors.BaseSelector, simulated_us: Callable[[], int]) -> None:
+    def open(self, selector: selectors.BaseSelector, simulated_us: Callable[[], int], /) -> None:
         """Take the port; register sockets with their reading functions as data."""
         ...
 

@@ -168,6 +168,7 @@ def test_fence_and_rally_points_are_kept_apart():
     [
         (_waypoint(0, command=4242), 3),
         (_waypoint(0, frame=77), 2),
+        (_waypoint(0, frame=1), 2),
         ((1, 1, 0, 6, 16, 0, 1, 0, 0, 0, 0, 2**31 - 2, 0, 5.0, MISSION), 10),
         ((1, 1, 0, 6, 16, 0, 1, 0, 0, 0, 0, 0x7FFFFFFF, 0, 5.0, MISSION), 10),
         ((1, 1, 0, 6, 16, 0, 1, 0, 0, 0, 0, 1, 0, math.nan, MISSION), 12),

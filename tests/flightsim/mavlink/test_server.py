@@ -173,9 +173,9 @@ def test_a_ground_station_in_wall_time_is_not_lost_in_fast_simulated_time(flight
     monkeypatch.setattr(channel, "clock", lambda: flight.plant.time_us * 1e-6 / 30.0)
     for _ in range(3):  # a heartbeat in 30 simulated seconds
         flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
-        flight.run(30.0)
+        flight.skip(30.0)
     assert flight.autopilot.mode is Mode.HOLD
-    flight.run(40.0)
+    flight.skip(40.0)
     assert flight.autopilot.mode is not Mode.HOLD
 
 

@@ -1,0 +1,80 @@
+"""What the pilot has the vehicle follow: a trajectory, or the last metre down."""
+
+from __future__ import annotations
+
+import math
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.planning import Trajectory
+from autonomy.types import FlatReference
+from scenarios.mavlink_telemetry import Telemetry
+
+TOUCHDOWN_SPEED_MPS = 0.4
+_PRESS_M = 0.4
+"""How far below the surface the last setpoints lie, so that the rotors let go."""
+_AT_PLACE_M = 0.25
+_AT_REST_MPS = 0.2
+
+
+class Course:
+    """Setpoints over time.
+
+    Attributes:
+        trajectory: What is followed, or was before the last metre.
+    """
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        self.trajectory = trajectory
+        self._begun_us: int | None = None
+        self._touchdown: tuple[int, FlatReference, float] | None = None
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether anything is to be followed yet."""
+        return self._begun_us is not None
+
+    def fly(self, trajectory: Trajectory, time_us: int) -> None:
+        """Follow a trajectory from now on."""
+        self.trajectory = trajectory
+        self._begun_us = time_us
+        self._touchdown = None
+
+    def touch_down(self, time_us: int, resting_height_m: float) -> None:
+        """Sink from the present setpoint onto a surface.
+
+        Args:
+            time_us: Now.
+            resting_height_m: Height of the vehicle's origin when it stands there.
+        """
+        self._touchdown = (time_us, self.reference(time_us), resting_height_m)
+
+    def reference(self, time_us: int) -> FlatReference:
+        """The setpoint of a time."""
+        if self._touchdown is not None:
+            return _sinking(time_us, *self._touchdown)
+        return self.trajectory.sample(self._elapsed_s(time_us))
+
+    def has_arrived(self, time_us: int, telemetry: Telemetry) -> bool:
+        """Whether the trajectory is over and the vehicle rests at its end."""
+        if self._elapsed_s(time_us) < self.trajectory.duration_s:
+            return False
+        away_m = math.dist(telemetry.position_enu_m, self.reference(time_us).position_enu_m)
+        return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
+
+    def _elapsed_s(self, time_us: int) -> float:
+        return 0.0 if self._begun_us is None else (time_us - self._begun_us) * 1e-6
+
+
+def _sinking(
+    time_us: int, begun_us: int, begin: FlatReference, resting_height_m: float
+) -> FlatReference:
+    """Straight down at a steady speed, to a little below the surface."""
+    x, y, z = begin.position_enu_m
+    lowest_m = resting_height_m - _PRESS_M
+    height_m = z - TOUCHDOWN_SPEED_MPS * (time_us - begun_us) * 1e-6
+    position_enu_m: Vector3 = (x, y, max(height_m, lowest_m))
+    return FlatReference(
+        position_enu_m=position_enu_m,
+        velocity_enu_mps=(0.0, 0.0, -TOUCHDOWN_SPEED_MPS if height_m > lowest_m else 0.0),
+        yaw_rad=begin.yaw_rad,
+    )

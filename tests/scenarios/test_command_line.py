@@ -1,0 +1,79 @@
+"""The shell: bad input gets one line and exit status 2, help names units and defaults."""
+
+import pytest
+
+from scenarios.cli.sitl import main
+
+
+def fails_with(capsys, *args):
+    with pytest.raises(SystemExit) as stop:
+        main(list(args))
+    assert stop.value.code == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    return output.err
+
+
+@pytest.mark.parametrize(
+    ("args", "line"),
+    [
+        (
+            ["--vehicle", "spitfire"],
+            "vehicle 'spitfire' is unknown; valid: iris, iris-rotors, hummingbird",
+        ),
+        (
+            ["--scene", "1016"],
+            "scene '1016' is unknown, valid: a number from 0 to 1015 or the path of a .json file",
+        ),
+        (
+            ["--scene", "absent.json"],
+            "scene file 'absent.json' cannot be read (no such file or directory), valid: a scene in JSON",
+        ),
+        (["--speed", "0"], "speed 0.0 is not positive; valid: 1, a factor, or max"),
+        (["--speed", "nan"], "speed nan is not positive; valid: 1, a factor, or max"),
+        (["--seed", "-1"], "seed -1 is negative; valid: 0 or more"),
+        (["--instance", "100"], "instance 100 is out of range; valid: 0 to 99"),
+        (
+            ["--instance", "one"],
+            "Error parsing --instance: invalid literal for int() with base 10: 'one'",
+        ),
+        (["--camera-hz", "51"], "camera-hz 51.0 is out of range; valid: 0 to 50 Hz"),
+        (
+            ["--headless-seconds", "0"],
+            "headless-seconds 0.0 is not positive; valid: seconds above 0",
+        ),
+        (["--record", "flight.mp4"], "record 'flight.mp4' is no .rrd file; valid: NAME.rrd"),
+        (["--altitude", "3"], "Unrecognized options: --altitude, 3"),
+        (["--vehicle"], "Missing value for argument '--vehicle'. Expected 1 values"),
+    ],
+)
+def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
+    error = fails_with(capsys, *args)
+    assert error.startswith(f"aeroscene-sitl: error: {line}")
+    assert error.count("\n") == 1
+
+
+def test_a_malformed_scene_file_is_named_with_its_fault(capsys, tmp_path):
+    path = tmp_path / "cut.json"
+    path.write_text('{"version": 1, "scene_id": "x"')
+    error = fails_with(capsys, "--scene", str(path))
+    assert str(path) in error
+    assert error.count("\n") == 1
+
+
+def test_help_names_every_option_with_its_default(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["--help"])
+    assert stop.value.code == 0
+    text = capsys.readouterr().out
+    for option in (
+        "--scene",
+        "--vehicle",
+        "--speed",
+        "--viewer",
+        "--record",
+        "--instance",
+        "--demo",
+    ):
+        assert option in text
+    assert "(default: 42)" in text
