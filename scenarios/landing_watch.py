@@ -17,18 +17,21 @@ from autonomy.perception import (
     LandingNeeds,
     LandingSite,
     assess,
+    camera_pose,
     choose_site,
+    objection,
+    site_at,
 )
-from autonomy.planning.obstacles import rotation_matrices
-from flightsim.vehicles.airframe import Airframe, CameraMount
+from flightsim.vehicles.airframe import Airframe
 from scenarios.mavlink_telemetry import Telemetry
 from scenarios.mission import Surroundings
 
 CAMERA = "down"
 FRAME_PERIOD_US = 200_000
-_SCATTER_M = 0.12
+_SCATTER_M = 0.1
 """By how much a touchdown may miss: estimate, tracking and map together."""
 _BORDER_M = 0.8
+"""How far the map reaches beyond the area."""
 _MAX_HALF_EXTENT_M = 4.0
 _COLUMN_STEP_M = 0.25
 _COLUMN_MARGIN_M = 0.05
@@ -53,17 +56,6 @@ def landing_needs(airframe: Airframe) -> LandingNeeds:
     )
 
 
-def camera_pose(mount: CameraMount, telemetry: Telemetry) -> tuple[Vector3, np.ndarray]:
-    """Position (ENU) and attitude (optical to ENU) of a camera on the estimated vehicle."""
-    rotation_enu_from_flu = rotation_matrices(np.array([telemetry.quat_wxyz]))[0]
-    s, c = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
-    # Columns: the optical right, down and forward axes in FLU.
-    rotation_flu_from_optical = np.array([[0.0, -s, c], [-1.0, 0.0, 0.0], [0.0, -c, -s]])
-    lever = rotation_enu_from_flu @ np.array(mount.position_flu_m)
-    x, y, z = (np.array(telemetry.position_enu_m) + lever).tolist()
-    return (x, y, z), rotation_enu_from_flu @ rotation_flu_from_optical
-
-
 class LandingWatch:
     """One look at one area; a new one forgets what the last saw.
 
@@ -79,17 +71,25 @@ class LandingWatch:
         hover_enu_m: Vector3,
         frames: Callable[[str], DepthFrame],
     ) -> None:
+        """Begin an empty map of an area.
+
+        Args:
+            surroundings: What the map of the scene knows.
+            area: Where to land.
+            hover_enu_m: From where it is looked at.
+            frames: Renders the named camera now.
+        """
         self._mount = next(m for m in surroundings.airframe.cameras if m.name == CAMERA)
         self._needs = landing_needs(surroundings.airframe)
         self._frames = frames
         self._preferred_enu_m = area.centroid
         reach_m = max(math.dist(corner[:2], area.centroid[:2]) for corner in area.polygon)
-        self._elevation = ElevationMap(
-            area.centroid, half_extent_m=min(reach_m + _BORDER_M, _MAX_HALF_EXTENT_M)
+        half_extent_m = min(reach_m + _BORDER_M, _MAX_HALF_EXTENT_M)
+        self._elevation = ElevationMap(area.centroid, half_extent_m=half_extent_m)
+        is_open = _is_open_above(
+            self._elevation, surroundings, area.centroid[2], top_m=hover_enu_m[2]
         )
-        self._is_allowed = _inside(self._elevation, area) & _is_open_above(
-            self._elevation, surroundings, area.centroid[2], hover_enu_m[2]
-        )
+        self._is_allowed = self._elevation.cells_within(area.polygon) & is_open
         self._due_us = 0
         self.n_frames = 0
         self.map: LandingMap | None = None
@@ -99,8 +99,13 @@ class LandingWatch:
         if time_us < self._due_us:
             return False
         self._due_us = time_us + FRAME_PERIOD_US
-        frame = self._frames(CAMERA)
-        position_enu_m, rotation = camera_pose(self._mount, telemetry)
+        frame, mount = self._frames(CAMERA), self._mount
+        position_enu_m, rotation = camera_pose(
+            telemetry.position_enu_m,
+            telemetry.quat_wxyz,
+            mount.position_flu_m,
+            mount.pitch_down_rad,
+        )
         self._elevation.add(
             DepthImage(
                 depth_m=frame.depth_m,
@@ -123,37 +128,31 @@ class LandingWatch:
         site = choose_site(self.map, self._elevation, self._needs, self._preferred_enu_m)
         return site if site is not None and site.clearance_m >= _LEAST_CLEARANCE_M else None
 
-    def is_safe(self, site: LandingSite) -> bool:
-        """Whether a place chosen before still looks safe."""
-        row, column = self._elevation.cell(*site.position_enu_m[:2])
-        return self.map is not None and bool(self.map.is_safe[row, column])
+    def objection(self, site: LandingSite) -> str | None:
+        """What by now speaks against a place that was chosen, None if nothing does."""
+        if self.map is None:
+            return "nothing was seen yet"
+        return objection(self.map, self._elevation, self._needs, site.position_enu_m)
 
-    def height_m(self, site: LandingSite) -> float:
-        """Height of the surface at a place, as seen by now."""
-        return float(self._elevation.height_m[self._elevation.cell(*site.position_enu_m[:2])])
-
-
-def _inside(elevation: ElevationMap, area: InteractionArea) -> np.ndarray:
-    """Cells over the area's polygon."""
-    import cv2  # noqa: PLC0415 - loads only where something lands
-
-    corners = [elevation.cell(x, y)[::-1] for x, y, _ in area.polygon]
-    mask = np.zeros(elevation.height_m.shape, dtype=np.uint8)
-    cv2.fillPoly(mask, [np.array(corners, dtype=np.int32)], (1,))
-    return mask.astype(bool)
+    def again(self, site: LandingSite) -> LandingSite:
+        """A place that was chosen, with the height and slope that are known by now."""
+        latest = (
+            None if self.map is None else site_at(self.map, self._elevation, site.position_enu_m)
+        )
+        return site if latest is None else latest
 
 
 def _is_open_above(
-    elevation: ElevationMap, surroundings: Surroundings, surface_m: float, hover_m: float
+    elevation: ElevationMap, surroundings: Surroundings, surface_m: float, *, top_m: float
 ) -> np.ndarray:
-    """Cells above which the vehicle has room from just over the surface up to the hover height.
+    """Cells above which the vehicle has room from just over the surface up to a height.
 
     By the map of the scene, which knows of branches and eaves that a camera below them cannot see.
     """
     stride = max(1, round(_COLUMN_STEP_M / elevation.resolution_m))
     east, north = (axis[::stride] for axis in elevation.cell_centres())
     lowest_m = surface_m + surroundings.radius_m + _COLUMN_STEP_M
-    heights = np.arange(lowest_m, hover_m + 0.1, _COLUMN_STEP_M)
+    heights = np.arange(lowest_m, top_m + _COLUMN_STEP_M / 2, _COLUMN_STEP_M)
     z, y, x = np.meshgrid(heights, north, east, indexing="ij")
     room_m = surroundings.clearance_m(np.stack([x, y, z], axis=-1).reshape(-1, 3))
     is_open = np.all(room_m.reshape(z.shape) >= _COLUMN_MARGIN_M, axis=0)

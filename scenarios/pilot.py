@@ -295,10 +295,12 @@ class Pilot:
 
     def _descend(self) -> Step:
         watch = self._watching()
-        if watch.look(self._time_us, self._telemetry) and not watch.is_safe(self._chosen()):
-            x, y, z = self._telemetry.position_enu_m
-            self._go_straight((x, y, max(z, self._hover_enu_m[2])))
-            return Phase.CLIMB, "the touchdown point no longer looks safe"
+        if watch.look(self._time_us, self._telemetry):
+            self.site = watch.again(self._chosen())
+            if reason := watch.objection(self.site):
+                x, y, z = self._telemetry.position_enu_m
+                self._go_straight((x, y, max(z, self._hover_enu_m[2])))
+                return Phase.CLIMB, f"the touchdown point no longer looks safe: {reason}"
         if not self._has_arrived():
             return None
         self._course.touch_down(self._time_us, self._resting_height_m())

@@ -115,7 +115,7 @@ def bound_hidden(
 
 @kernel
 def bearing(x: float, y: float, n_bearings: int) -> int:
-    """Which of `n_bearings` sectors a direction lies in, on the rim of a diamond: no arc tangent."""
+    """Which of `n_bearings` sectors a direction lies in, by the rim of a diamond: no atan2."""
     across = abs(x) + abs(y)
     turn = y / across if across > 0.0 else 0.0
     if x < 0.0:

@@ -13,7 +13,6 @@ the table, while what stands behind a wall may be as high as the wall.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -28,7 +27,7 @@ MEMORY_FRAMES = 8
 _MIN_COMMON_CELLS = 50
 _N_BEARINGS = 512
 # Lines of sight that end farther away than this many map widths are as good as endless.
-_SIGHT_WIDTHS = 2.0
+_SIGHT_WIDTHS = 2
 
 
 class ElevationMap:
@@ -102,8 +101,7 @@ class ElevationMap:
         self._n_fused += 1
 
     def _bound_hidden(self, points: np.ndarray, eye: np.ndarray) -> np.ndarray:
-        width_m = len(self.height_m) * self.resolution_m
-        n_steps = math.ceil(_SIGHT_WIDTHS * width_m / self.resolution_m)
+        n_steps = _SIGHT_WIDTHS * len(self.height_m)
         fall = steepest_sight(points, eye, self.resolution_m, _N_BEARINGS, n_steps)
         return bound_hidden(fall, eye, self.resolution_m, *self.cell_centres())
 

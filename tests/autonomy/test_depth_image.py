@@ -1,0 +1,109 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from depth_scene import box, look_down, quat_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from autonomy.perception.depth_image import bearing, bound_hidden, steepest_sight
+
+STEP_M = 0.05
+BESIDE_M = 0.06
+
+coordinates = st.floats(-1.5, 1.5)
+sizes = st.floats(0.2, 1.2)
+tilts = st.tuples(*[st.floats(-0.3, 0.3)] * 3)
+
+
+@given(st.tuples(coordinates, coordinates, st.floats(2.0, 6.0)), tilts, st.integers(0, 2**32 - 1))
+def test_points_project_back_to_their_pixels(eye, tilt, seed):
+    image = look_down(eye, quat_of(tilt), shape=(12, 16))
+    depth = np.random.default_rng(seed).uniform(0.1, 20.0, (12, 16)).astype(np.float32)
+    image = dataclasses.replace(image, depth_m=depth)
+    optical = (image.points_enu_m() - image.position_enu_m) @ image.rotation_enu_from_optical
+    v, u = np.mgrid[:12, :16]
+    np.testing.assert_allclose(optical[:, 2], depth.ravel(), rtol=1e-6)
+    across, down, _ = (optical / optical[:, 2:]).T
+    np.testing.assert_allclose(across * image.fx + image.cx, u.ravel(), atol=1e-6)
+    np.testing.assert_allclose(down * image.fy + image.cy, v.ravel(), atol=1e-6)
+
+
+@pytest.mark.parametrize("nothing", [math.inf, math.nan, 0.0, -1.0])
+def test_pixels_without_a_measurement_give_no_point(nothing):
+    image = look_down(shape=(12, 16))
+    image.depth_m[3:5, :] = nothing
+    points = image.points_enu_m()
+    assert len(points) == 10 * 16
+    np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-6)
+
+
+@given(st.lists(st.floats(-math.pi, math.pi), min_size=2, max_size=30), st.floats(0.01, 100.0))
+def test_bearing_sorts_directions_like_the_angle(angles, length):
+    sectors = [bearing(length * math.cos(a), length * math.sin(a), 512) for a in angles]
+    assert all(0 <= sector < 512 for sector in sectors)
+    turns = [a % (2 * math.pi) for a in angles]
+    by_turn = [sector for _, sector in sorted(zip(turns, sectors, strict=True))]
+    # A direction due east may round to either end.
+    inner = [s for t, s in zip(sorted(turns), by_turn, strict=True) if 1e-6 < t < 6.283]
+    assert inner == sorted(inner)
+
+
+@settings(max_examples=25)
+@given(
+    st.tuples(coordinates, coordinates),
+    st.tuples(sizes, sizes, sizes),
+    st.tuples(coordinates, coordinates),
+    st.tuples(sizes, sizes, sizes),
+    tilts,
+)
+def test_nothing_hidden_is_higher_than_its_bound(place, size, other_place, other_size, tilt):
+    boxes = [
+        box((*place, size[2] / 2), size),
+        box((*other_place, other_size[2] / 2), other_size),
+    ]
+    image = look_down((0.2, -0.1, 4.0), quat_of(np.array(tilt) * 0.3), boxes=boxes)
+    eye = np.array(image.position_enu_m)
+    axis = np.arange(-40, 41) * STEP_M
+    fall = steepest_sight(image.points_enu_m(), eye, STEP_M, 512, 160)
+    bound = bound_hidden(fall, eye, STEP_M, axis, axis)
+    east, north = np.meshgrid(axis, axis)
+    top = np.zeros_like(east)
+    for low, high in boxes:
+        # A line that passes beside a box is taken for the whole of its cell and bearing.
+        low, high = low + BESIDE_M, high - BESIDE_M
+        inside = (east > low[0]) & (east < high[0]) & (north > low[1]) & (north < high[1])
+        top[inside] = np.maximum(top[inside], high[2] + BESIDE_M)
+    # The bound holds for a cell's far side: from its middle to there a line falls half a step.
+    away = np.hypot(east - eye[0], north - eye[1])
+    with np.errstate(invalid="ignore"):
+        slack = STEP_M * (eye[2] - bound) / np.maximum(away, STEP_M)
+    known = np.isfinite(bound)
+    assert np.count_nonzero(known) > 0.5 * known.size
+    assert np.all(top[known] <= bound[known] + 1.5 * slack[known] + 0.02)
+
+
+def test_ground_behind_a_roof_edge_is_known_to_be_below_the_roof():
+    roof = box((-2.0, 0.0, 1.0), (6.0, 20.0, 2.0))  # ends at x = 1, the ground shows from x = 2
+    image = look_down((0.0, 0.0, 4.0), boxes=[roof])
+    axis = np.arange(-60, 61) * STEP_M
+    eye = np.array(image.position_enu_m)
+    fall = steepest_sight(image.points_enu_m(), eye, STEP_M, 512, 240)
+    bound = bound_hidden(fall, eye, STEP_M, axis, axis)
+    hidden = (axis > 1.05) & (axis < 1.95)
+    assert np.all(bound[60, hidden] < 2.03)
+    # It is no lower than the line from the eye over the edge, less the half cell.
+    edge = 4.0 - (axis[hidden] + 0.05) * 2.0
+    assert np.all(bound[60, hidden] > edge - 0.1)
+
+
+def test_what_no_line_of_sight_passed_over_is_unbounded():
+    image = look_down((0.0, 0.0, 2.0))
+    axis = np.arange(-60, 61) * STEP_M
+    eye = np.array(image.position_enu_m)
+    fall = steepest_sight(image.points_enu_m(), eye, STEP_M, 512, 240)
+    bound = bound_hidden(fall, eye, STEP_M, axis, axis)
+    assert np.isinf(bound[60, 0])
+    assert np.isinf(bound[0, 60])
+    assert np.isfinite(bound[60, 60])
