@@ -89,13 +89,19 @@ class Testbench:
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )
-        self.autopilot = Autopilot(self.plant, self.frame, airframe=self.airframe)
+        system_id = 1 + cfg.instance
+        self.autopilot = Autopilot(
+            self.plant,
+            self.frame,
+            airframe=self.airframe,
+            initial_parameters={"MAV_SYS_ID": system_id},
+        )
         self.pilot_link = InProcessLink()
         links: list[Link] = [self.pilot_link, *extra_links]
         if has_network:
             links += network_links(cfg.instance, cfg.bind)
         self.server = MavlinkServer(
-            self.autopilot, self.plant, self.frame, links, system_id=1 + cfg.instance
+            self.autopilot, self.plant, self.frame, links, system_id=system_id
         )
         self.simulator = Simulator(
             self.plant, self.autopilot, self.server, observers=observers, speed=cfg.speed

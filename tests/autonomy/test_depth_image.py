@@ -72,9 +72,9 @@ def test_nothing_hidden_is_higher_than_its_bound(place, size, other_place, other
     top = np.zeros_like(east)
     for low, high in boxes:
         # A line that passes beside a box is taken for the whole of its cell and bearing.
-        low, high = low + BESIDE_M, high - BESIDE_M
-        inside = (east > low[0]) & (east < high[0]) & (north > low[1]) & (north < high[1])
-        top[inside] = np.maximum(top[inside], high[2] + BESIDE_M)
+        (west, south, _), (far_east, far_north, height) = low + BESIDE_M, high - BESIDE_M
+        inside = (east > west) & (east < far_east) & (north > south) & (north < far_north)
+        top[inside] = np.maximum(top[inside], height + BESIDE_M)
     # The bound holds for a cell's far side: from its middle to there a line falls half a step.
     away = np.hypot(east - eye[0], north - eye[1])
     with np.errstate(invalid="ignore"):
