@@ -22,6 +22,7 @@ import platformdirs
 from numba.core import config
 
 _LOG = logging.getLogger(__name__)
+_config: Any = config  # its names are made at run time
 _ROOT = Path(__file__).parents[1]
 _IMPORT = re.compile(rb"^\s*(?:from|import)\s+([\w.]+)", re.MULTILINE)
 _KEPT_CACHES = 4
@@ -36,7 +37,7 @@ def kernel(function: _F) -> _F:
     """
     is_part = function.__name__.startswith("_")
     if not is_part:
-        config.CACHE_DIR = str(cache_directory(function.__module__))
+        _config.CACHE_DIR = str(cache_directory(function.__module__))
     compiler: Any = numba.njit  # its annotations leave options out
     return compiler(
         cache=not is_part,

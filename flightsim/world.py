@@ -18,7 +18,7 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.shapes import MATERIALS, Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from flightsim.looks import GROUND_MATERIAL, Detail, add_looks, set_view
+from flightsim.looks.drawing import GROUND_MATERIAL, Detail, add_looks, set_view
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import VEHICLE_BODY, add_vehicle
 from flightsim.world_geometry import STATIC_CONTACT, add_solids, friction

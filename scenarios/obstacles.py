@@ -10,7 +10,7 @@ from aeroscene.freespace import VoxelField
 from aeroscene.scene import Scene
 from aeroscene.shapes import Primitive
 from autonomy.planning import DistanceField, Obstacles, Shape
-from flightsim.hull import hull_faces
+from flightsim.looks.hull import hull_faces
 
 _SHAPES = {
     "box": Shape.BOX,

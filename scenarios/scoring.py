@@ -70,7 +70,7 @@ def score_flight(
     touchdown_enu_m: Vector3 | None,
     leg_length_m: float,
 ) -> FlightScore:
-    """Judge a flight from its history, a row for each control tick (`flightsim.plant_record`)."""
+    """Judge a flight from its history, a row for each control tick (`flightsim.plant.record`)."""
     is_touching = history["is_touching"] > 0
     position_m = history["position_true_enu_m"]
     tick_s = (history["time_us"][1] - history["time_us"][0]) * 1e-6

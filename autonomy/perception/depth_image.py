@@ -67,6 +67,7 @@ def back_project(
 def steepest_sight(
     points: Float[np.ndarray, "k 3"],
     eye: Float[np.ndarray, " 3"],
+    pixel_rad: float,
     step: float,
     n_bearings: int,
     n_steps: int,
@@ -75,15 +76,30 @@ def steepest_sight(
 
     Entry (b, s) is the largest fall per metre of the lines in bearing b that end `s * step` or
     farther from the eye; -inf where none does. Nothing stands above such a line before its end.
+
+    Args:
+        points: Ends of the lines.
+        eye: Where they begin.
+        pixel_rad: Width of a pixel: a line stands for all within it.
+        step: Between distances, m.
+        n_bearings: All around.
+        n_steps: The last distance holds for all beyond.
     """
     fall = np.full((n_bearings, n_steps), -np.inf)
     for k in range(len(points)):
         x, y = points[k, 0] - eye[0], points[k, 1] - eye[1]
         away = math.sqrt(x * x + y * y)
-        if away > 0.0:
-            b = bearing(x, y, n_bearings)
-            s = min(int(away / step), n_steps - 1)
-            fall[b, s] = max(fall[b, s], (eye[2] - points[k, 2]) / away)
+        if away == 0.0:
+            continue
+        drop = eye[2] - points[k, 2]
+        s = min(int(away / step), n_steps - 1)
+        # A pixel in turns of the diamond, whose rim passes at (|x| + |y|) / away of a circle's rate.
+        half = min(0.5 * pixel_rad * max(drop, 0.0) * away / (abs(x) + abs(y)) ** 2, 2.0)
+        turn = bearing(x, y)
+        first = math.floor((turn - half) * 0.25 * n_bearings)
+        last = math.floor((turn + half) * 0.25 * n_bearings)
+        for b in range(first, last + 1):
+            fall[b % n_bearings, s] = max(fall[b % n_bearings, s], drop / away)
     for b in range(n_bearings):
         for s in range(n_steps - 2, -1, -1):
             fall[b, s] = max(fall[b, s], fall[b, s + 1])
@@ -103,23 +119,23 @@ def bound_hidden(
     Cells are as wide as `step`; taken is the height of the line over their far side.
     """
     bound = np.full((len(north), len(east)), np.inf)
+    n_bearings, n_steps = fall.shape
     for row in range(len(north)):
         for column in range(len(east)):
             x, y = east[column] - eye[0], north[row] - eye[1]
             away = math.sqrt(x * x + y * y) + 0.5 * step
             s = int(away / step) + 1
-            if s < fall.shape[1]:
-                bound[row, column] = eye[2] - away * fall[bearing(x, y, fall.shape[0]), s]
+            if s < n_steps:
+                b = int(bearing(x, y) * 0.25 * n_bearings) % n_bearings
+                bound[row, column] = eye[2] - away * fall[b, s]
     return bound
 
 
 @kernel
-def bearing(x: float, y: float, n_bearings: int) -> int:
-    """Which of `n_bearings` sectors a direction lies in, by the rim of a diamond: no atan2."""
+def bearing(x: float, y: float) -> float:
+    """Direction as the way along the rim of a diamond, 0 to 4 from east by north: no arc tangent."""
     across = abs(x) + abs(y)
     turn = y / across if across > 0.0 else 0.0
     if x < 0.0:
-        turn = 2.0 - turn
-    elif y < 0.0:
-        turn += 4.0
-    return int(turn * 0.25 * n_bearings) % n_bearings
+        return 2.0 - turn
+    return turn + 4.0 if y < 0.0 else turn

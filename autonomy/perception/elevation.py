@@ -89,7 +89,7 @@ class ElevationMap:
         """Fuse one depth image."""
         points = image.points_enu_m()
         frame = rasterise(points, np.array(self.center_enu_m), self.resolution_m, len(self.top_m))
-        hidden = self._bound_hidden(points, np.array(image.position_enu_m))
+        hidden = self._bound_hidden(points, np.array(image.position_enu_m), 1.0 / image.fx)
         seen = frame[3] > 0
         self._align(frame[:3], hidden, seen)
         self.n_frames[seen] += 1
@@ -100,9 +100,9 @@ class ElevationMap:
         np.minimum(self.hidden_m, hidden, out=self.hidden_m)
         self._n_fused += 1
 
-    def _bound_hidden(self, points: np.ndarray, eye: np.ndarray) -> np.ndarray:
+    def _bound_hidden(self, points: np.ndarray, eye: np.ndarray, pixel_rad: float) -> np.ndarray:
         n_steps = _SIGHT_WIDTHS * len(self.height_m)
-        fall = steepest_sight(points, eye, self.resolution_m, _N_BEARINGS, n_steps)
+        fall = steepest_sight(points, eye, pixel_rad, self.resolution_m, _N_BEARINGS, n_steps)
         return bound_hidden(fall, eye, self.resolution_m, *self.cell_centres())
 
     def _align(

@@ -14,7 +14,7 @@ import numpy as np
 
 from autonomy.model.quadrotor import Vector3
 from flightsim.geom_groups import GeomGroup
-from flightsim.looks import FAST, FINE
+from flightsim.looks.drawing import FAST, FINE
 from flightsim.sensors.camera import NO_OBJECT_ID, PoseCopy, Quality, RgbdFrame, Viewpoint, look_at
 from flightsim.sensors.camera_gl_target import GlTarget, GlUnavailableError, new_gl_context
 from flightsim.sensors.sky import sky_rgb

@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from flightsim.looks import FINE
+from flightsim.looks.drawing import FINE
 from flightsim.sensors.camera import Quality, Viewpoint
 
 _FINE_SAMPLES = 8

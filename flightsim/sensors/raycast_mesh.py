@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from flightsim.tessellation import box, capsule, cylinder, ellipsoid
+from flightsim.looks.tessellation import box, capsule, cylinder, ellipsoid
 
 Triangles = Float[np.ndarray, "n 3 3"]
 

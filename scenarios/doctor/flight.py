@@ -26,7 +26,7 @@ def check_kernels() -> Iterator[Check]:
     """Whether the flight kernels are compiled; the flight check compiles them if they are not."""
     from autonomy.jit import cache_directory  # noqa: PLC0415 - numba takes a quarter of a second
 
-    is_warm = any(cache_directory("flightsim.plant_kernel").glob("*.compiled"))
+    is_warm = any(cache_directory("flightsim.plant.kernel").glob("*.compiled"))
     yield Check(
         name="flight kernels",
         status="ok",

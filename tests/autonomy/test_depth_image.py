@@ -39,15 +39,11 @@ def test_pixels_without_a_measurement_give_no_point(nothing):
     np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-6)
 
 
-@given(st.lists(st.floats(-math.pi, math.pi), min_size=2, max_size=30), st.floats(0.01, 100.0))
+@given(st.lists(st.floats(1e-6, 6.283), min_size=2, max_size=30), st.floats(0.01, 100.0))
 def test_bearing_sorts_directions_like_the_angle(angles, length):
-    sectors = [bearing(length * math.cos(a), length * math.sin(a), 512) for a in angles]
-    assert all(0 <= sector < 512 for sector in sectors)
-    turns = [a % (2 * math.pi) for a in angles]
-    by_turn = [sector for _, sector in sorted(zip(turns, sectors, strict=True))]
-    # A direction due east may round to either end.
-    inner = [s for t, s in zip(sorted(turns), by_turn, strict=True) if 1e-6 < t < 6.283]
-    assert inner == sorted(inner)
+    turns = [bearing(length * math.cos(a), length * math.sin(a)) for a in sorted(angles)]
+    assert turns == sorted(turns)
+    assert all(0.0 <= turn <= 4.0 for turn in turns)
 
 
 @settings(max_examples=25)
@@ -66,7 +62,7 @@ def test_nothing_hidden_is_higher_than_its_bound(place, size, other_place, other
     image = look_down((0.2, -0.1, 4.0), quat_of(np.array(tilt) * 0.3), boxes=boxes)
     eye = np.array(image.position_enu_m)
     axis = np.arange(-40, 41) * STEP_M
-    fall = steepest_sight(image.points_enu_m(), eye, STEP_M, 512, 160)
+    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 160)
     bound = bound_hidden(fall, eye, STEP_M, axis, axis)
     east, north = np.meshgrid(axis, axis)
     top = np.zeros_like(east)
@@ -89,7 +85,7 @@ def test_ground_behind_a_roof_edge_is_known_to_be_below_the_roof():
     image = look_down((0.0, 0.0, 4.0), boxes=[roof])
     axis = np.arange(-60, 61) * STEP_M
     eye = np.array(image.position_enu_m)
-    fall = steepest_sight(image.points_enu_m(), eye, STEP_M, 512, 240)
+    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 240)
     bound = bound_hidden(fall, eye, STEP_M, axis, axis)
     hidden = (axis > 1.05) & (axis < 1.95)
     assert np.all(bound[60, hidden] < 2.03)
@@ -102,7 +98,7 @@ def test_what_no_line_of_sight_passed_over_is_unbounded():
     image = look_down((0.0, 0.0, 2.0))
     axis = np.arange(-60, 61) * STEP_M
     eye = np.array(image.position_enu_m)
-    fall = steepest_sight(image.points_enu_m(), eye, STEP_M, 512, 240)
+    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 240)
     bound = bound_hidden(fall, eye, STEP_M, axis, axis)
     assert np.isinf(bound[60, 0])
     assert np.isinf(bound[0, 60])

@@ -99,7 +99,7 @@ def test_camera_pose_is_that_of_the_simulated_camera(renderer, world, camera):
 
 def test_points_lie_on_the_surface_below(renderer, world, bearers):
     area = bearers["landing_pad"]
-    position = np.array(area.centroid) + (0.1, -0.2, 3.0)
+    position = np.add(area.centroid, (0.1, -0.2, 3.0))
     quat = attitude(0.05, -0.04, 1.0)
     points = image_of(frame_from(renderer, world, position, quat), position, quat).points_enu_m()
     on_pad = np.hypot(*(points[:, :2] - area.centroid[:2]).T) < area.radius - 0.05
@@ -114,8 +114,8 @@ def test_a_site_is_found_on_the_annotated_area(renderer, world, bearers, bearer)
     elevation = ElevationMap(area.centroid, half_extent_m=2.5)
     error_m = np.array([0.05, -0.05, 0.15])
     for _ in range(4):
-        position = np.array(area.centroid) + (0.0, 0.0, HOVER_M) + rng.normal(0.0, 0.1, 3)
-        roll, pitch, off_roll, off_pitch = rng.normal(0.0, math.radians([3.0, 3.0, 0.5, 0.5]))
+        position = np.add(area.centroid, (0.0, 0.0, HOVER_M)) + rng.normal(0.0, 0.1, 3)
+        roll, pitch, off_roll, off_pitch = rng.normal(0.0, np.radians([3.0, 3.0, 0.5, 0.5]))
         frame = frame_from(renderer, world, position, attitude(roll, pitch, 0.7))
         believed = attitude(roll + off_roll, pitch + off_pitch, 0.7)
         elevation.add(image_of(frame, position + error_m + rng.normal(0.0, 0.03, 3), believed))

@@ -16,9 +16,9 @@ from scipy.spatial.transform import Rotation
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.environment.wind import WindError
 from flightsim.plant import Plant
-from flightsim.plant_cfg import PlantCfg, PlantError
-from flightsim.plant_kernel import advance
-from flightsim.plant_memory import example_arguments
+from flightsim.plant.cfg import PlantCfg, PlantError
+from flightsim.plant.kernel import advance
+from flightsim.plant.memory import example_arguments
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 

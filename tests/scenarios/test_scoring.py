@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from aeroscene.scene import InteractionArea
 from autonomy.types import ControlLevel
-from flightsim.plant_record import HISTORY_DTYPE
+from flightsim.plant.record import HISTORY_DTYPE
 from scenarios.scoring import is_over_area, rotation_angle_rad, score_flight
 
 LEG_M = 0.1

@@ -11,7 +11,7 @@ from flightsim.autopilot.mission import MissionItem
 from flightsim.autopilot.modes import LandedState, Mode
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.plant import Plant
-from flightsim.plant_cfg import PlantCfg
+from flightsim.plant.cfg import PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 

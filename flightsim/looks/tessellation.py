@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from flightsim.hull import face_axes, hull_faces
+from flightsim.looks.hull import face_axes, hull_faces
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from flightsim.hull import HullError, hull_faces
+from flightsim.looks.hull import HullError, hull_faces
 
 BOX = np.array([(x, y, z) for x in (0.0, 2.0) for y in (0.0, 3.0) for z in (0.0, 1.0)])
 POINTS = arrays(

@@ -10,9 +10,9 @@ from autonomy.control.cfg import controller_cfg_for
 from autonomy.estimation import FILTER_DTYPE, new_filter
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
-from flightsim.plant_cfg import ADVANCE_HZ, IMUS, PlantCfg, estimator_cfg_for
-from flightsim.plant_mujoco import function_addresses
-from flightsim.plant_record import ENGINE_DTYPE, HISTORY_DTYPE, REPORT_DTYPE
+from flightsim.plant.cfg import ADVANCE_HZ, IMUS, PlantCfg, estimator_cfg_for
+from flightsim.plant.mujoco_calls import function_addresses
+from flightsim.plant.record import ENGINE_DTYPE, HISTORY_DTYPE, REPORT_DTYPE
 from flightsim.sensors.barometer import BAROMETER_DTYPE, BAROMETER_NORMALS, new_barometer
 from flightsim.sensors.gnss import GNSS_DTYPE, GNSS_NORMALS, GRADES, new_gnss
 from flightsim.sensors.imu import IMU_DTYPE, IMU_NORMALS, new_imu
@@ -121,7 +121,7 @@ class PlantMemory:
         )
 
     def arguments(self) -> tuple[np.ndarray, ...]:
-        """Arguments of `flightsim.plant_kernel.advance`, the same arrays for the whole run."""
+        """Arguments of `flightsim.plant.kernel.advance`, the same arrays for the whole run."""
         return (
             self.engines,
             self.qpos,

@@ -13,7 +13,7 @@ from autonomy.estimation.fusion import fuse_barometer, fuse_gnss, fuse_magnetome
 from autonomy.estimation.predict import predict
 from autonomy.estimation.terrain import fuse_range
 from autonomy.jit import kernel
-from flightsim.plant_mujoco import call_mj_ray, call_mj_step
+from flightsim.plant.mujoco_calls import call_mj_ray, call_mj_step
 from flightsim.sensors.barometer import sample_barometer
 from flightsim.sensors.gnss import follow_gnss, sample_gnss
 from flightsim.sensors.imu import sample_imu

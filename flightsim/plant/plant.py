@@ -1,6 +1,6 @@
 """The plant: everything that runs faster than 50 Hz, behind a call every 20 ms.
 
-Physics, rotors, sensors, estimator and controller run in one kernel (`flightsim.plant_kernel`).
+Physics, rotors, sensors, estimator and controller run in one kernel (`flightsim.plant.kernel`).
 Its memory is a few records; what Python reads of it is built when asked for.
 """
 
@@ -15,11 +15,11 @@ from autonomy.jit import compile_ahead
 from autonomy.model.quadrotor import Vector3
 from autonomy.types import OFF, ControlLevel, Quaternion, Setpoint, State
 from flightsim.environment.wind import wind_towards
-from flightsim.plant_cfg import ADVANCE_HZ, PhysicsDivergedError, PlantCfg, PlantError
-from flightsim.plant_kernel import advance
-from flightsim.plant_memory import PlantMemory, example_arguments
-from flightsim.plant_readings import EstimatorStatus, Report, SensorReadings
-from flightsim.plant_record import report_slices
+from flightsim.plant.cfg import ADVANCE_HZ, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.kernel import advance
+from flightsim.plant.memory import PlantMemory, example_arguments
+from flightsim.plant.readings import EstimatorStatus, Report, SensorReadings
+from flightsim.plant.record import report_slices
 from flightsim.sensors.gnss import GRADES
 from flightsim.vehicles.battery import Battery
 from flightsim.world import World
@@ -64,7 +64,7 @@ class Plant:
         self._arguments = self._memory.arguments()
         self._report_slices = report_slices()
         self.history = self._memory.history
-        """The last advance, a row for each control tick (`flightsim.plant_record`)."""
+        """The last advance, a row for each control tick (`flightsim.plant.record`)."""
         self._memory.describe_start()
         self._read_report()
         self.wind_enu_mps = cfg.wind_enu_mps

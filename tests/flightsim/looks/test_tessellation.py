@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flightsim.tessellation import box, capsule, cylinder, ellipsoid, hull
+from flightsim.looks.tessellation import box, capsule, cylinder, ellipsoid, hull
 
 LENGTH = st.floats(0.05, 20.0)
 PRISM = np.array([(-2, -1, 0), (2, -1, 0), (2, 1, 0), (-2, 1, 0), (-2, 0, 1), (2, 0, 1)], float)

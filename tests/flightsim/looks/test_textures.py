@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from aeroscene.shapes import MATERIALS
-from flightsim.textures import TILE_PIXELS, tile
+from flightsim.looks.textures import TILE_PIXELS, tile
 
 TEXTURED = [m for m in MATERIALS.values() if m.texture is not None]
 

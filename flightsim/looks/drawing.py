@@ -19,9 +19,9 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.shapes import MATERIALS, Material, Primitive
 from flightsim.geom_groups import GeomGroup
+from flightsim.looks.tessellation import Surface, box, cylinder, ellipsoid, hull
+from flightsim.looks.textures import TILE_PIXELS, tile
 from flightsim.sensors.sky import HORIZON_RGB, ZENITH_RGB
-from flightsim.tessellation import Surface, box, cylinder, ellipsoid, hull
-from flightsim.textures import TILE_PIXELS, tile
 
 GROUND_MATERIAL = "grass"
 

@@ -1,0 +1,1 @@
+"""How things look: a model for drawing, with tessellated shapes and painted textures."""
