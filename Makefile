@@ -15,10 +15,10 @@ $(VENV)/bin/python:
 	@test -n "$(PYTHON)" || { echo "AeroScene needs Python 3.11 or 3.12 on the path; or name one: make PYTHON=/path/to/python3.12" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
-# Installing also compiles the flight kernels once, so that the first flight starts at once.
+# Installing also compiles every kernel once, so that the first flight starts at once.
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
-	$(BIN)/python -m flightsim.plant
+	$(BIN)/aeroscene compile
 	@touch $@
 
 $(VENV)/.installed-dev: pyproject.toml $(VENV)/.installed

@@ -26,7 +26,7 @@ from flightsim.vehicles.airframe import Airframe
 from scenarios.obstacles import distance_field, scene_obstacles
 
 FIELD_RESOLUTION_M = 0.25
-HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6)
+HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6, 1.2)
 """Above an area, from where to look at it: the first that is free."""
 TAKEOFF_HEIGHTS_M = (2.5, 2.0, 1.5, 3.0, 4.0, 1.2)
 FAR_ENOUGH_M = 15.0

@@ -290,7 +290,8 @@ class Pilot:
         if not self._has_arrived():
             return None
         x, y, _ = self._chosen().position_enu_m
-        self._go_straight((x, y, self._resting_height_m() + COMMIT_HEIGHT_M), DESCENT_SPEED_MPS)
+        commit_m = min(self._resting_height_m() + COMMIT_HEIGHT_M, self._hover_enu_m[2])
+        self._go_straight((x, y, commit_m), DESCENT_SPEED_MPS)
         return Phase.DESCEND, "above the touchdown point"
 
     def _descend(self) -> Step:
@@ -304,7 +305,7 @@ class Pilot:
         if not self._has_arrived():
             return None
         self._course.touch_down(self._time_us, self._resting_height_m())
-        return Phase.TOUCHDOWN, f"safe down to {COMMIT_HEIGHT_M} m"
+        return Phase.TOUCHDOWN, "still safe from here"
 
     def _climb(self) -> Step:
         return self._look("climbed back") if self._has_arrived() else None

@@ -93,7 +93,7 @@ def steepest_sight(
             continue
         drop = eye[2] - points[k, 2]
         s = min(int(away / step), n_steps - 1)
-        # A pixel in turns of the diamond, whose rim passes at (|x| + |y|) / away of a circle's rate.
+        # Half a pixel along the diamond: d(turn) = d(angle) * (away / (|x| + |y|))^2.
         half = min(0.5 * pixel_rad * max(drop, 0.0) * away / (abs(x) + abs(y)) ** 2, 2.0)
         turn = bearing(x, y)
         first = math.floor((turn - half) * 0.25 * n_bearings)
@@ -133,7 +133,7 @@ def bound_hidden(
 
 @kernel
 def bearing(x: float, y: float) -> float:
-    """Direction as the way along the rim of a diamond, 0 to 4 from east by north: no arc tangent."""
+    """Direction as the way along the rim of a diamond, 0 to 4, from east by north: no atan2."""
     across = abs(x) + abs(y)
     turn = y / across if across > 0.0 else 0.0
     if x < 0.0:

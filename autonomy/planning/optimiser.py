@@ -160,7 +160,7 @@ class _Solver:
         if not stats["success"]:
             raise PlanningError(
                 f"the quadratic program of {self._n} pieces was not solved "
-                f"({stats.get('return_status')}); valid: a start whose velocity stays in free space"
+                f"({stats.get('return_status')}); valid: a start that can stop in the free space ahead"
             )
         return solution
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from scenarios.cli import bench, doctor, replay
+from scenarios.cli import bench, compile, doctor, replay  # noqa: A004 - the command's name
 from scenarios.cli.command_line import EXIT_INTERRUPTED, fail, parse
 from scenarios.sitl import INPUT_ERRORS
 
@@ -19,12 +19,14 @@ Command = (
     Annotated[replay.ReplayCfg, tyro.conf.subcommand("replay")]
     | Annotated[doctor.DoctorCfg, tyro.conf.subcommand("doctor")]
     | Annotated[bench.BenchCfg, tyro.conf.subcommand("bench")]
+    | Annotated[compile.CompileCfg, tyro.conf.subcommand("compile")]
 )
 
 _RUN: Mapping[type, Callable[[Any], int]] = {
     replay.ReplayCfg: replay.run,
     doctor.DoctorCfg: doctor.run,
     bench.BenchCfg: bench.run,
+    compile.CompileCfg: compile.run,
 }
 
 

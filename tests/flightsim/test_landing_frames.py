@@ -104,7 +104,10 @@ def test_points_lie_on_the_surface_below(renderer, world, bearers):
     points = image_of(frame_from(renderer, world, position, quat), position, quat).points_enu_m()
     on_pad = np.hypot(*(points[:, :2] - area.centroid[:2]).T) < area.radius - 0.05
     assert np.count_nonzero(on_pad) > 1000
-    np.testing.assert_allclose(points[on_pad, 2], area.centroid[2], atol=2e-3)
+    above_m = points[on_pad, 2] - area.centroid[2]
+    # The pad, and the paint on it.
+    assert np.quantile(np.abs(above_m), 0.3) < 1e-4
+    assert np.abs(above_m).max() < 6e-3
 
 
 @pytest.mark.parametrize("bearer", ["landing_pad", "roof", "car", "crate", "sidewalk", "lawn"])

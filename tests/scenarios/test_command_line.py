@@ -27,7 +27,8 @@ def fails_with(capsys, *args):
         ),
         (
             ["--scene", "absent.json"],
-            "scene file 'absent.json' cannot be read (no such file or directory), valid: a scene in JSON",
+            "scene file 'absent.json' cannot be read (no such file or directory), valid: a scene "
+            "in JSON",
         ),
         (["--speed", "0"], "speed 0.0 is not positive; valid: 1, a factor, or max"),
         (["--speed", "nan"], "speed nan is not positive; valid: 1, a factor, or max"),

@@ -1,0 +1,60 @@
+"""Compiles every kernel by using it once, so that nothing compiles in a flight."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeroscene.sources import open_scene
+from flightsim.plant import compile_kernels
+from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.landing_watch import LandingWatch
+from scenarios.mavlink_telemetry import Telemetry
+from scenarios.mission import Mission, plan_mission
+
+SCENE = "42"
+VEHICLE = "iris"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _FlatGround:
+    """What the downward camera sees above level ground."""
+
+    depth_m: np.ndarray
+    fx: float = 208.0
+    fy: float = 208.0
+    cx: float = 159.5
+    cy: float = 119.5
+
+
+def compile_everything(progress: Callable[[str, float], None]) -> None:
+    """Compile what is not in the cache yet, and keep it there.
+
+    Args:
+        progress: Told what is under way and the share that is done, 0 to 1.
+    """
+    progress("flight kernels", 0.0)
+    compile_kernels()
+    progress("planning kernels", 0.5)
+    mission = plan_mission(open_scene(SCENE), airframe_by_name(VEHICLE))
+    progress("landing perception kernels", 0.8)
+    _look_at_flat_ground(mission)
+    progress("done", 1.0)
+
+
+def _look_at_flat_ground(mission: Mission) -> None:
+    height_m = mission.hover_enu_m[2] - mission.area.centroid[2]
+    depth_m = np.full((240, 320), height_m, dtype=np.float32)
+    watch = LandingWatch(
+        mission.surroundings,
+        mission.area,
+        mission.hover_enu_m,
+        lambda _: _FlatGround(depth_m=depth_m),
+    )
+    telemetry = Telemetry(position_enu_m=mission.hover_enu_m, quat_wxyz=(1.0, 0.0, 0.0, 0.0))
+    watch.look(0, telemetry)
+    site = watch.choose()
+    if site is not None:
+        watch.objection(site)
