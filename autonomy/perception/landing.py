@@ -6,6 +6,9 @@ within the circle that holds the whole vehicle nothing rises above that plane in
 was not seen there counts as high as the lines of sight over it allow: beyond the edge of a roof,
 where the roof itself hides the ground, that is below the roof; elsewhere it is anything.
 
+The camera sees the ground beneath an eave or a branch that is itself out of view. What overhangs a
+place shows from above that place: look again there before descending, and on the way down.
+
 Over a fully observed disc the least-squares plane separates into three correlations: with one,
 with x and with y.
 """
@@ -35,8 +38,9 @@ class LandingNeeds:
     body_radius_m: float
     """Of all of it, plus the scatter of a touchdown."""
     max_slope_rad: float = math.radians(10.0)
-    max_roughness_m: float = 0.06
-    """Largest height range about the plane under the feet."""
+    max_roughness_m: float = 0.04
+    """Largest height range about the plane under the feet. With one foot so much higher a stance
+    of 0.28 m tilts by 8 deg; 0.06 let it stand on kerbs of 0.05 m."""
     max_rise_m: float = 0.06
     """How far things within the body's radius may rise above the plane: below the rotors."""
     enough_clearance_m: float = 0.8

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from autonomy.planning import Trajectory
 from flightsim.autopilot.events import Severity
 from scenarios.pilot import Phase, Pilot
 from scenarios.recording.recorder import Recorder
@@ -17,21 +18,18 @@ class PilotLog:
     def __init__(self, pilot: Pilot, recorder: Recorder) -> None:
         self._pilot = pilot
         self._recorder = recorder
-        self._trajectory: object = None
-        self._planned_enu_m = np.zeros((0, 3))
+        self._legs_enu_m: dict[Trajectory, np.ndarray] = {}
         self._landing_map: object = None
         self._n_transitions = 0
 
     def on_tick(self, time_us: int) -> None:
         """Record a new plan, a new landing map, new transitions."""
         pilot, recorder = self._pilot, self._recorder
-        if pilot.trajectory is not self._trajectory:
-            self._trajectory = pilot.trajectory
-            # Each begins where the one before ends: together they are the way that was planned.
-            times_s = np.arange(0.0, pilot.trajectory.duration_s + _SAMPLE_S, _SAMPLE_S)
-            leg_enu_m = pilot.trajectory.positions(times_s)
-            self._planned_enu_m = np.concatenate([self._planned_enu_m, leg_enu_m])
-            recorder.log_plan(time_us, self._planned_enu_m)
+        leg = pilot.trajectory
+        if leg not in self._legs_enu_m:
+            times_s = np.arange(0.0, leg.duration_s + _SAMPLE_S, _SAMPLE_S)
+            self._legs_enu_m[leg] = leg.positions(times_s)
+            recorder.log_plan(time_us, list(self._legs_enu_m.values()))
         landing_map = pilot.landing_map
         if landing_map is not None and landing_map is not self._landing_map:
             self._landing_map = landing_map

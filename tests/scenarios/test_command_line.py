@@ -27,8 +27,7 @@ def fails_with(capsys, *args):
         ),
         (
             ["--scene", "absent.json"],
-            "scene file 'absent.json' cannot be read (no such file or directory), valid: a scene "
-            "in JSON",
+            "scene file 'absent.json' cannot be read (no such file or directory), valid: ",
         ),
         (["--speed", "0"], "speed 0.0 is not positive; valid: 1, a factor, or max"),
         (["--speed", "nan"], "speed nan is not positive; valid: 1, a factor, or max"),

@@ -66,7 +66,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
         bench.server.statustext.listeners.append(
             lambda severity, text: recorder.log_statustext(plant.time_us, severity, text)
         )
-        recorder.log_plan(0, PLAN_ENU_M)
+        recorder.log_plan(0, [np.array(PLAN_ENU_M)])
         while plant.time_us < FLIGHT_S * 1e6:
             if plant.time_us == 2_000_000:
                 assert autopilot.arm(is_forced=True).is_accepted

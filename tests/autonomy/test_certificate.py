@@ -1,0 +1,69 @@
+"""The certificate believes no trajectory that touches something or breaks a limit."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from planning_worlds import quadrotor, random_boxes, seeds
+
+from autonomy.planning import CertificateError, FlightLimits, Obstacles, certify
+from autonomy.planning.planner import plan_leg
+from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
+
+LIMITS = FlightLimits()
+RADIUS = 0.4
+STILL = YawProfile(step_s=0.1, yaw_rad=np.zeros(1))
+
+
+def bent(rng, n=3):
+    """A slow smooth curve through random points."""
+    nodes = np.zeros((n + 1, 3, 3))
+    nodes[:, 0] = rng.uniform(-8, 8, (n + 1, 3))
+    nodes[1:-1, 1] = rng.normal(0, 0.5, (n - 1, 3))
+    durations = np.full(n, 30.0)
+    return Trajectory(
+        durations_s=durations, coefficients=coefficients_from_nodes(nodes, durations), yaw=STILL
+    )
+
+
+@given(seeds)
+def test_no_plan_that_collides_anywhere_is_ever_passed(seed):
+    rng = np.random.default_rng(seed)
+    trajectory, boxes = bent(rng), random_boxes(rng, 6)
+    dense = trajectory.positions(np.linspace(0, trajectory.duration_s, 20_000))
+    true_clearance = boxes.signed_distance(dense)[0].min() - RADIUS
+    try:
+        proof = certify(trajectory, boxes, RADIUS, LIMITS, quadrotor())
+    except CertificateError as error:
+        # It may refuse what passes by a hair, never more than half the spacing of samples.
+        assert true_clearance < 0.05, error
+    else:
+        assert 0 < proof.min_clearance_m <= true_clearance
+
+
+def test_a_plate_thinner_than_the_spacing_of_samples_is_found():
+    way = plan_leg((0, 0, 5), (10, 0, 5), 0.0, LIMITS, quadrotor())
+    plate = Obstacles.boxes(
+        np.array([[5.013, 0.0, 5.0]]), np.array([[1.0, 0, 0, 0]]), np.array([[0.001, 2.0, 2.0]])
+    )
+    with pytest.raises(CertificateError, match=r"obstacle 0 at \(5\.0, 0\.0, 5\.0\)"):
+        certify(way, plate, 0.02, LIMITS, quadrotor())
+
+
+@pytest.mark.parametrize(
+    ("name", "limits"),
+    [
+        ("horizontal speed", {"speed_horizontal_mps": 2.0}),
+        ("vertical speed", {"speed_vertical_mps": 0.5}),
+        ("horizontal acceleration", {"acceleration_mps2": 0.5}),
+        ("thrust over mass", {"thrust_fraction": 0.4}),
+        ("tilt", {"tilt_rad": 0.05}),
+    ],
+)
+def test_each_limit_is_checked_and_named(name, limits):
+    way = plan_leg((0, 0, 5), (20, 0, 9), 0.0, LIMITS, quadrotor())
+    nothing = random_boxes(np.random.default_rng(0), 0)
+    certify(way, nothing, RADIUS, LIMITS, quadrotor())
+    with pytest.raises(CertificateError, match=f"^{name} reaches"):
+        certify(way, nothing, RADIUS, dataclasses.replace(LIMITS, **limits), quadrotor())

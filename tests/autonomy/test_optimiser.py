@@ -1,0 +1,104 @@
+"""The optimiser's gradient is right, and what it returns lies in the corridor and the limits."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from planning_worlds import random_boxes, seeds
+
+from autonomy.planning import LimitsError
+from autonomy.planning.corridor import build_corridor
+from autonomy.planning.errors import PlanningError
+from autonomy.planning.optimiser import MotionBounds, _first_times, _Solver, optimise
+from autonomy.planning.trajectory import coefficients_from_nodes
+
+BOUNDS = MotionBounds(
+    speed_horizontal_mps=4.0,
+    speed_vertical_mps=2.0,
+    acceleration_horizontal_mps2=3.0,
+    acceleration_vertical_mps2=2.0,
+)
+NOTHING = random_boxes(np.random.default_rng(0), 0)
+
+
+def corridor_of(points, max_leg_m=6.0):
+    limits = (np.full(3, -30.0), np.full(3, 30.0))
+    return build_corridor(
+        np.asarray(points, float), NOTHING, limits, wanted_m=0.5, least_m=0.1, max_leg_m=max_leg_m
+    )
+
+
+def at_rest(point):
+    return np.array([point, np.zeros(3), np.zeros(3)])
+
+
+def solve(points, start=None, bounds=BOUNDS):
+    start = at_rest(points[0]) if start is None else start
+    nodes, durations = optimise(start, at_rest(points[-1]), corridor_of(points), bounds)
+    coefficients = coefficients_from_nodes(nodes, durations)
+    share = np.linspace(0, 1, 40)
+    t = (durations[:, None] * share)[..., None]
+    samples = []
+    for order in range(3):
+        total = 0.0
+        for power in range(order, 6):
+            factor = np.prod(np.arange(power, power - order, -1))
+            total = total + factor * coefficients[:, None, power] * t ** (power - order)
+        samples.append(total.reshape(-1, 3))
+    return nodes, durations, samples
+
+
+def test_gradient_of_the_times_equals_finite_differences():
+    points = np.array([[0, 0, 5], [8, 0, 5], [8, 9, 8]], dtype=float)
+    corridor = corridor_of(points)
+    solver = _Solver(at_rest(points[0]), at_rest(points[-1]), corridor, BOUNDS)
+    log_times = np.log(_first_times(corridor, BOUNDS)) - 0.3
+    _, gradient = solver.cost_and_gradient(log_times)
+    h = 1e-4
+    for k, exact in enumerate(gradient):
+        step = h * np.eye(len(log_times))[k]
+        higher, _ = solver.cost_and_gradient(log_times + step)
+        lower, _ = solver.cost_and_gradient(log_times - step)
+        assert exact == pytest.approx((higher - lower) / (2 * h), rel=2e-2, abs=2e-3)
+
+
+@given(seeds)
+@settings(max_examples=8)
+def test_limits_hold_and_both_ends_are_met(seed):
+    rng = np.random.default_rng(seed)
+    points = np.cumsum(rng.uniform(-6, 6, (3, 3)), axis=0)
+    nodes, durations, (_, velocity, acceleration) = solve(points)
+    np.testing.assert_allclose(nodes[0], at_rest(points[0]), atol=1e-9)
+    np.testing.assert_allclose(nodes[-1], at_rest(points[-1]), atol=1e-9)
+    assert np.all(durations > 0)
+    assert np.hypot(velocity[:, 0], velocity[:, 1]).max() <= BOUNDS.speed_horizontal_mps
+    assert np.abs(velocity[:, 2]).max() <= BOUNDS.speed_vertical_mps
+    across = np.hypot(acceleration[:, 0], acceleration[:, 1])
+    assert across.max() <= BOUNDS.acceleration_horizontal_mps2
+    assert np.abs(acceleration[:, 2]).max() <= BOUNDS.acceleration_vertical_mps2
+
+
+def test_a_long_straight_way_is_flown_near_the_limits():
+    points = np.array([[-25, 0, 5], [25, 0, 5]], dtype=float)
+    _, durations, (_, velocity, _) = solve(points)
+    assert velocity[:, 0].max() > 0.85 * BOUNDS.speed_horizontal_mps
+    fastest = 50 / BOUNDS.speed_horizontal_mps + (
+        BOUNDS.speed_horizontal_mps / BOUNDS.acceleration_horizontal_mps2
+    )
+    assert durations.sum() < 1.35 * fastest
+
+
+def test_a_flying_start_is_continued_and_not_stopped_first():
+    points = np.array([[-20, 0, 5], [20, 0, 5]], dtype=float)
+    start = np.array([points[0], [3.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    nodes, durations, (_, velocity, _) = solve(points, start)
+    np.testing.assert_allclose(nodes[0], start, atol=1e-9)
+    assert velocity[: len(velocity) // 2, 0].min() > 2.5
+    assert durations.sum() < solve(points)[1].sum()
+
+
+def test_a_start_that_cannot_stop_in_its_corridor_is_refused():
+    points = np.array([[29.5, 0, 5], [0, 0, 5]], dtype=float)
+    start = np.array([points[0], [3.9, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    with pytest.raises(PlanningError, match="can stop in the free space") as caught:
+        solve(points, start)
+    assert caught.type in {LimitsError, PlanningError}

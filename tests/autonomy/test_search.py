@@ -1,0 +1,93 @@
+"""A* finds the optimum that Dijkstra finds, and says when there is no path."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from planning_worlds import seeds
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from autonomy.planning import DistanceField, UnreachableError
+from autonomy.planning.search import NARROWNESS_PRICE, shortest_path
+
+REQUIRED, COMFORTABLE = 0.5, 2.0
+STEPS = [step for step in product((-1, 0, 1), repeat=3) if any(step)]
+
+
+def random_field(rng):
+    """Random distances: to the search any numbers will do."""
+    distance = rng.uniform(0.0, 3.0, rng.integers(3, 7, 3))
+    distance[rng.uniform(size=distance.shape) < 0.15] = 0.0
+    return DistanceField(origin_enu_m=(0, 0, 0), resolution_m=1.0, distance_m=distance)
+
+
+def price(field, cell):
+    lack = np.clip((COMFORTABLE - field.distance_m[cell]) / (COMFORTABLE - REQUIRED), 0, 1)
+    return 1.0 + NARROWNESS_PRICE * lack**2
+
+
+def step_cost(field, a, b):
+    """Cost of a step between neighbours; None if it is blocked."""
+    block = tuple(slice(min(i, j), max(i, j) + 1) for i, j in zip(a, b, strict=True))
+    if field.distance_m[block].min() < REQUIRED:
+        return None
+    return np.linalg.norm(np.subtract(a, b)) * (price(field, a) + price(field, b)) / 2
+
+
+def optimum(field, start, goal):
+    """By scipy, over all cells and steps."""
+    shape = field.distance_m.shape
+    rows, columns, costs = [], [], []
+    for a in np.ndindex(shape):
+        for step in STEPS:
+            b = tuple(np.add(a, step))
+            if all(0 <= i < n for i, n in zip(b, shape, strict=True)):
+                cost = step_cost(field, a, b)
+                if cost is not None:
+                    rows.append(np.ravel_multi_index(a, shape))
+                    columns.append(np.ravel_multi_index(b, shape))
+                    costs.append(cost)
+    graph = csr_array((costs, (rows, columns)), shape=(field.distance_m.size,) * 2)
+    at_start = np.ravel_multi_index(start, shape)
+    return dijkstra(graph, indices=at_start)[np.ravel_multi_index(goal, shape)]
+
+
+@given(seeds)
+@settings(max_examples=25)
+def test_path_costs_as_much_as_dijkstras_optimum(seed):
+    rng = np.random.default_rng(seed)
+    field = random_field(rng)
+    free = np.argwhere(field.distance_m >= REQUIRED)
+    start, goal = free[rng.integers(0, len(free), 2)]
+    best = optimum(field, tuple(start), tuple(goal))
+    try:
+        path = shortest_path(field, start, goal, required_m=REQUIRED, comfortable_m=COMFORTABLE)
+    except UnreachableError:
+        assert best == np.inf
+        return
+    np.testing.assert_array_equal(path[[0, -1]], [start, goal])
+    steps = [step_cost(field, tuple(a), tuple(b)) for a, b in zip(path, path[1:], strict=False)]
+    assert None not in steps
+    assert sum(steps) == pytest.approx(best, rel=1e-5)
+
+
+def test_diagonal_steps_cut_no_corner():
+    distance = np.full((2, 2, 1), 3.0)
+    distance[0, 1, 0] = 0.0
+    field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=1.0, distance_m=distance)
+    path = shortest_path(
+        field, np.array([0, 0, 0]), np.array([1, 1, 0]), required_m=1.0, comfortable_m=2.0
+    )
+    assert path.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
+
+
+def test_a_wall_without_a_gap_is_named_unreachable():
+    distance = np.full((9, 5, 5), 3.0)
+    distance[4] = 0.2
+    field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=1.0, distance_m=distance)
+    with pytest.raises(UnreachableError, match=r"needs 0\.50 m"):
+        shortest_path(
+            field, np.array([0, 2, 2]), np.array([8, 2, 2]), required_m=0.5, comfortable_m=2.0
+        )
