@@ -22,8 +22,8 @@ from autonomy.jit import kernel
 _NEWTON_STEPS = 30
 _NEWTON_TOLERANCE = 1e-10
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-# Far along a leg of 50 m the plane may be off by no more than a millimetre: its normal turns with the
-# place of the minimum.
+# Far along a leg of 50 m the plane may be off by no more than a millimetre, and its normal turns
+# with the place of the minimum.
 _GOLDEN_STEPS = 44
 _HULL_SWEEPS = 200
 _HULL_TOLERANCE_M = 1e-7

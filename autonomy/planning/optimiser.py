@@ -160,7 +160,8 @@ class _Solver:
         if not stats["success"]:
             raise PlanningError(
                 f"the quadratic program of {self._n} pieces was not solved "
-                f"({stats.get('return_status')}); valid: a start that can stop in the free space ahead"
+                f"({stats.get('return_status')}); "
+                "valid: a start that can stop in the free space ahead of it"
             )
         return solution
 

@@ -69,12 +69,15 @@ def plan_trajectory(
     bounds = _motion_bounds(start, limits, quadrotor)
     _require_room(start.position_enu_m, "start", field, obstacles, cfg)
     _require_room(goal_enu_m, "goal", field, obstacles, cfg)
+    task = _Task(start, goal_enu_m, field, obstacles, limits, bounds, cfg)
+    # Cells tell too little room rather than too much. So in the end, before giving up, also search
+    # where they may be wrong: what is flown is decided by the obstacles themselves.
+    attempts = [(margin_m, 0.0) for margin_m in cfg.margins_m]
+    attempts.append((cfg.margins_m[-1], field.resolution_m / 2))
     reason: PlanningError | None = None
-    for margin_m in cfg.margins_m:
+    for margin_m, doubt_m in attempts:
         try:
-            trajectory = _attempt(
-                start, goal_enu_m, field, obstacles, bounds, limits, cfg, margin_m
-            )
+            trajectory = _attempt(task, margin_m, doubt_m)
             proof = certify(
                 trajectory,
                 obstacles,
@@ -84,7 +87,7 @@ def plan_trajectory(
                 margin_m=cfg.min_margin_m,
             )
         except PlanningError as error:
-            # A wider plan that was found and failed says more than "cut off" for a narrower one.
+            # A way that was found and failed says more than "cut off" for a narrower one.
             reason = error if reason is None or not isinstance(reason, CertificateError) else reason
         else:
             return dataclasses.replace(trajectory, min_clearance_m=proof.min_clearance_m)
@@ -161,30 +164,41 @@ def _require_room(
         )
 
 
-def _attempt(
-    start: FlatReference,
-    goal_enu_m: Vector3,
-    field: DistanceField,
-    obstacles: Obstacles,
-    bounds: MotionBounds,
-    limits: FlightLimits,
-    cfg: PlannerCfg,
-    margin_m: float,
-) -> Trajectory:
-    ends = np.array([start.position_enu_m, goal_enu_m])
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """What is to be planned."""
+
+    start: FlatReference
+    goal_enu_m: Vector3
+    field: DistanceField
+    obstacles: Obstacles
+    limits: FlightLimits
+    bounds: MotionBounds
+    cfg: PlannerCfg
+
+
+def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
+    """A trajectory that keeps a margin where it can, not proved yet.
+
+    The search also enters cells whose distance lacks `doubt_m`.
+    """
+    start, field, cfg = task.start, task.field, task.cfg
+    ends = np.array([start.position_enu_m, task.goal_enu_m])
     start_cell, goal_cell = field.cells(ends)
     wanted_m = cfg.vehicle_radius_m + margin_m
     # Start and goal may stand closer to something than one would fly by choice.
-    at_ends = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
-    required_m = min(wanted_m, max(at_ends, field.resolution_m / 4))
-    comfortable_m = cfg.vehicle_radius_m + cfg.comfortable_m
+    at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
     path = shortest_path(
-        field, start_cell, goal_cell, required_m=required_m, comfortable_m=comfortable_m
+        field,
+        start_cell,
+        goal_cell,
+        required_m=min(wanted_m - doubt_m, max(at_ends_m, field.resolution_m / 4)),
+        comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
     )
     points = np.concatenate([ends[:1], field.centres(path[1:-1]), ends[1:]])
     corridor = build_corridor(
-        straighten(points, obstacles, enough_m=wanted_m + 0.1),
-        obstacles,
+        straighten(points, task.obstacles, enough_m=wanted_m + 0.1),
+        task.obstacles,
         field.bounds_enu_m,
         wanted_m=wanted_m,
         least_m=cfg.vehicle_radius_m + cfg.min_margin_m,
@@ -192,13 +206,12 @@ def _attempt(
     )
     nodes, durations_s = optimise(
         np.array([start.position_enu_m, start.velocity_enu_mps, start.acceleration_enu_mps2]),
-        np.array([goal_enu_m, ZERO3, ZERO3]),
+        np.array([task.goal_enu_m, ZERO3, ZERO3]),
         corridor,
-        bounds,
+        task.bounds,
     )
-    return _with_yaw(
-        coefficients_from_nodes(nodes, durations_s), durations_s, start.yaw_rad, limits
-    )
+    coefficients = coefficients_from_nodes(nodes, durations_s)
+    return _with_yaw(coefficients, durations_s, start.yaw_rad, task.limits)
 
 
 def _with_yaw(

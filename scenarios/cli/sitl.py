@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -81,10 +82,11 @@ def _print_result(console: Console, result: TrialResult) -> None:
         console.print(f"  contacts before touchdown     {result.contacts_before_touchdown}")
         if result.touchdown_error_m is not None:
             console.print(f"  touchdown error               {result.touchdown_error_m:.2f} m")
-    console.print(
-        f"  estimate against truth, RMS   {result.position_rmse_m:.2f} m, "
-        f"{result.attitude_rmse_deg:.2f} degrees"
-    )
+    if not math.isnan(result.position_rmse_m):
+        console.print(
+            f"  estimate against truth, RMS   {result.position_rmse_m:.2f} m, "
+            f"{result.attitude_rmse_deg:.2f} degrees"
+        )
     console.print(
         f"  simulated                     {result.sim_seconds:.1f} s in "
         f"{result.wall_seconds:.1f} s: {result.real_time_factor:.1f} times real time"

@@ -35,11 +35,10 @@ def test_no_plan_that_collides_anywhere_is_ever_passed(seed):
     true_clearance = boxes.signed_distance(dense)[0].min() - RADIUS
     try:
         proof = certify(trajectory, boxes, RADIUS, LIMITS, quadrotor())
-    except CertificateError as error:
-        # It may refuse what passes by a hair, never more than half the spacing of samples.
-        assert true_clearance < 0.05, error
-    else:
-        assert 0 < proof.min_clearance_m <= true_clearance
+    except CertificateError:
+        proof = None
+    # It may refuse what passes by a hair, no more than the spacing of samples.
+    assert true_clearance < 0.05 if proof is None else 0 < proof.min_clearance_m <= true_clearance
 
 
 def test_a_plate_thinner_than_the_spacing_of_samples_is_found():

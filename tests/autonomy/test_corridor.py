@@ -1,11 +1,13 @@
 """Corridors hold the way they were made for and keep their distance from every obstacle."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from planning_worlds import random_boxes, seeds
 
-from autonomy.planning import CertificateError
+from autonomy.planning import CertificateError, Obstacles
 from autonomy.planning.corridor import MAX_PLANES, build_corridor, straighten
 
 BOUNDS = (np.full(3, -12.0), np.full(3, 12.0))
@@ -56,13 +58,11 @@ def test_straightening_keeps_the_ends_and_costs_no_clearance(seed):
     smallest = obstacles.signed_distance(path)[0].min()
     assume(smallest > 0.05)
     # Points are looked at here, so the path's own segments have to be no worse.
-    assume(all(clearance(a, b, obstacles) > 0.05 for a, b in zip(path, path[1:], strict=False)))
+    assume(all(clearance(a, b, obstacles) > 0.05 for a, b in pairwise(path)))
     straight = straighten(path, obstacles, enough_m=1.0)
     np.testing.assert_array_equal(straight[[0, -1]], path[[0, -1]])
     kept = [np.flatnonzero((path == point).all(axis=1))[0] for point in straight]
-    for (a, i), (b, j) in zip(
-        zip(straight, kept, strict=True), zip(straight[1:], kept[1:], strict=True), strict=False
-    ):
+    for (a, i), (b, j) in pairwise(zip(straight, kept, strict=True)):
         if j > i + 1:
             before = min(1.0, obstacles.signed_distance(path[i : j + 1])[0].min())
             assert clearance(a, b, obstacles) >= before - 1e-5
@@ -96,8 +96,6 @@ def test_a_leg_too_close_to_an_obstacle_is_refused_with_its_distance():
 def test_clutter_beyond_the_number_of_planes_shrinks_the_polytope():
     rng = np.random.default_rng(0)
     angle = np.arange(60) * 2.4
-    from autonomy.planning import Obstacles
-
     pebbles = Obstacles.boxes(
         np.column_stack([np.linspace(-4, 4, 60), 2.2 * np.cos(angle), 2.2 * np.sin(angle)]),
         np.tile([1.0, 0.0, 0.0, 0.0], (60, 1)),

@@ -46,7 +46,7 @@ def test_bearing_sorts_directions_like_the_angle(angles, length):
     assert all(0.0 <= turn <= 4.0 for turn in turns)
 
 
-@settings(max_examples=25)
+@settings(max_examples=20)
 @given(
     st.tuples(coordinates, coordinates),
     st.tuples(sizes, sizes, sizes),

@@ -30,7 +30,7 @@ def truth(elevation, gradient=(0.0, 0.0), ground=0.0):
     st.tuples(*[st.floats(-0.2, 0.2)] * 3),
     st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)),
 )
-@settings(max_examples=25)
+@settings(max_examples=20)
 def test_cells_hold_the_height_of_the_plane_whatever_the_pose(eye, tilt, gradient):
     elevation = mapped(look_down(eye, quat_of(tilt), ground=-0.7, gradient=gradient))
     error = (elevation.height_m - truth(elevation, gradient, -0.7))[elevation.is_observed]

@@ -57,7 +57,7 @@ def test_flat_ground_is_safe_and_the_preferred_point_is_taken():
 
 
 @given(st.floats(0.0, 20.0), st.floats(-math.pi, math.pi))
-@settings(max_examples=25)
+@settings(max_examples=20)
 def test_slope_is_measured_and_judged(slope_deg, heading):
     rise = math.tan(math.radians(slope_deg))
     gradient = (rise * math.cos(heading), rise * math.sin(heading))
@@ -97,8 +97,9 @@ def test_a_box_keeps_the_whole_vehicle_away(place, width, height):
         look_down(boxes=[box((*place, height / 2), (width, width, height))])
     )
     away = distance_to(elevation, *place)
-    on_top_fits = width / 2 > NEEDS.footprint_radius_m
-    near = (away < width / 2 + NEEDS.body_radius_m) & (away > (0.1 if on_top_fits else -1.0))
+    # The feet may fit on its top.
+    may_stand = width / 2 > NEEDS.footprint_radius_m - CELL_M
+    near = (away < width / 2 + NEEDS.body_radius_m) & (away > (0.12 if may_stand else -1.0))
     assert not landing.is_safe[near].any()
 
 

@@ -30,8 +30,8 @@ PRISM_FACES = np.array(
 def one(shape, size, quat=(1.0, 0.0, 0.0, 0.0), center=(0.0, 0.0, 0.0)):
     is_hull = shape is Shape.HULL
     return Obstacles(
-        center_enu_m=np.array([center]),
-        quat_wxyz=np.array([quat]),
+        center_enu_m=np.array([center], dtype=float),
+        quat_wxyz=np.array([quat], dtype=float),
         size_m=np.array([size], dtype=float),
         shape=np.array([int(shape)]),
         faces=PRISM_FACES if is_hull else np.zeros((0, 4)),

@@ -1,6 +1,6 @@
 """A* finds the optimum that Dijkstra finds, and says when there is no path."""
 
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -68,7 +68,7 @@ def test_path_costs_as_much_as_dijkstras_optimum(seed):
         assert best == np.inf
         return
     np.testing.assert_array_equal(path[[0, -1]], [start, goal])
-    steps = [step_cost(field, tuple(a), tuple(b)) for a, b in zip(path, path[1:], strict=False)]
+    steps = [step_cost(field, tuple(a), tuple(b)) for a, b in pairwise(path)]
     assert None not in steps
     assert sum(steps) == pytest.approx(best, rel=1e-5)
 

@@ -1,0 +1,62 @@
+"""The course: trajectories one after the other, then straight down onto the surface."""
+
+import numpy as np
+import pytest
+
+from autonomy.planning import FlightLimits, plan_leg
+from flightsim.vehicles.catalogue import AIRFRAMES
+from scenarios.course import TOUCHDOWN_SPEED_MPS, Course
+from scenarios.mavlink_telemetry import Telemetry
+
+SECOND_US = 1_000_000
+
+
+def leg(a, b):
+    return plan_leg(a, b, 0.4, FlightLimits(), AIRFRAMES["iris"].quadrotor)
+
+
+def test_nothing_is_followed_before_the_first_flight():
+    course = Course(leg((0, 0, 1), (0, 0, 3)))
+    assert not course.has_begun
+    course.fly(leg((0, 0, 1), (0, 0, 3)), 5 * SECOND_US)
+    assert course.has_begun
+    assert course.reference(5 * SECOND_US).position_enu_m == (0, 0, 1)
+
+
+def test_arrival_needs_time_place_and_rest():
+    course = Course(leg((0, 0, 1), (4, 0, 3)))
+    course.fly(course.trajectory, 0)
+    late = round(course.trajectory.duration_s * 1e6) + 1
+    there = Telemetry(position_enu_m=(4.0, 0.1, 3.0), velocity_enu_mps=(0.0, 0.0, 0.05))
+    assert course.has_arrived(late, there)
+    assert not course.has_arrived(late // 2, there)
+    there.velocity_enu_mps = (0.5, 0.0, 0.0)
+    assert not course.has_arrived(late, there)
+    there.velocity_enu_mps, there.position_enu_m = (0.0, 0.0, 0.0), (4.0, 0.5, 3.0)
+    assert not course.has_arrived(late, there)
+
+
+def test_the_last_metre_is_steady_and_ends_below_the_surface():
+    course = Course(leg((2, 3, 6), (2, 3, 4)))
+    course.fly(course.trajectory, 0)
+    begin_us = 10 * SECOND_US
+    course.touch_down(begin_us, resting_height_m=3.1)
+    heights = []
+    for tick in range(300):
+        reference = course.reference(begin_us + tick * 20_000)
+        assert reference.position_enu_m[:2] == pytest.approx((2, 3))
+        assert reference.yaw_rad == 0.4
+        heights.append(reference.position_enu_m[2])
+    assert heights[0] == pytest.approx(4.0)
+    fall = -np.diff(heights) / 0.02
+    assert fall[:100] == pytest.approx(TOUCHDOWN_SPEED_MPS)
+    assert 2.5 < heights[-1] < 3.1
+    assert course.reference(begin_us + 6 * SECOND_US).velocity_enu_mps == (0.0, 0.0, 0.0)
+
+
+def test_a_new_flight_ends_the_touchdown():
+    course = Course(leg((0, 0, 4), (0, 0, 2)))
+    course.fly(course.trajectory, 0)
+    course.touch_down(9 * SECOND_US, 1.0)
+    course.fly(leg((0, 0, 2), (0, 0, 5)), 10 * SECOND_US)
+    assert course.reference(60 * SECOND_US).position_enu_m == pytest.approx((0, 0, 5))
