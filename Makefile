@@ -17,6 +17,7 @@ $(VENV)/bin/python:
 
 # Installing also compiles every kernel once, so that the first flight starts at once.
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
+	@echo "Installing into $(VENV), about a minute"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	$(BIN)/aeroscene compile
 	@touch $@

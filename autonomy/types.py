@@ -62,7 +62,8 @@ class Setpoint:
 
     At `TRAJECTORY` each axis follows position where it is finite, else velocity where it is
     finite, else the acceleration alone; finite lower derivatives are feed-forward. A NaN yaw
-    leaves the heading to `yaw_rate_radps` (0 holds it).
+    leaves the heading to `yaw_rate_radps` (0 holds it). A jerk of zero means that it is unknown:
+    the controller then derives it from successive accelerations.
     """
 
     level: ControlLevel

@@ -14,8 +14,16 @@ Triangles = Float[np.ndarray, "n 3 3"]
 _PLANE_HALF_EXTENTS = 12.0
 
 
+class ShapeError(ValueError):
+    """A geom of a kind that worlds are not built from."""
+
+
 def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
-    """Triangles of one geom in its own frame, corners counter-clockwise seen from outside, m."""
+    """Triangles of one geom in its own frame, corners counter-clockwise seen from outside, m.
+
+    Raises:
+        ShapeError: If the geom has no triangles.
+    """
     kind = mujoco.mjtGeom(int(model.geom_type[geom_id]))
     size = model.geom_size[geom_id]
     slices, stacks = int(model.vis.quality.numslices), int(model.vis.quality.numstacks)
@@ -31,7 +39,9 @@ def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
         return capsule(float(size[0]), float(size[1]), slices, stacks).corners_m()
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         return _mesh(model, int(model.geom_dataid[geom_id]))
-    raise NotImplementedError(f"geom {geom_id} is a {kind.name}, which rays do not meet yet")
+    raise ShapeError(
+        f"geom {geom_id} is a {kind.name}, valid: plane, box, ellipsoid, cylinder, capsule, mesh"
+    )
 
 
 def _plane(size: np.ndarray, endless_m: float) -> Triangles:

