@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 
+import psutil
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
@@ -134,7 +135,6 @@ def test_nothing_listens_beyond_loopback():
     )
     try:
         wait_for(5760 + 10 * instance())
-        psutil = pytest.importorskip("psutil")
         for connection in psutil.Process(process.pid).net_connections():
             assert connection.laddr.ip == "127.0.0.1"
     finally:
