@@ -41,11 +41,30 @@ _LEAST_CLEARANCE_M = 0.1
 class DepthFrame(Protocol):
     """What the watch needs of a camera frame; where it was really taken is none of its business."""
 
-    depth_m: np.ndarray
-    fx: float
-    fy: float
-    cx: float
-    cy: float
+    @property
+    def depth_m(self) -> np.ndarray:
+        """Along the optical axis, float32 (height, width)."""
+        ...
+
+    @property
+    def fx(self) -> float:
+        """Focal length, px."""
+        ...
+
+    @property
+    def fy(self) -> float:
+        """Focal length, px."""
+        ...
+
+    @property
+    def cx(self) -> float:
+        """Principal point, px."""
+        ...
+
+    @property
+    def cy(self) -> float:
+        """Principal point, px."""
+        ...
 
 
 def landing_needs(airframe: Airframe) -> LandingNeeds:
