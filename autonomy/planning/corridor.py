@@ -15,11 +15,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from autonomy.jit import kernel
 from autonomy.planning.errors import CertificateError
-from autonomy.planning.obstacles import Obstacles, gap_to_sphere, plane_to_segment, support
+from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.solids import Point, Solids, gap_to_sphere, plane_to_segment, support
 
 MAX_PLANES = 20
 REACHES_M = (6.0, 3.0, 1.5, 0.75)
@@ -118,7 +119,7 @@ def _polytope(
 
 
 @kernel
-def segment_clearance(p, q, enough, solids):
+def segment_clearance(p: Point, q: Point, enough: float, solids: Solids) -> float:
     """Distance from a segment to the nearest solid; `enough` where it is at least that."""
     middle = 0.5 * (p + q)
     half = 0.5 * np.sqrt(np.sum((q - p) ** 2))
@@ -131,7 +132,9 @@ def segment_clearance(p, q, enough, solids):
 
 
 @kernel
-def thin_out(points, room, solids):
+def thin_out(
+    points: Float[np.ndarray, "n 3"], room: Float[np.ndarray, " n"], solids: Solids
+) -> Int[np.ndarray, " m"]:
     """Greedy: from each kept point jump to the farthest (by bisection) seen with no less room."""
     kept = [0]
     while kept[-1] < len(points) - 1:
@@ -149,7 +152,9 @@ def thin_out(points, room, solids):
 
 
 @kernel
-def polytope_about(p, q, kept, low, high, solids):
+def polytope_about(
+    p: Point, q: Point, kept: float, low: Point, high: Point, solids: Solids
+) -> tuple[Float[np.ndarray, "planes 4"], bool]:
     """Planes about the segment from p to q: a box, then one for each obstacle in the way.
 
     Returns:
@@ -175,7 +180,9 @@ def polytope_about(p, q, kept, low, high, solids):
 
 
 @kernel
-def _separating_planes(p, q, low, high, kept, solids):
+def _separating_planes(
+    p: Point, q: Point, low: Point, high: Point, kept: float, solids: Solids
+) -> tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, " k"]]:
     """Plane (4) and index of each solid that may reach into a box, and its distance to the leg."""
     planes = np.empty((len(solids[0]), 5))
     distance = np.empty(len(solids[0]))
@@ -192,7 +199,7 @@ def _separating_planes(p, q, low, high, kept, solids):
 
 
 @kernel
-def _is_beyond(i, planes, kept, solids):
+def _is_beyond(i: int, planes: Float[np.ndarray, "k 4"], kept: float, solids: Solids) -> bool:
     """Whether one of the planes already keeps the vehicle away from all of solid i."""
     for n in range(len(planes)):
         f = planes[n]

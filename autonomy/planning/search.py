@@ -13,20 +13,22 @@ import heapq
 import math
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from autonomy.jit import kernel
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
 
 NARROWNESS_PRICE = 4.0
+Cell = Int[np.ndarray, " 3"]
+Grid = Float[np.ndarray, "nx ny nz"]
 _SQRT_2, _SQRT_3 = math.sqrt(2.0), math.sqrt(3.0)
 
 
 def shortest_path(
     field: DistanceField,
-    start_cell: Int[np.ndarray, " 3"],
-    goal_cell: Int[np.ndarray, " 3"],
+    start_cell: Cell,
+    goal_cell: Cell,
     *,
     required_m: float,
     comfortable_m: float,
@@ -56,13 +58,13 @@ def shortest_path(
 
 
 @kernel
-def _price(distance, required, comfortable):
-    lack = max(0.0, min(1.0, (comfortable - distance) / (comfortable - required)))
+def _price(distance: Grid, i: int, j: int, k: int, required: float, comfortable: float) -> float:
+    lack = max(0.0, min(1.0, (comfortable - distance[i, j, k]) / (comfortable - required)))
     return 1.0 + NARROWNESS_PRICE * lack * lack
 
 
 @kernel
-def _empty_grid_distance(i, j, k):
+def _empty_grid_distance(i: int, j: int, k: int) -> float:
     a, b, c = abs(i), abs(j), abs(k)
     low, high = min(a, b, c), max(a, b, c)
     middle = a + b + c - low - high
@@ -70,7 +72,9 @@ def _empty_grid_distance(i, j, k):
 
 
 @kernel
-def _is_block_free(distance, i0, j0, k0, i1, j1, k1, required):
+def _is_block_free(
+    distance: Grid, i0: int, j0: int, k0: int, i1: int, j1: int, k1: int, required: float
+) -> bool:
     for i in range(min(i0, i1), max(i0, i1) + 1):
         for j in range(min(j0, j1), max(j0, j1) + 1):
             for k in range(min(k0, k1), max(k0, k1) + 1):
@@ -80,7 +84,9 @@ def _is_block_free(distance, i0, j0, k0, i1, j1, k1, required):
 
 
 @kernel
-def search_grid(distance, start, goal, required, comfortable):
+def search_grid(
+    distance: Grid, start: Cell, goal: Cell, required: float, comfortable: float
+) -> Int[np.ndarray, "n 3"]:
     """Cells from goal back to start, so from end to end of a search that began at `start`."""
     nx, ny, nz = distance.shape
     cost = np.full(distance.size, np.inf, dtype=np.float32)
@@ -98,7 +104,7 @@ def search_grid(distance, start, goal, required, comfortable):
         if here == last:
             break
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
-        price_here = _price(distance[i, j, k], required, comfortable)
+        price_here = _price(distance, i, j, k, required, comfortable)
         for di in range(-1, 2):
             for dj in range(-1, 2):
                 for dk in range(-1, 2):
@@ -109,7 +115,7 @@ def search_grid(distance, start, goal, required, comfortable):
                     if is_done[there] or distance[u, v, w] < required:
                         continue
                     length = math.sqrt(di * di + dj * dj + dk * dk)
-                    price = _price(distance[u, v, w], required, comfortable)
+                    price = _price(distance, u, v, w, required, comfortable)
                     total = cost[here] + length * 0.5 * (price_here + price)
                     if total >= cost[there]:
                         continue
@@ -123,7 +129,9 @@ def search_grid(distance, start, goal, required, comfortable):
 
 
 @kernel
-def _trace(came_from, is_done, last, ny, nz):
+def _trace(
+    came_from: np.ndarray, is_done: np.ndarray, last: int, ny: int, nz: int
+) -> Int[np.ndarray, "n 3"]:
     count, here = 0, last if is_done[last] else -1
     while here >= 0:
         count, here = count + 1, came_from[here]

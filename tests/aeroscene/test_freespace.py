@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from solids import any_holds
 
 from aeroscene.freespace import (
     NoFreeSpaceError,
@@ -14,6 +13,7 @@ from aeroscene.freespace import (
     reachable,
 )
 from aeroscene.shapes import scene_primitives
+from tests.aeroscene.solids import any_holds
 
 
 @settings(max_examples=40)

@@ -5,7 +5,6 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from solids import any_holds
 
 from aeroscene.catalogue import by_name
 from aeroscene.freespace import build_distance_field, reachable
@@ -13,6 +12,7 @@ from aeroscene.landing import CLEARANCE_M, NEEDS, STEP_M, derive_landing_areas
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneObject
 from aeroscene.shapes import scene_primitives
 from aeroscene.voxels import bounds
+from tests.aeroscene.solids import any_holds
 
 
 def near(primitives, x, y, reach_m):

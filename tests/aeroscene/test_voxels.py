@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from solids import holds
 
 from aeroscene.geometry import quat_from_yaw
 from aeroscene.shapes import Primitive
 from aeroscene.voxels import Grid, bounds, voxelise
+from tests.aeroscene.solids import holds
 
 GRID = Grid((-2.875, -2.875, -2.875), 0.25, (24, 24, 24))
 WEDGE = (

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sample_quadrotors import IRIS, PLUS
 
 from autonomy.control.allocation import allocate, lead_command
 from autonomy.model.dynamics import thrust_torque_matrix
+from tests.autonomy.sample_quadrotors import IRIS, PLUS
 
 demands = st.tuples(
     st.sampled_from([IRIS, PLUS]),

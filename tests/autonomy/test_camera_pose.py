@@ -2,11 +2,11 @@ import math
 
 import numpy as np
 import pytest
-from depth_scene import quat_of
 from hypothesis import given
 from hypothesis import strategies as st
 
 from autonomy.perception import camera_pose
+from tests.autonomy.depth_scene import quat_of
 
 angles = st.floats(-math.pi, math.pi)
 vectors = st.tuples(*[st.floats(-2.0, 2.0)] * 3)

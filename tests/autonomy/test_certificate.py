@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 from hypothesis import given
-from planning_worlds import quadrotor, random_boxes, seeds
 
 from autonomy.planning import CertificateError, FlightLimits, Obstacles, certify
 from autonomy.planning.planner import plan_leg
 from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
+from tests.autonomy.planning_worlds import quadrotor, random_boxes, seeds
 
 LIMITS = FlightLimits()
 RADIUS = 0.4

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sample_quadrotors import HOVER, IRIS, hovering
 
 from autonomy.control import SETPOINT_DTYPE
 from autonomy.control.cfg import controller_cfg_for
 from autonomy.control.controller import control
 from autonomy.control.record import setpoint_row
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
+from tests.autonomy.sample_quadrotors import HOVER, IRIS, hovering
 
 NAN = math.nan
 anything = st.one_of(st.just(NAN), st.just(math.inf), st.floats(-1e3, 1e3))

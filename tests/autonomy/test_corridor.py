@@ -5,10 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from hypothesis import assume, given
-from planning_worlds import random_boxes, seeds
 
 from autonomy.planning import CertificateError, Obstacles
 from autonomy.planning.corridor import MAX_PLANES, build_corridor, straighten
+from tests.autonomy.planning_worlds import random_boxes, seeds
 
 BOUNDS = (np.full(3, -12.0), np.full(3, 12.0))
 

@@ -3,11 +3,11 @@ import math
 
 import numpy as np
 import pytest
-from depth_scene import box, look_down, quat_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from autonomy.perception.depth_image import bearing, bound_hidden, steepest_sight
+from tests.autonomy.depth_scene import box, look_down, quat_of
 
 STEP_M = 0.05
 BESIDE_M = 0.06

@@ -2,12 +2,12 @@ import math
 
 import numpy as np
 import pytest
-from depth_scene import LEVEL, box, look_down, quat_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from autonomy.perception import ElevationMap
 from autonomy.perception.elevation import MEMORY_FRAMES
+from tests.autonomy.depth_scene import LEVEL, box, look_down, quat_of
 
 POLE = box((0.62, 0.31, 0.5), (0.03, 0.03, 1.0))
 TABLE = box((0.0, 0.0, 0.375), (1.2, 0.8, 0.75))

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from sample_filters import DT, G, add_error, filter_at, moving_filter
 from scipy.spatial.transform import Rotation
 
 from autonomy.estimation.error_state import N_STATES
@@ -18,6 +17,7 @@ from autonomy.estimation.fusion import (
     heading_innovation,
 )
 from autonomy.estimation.predict import predict
+from tests.autonomy.sample_filters import DT, G, add_error, filter_at, moving_filter
 
 FIELD = np.array([0.8, 21.5, -42.8])
 SIGMA_M, SIGMA_MPS = np.full(3, 0.05), np.full(3, 0.05)

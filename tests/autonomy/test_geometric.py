@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from sample_quadrotors import IRIS, G, hovering
 from scipy.spatial.transform import Rotation
 
 from autonomy.control.geometric import (
@@ -16,6 +15,7 @@ from autonomy.control.geometric import (
     rate_torque,
 )
 from autonomy.model.dynamics import thrust_torque_matrix
+from tests.autonomy.sample_quadrotors import IRIS, G, hovering
 
 vectors = hnp.arrays(float, 3, elements=st.floats(-1.0, 1.0))
 

@@ -3,7 +3,6 @@ import re
 
 import numpy as np
 import pytest
-from depth_scene import LEVEL, box, look_down, quat_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +14,7 @@ from autonomy.perception import (
     objection,
     site_at,
 )
+from tests.autonomy.depth_scene import LEVEL, box, look_down, quat_of
 
 NEEDS = LandingNeeds(footprint_radius_m=0.25, body_radius_m=0.4)
 CELL_M = 0.05

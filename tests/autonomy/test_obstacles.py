@@ -3,18 +3,11 @@
 import numpy as np
 import pytest
 from hypothesis import given
-from planning_worlds import points_in_boxes, random_boxes, random_quats, seeds
 from scipy.optimize import nnls
 
-from autonomy.planning.obstacles import (
-    Obstacles,
-    Shape,
-    join,
-    plane_between,
-    plane_to_segment,
-    rotation_matrices,
-    support,
-)
+from autonomy.planning.obstacles import Obstacles, Shape, join, rotation_matrices
+from autonomy.planning.solids import plane_between, plane_to_segment, support
+from tests.autonomy.planning_worlds import points_in_boxes, random_boxes, random_quats, seeds
 
 PRISM = np.array(
     [[-2.0, -1.0, -0.5], [2.0, -1.0, -0.5], [-2.0, 1.0, -0.5], [2.0, 1.0, -0.5]]

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from planning_worlds import random_boxes, seeds
 
 from autonomy.planning import LimitsError
 from autonomy.planning.corridor import build_corridor
 from autonomy.planning.errors import PlanningError
 from autonomy.planning.optimiser import MotionBounds, _first_times, _Solver, optimise
 from autonomy.planning.trajectory import coefficients_from_nodes
+from tests.autonomy.planning_worlds import random_boxes, seeds
 
 BOUNDS = MotionBounds(
     speed_horizontal_mps=4.0,

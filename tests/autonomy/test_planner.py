@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from planning_worlds import GROUND, field_of, quadrotor, seeds, town
 
 from autonomy.planning import (
     BlockedError,
@@ -21,6 +20,7 @@ from autonomy.planning import (
 )
 from autonomy.planning.obstacles import join
 from autonomy.types import FlatReference
+from tests.autonomy.planning_worlds import GROUND, field_of, quadrotor, seeds, town
 
 LIMITS = FlightLimits()
 CFG = PlannerCfg(vehicle_radius_m=0.4)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from planning_worlds import quadrotor
 
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.planning import FlightLimits, LimitsError
+from tests.autonomy.planning_worlds import quadrotor
 
 
 @given(

@@ -6,11 +6,11 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from sample_filters import DT, G, add_error, error_between, filter_at
 from scipy.spatial.transform import Rotation
 
 from autonomy.estimation.error_state import ACCEL_BIAS, ATTITUDE, GYRO_BIAS, N_STATES, VELOCITY
 from autonomy.estimation.predict import predict, propagate_covariance
+from tests.autonomy.sample_filters import DT, G, add_error, error_between, filter_at
 
 
 def cross(v):

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sample_quadrotors import hovering
 
 from autonomy.control import SETPOINT_DTYPE
 from autonomy.control.record import setpoint_row
 from autonomy.control.reference import start_reference, update_reference
 from autonomy.control.setpoint_stream import accept_setpoint
 from autonomy.types import ControlLevel, Setpoint
+from tests.autonomy.sample_quadrotors import hovering
 
 NAN = math.nan
 DT = 0.004

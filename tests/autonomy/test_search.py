@@ -5,12 +5,12 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from planning_worlds import seeds
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from autonomy.planning import DistanceField, UnreachableError
 from autonomy.planning.search import NARROWNESS_PRICE, shortest_path
+from tests.autonomy.planning_worlds import seeds
 
 REQUIRED, COMFORTABLE = 0.5, 2.0
 STEPS = [step for step in product((-1, 0, 1), repeat=3) if any(step)]

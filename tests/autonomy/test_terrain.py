@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from sample_filters import moving_filter
 
 from autonomy.estimation.terrain import fuse_range
+from tests.autonomy.sample_filters import moving_filter
 
 
 def hovering(height_m=10.0):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from hypothesis import given
-from planning_worlds import seeds
 
 from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
 from autonomy.planning.yaw import STEP_S, yaw_along_path
+from tests.autonomy.planning_worlds import seeds
 
 
 def random_trajectory(seed):

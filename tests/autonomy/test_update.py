@@ -8,10 +8,10 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from sample_filters import add_error, error_between, filter_at
 
 from autonomy.estimation.error_state import N_STATES
 from autonomy.estimation.update import inject, scalar_update
+from tests.autonomy.sample_filters import add_error, error_between, filter_at
 
 seeds = st.integers(0, 2**31)
 rows = hnp.arrays(float, N_STATES, elements=st.floats(-2.0, 2.0))

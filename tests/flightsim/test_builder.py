@@ -3,12 +3,12 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from handmade import empty_scene, slope, solid
 
 from flightsim.geom_groups import GeomGroup
 from flightsim.vehicles.builder import camera_quat_wxyz, sole_positions_flu_m
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
+from tests.flightsim.handmade import empty_scene, slope, solid
 
 EACH = pytest.mark.parametrize("airframe", AIRFRAMES.values(), ids=lambda a: a.name)
 

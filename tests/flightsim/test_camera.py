@@ -7,7 +7,6 @@ import sys
 import mujoco
 import numpy as np
 import pytest
-from handmade import empty_scene, solid
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,6 +19,7 @@ from flightsim.sensors.camera import (
 )
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import GROUND_ID, build_world
+from tests.flightsim.handmade import empty_scene, solid
 
 IRIS = AIRFRAMES["iris"]
 FORWARD, DOWN = IRIS.cameras
@@ -307,7 +307,7 @@ def refuse(event, args):
         raise OSError(f"{args[0]}: cannot open shared object file")
 sys.addaudithook(refuse)
 sys.path.insert(0, sys.argv[1])
-from handmade import empty_scene
+from tests.flightsim.handmade import empty_scene
 from flightsim.sensors.camera import CameraError, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world

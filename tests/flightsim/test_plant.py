@@ -8,7 +8,6 @@ import sys
 import numba
 import numpy as np
 import pytest
-from handmade import empty_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -21,6 +20,7 @@ from flightsim.plant.kernel import advance
 from flightsim.plant.memory import example_arguments
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
+from tests.flightsim.handmade import empty_scene
 
 NAN = math.nan
 YAW = 0.4

@@ -3,12 +3,12 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from handmade import empty_scene, solid
 
 from flightsim.sensors.camera import open_camera_renderer
 from flightsim.sensors.raycast_mesh import geom_triangles
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
+from tests.flightsim.handmade import empty_scene, solid
 
 SOLIDS = (
     solid("box", (0, 8, 1), (2, 1, 3)),

@@ -4,13 +4,13 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from handmade import empty_scene, slope, solid
 
 from aeroscene.curation import curate_scene
 from aeroscene.shapes import scene_primitives
 from flightsim.geom_groups import RAY_GROUPS
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import GROUND_ID, VEHICLE_ID, WorldError, build_world
+from tests.flightsim.handmade import empty_scene, slope, solid
 
 IRIS = AIRFRAMES["iris"]
 

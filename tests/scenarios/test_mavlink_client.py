@@ -3,12 +3,12 @@
 import math
 
 import pytest
-from landing_scenes import yard
 
 from autonomy.types import FlatReference
 from scenarios.mavlink_client import PX4_HOLD, PX4_OFFBOARD, CommandState, MavlinkClient
 from scenarios.mavlink_telemetry import LANDED_IN_AIR, LANDED_ON_GROUND
 from scenarios.testbench import Testbench, TestbenchCfg
+from tests.scenarios.landing_scenes import yard
 
 
 class LossyPipe:

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, TOP_M, rectangle, thing, yard
 
 from aeroscene.sources import open_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
@@ -16,6 +15,15 @@ from scenarios.mission import (
     rank_areas,
     survey,
     takeoff_point,
+)
+from tests.scenarios.landing_scenes import (
+    CONTAINER,
+    ON_CONTAINER,
+    ON_LAWN,
+    TOP_M,
+    rectangle,
+    thing,
+    yard,
 )
 
 IRIS, HUMMINGBIRD = AIRFRAMES["iris"], AIRFRAMES["hummingbird"]

@@ -4,7 +4,6 @@ import dataclasses
 import math
 
 import pytest
-from landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, thing, yard
 
 from flightsim.autopilot.modes import Mode
 from scenarios.cameras import Cameras
@@ -13,6 +12,7 @@ from scenarios.mission import plan_mission
 from scenarios.pilot import Phase, Pilot
 from scenarios.scoring import FlightLog
 from scenarios.testbench import Testbench, TestbenchCfg
+from tests.scenarios.landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, thing, yard
 
 
 class Demo:

@@ -3,7 +3,6 @@
 import mujoco
 import numpy as np
 import pytest
-from landing_scenes import yard
 
 from aeroscene.freespace import build_distance_field
 from aeroscene.shapes import scene_primitives
@@ -11,6 +10,7 @@ from aeroscene.sources import open_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.obstacles import distance_field, scene_obstacles
+from tests.scenarios.landing_scenes import yard
 
 
 def hits(scene, n_rays):

@@ -3,8 +3,6 @@
 import math
 from functools import cache
 
-from handmade import empty_scene
-
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.events import Statustext
 from flightsim.autopilot.mission import MissionItem
@@ -14,6 +12,7 @@ from flightsim.plant import Plant
 from flightsim.plant.cfg import PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
+from tests.flightsim.handmade import empty_scene
 
 GROUND_AMSL_M = 488.0
 NAN = math.nan

@@ -4,13 +4,13 @@ import math
 from itertools import pairwise
 
 import pytest
-from handmade import slope
 
 from autonomy.types import ControlLevel
-from autopilot.bench import GROUND_AMSL_M, NAN, Bench
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
 from flightsim.frames import Geodetic
+from tests.flightsim.autopilot.bench import GROUND_AMSL_M, NAN, Bench
+from tests.flightsim.handmade import slope
 
 
 @pytest.mark.parametrize("vehicle", ["iris", "hummingbird", "iris-rotors"])

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from autonomy.types import ControlLevel
-from autopilot.bench import Bench
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
+from tests.flightsim.autopilot.bench import Bench
 
 REJECTED = CommandResult.TEMPORARILY_REJECTED
 

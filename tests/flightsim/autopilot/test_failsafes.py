@@ -3,10 +3,10 @@
 import pytest
 
 from autonomy.types import ControlLevel, Setpoint
-from autopilot.bench import Bench
 from flightsim.autopilot.modes import BatteryWarning, FailsafeReason, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
 from flightsim.vehicles.battery import Battery
+from tests.flightsim.autopilot.bench import Bench
 
 CRUISING = Setpoint(level=ControlLevel.TRAJECTORY, velocity_enu_mps=(2.0, 0.0, 0.0))
 

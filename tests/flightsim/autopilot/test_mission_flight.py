@@ -6,10 +6,10 @@ from itertools import pairwise
 import pytest
 
 from autonomy.types import ControlLevel
-from autopilot.bench import NAN, Bench
 from flightsim.autopilot.mission import Cmd, MissionItem
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import CommandResult
+from tests.flightsim.autopilot.bench import NAN, Bench
 
 MISSION_FRAME = 2
 

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from autonomy.types import NAN3, ControlLevel, Setpoint
-from autopilot.bench import NAN, Bench
 from flightsim.autopilot.modes import Mode
+from tests.flightsim.autopilot.bench import NAN, Bench
 
 
 def position(x, y, z, yaw_rad=0.0):

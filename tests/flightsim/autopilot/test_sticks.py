@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from autonomy.types import ControlLevel
-from autopilot.bench import Bench
 from flightsim.autopilot.behaviours.manual import tilted
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.streams import Sticks, StickStream, with_dead_zone
+from tests.flightsim.autopilot.bench import Bench
 
 
 def flying(mode):
