@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -95,7 +96,7 @@ def search_grid(
     first = (start[0] * ny + start[1]) * nz + start[2]
     last = (goal[0] * ny + goal[1]) * nz + goal[2]
     cost[first] = 0.0
-    queue = [(0.0, 0.0, first)]
+    queue: list[Any] = [(0.0, 0.0, first)]
     while len(queue) > 0:
         _, _, here = heapq.heappop(queue)
         if is_done[here]:
