@@ -16,17 +16,17 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-COLUMNS = (
-    "scene",
-    "vehicle",
-    "success",
-    "contacts_before_touchdown",
-    "touchdown_error_m",
-    "position_rmse_m",
-    "attitude_rmse_deg",
-    "sim_seconds",
-    "real_time_factor",
-)
+COLUMNS = {
+    "scene": "scene",
+    "vehicle": "vehicle",
+    "success": "landed",
+    "contacts_before_touchdown": "contacts",
+    "touchdown_error_m": "touchdown m",
+    "position_rmse_m": "position m",
+    "attitude_rmse_deg": "attitude deg",
+    "real_time_factor": "x real time",
+}
+"""What `--json` calls a figure, and its heading."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ def main(cfg: FlyCfg) -> None:
     flights = [(scene, vehicle) for vehicle in cfg.vehicles for scene in range(first, end)]
     progress = track(flights, console=Console(stderr=True), description="flying")
     results = [fly(cfg, scene, vehicle) for scene, vehicle in progress]
-    table = Table(*COLUMNS)
+    table = Table(*COLUMNS.values())
     for result in results:
         table.add_row(*(_cell(result[column]) for column in COLUMNS))
     console = Console()
