@@ -64,7 +64,7 @@ def main(cfg: FlyCfg) -> None:
     table = Table(*COLUMNS.values())
     for result in results:
         table.add_row(*(_cell(result[column]) for column in COLUMNS))
-    console = Console()
+    console = Console(width=110)
     console.print(table)
     landed = sum(result["success"] for result in results)
     console.print(f"{landed} of {len(results)} landed without contact before touchdown")
