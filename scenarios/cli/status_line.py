@@ -1,4 +1,4 @@
-"""A line at the bottom of the terminal that says how the flight goes."""
+"""What the terminal shows while a run goes on: a line of status, and events above it."""
 
 from __future__ import annotations
 
@@ -16,21 +16,35 @@ PERIOD_S = 0.25
 
 
 class StatusLine:
-    """Shows time, speed, mode and height while a run goes on; silent where nobody looks."""
+    """Prints what autopilot and pilot say, and below it, on a terminal, how the flight goes."""
 
     def __init__(self, console: Console, sitl: Sitl) -> None:
+        self._console = console
         self._sitl = sitl
+        self._n_transitions = 0
+        sitl.bench.server.statustext.listeners.append(lambda _, text: self._say(text))
         self._status = Status("starting", console=console) if console.is_terminal else None
         self._due_s = 0.0
         self._last: tuple[float, float] | None = None
 
     def refresh(self) -> None:
-        """Update the line if it is time to; call as often as you like."""
+        """Print what is new, and update the line if it is time to; call as often as you like."""
+        pilot = self._sitl.pilot
+        if pilot is not None and len(pilot.transitions) > self._n_transitions:
+            for transition in pilot.transitions[self._n_transitions :]:
+                self._say(f"pilot: {transition.target.value}: {transition.reason}")
+            self._n_transitions = len(pilot.transitions)
         if self._status is None or time.monotonic() < self._due_s:
             return
         now_s = time.monotonic()
         self._due_s = now_s + PERIOD_S
         self._status.update(self._text(now_s))
+
+    def _say(self, text: str) -> None:
+        sim_s = self._sitl.bench.plant.time_us * 1e-6
+        self._console.print(
+            f"{sim_s:8.2f} s  {text}", markup=False, highlight=False, soft_wrap=True
+        )
 
     def _text(self, now_s: float) -> str:
         plant, autopilot = self._sitl.bench.plant, self._sitl.bench.autopilot
