@@ -26,7 +26,9 @@ def test_pieces_meet_every_node_in_position_velocity_and_acceleration(seed):
     for order in range(3):
         for nudge in (-1e-9, 0.0):
             there = trajectory.derivatives(times + nudge, order)
-            np.testing.assert_allclose(there, nodes[:, order], atol=1e-5)
+            # Short pieces have large jerks: within the nudge the state changes by that much.
+            slope = np.abs(trajectory.derivatives(times + nudge, order + 1)).max()
+            np.testing.assert_allclose(there, nodes[:, order], atol=1e-6 + 2e-9 * slope)
 
 
 @given(seeds)
