@@ -100,8 +100,11 @@ def test_iou_is_symmetric_and_equals_counting_points(first, second):
     points = np.random.default_rng(0).uniform(low, high, (20_000, 3))
     in_first = signed_distance(points, *fields(first)) <= 0
     in_second = signed_distance(points, *fields(second)) <= 0
-    counted = (in_first & in_second).sum() / max(1, (in_first | in_second).sum())
-    assert value == pytest.approx(counted, abs=0.06)
+    n_points = (in_first | in_second).sum()
+    assume(n_points >= 200)  # thin boxes far apart catch too few points to say anything
+    counted = (in_first & in_second).sum() / n_points
+    # Six standard deviations of the share that so many points give.
+    assert value == pytest.approx(counted, abs=3.0 / np.sqrt(n_points))
 
 
 def test_iou_of_a_tilted_box_is_refused():
