@@ -22,6 +22,9 @@ from aeroscene.scene import OrientedBox
 CORNER_SIGNS = np.array([[1 if i >> axis & 1 else -1 for axis in range(3)] for i in range(8)])
 """Sign of each corner along x, y, z: bit 0, 1, 2 of the corner's number."""
 
+_GRID_M = 1e-9
+"""Footprints are intersected on this grid."""
+
 
 class NotUprightError(ValueError):
     """A box that tilts where only boxes turned about the vertical are defined."""
@@ -90,8 +93,10 @@ def iou(first: OrientedBox, second: OrientedBox) -> float:
         return 0.0
     import shapely  # noqa: PLC0415 - heavy, and most pairs never reach it
 
-    polygons = [shapely.Polygon(outline) for outline in outlines]
-    shared = polygons[0].intersection(polygons[1]).area * (high - low)
+    first_polygon, second_polygon = (shapely.Polygon(outline) for outline in outlines)
+    # On a grid: edges that lie on each other but for rounding would share nothing.
+    overlap = shapely.intersection(first_polygon, second_polygon, grid_size=_GRID_M)
+    shared = overlap.area * (high - low)
     return float(shared / (math.prod(first.s) + math.prod(second.s) - shared))
 
 

@@ -107,7 +107,8 @@ _SLACK_M = 0.02
 def object_parts(category: str, look: Look) -> list[Part]:
     """Parts of a category at a size; a size too odd for its shape gives a plain box."""
     parts = SHAPES[category](look)
-    if all(_is_sound(part, look.size_m) for part in parts):
+    is_solid = any(part.collides for part in parts)
+    if is_solid and all(_is_sound(part, look.size_m) for part in parts):
         return parts
     x, y, z = look.size_m
     return [block(centred(x), centred(y), (0.0, z), "concrete")]
