@@ -90,6 +90,18 @@ def compile_ahead(
         mark.touch()
 
 
+def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float) -> None:
+    """Say that kernels will compile on their first use, unless their code is in the cache.
+
+    Args:
+        modules: Names of the modules that define them.
+        title: What they are, for the message.
+        expected_seconds: How long that takes all together, for the message.
+    """
+    if not all(any(cache_directory(module).rglob("*.nbi")) for module in modules):
+        _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
+
+
 def _path_of(module: str) -> Path | None:
     """Source file of one of our modules, None for anybody else's."""
     stem = _ROOT.joinpath(*module.split("."))

@@ -8,12 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from aeroscene.sources import open_scene
+from autonomy.jit import announce_if_cold
 from flightsim.plant import compile_kernels
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.landing_watch import LandingWatch
 from scenarios.mavlink_telemetry import Telemetry
 from scenarios.mission import Mission, plan_mission
 
+PILOT_MODULES = (
+    "autonomy.perception.depth_image",
+    "autonomy.perception.elevation",
+    "autonomy.perception.landing",
+    "autonomy.planning.corridor",
+    "autonomy.planning.search",
+)
+"""Where the kernels are that only our own pilot uses."""
 SCENE = "42"
 VEHICLE = "iris"
 
@@ -27,6 +36,11 @@ class _FlatGround:
     fy: float = 208.0
     cx: float = 159.5
     cy: float = 119.5
+
+
+def announce_pilot_kernels() -> None:
+    """Say so if our pilot's first flight is going to compile."""
+    announce_if_cold(PILOT_MODULES, "planning and perception kernels", 12.0)
 
 
 def compile_everything(progress: Callable[[str, float], None]) -> None:

@@ -114,10 +114,12 @@ class Sitl:
 
     def _board_pilot(self, stack: ExitStack) -> Pilot:
         # casadi and the kernels of planning and perception: only where our pilot flies.
+        from scenarios.kernels import announce_pilot_kernels  # noqa: PLC0415
         from scenarios.mavlink_client import MavlinkClient  # noqa: PLC0415
         from scenarios.mission import MissionError, plan_mission  # noqa: PLC0415
         from scenarios.pilot import Pilot  # noqa: PLC0415
 
+        announce_pilot_kernels()
         bench = self.bench
         try:
             mission = plan_mission(bench.scene, bench.airframe, seed=self.cfg.bench.seed)
