@@ -21,6 +21,7 @@ PILOT_MODULES = (
     "autonomy.perception.landing",
     "autonomy.planning.corridor",
     "autonomy.planning.search",
+    "autonomy.planning.solids",
 )
 """Where the kernels are that only our own pilot uses."""
 SCENE = "42"
