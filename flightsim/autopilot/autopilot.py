@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from math import isfinite
 
 from autonomy.model.quadrotor import Vector3
@@ -127,10 +127,6 @@ class Autopilot:
         setpoint = commander.tick()
         self.setpoint = setpoint
         self._plant.apply(setpoint)
-
-    def add_event_listener(self, listener: Callable[[Event], None]) -> None:
-        """Call `listener` with each event when it happens; `pop_events` goes on as before."""
-        self._events.add_listener(listener)
 
     def pop_events(self) -> list[Event]:
         """Events since the last call."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum, unique
 
@@ -50,11 +49,6 @@ class EventLog:
         self._quiet_us = quiet_us
         self._waiting: deque[Event] = deque(maxlen=capacity)
         self._last_said_us: dict[str, int] = {}
-        self._listeners: list[Callable[[Event], None]] = []
-
-    def add_listener(self, listener: Callable[[Event], None]) -> None:
-        """Call `listener` with each event when it happens, whoever pops it."""
-        self._listeners.append(listener)
 
     def say(self, severity: Severity, text: str) -> None:
         """Queue a line, unless the same line was queued just before."""
@@ -64,16 +58,11 @@ class EventLog:
         if len(self._last_said_us) > 128:
             self._last_said_us.clear()
         self._last_said_us[text] = self.time_us
-        self._tell(Statustext(self.time_us, severity, text))
+        self._waiting.append(Statustext(self.time_us, severity, text))
 
     def mission_item_reached(self, index: int) -> None:
         """Queue the arrival at a mission item."""
-        self._tell(MissionItemReached(self.time_us, index))
-
-    def _tell(self, event: Event) -> None:
-        self._waiting.append(event)
-        for listener in self._listeners:
-            listener(event)
+        self._waiting.append(MissionItemReached(self.time_us, index))
 
     def pop(self) -> list[Event]:
         """All waiting events, oldest first; they are waiting no longer."""

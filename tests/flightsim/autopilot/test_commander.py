@@ -163,11 +163,3 @@ def test_setting_a_speed_changes_the_flight_in_progress():
     assert bench.speed_mps == pytest.approx(2.0, abs=0.3)
     assert bench.pilot.set_speed(math.nan).result is CommandResult.DENIED
     assert bench.pilot.set_speed(-1.0).result is CommandResult.DENIED
-
-
-def test_listeners_and_the_queue_hear_the_same_events():
-    bench, heard = Bench(), []
-    bench.pilot.add_event_listener(heard.append)
-    bench.texts.clear()
-    bench.take_off()
-    assert [event.text for event in heard] == bench.texts

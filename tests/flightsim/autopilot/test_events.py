@@ -31,10 +31,3 @@ def test_a_flood_keeps_only_the_latest():
     for i in range(1000):
         log.say(Severity.INFO, f"line {i}")
     assert [event.text for event in log.pop()] == [f"line {i}" for i in range(992, 1000)]
-
-
-def test_listeners_hear_each_event_besides_the_queue():
-    log, heard = EventLog(), []
-    log.add_listener(heard.append)
-    log.say(Severity.INFO, "one")
-    assert heard == log.pop()
