@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Literal
 
 Level = Literal["coarse", "fine"]
-Support = Literal["ground", "building", "roof", "floor", "furniture", "room"]
+Support = Literal["ground", "building", "roof", "floor", "furniture", "room", "water"]
 
 COARSE_COUNT = 23
 FINE_COUNT = 47
@@ -56,14 +56,14 @@ _COARSE: tuple[_Row, ...] = (
     ("house", (6, 16), (6, 16), (2.6, 8), _STREET, False, "brick"),
     ("tower", (5, 16), (5, 16), (12, 45), _STREET, False, "concrete"),
     ("warehouse", (10, 40), (10, 40), (4, 12), _STREET, True, "metal"),
-    ("garage", (5, 8), (3, 8), (2.4, 3.4), _STREET, True, "concrete"),
-    ("shed", (2, 6), (2, 6), (2, 3.5), _STREET, True, "wood"),
+    ("garage", (2, 8), (2, 8), (2, 3.5), _STREET, True, "concrete"),
+    ("terrain", (2, 120), (2, 120), (0.1, 8), ("ground",), True, "grass"),
     ("kiosk", (2, 4), (2, 5), (2.4, 3.5), _STREET, True, "metal"),
     ("container", (5.9, 12.3), (2.3, 2.6), (2.4, 2.9), ("ground", "building"), True, "metal"),
     ("canopy", (2, 12), (2, 16), (2.6, 5.5), _STREET, True, "metal"),
     ("bridge", (8, 40), (2, 4), (4, 8), _STREET, True, "concrete"),
     ("deck", (3, 14), (3, 14), (0.15, 1.2), ("ground", "roof"), True, "wood"),
-    ("pond", (3, 14), (3, 14), (0.05, 0.4), _STREET, False, "water"),
+    ("water", (3, 120), (3, 120), (0.05, 0.6), _STREET, False, "water"),
     ("roof", (2, 42), (2, 42), (0.2, 5), ("building",), True, "roofing"),
     ("floor", (3, 40), (3, 40), (0.1, 0.4), ("building",), False, "concrete"),
     ("room", (2, 16), (2, 16), (2.2, 6), ("building",), True, "wood"),
@@ -90,8 +90,7 @@ _FINE: tuple[_Row, ...] = (
     ("sign", (0.05, 0.3), (0.4, 2.5), (1.8, 4), _STREET, False, "metal"),
     ("bench", (0.4, 0.8), (1.2, 2.2), (0.4, 1), ("ground", "roof"), False, "wood"),
     ("bin", (0.35, 0.9), (0.35, 1.3), (0.7, 1.4), ("ground", "floor"), False, "plastic"),
-    ("hydrant", (0.25, 0.5), (0.25, 0.5), (0.6, 1), _STREET, False, "metal"),
-    ("mailbox", (0.3, 0.6), (0.3, 0.7), (0.9, 1.5), _STREET, False, "metal"),
+    ("boat", (4, 12), (1.6, 4), (1, 4.5), ("water",), False, "wood"),
     ("planter", (0.4, 1.6), (0.4, 3), (0.5, 1.6), ("ground", "roof", "floor"), False, "leaves"),
     ("crate", (0.6, 1.4), (0.6, 1.4), (0.5, 1.3), ("ground", "floor", "roof"), True, "wood"),
     ("barrel", (0.5, 0.7), (0.5, 0.7), (0.8, 1), ("ground", "floor"), True, "metal"),
@@ -123,6 +122,7 @@ _FINE: tuple[_Row, ...] = (
     ("monitor", (0.15, 0.3), (0.45, 0.9), (0.35, 0.6), _TOP, False, "plastic"),
     ("plate", (0.18, 0.32), (0.18, 0.32), (0.015, 0.05), _TOP, False, "ceramic"),
     ("cup", (0.07, 0.12), (0.07, 0.12), (0.08, 0.14), _TOP, False, "ceramic"),
+    ("cutlery", (0.16, 0.24), (0.02, 0.09), (0.006, 0.02), _TOP, False, "metal"),
     ("book", (0.15, 0.3), (0.12, 0.4), (0.02, 0.3), _TOP, False, "paper"),
     ("box", (0.2, 0.7), (0.2, 0.7), (0.15, 0.6), ("floor", "furniture"), False, "cardboard"),
 )

@@ -8,11 +8,9 @@ import re
 from functools import cache
 from pathlib import Path
 
+from aeroscene.corpus import CORPUS_SIZE
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene_io import read_scene, write_scene
-
-CORPUS_SIZE = 1016
-"""Scenes of the paper's dataset: 812 train and 204 test."""
 
 
 class UnknownSceneError(SceneError):

@@ -75,6 +75,8 @@ class Builder:
     def __init__(self, scene_id: str) -> None:
         self.scene_id = scene_id
         self.objects: list[SceneObject] = []
+        self.n_coarse = 0
+        self.n_fine = 0
         self._occupants: list[_Occupant] = []
         self._ancestors: dict[int, frozenset[int]] = {}
 
@@ -133,6 +135,10 @@ class Builder:
             attributes=attributes or {},
         )
         self.objects.append(obj)
+        if obj.is_coarse:
+            self.n_coarse += 1
+        else:
+            self.n_fine += 1
         self._occupants.append(_occupant(spot, size, base, 0.0, obj.id))
         self._ancestors[obj.id] = line
         return Placed(obj.id, name, spot, size, base, domain)

@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
 
+from aeroscene.corpus import scene_domain
 from aeroscene.curation.builder import Builder, Placed
-from aeroscene.curation.draw import Draw
-from aeroscene.curation.places import (
-    Flats,
-    Ground,
-    Houses,
-    Market,
-    Offices,
-    Park,
-    Parking,
-    Place,
-    Yard,
-)
-from aeroscene.curation.site import Site, lay_out_site
-from aeroscene.curation.start import place_start, start_yaw
-from aeroscene.curation.streets import furnish_streets
+from aeroscene.curation.composers import compose_indoor, compose_mixed, compose_outdoor
+from aeroscene.curation.composition import Composition, fill
+from aeroscene.curation.start import start_yaw
 from aeroscene.landing import derive_landing_areas
 from aeroscene.scene import Scene
 
@@ -32,73 +21,54 @@ _LONGITUDE_DEG = 8.545594
 _ALTITUDE_M = 488.0
 _SEED_SPACE = 2026
 """Entropy of the corpus beside the scene's number."""
-_CEILING_M = 10.0
-"""Flight volume above the highest thing."""
+_HEADROOM_M = 10.0
+"""Flight volume above the highest thing, where the sky is open."""
+
+_COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": compose_indoor}
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """How many objects a scene should have."""
+
+    n_coarse: int
+    n_fine: int
 
 
 def curate_scene(index: int) -> Scene:
     """Scene `index` of the procedural corpus; equal on every call."""
-    streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(4)
-    plan, choice, start, streets = (np.random.default_rng(stream) for stream in streams)
+    streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(2)
+    layout, size = (np.random.default_rng(stream) for stream in streams)
+    budget = _draw_budget(size)
     builder = Builder(f"corpus-{index:04d}")
-    site = lay_out_site(builder, plan)
-    places = _choose_places(builder, site, choice)
-    for place in places:
-        place.structures()
-    pad = place_start(builder, Draw(start), (site.half_x, site.half_y))
-    furnish_streets(builder, Draw(streets), site)
-    for place in places:
-        place.details()
-    scene = _finish(builder, site, pad, index)
+    domain = scene_domain(index)
+    composition = _COMPOSERS[domain](builder, layout)
+    places = composition.places
+    fill([place.structures() for place in places], lambda: builder.n_coarse >= budget.n_coarse)
+    pad = composition.place_start()
+    fill([place.details() for place in places], lambda: builder.n_fine >= budget.n_fine)
+    scene = _finish(builder, composition, pad, index)
     return replace(scene, interaction_areas=derive_landing_areas(scene))
 
 
-def _choose_places(builder: Builder, site: Site, rng: np.random.Generator) -> list[Place]:
-    """One furnished building for certain, open ground somewhere, the rest by chance."""
-    parcels = list(site.parcels)
-    order = [int(i) for i in rng.permutation(len(parcels))]
-    kinds = ["offices", str(rng.choice(["park", "market", "parking"]))]
-    others = ["houses", "flats", "yard", "park", "market", "parking", "furnished_house"]
-    weights = [0.2, 0.24, 0.14, 0.12, 0.1, 0.1, 0.1]
-    while len(kinds) < len(parcels):
-        kind = str(rng.choice(others, p=weights))
-        if kind not in kinds or kind in {"houses", "flats"}:
-            kinds.append(kind)
-    streams = rng.spawn(len(parcels))
-    return [
-        _place(kind, Ground(builder, Draw(stream), parcels[parcel]))
-        for kind, parcel, stream in zip(kinds, order, streams, strict=False)
-    ]
+def _draw_budget(rng: np.random.Generator) -> Budget:
+    """Counts about the paper's averages, 34 coarse and 112 fine, each scene its own."""
+    n_coarse, n_fine = rng.normal((34.0, 112.0), (6.0, 22.0)).clip((22, 60), (48, 170))
+    return Budget(round(float(n_coarse)), round(float(n_fine)))
 
 
-def _place(kind: str, ground: Ground) -> Place:
-    match kind:
-        case "offices":
-            return Offices(ground)
-        case "houses":
-            return Houses(ground)
-        case "furnished_house":
-            return Houses(ground, is_furnished=True)
-        case "flats":
-            return Flats(ground)
-        case "park":
-            return Park(ground)
-        case "market":
-            return Market(ground)
-        case "parking":
-            return Parking(ground)
-        case _:
-            return Yard(ground)
-
-
-def _finish(builder: Builder, site: Site, pad: Placed, index: int) -> Scene:
+def _finish(builder: Builder, composition: Composition, pad: Placed, index: int) -> Scene:
+    domain = scene_domain(index)
+    x, y, ceiling = composition.extent_max_enu_m
     top = max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in builder.objects)
+    if domain != "indoor":
+        ceiling = float(max(ceiling, ceil(top + _HEADROOM_M)))
     return Scene(
         scene_id=builder.scene_id,
-        domain="mixed",
+        domain=domain,
         seed=index,
-        extent_min_enu_m=(-site.half_x, -site.half_y, 0.0),
-        extent_max_enu_m=(site.half_x, site.half_y, float(max(22, ceil(top + _CEILING_M)))),
+        extent_min_enu_m=composition.extent_min_enu_m,
+        extent_max_enu_m=(x, y, ceiling),
         start_position_enu_m=(round(pad.frame.x, 4), round(pad.frame.y, 4), round(pad.top, 4)),
         start_yaw_rad=round(start_yaw(pad), 6),
         latitude_deg=_LATITUDE_DEG,

@@ -68,6 +68,8 @@ class Parcel:
     frame: Frame
     width: float
     depth: float
+    level: float = 0.0
+    """Height of the ground that the place starts from."""
 
     def middle(self) -> Frame:
         """The same frame moved to the middle of the parcel."""

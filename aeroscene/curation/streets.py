@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from math import pi, sin
 
 from aeroscene.curation.builder import Builder, Placed
@@ -14,14 +16,29 @@ _CURB_M = 0.45
 """Distance of posts from the curb."""
 
 
-def furnish_streets(builder: Builder, draw: Draw, site: Site) -> None:
-    """Fill roads with traffic and sidewalks with street furniture."""
-    for road in site.roads:
-        _drive(builder, draw, road)
-    for walk in site.sidewalks:
-        _furnish_sidewalk(builder, draw, walk)
-    for crossing in site.crossings:
-        _signal(builder, draw, site, crossing.x, crossing.y)
+@dataclass(frozen=True, slots=True)
+class Streets:
+    """All streets of a site."""
+
+    builder: Builder
+    draw: Draw
+    site: Site
+
+    def structures(self) -> Iterator[None]:
+        """Carriageways and sidewalks are laid with the site's plan."""
+        yield
+
+    def details(self) -> Iterator[None]:
+        """Signals, then traffic, then street furniture."""
+        for crossing in self.site.crossings:
+            _signal(self.builder, self.draw, self.site, crossing.x, crossing.y)
+        yield
+        for road in self.site.roads:
+            _drive(self.builder, self.draw, road)
+            yield
+        for walk in self.site.sidewalks:
+            _furnish_sidewalk(self.builder, self.draw, walk)
+            yield
 
 
 def _drive(builder: Builder, draw: Draw, road: Placed) -> None:
@@ -53,7 +70,7 @@ def _drive(builder: Builder, draw: Draw, road: Placed) -> None:
 
 
 def _furnish_sidewalk(builder: Builder, draw: Draw, walk: Placed) -> None:
-    """Lamps in a row; between them a hydrant, bins, benches, signs, a mailbox."""
+    """Lamps in a row; between them bins, benches, signs."""
     length, width, _ = walk.size
     curb = -width / 2 + _CURB_M
     lamps = max(1, round(length / 22))
@@ -72,11 +89,9 @@ def _furnish_sidewalk(builder: Builder, draw: Draw, walk: Placed) -> None:
             parent=walk,
         )
     for name, chance in (
-        ("hydrant", 0.35),
         ("bin", 0.3),
         ("bench", 0.3),
         ("sign", 0.25),
-        ("mailbox", 0.15),
         ("planter", 0.2),
     ):
         if draw.chance(chance):

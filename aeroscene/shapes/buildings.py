@@ -89,7 +89,9 @@ def warehouse(look: Look) -> list[Part]:
 
 
 def garage(look: Look) -> list[Part]:
-    """A flat-roofed box with a roller door."""
+    """A flat-roofed box with a roller door, or a shed of boards."""
+    if look.choice("form", ("garage", "shed")) == "shed":
+        return _shed(look)
     x, y, z = look.size_m
     core = block((-x / 2, x / 2 - 0.03), centred(y), (0, z - 0.2), "plaster_white")
     roof = block(centred(x), centred(y), (z - 0.2, z), "roofing")
@@ -97,7 +99,7 @@ def garage(look: Look) -> list[Part]:
     return [core, roof, door]
 
 
-def shed(look: Look) -> list[Part]:
+def _shed(look: Look) -> list[Part]:
     """Board walls under a flat felt roof."""
     x, y, z = look.size_m
     core = block(centred(x - 0.2), centred(y - 0.2), (0, z - 0.12), "wood")

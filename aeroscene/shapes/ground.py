@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from aeroscene.scene import Vector3
 from aeroscene.shapes.look import Look
 from aeroscene.shapes.materials import PAINT_COLOURS
-from aeroscene.shapes.primitive import Interval, Part, block, centred, cylinder
+from aeroscene.shapes.primitive import Interval, Part, block, centred, cylinder, hull
 
 PAINT_M = 0.005
 """Thickness of paint on a road."""
@@ -88,7 +89,7 @@ def lawn(look: Look) -> list[Part]:
     return [block(centred(x), centred(y), (0, z), "grass")]
 
 
-def pond(look: Look) -> list[Part]:
+def water(look: Look) -> list[Part]:
     """A basin: a rim of stone around water."""
     x, y, z = look.size_m
     rim = 0.35
@@ -185,3 +186,15 @@ def bridge(look: Look) -> list[Part]:
         pier = sorted((sign * x / 2, sign * (x / 2 - 0.8)))
         parts.append(block((pier[0], pier[1]), centred(0.7 * y), (0, top - 0.35), "concrete"))
     return parts
+
+
+def terrain(look: Look) -> list[Part]:
+    """Raised ground: a terrace, or a ramp that rises from nothing at -x to its height at +x."""
+    x, y, z = look.size_m
+    material = look.choice("finish", ("grass", "paving", "asphalt", "gravel", "concrete"))
+    if look.choice("form", ("terrace", "ramp")) == "terrace":
+        return [block(centred(x), centred(y), (0, z), material)]
+    low, high = centred(x)
+    foot: list[Vector3] = [(low, side, 0.0) for side in centred(y)]
+    back: list[Vector3] = [(high, side, height) for side in centred(y) for height in (0.0, z)]
+    return [hull([*foot, *back], material)]

@@ -148,3 +148,18 @@ def box(look: Look) -> list[Part]:
         block(centred(x), centred(y), (0, z - 0.002), "cardboard"),
         block(centred(x), centred(0.06), (z - 0.002, z), "pale_wood", collides=False),
     ]
+
+
+def cutlery(look: Look) -> list[Part]:
+    """A knife and a fork beside each other, handles at -x."""
+    x, y, z = look.size_m
+    width = 0.3 * y
+    return [
+        block(
+            centred(x),
+            (side * (y - width) / 2 - width / 2, side * (y - width) / 2 + width / 2),
+            (0, z),
+            "metal",
+        )
+        for side in (-1, 1)
+    ]

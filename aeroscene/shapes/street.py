@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from aeroscene.shapes.look import Look
 from aeroscene.shapes.materials import PAINT_COLOURS
-from aeroscene.shapes.primitive import Part, block, centred, cylinder, ellipsoid
+from aeroscene.shapes.primitive import Part, block, centred, cylinder
 
 
 def street_lamp(look: Look) -> list[Part]:
@@ -78,33 +78,6 @@ def bin_(look: Look) -> list[Part]:
     return [
         block(centred(0.92 * x), centred(0.92 * y), (0, 0.86 * z), "plastic_green"),
         block(centred(x), centred(y), (0.86 * z, z), "plastic_black"),
-    ]
-
-
-def hydrant(look: Look) -> list[Part]:
-    """A red post with a cap and two outlets."""
-    x, y, z = look.size_m
-    body = 0.6 * min(x, y)
-    return [
-        cylinder((0, 0, 0.4 * z), body, 0.8 * z, "paint_red"),
-        ellipsoid(centred(body), centred(body), (0.65 * z, z), "paint_red"),
-        cylinder((0, 0, 0.6 * z), 0.4 * body, y, "metal", axis="y", collides=False),
-    ]
-
-
-def mailbox(look: Look) -> list[Part]:
-    """A box on a post, slot to the front."""
-    x, y, z = look.size_m
-    return [
-        block(centred(0.1), centred(0.1), (0, 0.5 * z), "dark_metal"),
-        block(centred(x - 0.02), centred(y), (0.5 * z, z), "paint_yellow"),
-        block(
-            (x / 2 - 0.01, x / 2),
-            centred(0.7 * y),
-            (0.82 * z, 0.87 * z),
-            "plastic_black",
-            collides=False,
-        ),
     ]
 
 

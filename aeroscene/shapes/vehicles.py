@@ -150,3 +150,15 @@ def bicycle(look: Look) -> list[Part]:
         block((-0.38 * x, -0.22 * x), centred(0.16), (0.92 * z, 0.97 * z), "plastic_black"),
         block((0.22 * x, 0.27 * x), centred(y), (z - 0.05, z), "plastic_black"),
     ]
+
+
+def boat(look: Look) -> list[Part]:
+    """An open hull with a pointed bow at +x and a cabin amidships."""
+    x, y, z = look.size_m
+    deck, paint = 0.4 * z, "paint_" + look.choice("colour", PAINT_COLOURS)
+    beam, keel = centred(y), centred(0.6 * y)
+    stern = [(-x / 2, side, deck) for side in beam] + [(-x / 2, side, 0.0) for side in keel]
+    middle = [(0.2 * x, side, deck) for side in beam] + [(0.2 * x, side, 0.0) for side in keel]
+    bow = [(x / 2, 0.0, deck), (0.4 * x, 0.0, 0.0)]
+    cabin = block((-0.3 * x, 0.1 * x), centred(0.6 * y), (deck, z), "plastic_white")
+    return [hull([*stern, *middle, *bow], paint), cabin]

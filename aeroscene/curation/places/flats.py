@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from aeroscene.curation.builder import Placed
@@ -22,7 +23,7 @@ class Flats:
     ground: Ground
     _roofs: list[Placed] = field(default_factory=list)
 
-    def structures(self) -> None:
+    def structures(self) -> Iterator[None]:
         """A slab along the street, perhaps a tower or a second slab behind it."""
         ground, draw = self.ground, self.ground.draw
         ground.cover(draw.one_of(("lawn", "lawn", "plaza")))
@@ -46,6 +47,7 @@ class Flats:
             side = 1 if draw.chance(0.5) else -1
             edge = side * (width / 2 - 0.3)
             ground.fence_line((edge, 4), (edge, depth - 1), "hedge", 1.2)
+        yield
 
     def _mass(
         self, name: str, u: float, v: float, deep: float, length: float, storeys: int
@@ -61,7 +63,7 @@ class Flats:
             if roof:
                 self._roofs.append(roof)
 
-    def details(self) -> None:
+    def details(self) -> Iterator[None]:
         """Roof equipment, trees, bicycles, bins, a parked van."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -73,9 +75,9 @@ class Flats:
             ground.stand("bicycle", draw.between(-0.9, 0.9) * half, 1.5, margin=0.1)
         for _ in range(draw.count(1, 2)):
             ground.stand("bin", draw.between(-0.9, 0.9) * half, depth - 0.7)
-        ground.stand("mailbox", draw.between(-0.8, 0.8) * half, 0.6)
         ground.plant_trees(draw.count(2, 5))
         ground.scatter("bush", draw.count(0, 3))
         for _ in range(draw.count(0, 2)):
             turn = STREETWARD if draw.chance(0.5) else STREETWARD + QUARTER
             ground.stand("bench", draw.between(-0.8, 0.8) * half, 0.55 * depth, turn=turn)
+        yield

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import pi
-from typing import Protocol
 
 from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
@@ -16,18 +15,6 @@ GROUND_M = {"lawn": 0.06, "plaza": 0.1, "parking_lot": 0.04, "sidewalk": 0.1}
 """Heights of the surfaces of parcels above the ground."""
 _MARGIN_M = 0.4
 _TRIES = 6
-
-
-class Place(Protocol):
-    """What a parcel holds. Structures come first everywhere, then the start, then the details."""
-
-    def structures(self) -> None:
-        """Place what is coarse: ground, buildings, fences."""
-        ...
-
-    def details(self) -> None:
-        """Place what is fine: furniture, plants, vehicles."""
-        ...
 
 
 @dataclass(slots=True)
@@ -43,14 +30,20 @@ class Ground:
     @property
     def level(self) -> float:
         """Height on which things stand."""
-        return self.surface.top if self.surface else 0.0
+        return self.surface.top if self.surface else self.parcel.level
 
     def cover(self, name: str, attributes: dict[str, AttributeValue] | None = None) -> None:
         """Give the whole parcel a surface."""
         parcel = self.parcel
         size = (parcel.width, parcel.depth, GROUND_M[name])
         self.surface = self.builder.place(
-            name, parcel.frame, 0, parcel.depth / 2, size, base=0.0, attributes=attributes
+            name,
+            parcel.frame,
+            0,
+            parcel.depth / 2,
+            size,
+            base=parcel.level,
+            attributes=attributes,
         )
 
     def stand(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from aeroscene.curation.frame import INWARD, STREETWARD
@@ -25,7 +26,7 @@ class Houses:
     _rooms: list[RoomSpace] = field(default_factory=list)
     _edges: list[float] = field(default_factory=list)
 
-    def structures(self) -> None:
+    def structures(self) -> Iterator[None]:
         """On each plot a house with a pitched roof, a garage on its drive, a hedge."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn")
@@ -40,6 +41,7 @@ class Houses:
         if draw.chance(0.6):
             back = depth - 0.3
             ground.fence_line((-width / 2 + 0.5, back), (width / 2 - 0.5, back), "boards", 1.6)
+        yield
 
     def _plot(self, low: float, high: float, *, is_furnished: bool) -> None:
         ground, draw = self.ground, self.ground.draw
@@ -79,9 +81,11 @@ class Houses:
             ground.erect("garage", drive, setback + 6.5, (5.8, 3.2, 2.7))
         self._drives.append(drive)
         if draw.chance(0.4):
-            ground.erect("shed", u, ground.parcel.depth - 2.6, (2.4, 3.0, 2.4))
+            shed: dict[str, AttributeValue] = {"form": "shed"}
+            at = (u, ground.parcel.depth - 2.6)
+            ground.erect("garage", *at, (2.4, 3.0, 2.4), attributes=shed)
 
-    def details(self) -> None:
+    def details(self) -> Iterator[None]:
         """Furniture, cars on the drives, garden trees, a table in the garden."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -92,7 +96,6 @@ class Houses:
                 turn = STREETWARD if draw.chance(0.5) else INWARD
                 colour: dict[str, AttributeValue] = {"colour": draw.one_of(PAINT_COLOURS)}
                 ground.stand("car", drive, 2.7, turn=turn, attributes=colour)
-            ground.stand("mailbox", drive - 2.2, 0.5)
             ground.stand("bin", drive - 2.4, draw.between(4, 6))
         back = (-half, half, 0.55 * depth, depth)
         for table in ground.scatter("table", draw.count(0, 1), near=back, turn=0.0):
@@ -112,3 +115,4 @@ class Houses:
         ground.plant_trees(draw.count(2, 4), back)
         ground.plant_trees(draw.count(0, 1), (-half, half, 0.3, 5.0))
         ground.scatter("bush", draw.count(1, 4))
+        yield

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import pi
 
@@ -20,7 +21,7 @@ class Market:
     _canopy: Placed | None = None
     _stalls: list[Placed] = field(default_factory=list)
 
-    def structures(self) -> None:
+    def structures(self) -> Iterator[None]:
         """A row of kiosks, a canopy, a stage, perhaps a fountain."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza")
@@ -38,11 +39,12 @@ class Market:
         size = (draw.between(4.5, 6.5), draw.between(6, 9), 3.4)
         self._canopy = ground.stand("canopy", u, 0.55 * depth, size, attributes=colour)
         if draw.chance(0.6):
-            ground.stand("pond", -u - 0.5 * half if u < 0 else u - half, 4.5, (4.0, 4.0, 0.4))
+            ground.stand("water", -u - 0.5 * half if u < 0 else u - half, 4.5, (4.0, 4.0, 0.4))
         elif draw.chance(0.6):
             ground.stand("deck", 0.5 * half, 4.0, (3.5, 5.0, 0.5))
+        yield
 
-    def details(self) -> None:
+    def details(self) -> Iterator[None]:
         """Tables with chairs, planters, crates by the stalls, lamps."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -65,6 +67,7 @@ class Market:
         for sign in (-1, 1):
             ground.stand("street_lamp", sign * 0.8 * half, 0.35 * depth, (0.8, 0.5, 4.2))
         ground.plant_trees(draw.count(1, 3), (-half, half, 0.15 * depth, 0.9 * depth))
+        yield
 
     def _seats(self, v: float) -> None:
         ground, draw = self.ground, self.ground.draw

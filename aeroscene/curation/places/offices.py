@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from aeroscene.curation.builder import Placed
@@ -28,7 +29,7 @@ class Offices:
     _shells: list[tuple[Shell, Placed | None]] = field(default_factory=list)
     _terrace: Placed | None = None
 
-    def structures(self) -> None:
+    def structures(self) -> Iterator[None]:
         """Ground, the furnished building, its roof, and a terrace before the door."""
         ground, draw = self.ground, self.ground.draw
         ground.cover(draw.one_of(("lawn", "plaza", "lawn")))
@@ -56,8 +57,9 @@ class Offices:
         self._shells.append((shell, roof))
         size = (3.2, min(8.0, length - 2), 0.15)
         self._terrace = ground.stand("deck", u, setback - 1.9, size, margin=0.02)
+        yield
 
-    def details(self) -> None:
+    def details(self) -> Iterator[None]:
         """Furniture inside, machines and a pad on the roof, plants and seats outside."""
         ground, draw = self.ground, self.ground.draw
         programme = _PROGRAMMES[draw.one_of(tuple(_PROGRAMMES))]
@@ -70,6 +72,7 @@ class Offices:
                     add_roof_pad(ground.builder, draw, roof)
                 equip_flat_roof(ground.builder, draw, roof, items=draw.count(2, 5))
         self._furnish_outside()
+        yield
 
     def _furnish_outside(self) -> None:
         ground, draw = self.ground, self.ground.draw

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi
 
@@ -20,7 +21,7 @@ class Park:
     _path_u: float = 0.0
     _stage: Placed | None = None
 
-    def structures(self) -> None:
+    def structures(self) -> Iterator[None]:
         """Two lawns beside a path, a pond, a stage, a kiosk or a canopy."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn")
@@ -30,7 +31,7 @@ class Park:
         side = 1 if draw.chance(0.5) else -1
         if draw.chance(0.75):
             size = (draw.between(4, 8), draw.between(5, 9), 0.25)
-            self._on_lawn("pond", side * half * 0.55, depth * draw.between(0.4, 0.7), size)
+            self._on_lawn("water", side * half * 0.55, depth * draw.between(0.4, 0.7), size)
         if draw.chance(0.7):
             size = (draw.between(3.5, 6), draw.between(4, 7), draw.between(0.4, 0.9))
             v = depth * draw.between(0.3, 0.75)
@@ -42,6 +43,7 @@ class Park:
         self._on_lawn(name, -side * half * 0.6, 3.2, size, colour)
         if draw.chance(0.5):
             ground.fence_line((-half + 0.5, depth - 0.3), (half - 0.5, depth - 0.3), "hedge", 1.4)
+        yield
 
     def _path(self, u: float) -> None:
         ground = self.ground
@@ -80,7 +82,7 @@ class Park:
     ) -> Placed | None:
         return self.ground.stand(name, u, v, size, margin=0.5, attributes=attributes)
 
-    def details(self) -> None:
+    def details(self) -> Iterator[None]:
         """Benches and bins along the path, trees and bushes on the green."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -104,3 +106,4 @@ class Park:
         ground.plant_trees(draw.count(2, 4), (-half, half, 0.5 * depth, depth))
         ground.scatter("bush", draw.count(2, 6))
         ground.stand("sign", self._path_u + 1.7, 0.7)
+        yield

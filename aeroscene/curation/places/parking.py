@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from math import pi
@@ -25,7 +26,7 @@ class Parking:
     _lot: Placed | None = None
     _roof: Placed | None = None
 
-    def structures(self) -> None:
+    def structures(self) -> Iterator[None]:
         """The lot at the street; behind it lawn and, where deep enough, a shop."""
         ground, draw = self.ground, self.ground.draw
         parcel = ground.parcel
@@ -65,8 +66,9 @@ class Parking:
                 parent=self._lot,
                 attributes={"colour": "blue"},
             )
+        yield
 
-    def details(self) -> None:
+    def details(self) -> Iterator[None]:
         """Cars in about half the bays, lamps, trees on the strip of green."""
         ground, draw = self.ground, self.ground.draw
         if self._lot is None:
@@ -80,6 +82,7 @@ class Parking:
             ground.plant_trees(draw.count(2, 4), (-half, half, _DEPTH_M, depth))
             ground.scatter("bush", draw.count(2, 4), near=(-half, half, _DEPTH_M, depth))
             ground.stand("bench", draw.between(-0.7, 0.7) * half, _DEPTH_M + 0.8, turn=-QUARTER)
+        yield
 
     def _park_cars(self, lot: Placed) -> None:
         draw = self.ground.draw

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi
 
@@ -19,7 +20,7 @@ class Yard:
     ground: Ground
     _hall: Placed | None = None
 
-    def structures(self) -> None:
+    def structures(self) -> Iterator[None]:
         """A hall with a gate at each end, containers along the side, a fence."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("parking_lot", {"rows": 0})
@@ -59,8 +60,9 @@ class Yard:
                     attributes={"colour": draw.one_of(PAINT_COLOURS)},
                 )
         ground.fence_line((-half + 0.3, depth - 0.2), (half - 0.3, depth - 0.2), "rails", 1.8)
+        yield
 
-    def details(self) -> None:
+    def details(self) -> Iterator[None]:
         """Goods in the hall, a truck at the gate, barrels and crates outside."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -76,6 +78,7 @@ class Yard:
         for name, low, high in (("pallet", 2, 4), ("crate", 2, 3), ("barrel", 2, 3)):
             ground.scatter(name, draw.count(low, high), near=(-half, half, 4.0, depth))
         ground.stand("sign", 0.85 * half, 0.6, turn=STREETWARD)
+        yield
 
     def _stock(self, hall: Placed) -> None:
         """Shelves along the walls, pallets in the middle, a desk in a corner."""
