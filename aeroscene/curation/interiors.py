@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import pi
 
 from aeroscene.curation.builder import Builder, Placed
@@ -161,7 +161,7 @@ def _chairs_around(room: Interior, table: Placed, count: int) -> list[Placed]:
     return seats
 
 
-def furnish_office(room: Interior) -> None:
+def furnish_office(room: Interior) -> Iterator[None]:
     """Desks with screens and chairs, shelves, a cabinet, a plant."""
     for side in ("left", "right", "back"):
         for _ in range(2 if room.draw.chance(0.3) else 1):
@@ -177,9 +177,10 @@ def furnish_office(room: Interior) -> None:
                 room.on(desk, room.draw.one_of(("book", "cup", "lamp")), 0.0, 0.9)
     room.against(room.draw.one_of(("left", "right")), room.draw.one_of(("shelf", "cabinet")))
     room.against(room.draw.one_of(("left", "right")), room.draw.one_of(("plant", "bin")))
+    yield
 
 
-def furnish_meeting(room: Interior) -> None:
+def furnish_meeting(room: Interior) -> Iterator[None]:
     """A long table with chairs, a screen on a cabinet."""
     size = (1.2, room.draw.between(1.8, 2.6), 0.74)
     table = room.anywhere("table", size, keep=0.9)
@@ -191,9 +192,10 @@ def furnish_meeting(room: Interior) -> None:
     room.on(cabinet, "television", 0.0, 0.0)
     room.against("left", "plant")
     room.against("right", "shelf")
+    yield
 
 
-def furnish_living(room: Interior) -> None:
+def furnish_living(room: Interior) -> Iterator[None]:
     """Sofa, coffee table and television in line; armchair, shelf, lamp, plant."""
     side = room.draw.one_of(("left", "right"))
     sofa = room.against(side, "sofa")
@@ -208,9 +210,10 @@ def furnish_living(room: Interior) -> None:
     room.against(other, "shelf")
     room.against("back", "armchair")
     room.against(side, "plant")
+    yield
 
 
-def furnish_bedroom(room: Interior) -> None:
+def furnish_bedroom(room: Interior) -> Iterator[None]:
     """A bed between nightstands, wardrobe, desk with chair."""
     side = room.draw.one_of(("left", "right"))
     bed = room.against(side, "bed")
@@ -229,9 +232,10 @@ def furnish_bedroom(room: Interior) -> None:
         room.in_front(desk, "chair")
         room.on(desk, "laptop", 0.0, 0.0)
     room.against("back", "plant")
+    yield
 
 
-def furnish_kitchen(room: Interior) -> None:
+def furnish_kitchen(room: Interior) -> Iterator[None]:
     """Counter, stove and fridge along one wall; a table set for a meal."""
     side = room.draw.one_of(("left", "right"))
     counter = room.against(side, "counter", (0.62, room.draw.between(1.8, 2.8), 0.92))
@@ -244,9 +248,10 @@ def furnish_kitchen(room: Interior) -> None:
             u, v = table.frame.local(chair.frame.x, chair.frame.y)
             room.on(table, "plate", 0.8 if u > 0 else -0.8, 2 * v / table.size[1])
     room.against("back", "bin", (0.4, 0.4, 0.75))
+    yield
 
 
-def furnish_cafe(room: Interior) -> None:
+def furnish_cafe(room: Interior) -> Iterator[None]:
     """A bar along one wall and small tables with chairs."""
     side = room.draw.one_of(("left", "right"))
     bar = room.against(side, "counter", (0.7, room.draw.between(2.4, 3.6), 1.05))
@@ -258,9 +263,10 @@ def furnish_cafe(room: Interior) -> None:
             _chairs_around(room, table, 2)
             room.on(table, room.draw.one_of(("cup", "plate")), 0.4, 0.3)
     room.against("back", "plant")
+    yield
 
 
-def furnish_store(room: Interior) -> None:
+def furnish_store(room: Interior) -> Iterator[None]:
     """Shelves along the walls, crates and boxes on the floor."""
     for side in ("left", "right", "left"):
         room.against(side, "shelf")
@@ -269,9 +275,10 @@ def furnish_store(room: Interior) -> None:
     counter = room.anywhere("counter", keep=0.8)
     room.on(counter, "box", 0.0, 0.6)
     room.on(counter, "laptop", 0.0, -0.5)
+    yield
 
 
-FURNISHINGS: dict[str, Callable[[Interior], None]] = {
+FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
     "office": furnish_office,
     "meeting": furnish_meeting,
     "living": furnish_living,

@@ -90,7 +90,7 @@ class Houses:
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         for space, kind in zip(self._rooms, ("living", "kitchen", "bedroom"), strict=False):
-            FURNISHINGS[kind](Interior(ground.builder, draw, space))
+            yield from FURNISHINGS[kind](Interior(ground.builder, draw, space))
         for drive in self._drives:
             if draw.chance(0.8):
                 turn = STREETWARD if draw.chance(0.5) else INWARD

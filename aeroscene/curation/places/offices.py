@@ -66,7 +66,7 @@ class Offices:
         for shell, roof in self._shells:
             for index, space in enumerate(shell.rooms):
                 kind = programme[index % len(programme)]
-                FURNISHINGS[kind](Interior(ground.builder, draw, space))
+                yield from FURNISHINGS[kind](Interior(ground.builder, draw, space))
             if roof:
                 if draw.chance(0.6):
                     add_roof_pad(ground.builder, draw, roof)
