@@ -63,7 +63,7 @@ class World:
         set_view(spec, self.scene)
         add_looks(spec, self.solids, detail)
         if self.vehicle_body_id >= 0:
-            _add_vehicle_at_start(spec, self.scene, self.airframe)
+            add_vehicle_at_start(spec, self.scene, self.airframe)
         return spec.compile()
 
     def new_data(self) -> mujoco.MjData:
@@ -95,11 +95,11 @@ def build_world(
         WorldError: If the start is inside something or no place to stand.
     """
     solids = (*scene_primitives(scene), *extra)
-    spec = _new_spec(scene, physics_hz)
+    spec = new_spec(scene, physics_hz)
     _add_ground(spec)
     add_solids(spec, solids)
     if vehicle:
-        _add_vehicle_at_start(spec, scene, airframe)
+        add_vehicle_at_start(spec, scene, airframe)
     model = spec.compile()
     _enable_sleep(model)
     geom_object_id = np.full(model.ngeom, VEHICLE_ID, dtype=np.int32)
@@ -115,7 +115,8 @@ def build_world(
     )
 
 
-def _new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
+def new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
+    """An empty world with the solver's settings, light and sky."""
     spec = mujoco.MjSpec()
     spec.modelname = scene.scene_id
     spec.option.timestep = 1.0 / physics_hz
@@ -126,7 +127,8 @@ def _new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
     return spec
 
 
-def _add_vehicle_at_start(spec: mujoco.MjSpec, scene: Scene, airframe: Airframe) -> None:
+def add_vehicle_at_start(spec: mujoco.MjSpec, scene: Scene, airframe: Airframe) -> None:
+    """Add the vehicle just above the scene's start."""
     x, y, z = scene.start_position_enu_m
     stand_enu_m = (x, y, z + airframe.leg_length_m + _LOWERING_M)
     add_vehicle(spec, airframe, stand_enu_m, scene.start_yaw_rad)

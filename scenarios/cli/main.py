@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from scenarios.cli import bench, compile, doctor, replay  # noqa: A004 - the command's name
+from scenarios.cli import bench, compile, doctor, export, replay  # noqa: A004 - the command's name
 from scenarios.cli.command_line import EXIT_INTERRUPTED, fail, parse
 from scenarios.sitl import INPUT_ERRORS
 
@@ -20,6 +20,7 @@ Command = (
     | Annotated[doctor.DoctorCfg, tyro.conf.subcommand("doctor")]
     | Annotated[bench.BenchCfg, tyro.conf.subcommand("bench")]
     | Annotated[compile.CompileCfg, tyro.conf.subcommand("compile")]
+    | Annotated[export.ExportCfg, tyro.conf.subcommand("export")]
 )
 
 _RUN: Mapping[type, Callable[[Any], int]] = {
@@ -27,6 +28,7 @@ _RUN: Mapping[type, Callable[[Any], int]] = {
     doctor.DoctorCfg: doctor.run,
     bench.BenchCfg: bench.run,
     compile.CompileCfg: compile.run,
+    export.ExportCfg: export.run,
 }
 
 

@@ -1,0 +1,99 @@
+"""Each object of a scene as meshes in its own frame, so that it can be moved where it is opened.
+
+An object's frame is its box's: origin in the middle, axes along the box. Poses are 4 x 4 matrices
+that take a column of the frame on their right to the frame on their left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.geometry import rotation_matrix
+from aeroscene.scene import Scene, SceneObject
+from aeroscene.shapes import Primitive
+from flightsim.looks.drawing import Detail, surface_enu
+from flightsim.looks.tessellation import Surface
+
+EXPORT_DETAIL = Detail(slices=20, stacks=12)
+"""Sides of round things in files: between a camera's and a picture's."""
+
+Pose = Float[np.ndarray, "4 4"]
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectMesh:
+    """One object with its skin and its solids."""
+
+    obj: SceneObject
+    pose_enu: Pose
+    pose_parent: Pose
+    """In the frame of the parent object; of a root equal to `pose_enu`."""
+    skins: dict[str, Surface]
+    """What is seen, in the object's frame, one surface for each material."""
+    solids: tuple[Primitive, ...]
+    """What can be touched, in the world."""
+
+
+def object_meshes(
+    scene: Scene, primitives: tuple[Primitive, ...], detail: Detail = EXPORT_DETAIL
+) -> Iterator[ObjectMesh]:
+    """Every object of a scene, parents before their children."""
+    parts = {
+        object_id: tuple(group)
+        for object_id, group in groupby(primitives, lambda primitive: primitive.object_id)
+    }
+    poses: dict[int, Pose] = {}
+    for obj in scene.objects:
+        pose = pose_matrix(obj.bbox.p, obj.bbox.q)
+        poses[obj.id] = pose
+        own = parts.get(obj.id, ())
+        yield ObjectMesh(
+            obj=obj,
+            pose_enu=pose,
+            pose_parent=(
+                pose if obj.parent_id is None else np.linalg.inv(poses[obj.parent_id]) @ pose
+            ),
+            skins=_skins(own, np.linalg.inv(pose), detail),
+            solids=tuple(primitive for primitive in own if primitive.collides),
+        )
+
+
+def pose_matrix(position_m: tuple[float, ...], quat_wxyz: tuple[float, ...]) -> Pose:
+    """Pose of a frame by its origin and its attitude."""
+    pose = np.eye(4)
+    pose[:3, :3] = rotation_matrix(quat_wxyz)
+    pose[:3, 3] = position_m
+    return pose
+
+
+def _skins(primitives: tuple[Primitive, ...], local: Pose, detail: Detail) -> dict[str, Surface]:
+    surfaces: dict[str, list[Surface]] = {}
+    for primitive in primitives:
+        surfaces.setdefault(primitive.material, []).append(surface_enu(primitive, detail))
+    return {name: _moved(joined(group), local) for name, group in surfaces.items()}
+
+
+def joined(surfaces: list[Surface]) -> Surface:
+    """Several surfaces as one."""
+    first = np.cumsum([0] + [len(surface.vertices_m) for surface in surfaces[:-1]])
+    return Surface(
+        np.concatenate([surface.vertices_m for surface in surfaces]),
+        np.concatenate([surface.normals for surface in surfaces]),
+        np.concatenate([surface.texture_m for surface in surfaces]),
+        np.concatenate([s.triangles + n for s, n in zip(surfaces, first, strict=True)]),
+    )
+
+
+def _moved(surface: Surface, pose: Pose) -> Surface:
+    turn = pose[:3, :3].T
+    return Surface(
+        surface.vertices_m @ turn + pose[:3, 3],
+        surface.normals @ turn,
+        surface.texture_m,
+        surface.triangles,
+    )

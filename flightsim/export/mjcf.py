@@ -1,0 +1,116 @@
+"""MJCF: the world as MuJoCo's own XML, solids, skins, vehicle and landing areas.
+
+Solids collide and are in geom group 3, which viewers hide at first; skins are what is seen. Names
+carry the semantics: `table_17_0` is the first solid of object 17, a table, and the sites
+`landing_3_medium` are the areas. The keyframe `start` has the vehicle stand at the start.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from aeroscene.scene import InteractionArea
+from flightsim.export.files import staged, write_png
+from flightsim.export.meshes import EXPORT_DETAIL
+from flightsim.geom_groups import GeomGroup
+from flightsim.looks.drawing import add_looks
+from flightsim.world import World, add_vehicle_at_start, new_spec
+from flightsim.world_geometry import STATIC_CONTACT, add_solids, friction
+
+_AREA_GROUP = 4
+_AREA_RGBA = {
+    "small": (0.20, 0.65, 0.95, 0.5),
+    "medium": (0.20, 0.80, 0.40, 0.5),
+    "large": (0.98, 0.65, 0.15, 0.5),
+}
+
+
+def write_mjcf(world: World, folder: Path) -> Path:
+    """Write `<scene>.xml` and its textures into a folder; returns the XML's path.
+
+    Raises:
+        ExportError: If the folder cannot be written.
+    """
+    name = f"{world.scene.scene_id}.xml"
+    with staged(folder) as stage:
+        spec = _spec(world)
+        spec.compile()
+        _put_textures_into_files(spec, stage)
+        (stage / name).write_text(spec.to_xml(), encoding="utf-8")
+    return folder / name
+
+
+def _spec(world: World) -> mujoco.MjSpec:
+    spec = new_spec(world.scene, round(1.0 / world.model.opt.timestep))
+    add_looks(spec, world.solids, EXPORT_DETAIL)
+    for geom in spec.worldbody.geoms:
+        geom.contype = geom.conaffinity = 0
+    ground = spec.geom("ground")
+    _set(ground, {**STATIC_CONTACT, "friction": friction("grass")})
+    solids = [solid for solid in world.solids if solid.collides]
+    n_looks = len(spec.worldbody.geoms)
+    add_solids(spec, solids)
+    count: Counter[str] = Counter()
+    geoms = itertools.islice(spec.worldbody.geoms, n_looks, None)
+    for geom, solid in zip(geoms, solids, strict=True):
+        label = _label(world, solid.object_id)
+        geom.name = f"{label}_{count[label]}"
+        geom.group = int(GeomGroup.VEHICLE_SHAPE)
+        count[label] += 1
+    for area in world.scene.interaction_areas:
+        _add_area(spec, area)
+    if world.vehicle_body_id >= 0:
+        add_vehicle_at_start(spec, world.scene, world.airframe)
+        spec.add_key(name="start", qpos=world.rest_qpos)
+    return spec
+
+
+def _set(geom: mujoco.MjsGeom, values: dict[str, object]) -> None:
+    for name, value in values.items():
+        setattr(geom, name, value)
+
+
+def _label(world: World, object_id: int) -> str:
+    return f"{world.scene.object_by_id[object_id].category}_{object_id}"
+
+
+def _add_area(spec: mujoco.MjSpec, area: InteractionArea) -> None:
+    """A disc as wide as the area's circle, lying in the area's plane."""
+    normal = plane_normal(area)
+    quat = np.empty(4)
+    mujoco.mju_quatZ2Vec(quat, normal)
+    spec.worldbody.add_site(
+        name=f"{area.kind}_{area.id}_{area.drone_class}",
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        pos=area.centroid,
+        quat=quat,
+        size=(area.radius, 0.005, 0.0),
+        rgba=_AREA_RGBA[area.drone_class],
+        group=_AREA_GROUP,
+    )
+
+
+def plane_normal(area: InteractionArea) -> np.ndarray:
+    """Upward unit normal of an area's polygon, (3,), by Newell's sum over its edges."""
+    vertices = np.array(area.polygon)
+    following = np.roll(vertices, -1, axis=0)
+    normal = np.cross(vertices, following).sum(axis=0)
+    return normal / np.linalg.norm(normal)
+
+
+def _put_textures_into_files(spec: mujoco.MjSpec, folder: Path) -> None:
+    """MuJoCo's XML refers to pictures and cannot hold them."""
+    spec.modelfiledir = str(folder)
+    spec.texturedir = "textures"
+    for texture in spec.textures:
+        if texture.builtin == mujoco.mjtBuiltin.mjBUILTIN_NONE:
+            shape = (texture.height, texture.width, texture.nchannel)
+            picture = np.frombuffer(texture.data, np.uint8).reshape(shape)
+            write_png(folder / "textures" / f"{texture.name}.png", picture)
+            texture.file = f"{texture.name}.png"
+            texture.data = b""

@@ -1,0 +1,146 @@
+"""Prims of USD stages: frames, colliders, materials, labels and plain facts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.shapes import MATERIALS, Primitive
+from flightsim.export.files import write_texture
+from flightsim.export.meshes import EXPORT_DETAIL, Pose
+from flightsim.looks.tessellation import ellipsoid
+
+if TYPE_CHECKING:
+    from pxr import Usd, UsdGeom, UsdShade
+
+_TAXONOMY = "class"
+"""What Isaac Sim's annotators read."""
+
+
+def label(prim: Usd.Prim, name: str) -> None:
+    """Give a prim its semantic label."""
+    from pxr import UsdSemantics  # noqa: PLC0415 - an extra
+
+    UsdSemantics.LabelsAPI.Apply(prim, _TAXONOMY).CreateLabelsAttr([name])
+
+
+def describe(prim: Usd.Prim, facts: Mapping[str, AttributeValue]) -> None:
+    """Attach facts as attributes `aeroscene:*`."""
+    from pxr import Sdf  # noqa: PLC0415 - an extra
+
+    types = {
+        bool: Sdf.ValueTypeNames.Bool,
+        int: Sdf.ValueTypeNames.Int,
+        float: Sdf.ValueTypeNames.Double,
+        str: Sdf.ValueTypeNames.String,
+    }
+    for name, value in facts.items():
+        prim.CreateAttribute(f"aeroscene:{name}", types[type(value)]).Set(value)
+
+
+def define_xform(stage: Usd.Stage, path: str, pose: Pose) -> Usd.Prim:
+    """A frame at a pose in its parent's frame."""
+    from pxr import UsdGeom  # noqa: PLC0415 - an extra
+
+    xform = UsdGeom.Xform.Define(stage, path)
+    set_pose(xform, pose)
+    return xform.GetPrim()
+
+
+def set_pose(xformable: UsdGeom.Xformable, pose: Pose, scale: Vector3 | None = None) -> None:
+    """Place a prim in its parent's frame by translation, orientation and scale."""
+    from pxr import Gf  # noqa: PLC0415 - an extra
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - slow to load
+
+    w, x, y, z = Rotation.from_matrix(pose[:3, :3]).as_quat(scalar_first=True).tolist()
+    xformable.AddTranslateOp().Set(Gf.Vec3d(*pose[:3, 3].tolist()))
+    xformable.AddOrientOp().Set(Gf.Quatf(w, x, y, z))
+    if scale is not None:
+        xformable.AddScaleOp().Set(Gf.Vec3f(*scale))
+
+
+def define_solid(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim:
+    """A collider of a primitive's own size about the origin; a box is a unit cube to be scaled."""
+    from pxr import UsdGeom  # noqa: PLC0415 - an extra
+
+    if solid.kind == "box":
+        cube = UsdGeom.Cube.Define(stage, path)
+        cube.CreateSizeAttr(1.0)
+        return cube
+    if solid.kind == "cylinder":
+        cylinder = UsdGeom.Cylinder.Define(stage, path)
+        cylinder.CreateAxisAttr(UsdGeom.Tokens.z)
+        cylinder.CreateRadiusAttr(solid.size_m[0] / 2)
+        cylinder.CreateHeightAttr(solid.size_m[2])
+        return cylinder
+    return _define_hull(stage, path, solid)
+
+
+def _define_hull(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim:
+    """A convex hull; physics engines scale no sphere unevenly, so ellipsoids are hulls too."""
+    from pxr import UsdGeom, UsdPhysics, Vt  # noqa: PLC0415 - an extra
+    from scipy.spatial import ConvexHull  # noqa: PLC0415 - slow to load
+
+    if solid.kind == "ellipsoid":
+        sphere = ellipsoid(np.array(solid.size_m), EXPORT_DETAIL.slices, EXPORT_DETAIL.stacks)
+        points = sphere.vertices_m
+    else:
+        points = np.array(solid.vertices_m)
+    triangles = ConvexHull(points).simplices.astype(np.int32)
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points.astype(np.float32)))
+    counts = np.full(len(triangles), 3, dtype=np.int32)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(counts))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(triangles.ravel()))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    extent = np.stack([points.min(axis=0), points.max(axis=0)]).astype(np.float32)
+    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(extent))
+    shape = UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim())
+    shape.CreateApproximationAttr(UsdPhysics.Tokens.convexHull)
+    return mesh
+
+
+def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Material:
+    """How a material looks, UsdPreviewSurface with its texture in a file, and how it grips."""
+    from pxr import Gf, Sdf, UsdPhysics, UsdShade  # noqa: PLC0415 - an extra
+
+    look = MATERIALS[name]
+    path = f"/World/Materials/{name}"
+    material = UsdShade.Material.Define(stage, path)
+    shader = UsdShade.Shader.Define(stage, f"{path}/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(1.0 - 0.7 * look.specular)
+    shader.CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(0.0)
+    colour = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
+    colour.Set(Gf.Vec3f(*look.rgba[:3]))
+    if look.texture:
+        write_texture(folder / "textures" / f"{name}.png", look.texture, look.rgba)
+        colour.ConnectToSource(_define_texture(stage, path, name))
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    grip = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
+    grip.CreateStaticFrictionAttr(look.friction)
+    grip.CreateDynamicFrictionAttr(look.friction)
+    grip.CreateRestitutionAttr(0.0)
+    return material
+
+
+def _define_texture(stage: Usd.Stage, path: str, name: str) -> Any:
+    """The output of a texture that repeats over the mesh's coordinates `st`."""
+    from pxr import Sdf, UsdShade  # noqa: PLC0415 - an extra
+
+    reader = UsdShade.Shader.Define(stage, f"{path}/coordinates")
+    reader.CreateIdAttr("UsdPrimvarReader_float2")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
+    texture = UsdShade.Shader.Define(stage, f"{path}/texture")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./textures/{name}.png")
+    texture.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set("sRGB")
+    for axis in ("wrapS", "wrapT"):
+        texture.CreateInput(axis, Sdf.ValueTypeNames.Token).Set("repeat")
+    coordinates = reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
+    texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(coordinates)
+    return texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)

@@ -1,0 +1,105 @@
+"""The vehicle in a USD stage: a rigid body with mass, inertia, colliders, looks and cameras."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+
+from flightsim.export.meshes import pose_matrix
+from flightsim.export.usd_prims import define_xform, label, set_pose
+from flightsim.geom_groups import GeomGroup
+from flightsim.world import World
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+VEHICLE_PATH = "/World/Vehicle"
+_GEOM = mujoco.mjtGeom
+_SENSOR_HEIGHT_MM = 15.3
+"""Of the camera's film; with the field of view it gives the focal length."""
+_ASPECT = 4.0 / 3.0
+
+
+def add_vehicle(stage: Usd.Stage, world: World) -> None:
+    """Add the vehicle of a world where it stands at the start."""
+    from pxr import Gf, UsdGeom, UsdPhysics  # noqa: PLC0415 - an extra
+
+    quadrotor = world.airframe.quadrotor
+    pose = pose_matrix(tuple(world.rest_qpos[:3]), tuple(world.rest_qpos[3:7]))
+    prim = define_xform(stage, VEHICLE_PATH, pose)
+    label(prim, "drone")
+    UsdPhysics.RigidBodyAPI.Apply(prim)
+    mass = UsdPhysics.MassAPI.Apply(prim)
+    mass.CreateMassAttr(quadrotor.mass_kg)
+    mass.CreateCenterOfMassAttr(Gf.Vec3f(0.0))
+    mass.CreatePrincipalAxesAttr(Gf.Quatf(1.0))
+    mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*quadrotor.inertia_flu_kgm2))
+    for scope in ("looks", "solids", "cameras"):
+        UsdGeom.Scope.Define(stage, f"{VEHICLE_PATH}/{scope}")
+    model = world.model
+    for index in range(model.ngeom):
+        if model.geom_bodyid[index] == world.vehicle_body_id:
+            _add_geom(stage, model, index)
+    for index in range(model.ncam):
+        if model.cam_bodyid[index] == world.vehicle_body_id:
+            _add_camera(stage, model, index)
+
+
+def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
+    from pxr import Gf, UsdGeom, UsdPhysics  # noqa: PLC0415 - an extra
+
+    is_solid = model.geom_group[index] == GeomGroup.VEHICLE_SHAPE
+    path = f"{VEHICLE_PATH}/{'solids' if is_solid else 'looks'}/geom_{index}"
+    size = model.geom_size[index].tolist()
+    scale = None
+    match model.geom_type[index]:
+        case _GEOM.mjGEOM_BOX:
+            gprim = UsdGeom.Cube.Define(stage, path)
+            gprim.CreateSizeAttr(2.0)
+            scale = tuple(size)
+        case _GEOM.mjGEOM_CAPSULE:
+            gprim = UsdGeom.Capsule.Define(stage, path)
+            _set_round(gprim, size)
+        case _GEOM.mjGEOM_CYLINDER:
+            gprim = UsdGeom.Cylinder.Define(stage, path)
+            _set_round(gprim, size)
+        case _:
+            # An ellipsoid, among the looks only.
+            gprim = UsdGeom.Sphere.Define(stage, path)
+            gprim.CreateRadiusAttr(1.0)
+            scale = tuple(size)
+    pose = pose_matrix(tuple(model.geom_pos[index]), tuple(model.geom_quat[index]))
+    set_pose(gprim, pose, scale)
+    if is_solid:
+        gprim.CreatePurposeAttr(UsdGeom.Tokens.guide)
+        UsdPhysics.CollisionAPI.Apply(gprim.GetPrim())
+    else:
+        red, green, blue, alpha = model.geom_rgba[index].tolist()
+        gprim.CreateDisplayColorAttr([Gf.Vec3f(red, green, blue)])
+        gprim.CreateDisplayOpacityAttr([alpha])
+
+
+def _set_round(gprim: Any, size: list[float]) -> None:
+    """Radius and length of a capsule or a cylinder; MuJoCo gives half lengths."""
+    from pxr import UsdGeom  # noqa: PLC0415 - an extra
+
+    gprim.CreateAxisAttr(UsdGeom.Tokens.z)
+    gprim.CreateRadiusAttr(size[0])
+    gprim.CreateHeightAttr(2 * size[1])
+
+
+def _add_camera(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
+    """USD's camera axes are MuJoCo's: x right, y up, looking along -z."""
+    from pxr import Gf, UsdGeom  # noqa: PLC0415 - an extra
+
+    name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_CAMERA, index)
+    camera = UsdGeom.Camera.Define(stage, f"{VEHICLE_PATH}/cameras/{name}")
+    half_rad = math.radians(float(model.cam_fovy[index])) / 2
+    camera.CreateVerticalApertureAttr(_SENSOR_HEIGHT_MM)
+    camera.CreateHorizontalApertureAttr(_SENSOR_HEIGHT_MM * _ASPECT)
+    camera.CreateFocalLengthAttr(_SENSOR_HEIGHT_MM / (2 * math.tan(half_rad)))
+    camera.CreateClippingRangeAttr(Gf.Vec2f(0.03, 1000.0))
+    pose = pose_matrix(tuple(model.cam_pos[index]), tuple(model.cam_quat[index]))
+    set_pose(camera, pose)

@@ -1,0 +1,77 @@
+"""`aeroscene export`: a scene as a file that other programs open."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+
+from scenarios.cli.command_line import EXIT_DONE, fail
+
+_PROG = "aeroscene export"
+_NO_VEHICLE = "none"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportCfg:
+    """Write a scene as MJCF, GLB or USD, with its vehicle, landing areas and labels.
+
+    mjcf opens in MuJoCo, glb in glTF viewers and game engines (looks and hierarchy, no physics),
+    usd in Isaac Sim 5 and everything that reads USD (pip install 'aeroscene[usd]').
+    """
+
+    to: Literal["mjcf", "glb", "usd"]
+    """Format."""
+    out: Path
+    """Folder to write into; made where it is missing."""
+    scene: str = "42"
+    """Scene of the dataset by number, or a scene file."""
+    vehicle: str = "iris"
+    """Airframe at the start: iris, iris-rotors, hummingbird, or none. A GLB has none."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: file, format, scene, objects, areas, bytes, seconds."""
+
+
+def run(cfg: ExportCfg) -> int:
+    """Export; exit status 2 with one line where that is not possible."""
+    # The whole simulator: only where something is exported.
+    from aeroscene.sources import open_scene  # noqa: PLC0415
+    from flightsim.export.files import ExportError  # noqa: PLC0415
+    from flightsim.export.glb import write_glb  # noqa: PLC0415
+    from flightsim.export.mjcf import write_mjcf  # noqa: PLC0415
+    from flightsim.export.usd import write_usd  # noqa: PLC0415
+    from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
+    from flightsim.world import build_world  # noqa: PLC0415
+
+    began_s = time.perf_counter()
+    has_vehicle = cfg.vehicle != _NO_VEHICLE
+    airframe = airframe_by_name(cfg.vehicle if has_vehicle else "iris")
+    world = build_world(open_scene(cfg.scene), airframe, vehicle=has_vehicle)
+    write = {"mjcf": write_mjcf, "glb": write_glb, "usd": write_usd}[cfg.to]
+    try:
+        path = write(world, cfg.out)
+    except ExportError as error:
+        fail(_PROG, str(error))
+    facts = {
+        "file": str(path),
+        "format": cfg.to,
+        "scene": world.scene.scene_id,
+        "objects": len(world.scene.objects),
+        "areas": len(world.scene.interaction_areas),
+        "bytes": path.stat().st_size,
+        "seconds": round(time.perf_counter() - began_s, 3),
+    }
+    if cfg.json:
+        print(json.dumps(facts))
+    else:
+        Console().print(
+            f"[bold]{path}[/]  {facts['objects']} objects, {facts['areas']} areas, "
+            f"{path.stat().st_size / 1e6:.1f} MB, {facts['seconds']:.1f} s",
+            soft_wrap=True,
+        )
+    return EXIT_DONE

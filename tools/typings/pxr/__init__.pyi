@@ -1,0 +1,1 @@
+"""OpenUSD: each module is made at run time from C++."""
