@@ -51,7 +51,10 @@ class VoxelField:
 
 
 def build_distance_field(
-    scene: Scene, resolution_m: float = 0.25, primitives: Iterable[Primitive] | None = None
+    scene: Scene,
+    resolution_m: float = 0.25,
+    primitives: Iterable[Primitive] | None = None,
+    cap_m: float = MAX_DISTANCE_M,
 ) -> VoxelField:
     """Distance field of a scene's flight volume; the ground below it counts as occupied.
 
@@ -59,6 +62,7 @@ def build_distance_field(
         scene: The scene.
         resolution_m: Edge of a cell.
         primitives: The scene's primitives, where the caller has them already.
+        cap_m: Distances are capped here; a lower cap is faster.
     """
     low, high = np.asarray(scene.extent_min_enu_m), np.asarray(scene.extent_max_enu_m)
     shape = np.maximum(1, np.ceil((high - low) / resolution_m - 1e-6)).astype(int)
@@ -71,7 +75,7 @@ def build_distance_field(
     return VoxelField(
         origin_enu_m=grid.origin_enu_m,
         resolution_m=resolution_m,
-        distance_m=distance_to_occupied(occupied, resolution_m),
+        distance_m=distance_to_occupied(occupied, resolution_m, cap_m),
     )
 
 
@@ -126,10 +130,37 @@ def _spread(squared: np.ndarray, costs: np.ndarray, n_max: int) -> Int[np.ndarra
     return np.minimum(best, limit, out=best)
 
 
-def reachable(
-    field: VoxelField, start_enu_m: Vector3, radius_m: float
-) -> Bool[np.ndarray, "nx ny nz"]:
-    """Cells to which a ball can move from above a start without touching anything.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Flood:
+    """What a ball can reach, as upright runs of free cells: fewer than cells by a hundred times."""
+
+    shape: tuple[int, int, int]
+    run_start: Int[np.ndarray, " runs"]
+    """Number of a run's first cell, columns counted one after another with a gap of one cell."""
+    run_end: Int[np.ndarray, " runs"]
+    """Number of the cell after a run's last."""
+
+    def reaches(self, cell: tuple[int, int, int], n_up: int) -> bool:
+        """Whether a cell or one of the `n_up` above it is reached."""
+        i, j, k = cell
+        _, ny, nz = self.shape
+        column = (i * ny + j) * (nz + 1)
+        low, high = column + k, column + min(k + n_up + 1, nz)
+        run = int(np.searchsorted(self.run_end, low, side="right"))
+        return run < len(self.run_start) and int(self.run_start[run]) < high
+
+    def cells(self) -> Bool[np.ndarray, "nx ny nz"]:
+        """Every cell that is reached."""
+        nx, ny, nz = self.shape
+        change = np.zeros(nx * ny * (nz + 1), dtype=np.int8)
+        change[self.run_start] = 1
+        change[self.run_end] = -1
+        is_reached = np.cumsum(change, dtype=np.int8, out=change).view(bool)
+        return is_reached.reshape(nx, ny, nz + 1)[:, :, :nz]
+
+
+def flood(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> Flood:
+    """Where a ball can move from above a start without touching anything.
 
     Args:
         field: Distances.
@@ -139,12 +170,58 @@ def reachable(
     Raises:
         NoFreeSpaceError: If no cell within 4 m above the start has that much space.
     """
-    from scipy import ndimage  # noqa: PLC0415 - start-up time; floods are rare
-
     seed = start_cell(field, start_enu_m, radius_m)
-    labels = np.empty(field.distance_m.shape, dtype=np.int32)
-    ndimage.label(field.distance_m >= radius_m, output=labels)
-    return labels == labels[seed]
+    nx, ny, nz = shape = field.distance_m.shape
+    free = field.distance_m >= radius_m
+    is_edge = np.empty((nx, ny, nz + 1), dtype=bool)
+    is_edge[:, :, 0], is_edge[:, :, nz] = free[:, :, 0], free[:, :, -1]
+    np.not_equal(free[:, :, 1:], free[:, :, :-1], out=is_edge[:, :, 1:nz])
+    edges = np.flatnonzero(is_edge)
+    start, end = edges[::2], edges[1::2]
+    # Under open sky the runs that end in the top layer are one from the outset: most of them.
+    is_top = end % (nz + 1) == nz if free[:, :, -1].all() else np.zeros(len(end), dtype=bool)
+    labels = _connected(start, end, is_top, (nx, ny, nz + 1))
+    run = np.searchsorted(end, (seed[0] * ny + seed[1]) * (nz + 1) + seed[2], side="right")
+    is_reached = labels == labels[run]
+    return Flood(shape=shape, run_start=start[is_reached], run_end=end[is_reached])
+
+
+def _connected(
+    start: np.ndarray, end: np.ndarray, is_top: np.ndarray, shape: tuple[int, int, int]
+) -> Int[np.ndarray, " n"]:
+    """Labels of runs that hang together: runs of neighbouring columns at a common height."""
+    # Start-up time: floods are rare.
+    from scipy.sparse import coo_array  # noqa: PLC0415
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
+    nx, ny, stride = shape
+    lower = np.flatnonzero(~is_top)
+    node = np.zeros(len(start), dtype=np.intp)
+    node[lower] = np.arange(1, len(lower) + 1)
+    column = start[lower] // stride
+    i, j = column // ny, column % ny
+    runs, others = [], []
+    for is_inner, step in ((j < ny - 1, 1), (j > 0, -1), (i < nx - 1, ny), (i > 0, -ny)):
+        run, shift = lower[is_inner], step * stride
+        first = np.searchsorted(end, start[run] + shift, side="right")
+        count = np.maximum(np.searchsorted(start, end[run] + shift, side="left") - first, 0)
+        runs.append(np.repeat(run, count))
+        offset = np.repeat(first - np.cumsum(count) + count, count)
+        others.append(np.arange(len(offset)) + offset)
+    pairs = (node[np.concatenate(runs)], node[np.concatenate(others)])
+    graph = coo_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=(len(lower) + 1,) * 2)
+    return connected_components(graph.tocsr(), directed=False)[1][node]
+
+
+def reachable(
+    field: VoxelField, start_enu_m: Vector3, radius_m: float
+) -> Bool[np.ndarray, "nx ny nz"]:
+    """Cells of `flood`.
+
+    Raises:
+        NoFreeSpaceError: As `flood`.
+    """
+    return flood(field, start_enu_m, radius_m).cells()
 
 
 def start_cell(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> tuple[int, int, int]:

@@ -12,6 +12,7 @@ Batched functions take leading axes freely; a single box has none.
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float
@@ -79,25 +80,77 @@ def footprint_rectangle(box: OrientedBox) -> Float[np.ndarray, "4 2"]:
 
 
 def iou(first: OrientedBox, second: OrientedBox) -> float:
-    """Exact intersection over union of the volumes of two upright boxes.
+    """Exact intersection over union of the volumes of two boxes."""
+    if first.is_upright and second.is_upright:
+        shared = _shared_upright(first, second)
+    else:
+        shared = _shared_any(first, second)
+    return float(shared / (math.prod(first.s) + math.prod(second.s) - shared))
 
-    Raises:
-        NotUprightError: If a box tilts.
-    """
+
+def _shared_upright(first: OrientedBox, second: OrientedBox) -> float:
     low = max(first.p[2] - first.s[2] / 2, second.p[2] - second.s[2] / 2)
     high = min(first.p[2] + first.s[2] / 2, second.p[2] + second.s[2] / 2)
-    outlines = footprint_rectangle(first), footprint_rectangle(second)
     reach = 0.5 * (math.hypot(*first.s[:2]) + math.hypot(*second.s[:2]))
     apart = math.hypot(first.p[0] - second.p[0], first.p[1] - second.p[1])
     if high <= low or apart >= reach:
         return 0.0
     import shapely  # noqa: PLC0415 - heavy, and most pairs never reach it
 
-    first_polygon, second_polygon = (shapely.Polygon(outline) for outline in outlines)
+    polygons = (shapely.Polygon(footprint_rectangle(box)) for box in (first, second))
     # On a grid: edges that lie on each other but for rounding would share nothing.
-    overlap = shapely.intersection(first_polygon, second_polygon, grid_size=_GRID_M)
-    shared = overlap.area * (high - low)
-    return float(shared / (math.prod(first.s) + math.prod(second.s) - shared))
+    overlap = shapely.intersection(*polygons, grid_size=_GRID_M)
+    return overlap.area * (high - low)
+
+
+def _shared_any(first: OrientedBox, second: OrientedBox) -> float:
+    """Volume of what is left of one box when the six faces of the other have cut it."""
+    # Heavy, and boxes hardly ever tilt.
+    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415
+
+    points = first.corners()
+    volume = 0.0
+    for axis, half in zip(rotation_matrix(second.q).T, np.asarray(second.s) / 2, strict=True):
+        for normal in (axis, -axis):
+            points = layer(points, normal, -math.inf, float(normal @ second.p + half))
+            try:
+                hull = ConvexHull(points)
+            except (QhullError, ValueError):
+                # Flat or empty.
+                return 0.0
+            points, volume = points[hull.vertices], hull.volume
+    return volume
+
+
+def layer(
+    points: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, " 3"], low: float, high: float
+) -> Float[np.ndarray, "k 3"]:
+    """Points whose hull is the part of the hull of `points` between two parallel planes.
+
+    Args:
+        points: Points that span a convex solid.
+        normal: Of the planes.
+        low: Least `normal @ x` that is kept; minus infinity keeps all.
+        high: Greatest.
+    """
+    height = points @ normal
+    kept = [points[(height >= low) & (height <= high)]]
+    if len(kept[0]) == len(points):
+        return points
+    # Every pair's crossing lies in the hull, and those of its edges are among them.
+    first, second = _pairs(len(points))
+    for level in (low, high):
+        a, b = height[first] - level, height[second] - level
+        is_crossing = (a < 0) != (b < 0)
+        i, j = first[is_crossing], second[is_crossing]
+        share = (a[is_crossing] / (a[is_crossing] - b[is_crossing]))[:, None]
+        kept.append(points[i] + share * (points[j] - points[i]))
+    return np.concatenate(kept)
+
+
+@cache
+def _pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    return np.triu_indices(count, 1)
 
 
 def penetration_depth(

@@ -26,6 +26,7 @@ AttributeValue = str | float | int | bool
 ObjectDomain = Literal["indoor", "outdoor"]
 SceneDomain = Literal["indoor", "outdoor", "mixed"]
 DroneClass = Literal["small", "medium", "large"]
+AreaKind = Literal["landing", "perching"]
 
 UNIT_TOLERANCE = 1e-4
 """Allowed deviation of a quaternion's norm from one: layouts rounded to 4 decimals still pass."""
@@ -154,7 +155,8 @@ class InteractionArea:
     """Where a drone may land: a flat, clear polygon and the largest circle about its centroid."""
 
     id: int
-    kind: Literal["landing"] = "landing"
+    kind: AreaKind = "landing"
+    """Perching areas are too narrow to land on without care: ledges, wall tops, benches."""
     object_id: int | None
     """The object that bears the area; None is the bare ground."""
     polygon: tuple[Vector3, ...]
@@ -179,7 +181,7 @@ class InteractionArea:
 
     def _validate(self) -> None:
         _require_one_of(self.drone_class, DroneClass, "drone_class")
-        _require(ok=self.kind == "landing", field_name="kind", value=self.kind, valid="landing")
+        _require_one_of(self.kind, AreaKind, "kind")
         ok = len(self.polygon) >= 3
         _require(ok=ok, field_name="polygon", value=self.polygon, valid="at least 3 vertices")
         for index, vertex in enumerate(self.polygon):
@@ -304,6 +306,16 @@ class Scene:
                     f"{where}: object_id is {area.object_id}, valid: null or the id of an object"
                 )
             seen.add(area.id)
+
+    @cached_property
+    def landing_areas(self) -> tuple[InteractionArea, ...]:
+        """Areas wide enough to land on."""
+        return tuple(area for area in self.interaction_areas if area.kind == "landing")
+
+    @cached_property
+    def perching_areas(self) -> tuple[InteractionArea, ...]:
+        """Narrow areas that bear a small drone."""
+        return tuple(area for area in self.interaction_areas if area.kind == "perching")
 
     @cached_property
     def object_by_id(self) -> Mapping[int, SceneObject]:

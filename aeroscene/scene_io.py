@@ -1,14 +1,17 @@
 """Scenes as versioned JSON: the paper's schema, checked on reading, one object a line.
 
 `bbox_corners` is written beside each box, so that a reader of the file needs no rotations, and
-checked against the box when read. A file that breaks a rule gives one `SceneError` line.
+checked against the box when read. A file that breaks a rule gives one `SceneError` line. A name
+that ends with `.gz` compresses the file, again to equal bytes for equal scenes.
 """
 
 from __future__ import annotations
 
+import gzip
 import os
 import re
 import tempfile
+import zlib
 from pathlib import Path
 from typing import NoReturn
 
@@ -29,6 +32,7 @@ from aeroscene.scene import (
 
 FORMAT = "aeroscene-scene"
 VERSION = 1
+_GZIP_MAGIC = b"\x1f\x8b"
 CORNER_TOLERANCE_M = 1e-3
 """Allowed distance between a written corner and the box's own; written with 4 decimals."""
 
@@ -260,7 +264,7 @@ def _check_corners(records: tuple[_Object, ...]) -> None:
 
 
 def read_scene(path: str | Path) -> Scene:
-    """Read and validate a scene file.
+    """Read and validate a scene file, compressed with gzip or not.
 
     Raises:
         SceneError: If the file is missing or breaks a rule; one line that says which.
@@ -273,16 +277,32 @@ def read_scene(path: str | Path) -> Scene:
         raise SceneFileError(
             f"scene file {str(path)!r} cannot be read ({reason.lower()}), valid: a scene in JSON"
         ) from None
-    return scene_from_json(data, source=f"scene file {str(path)!r}")
+    source = f"scene file {str(path)!r}"
+    if data.startswith(_GZIP_MAGIC):
+        try:
+            data = gzip.decompress(data)
+        except (EOFError, OSError, zlib.error) as error:
+            reason = str(error) or type(error).__name__
+            raise SceneFileError(f"{source}: not gzip or not all of it ({reason})") from None
+    return scene_from_json(data, source=source)
 
 
 def write_scene(scene: Scene, path: str | Path) -> None:
-    """Write a scene file whole or not at all: a temporary neighbour, then a rename."""
+    """Write a scene file whole or not at all: a temporary neighbour, then a rename.
+
+    Args:
+        scene: The scene.
+        path: `FILE.json`, or `FILE.json.gz` for a compressed one.
+    """
     path = Path(path)
+    data = scene_to_json(scene)
+    if path.suffix == ".gz":
+        # Without a time stamp, so that equal scenes give equal files.
+        data = gzip.compress(data, mtime=0)
     descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(descriptor, "wb") as file:
-            file.write(scene_to_json(scene))
+            file.write(data)
         Path(temporary).chmod(0o644)
         Path(temporary).replace(path)
     except BaseException:

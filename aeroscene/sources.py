@@ -1,8 +1,9 @@
-"""Where scenes come from: a number of the corpus or a file, remembered on disk."""
+"""Where scenes come from: a number of the corpus, a file of ours, somebody else's layout."""
 
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import re
 from functools import cache
@@ -10,31 +11,85 @@ from pathlib import Path
 
 from aeroscene.corpus import CORPUS_SIZE
 from aeroscene.scene import Scene, SceneError
-from aeroscene.scene_io import read_scene, write_scene
+from aeroscene.scene_io import FORMAT, read_scene, write_scene
+
+_log = logging.getLogger(__name__)
+
+_FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.DOTALL)
+# Keys by which a layout is known even where its JSON is cut short.
+_LAYOUT_KEYS = (
+    (b'"outdoor_scene"',),
+    (b'"furniture"', b'"scene"'),
+    (b'"floor"', b'"objects"'),
+)
 
 
 class UnknownSceneError(SceneError):
     """A scene that nobody knows by that name."""
 
 
-def open_scene(spec: str) -> Scene:
+def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     """The scene that a user names.
 
     Args:
-        spec: A number from 0 to 1015 for a corpus scene, or the path of a `.json` file.
+        spec: A number from 0 to 1015 for a corpus scene; the path of a `.json` or `.json.gz` file
+            that holds a scene of ours, the AeroScene authors' JSON or a 3D-FRONT house; or
+            `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts, where ID is its
+            scene_id, what follows the last slash of that, or its number in the file from 0.
+        skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
         SceneError: If there is no such scene or the file is not valid; one line.
     """
-    if spec.endswith(".json"):
-        return read_scene(spec)
+    file = _FILE.fullmatch(spec)
+    if file:
+        return _open_file(file["path"], file["scene_id"], skip_invalid=skip_invalid)
     # ASCII digits only: int() would also take signs, blanks and other scripts.
     if not re.fullmatch("[0-9]{1,9}", spec) or int(spec) >= CORPUS_SIZE:
         raise UnknownSceneError(
-            f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1} "
-            "or the path of a .json file"
+            f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1}, "
+            "FILE.json or FILE.jsonl#ID, also with .gz"
         )
     return _open_corpus_scene(int(spec))
+
+
+def _open_file(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:
+    if _is_layout(path):
+        return _open_layout(path, scene_id, skip_invalid=skip_invalid)
+    scene = read_scene(path)
+    if scene_id not in {None, "0", scene.scene_id}:
+        raise UnknownSceneError(
+            f"scene file {path!r} has no scene {scene_id!r}, valid: {scene.scene_id!r}"
+        )
+    return scene
+
+
+def _is_layout(path: str) -> bool:
+    """Whether a file holds layouts, by its name or by what is in it; a damaged scene is none."""
+    from aeroscene.layouts.text_file import read_bytes  # noqa: PLC0415 - only for files
+
+    if ".jsonl" in path[-9:]:
+        return True
+    try:
+        data = read_bytes(Path(path))
+    except SceneError:
+        if path.endswith(".gz"):
+            raise
+        return False  # Scenes have an error of their own for that.
+    if f'"{FORMAT}"'.encode() in data:
+        return False
+    return any(all(key in data for key in keys) for keys in _LAYOUT_KEYS)
+
+
+def _open_layout(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:
+    from aeroscene.layouts import read_layout  # noqa: PLC0415 - loads shapely, only for layouts
+
+    scene, report = read_layout(path, scene_id, skip_invalid)
+    for reason, count in report.dropped.items():
+        _log.warning("scene %r: %d objects left out: %s", scene.scene_id, count, reason)
+    for line in (*report.unmapped_lines, *report.invalid):
+        _log.warning("%s", line)
+    return scene
 
 
 def _open_corpus_scene(index: int) -> Scene:

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from aeroscene.geometry import rotation_matrix
 from aeroscene.scene import Vector3
 from aeroscene.shapes import Primitive
+from aeroscene.solids import Solids, colliding, hull_faces
 
 _TOUCH_M = 1e-6
 """A face on the border between two cells occupies only the cell behind it."""
@@ -54,35 +54,27 @@ class Grid:
 def voxelise(primitives: Iterable[Primitive], grid: Grid) -> Bool[np.ndarray, "nx ny nz"]:
     """Cells that solids may reach into; what does not collide leaves no trace."""
     occupied = np.zeros(grid.shape, dtype=bool)
-    for primitive in primitives:
-        if primitive.collides:
-            _add(occupied, primitive, grid)
+    solids = colliding(primitives)
+    for index, primitive in enumerate(solids.primitives):
+        block = grid.block(solids.low_m[index], solids.high_m[index])
+        if block is not None:
+            _add(occupied, primitive, solids.rotation[index], block, grid)
     return occupied
 
 
 def bounds(primitive: Primitive) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
     """Lower and upper corner of a solid's bounding box along the axes, ENU, m."""
-    rotation = rotation_matrix(primitive.quat_wxyz)
-    centre = np.asarray(primitive.position_enu_m)
-    half = np.asarray(primitive.size_m) / 2
-    if primitive.kind == "mesh":
-        vertices = np.asarray(primitive.vertices_m) @ rotation.T + centre
-        return vertices.min(axis=0), vertices.max(axis=0)
-    if primitive.kind == "ellipsoid":
-        reach = np.sqrt((rotation**2 * half**2).sum(axis=1))
-    elif primitive.kind == "cylinder":
-        axis = rotation[:, 2]
-        reach = np.abs(axis) * half[2] + half[0] * np.sqrt(np.maximum(0.0, 1.0 - axis**2))
-    else:
-        reach = np.abs(rotation) @ half
-    return centre - reach, centre + reach
+    solids = Solids([primitive])
+    return solids.low_m[0], solids.high_m[0]
 
 
-def _add(occupied: np.ndarray, primitive: Primitive, grid: Grid) -> None:
-    block = grid.block(*bounds(primitive))
-    if block is None:
-        return
-    rotation = rotation_matrix(primitive.quat_wxyz)
+def _add(
+    occupied: np.ndarray,
+    primitive: Primitive,
+    rotation: np.ndarray,
+    block: tuple[slice, slice, slice],
+    grid: Grid,
+) -> None:
     is_upright = abs(rotation[2, 2]) > 1 - 1e-9
     is_aligned = is_upright and np.abs(rotation[:2, :2]).max() > 1 - 1e-9
     if primitive.kind == "box" and is_aligned:
@@ -121,7 +113,7 @@ def _touches(
     x, y, z = np.meshgrid(*offsets, indexing="ij", sparse=True)
     if primitive.kind == "mesh":
         inside = np.ones(np.broadcast_shapes(x.shape, y.shape, z.shape), dtype=bool)
-        for nx, ny, nz, offset in _planes(primitive):
+        for nx, ny, nz, offset in hull_faces(primitive.vertices_m).planes:
             normal = rotation @ (nx, ny, nz)
             reach = half_cell * np.abs(normal).sum()
             inside &= normal[0] * x + normal[1] * y + normal[2] * z + offset < reach
@@ -137,10 +129,3 @@ def _touches(
     if primitive.kind == "cylinder":
         inside &= beyond[0] ** 2 + beyond[1] ** 2 < half[0] ** 2
     return inside
-
-
-def _planes(primitive: Primitive) -> Float[np.ndarray, "faces 4"]:
-    """Outward normals and offsets of a convex hull, local."""
-    from scipy.spatial import ConvexHull  # noqa: PLC0415 - slow to load, only hulls need it
-
-    return np.unique(np.round(ConvexHull(np.asarray(primitive.vertices_m)).equations, 9), axis=0)

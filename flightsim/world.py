@@ -18,7 +18,9 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.shapes import MATERIALS, Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from flightsim.looks.drawing import GROUND_MATERIAL, Detail, add_looks, set_view
+from flightsim.looks.drawing import add_looks, set_view
+from flightsim.looks.surfaces import Detail
+from flightsim.looks.surroundings import GROUND_MATERIAL
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import VEHICLE_BODY, add_vehicle
 from flightsim.world_geometry import STATIC_CONTACT, add_solids, friction
@@ -61,7 +63,7 @@ class World:
         """A model of the same world for drawing; `qpos` and mocap poses mean the same in it."""
         spec = mujoco.MjSpec()
         set_view(spec, self.scene)
-        add_looks(spec, self.solids, detail)
+        add_looks(spec, self.scene, self.solids, detail)
         if self.vehicle_body_id >= 0:
             add_vehicle_at_start(spec, self.scene, self.airframe)
         return spec.compile()
@@ -96,7 +98,7 @@ def build_world(
     """
     solids = (*scene_primitives(scene), *extra)
     spec = new_spec(scene, physics_hz)
-    _add_ground(spec)
+    add_ground(spec)
     add_solids(spec, solids)
     if vehicle:
         add_vehicle_at_start(spec, scene, airframe)
@@ -134,7 +136,8 @@ def add_vehicle_at_start(spec: mujoco.MjSpec, scene: Scene, airframe: Airframe) 
     add_vehicle(spec, airframe, stand_enu_m, scene.start_yaw_rad)
 
 
-def _add_ground(spec: mujoco.MjSpec) -> None:
+def add_ground(spec: mujoco.MjSpec) -> None:
+    """Add the plane z = 0, which is geom "ground"."""
     spec.worldbody.add_geom(
         name="ground",
         type=mujoco.mjtGeom.mjGEOM_PLANE,

@@ -34,6 +34,8 @@ FAR_ENOUGH_M = 15.0
 _HOVER_MARGIN_M = 0.4
 _DESCENT_MARGIN_M = 0.1
 _MAX_ATTEMPTS = 8
+_LUCK = 2.0
+"""What chance adds to an area's appeal at most: twice what height above the ground does."""
 _CLASSES = ("small", "medium", "large")
 
 
@@ -213,17 +215,17 @@ def takeoff_point(surroundings: Surroundings) -> Vector3:
 
 
 def rank_areas(scene: Scene, airframe: Airframe, seed: int) -> list[InteractionArea]:
-    """Areas for the vehicle's class, best first: far enough, elevated, roomy, under the open sky.
+    """Landing areas for the vehicle's class, best first: far, elevated, roomy, under the open sky.
 
     The seed settles the order among areas that are about as good.
     """
     fits = [
         area
-        for area in scene.interaction_areas
+        for area in scene.landing_areas
         if _CLASSES.index(area.drone_class) >= _CLASSES.index(airframe.drone_class)
     ]
     start = scene.start_position_enu_m
-    chance = np.random.default_rng(seed).uniform(0.0, 1.0, len(fits)).tolist()
+    chance = np.random.default_rng(seed).uniform(0.0, _LUCK, len(fits)).tolist()
     score = {area.id: luck + _appeal(scene, area) for area, luck in zip(fits, chance, strict=True)}
 
     def is_near(area: InteractionArea) -> bool:

@@ -79,6 +79,11 @@ class Builder:
         self.n_fine = 0
         self._occupants: list[_Occupant] = []
         self._ancestors: dict[int, frozenset[int]] = {}
+        self._bounds: tuple[tuple[float, float], tuple[float, float]] | None = None
+
+    def enclose(self, low: tuple[float, float], high: tuple[float, float]) -> None:
+        """Refuse from now on whatever leaves an upright rectangle, ENU, m."""
+        self._bounds = (low, high)
 
     def place(
         self,
@@ -118,7 +123,7 @@ class Builder:
         line = frozenset() if parent is None else self._ancestors[parent.id] | {parent.id}
         if within is not None and not _is_inside(spot, size, within):
             return None
-        if self._is_taken(box, line):
+        if self._leaves_bounds(spot, size) or self._is_taken(box, line):
             return None
         domain = domain or (parent.domain if parent else "outdoor")
         obj = SceneObject(
@@ -152,6 +157,19 @@ class Builder:
     def is_free(self, frame: Frame, u: float, v: float, size: Vector3, base: float) -> bool:
         """Whether nothing stands in a box."""
         return not self._is_taken(_occupant(frame.moved(u, v), size, base, 0.0, -1), frozenset())
+
+    def _leaves_bounds(self, spot: Frame, size: Vector3) -> bool:
+        if self._bounds is None:
+            return False
+        (x0, y0), (x1, y1) = self._bounds
+        c, s = abs(math.cos(spot.yaw)), abs(math.sin(spot.yaw))
+        reach_x, reach_y = (c * size[0] + s * size[1]) / 2, (s * size[0] + c * size[1]) / 2
+        return (
+            spot.x - reach_x < x0 - TOUCH_M
+            or spot.x + reach_x > x1 + TOUCH_M
+            or spot.y - reach_y < y0 - TOUCH_M
+            or spot.y + reach_y > y1 + TOUCH_M
+        )
 
     def _is_taken(self, box: _Occupant, line: frozenset[int]) -> bool:
         return any(box.overlaps(other) for other in self._occupants if other.object_id not in line)

@@ -12,7 +12,7 @@ from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.composers import compose_indoor, compose_mixed, compose_outdoor
 from aeroscene.curation.composition import Composition, fill
 from aeroscene.curation.start import start_yaw
-from aeroscene.landing import derive_landing_areas
+from aeroscene.landing import AreaLimits, derive_interaction_areas
 from aeroscene.scene import Scene
 
 # The geodetic origin that PX4's simulations use (Zurich), so that scripts written for it fit.
@@ -27,12 +27,23 @@ _HEADROOM_M = 10.0
 _COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": compose_indoor}
 
 
+_N_COARSE = (32.8, 6.0)
+_N_FINE = (113.0, 22.0)
+"""Mean and spread of the numbers of objects at which a scene is full."""
+_N_AREAS = ((42.6, 8.0), (11.8, 2.5), (5.3, 1.2), (20.0, 5.0))
+"""Mean and spread of the most areas that a scene keeps: small, medium, large, perching.
+
+Scenes that have less to offer keep all; the averages come out at the paper's.
+"""
+
+
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """How many objects a scene should have."""
+    """How many objects a scene should have, and how many areas at most."""
 
     n_coarse: int
     n_fine: int
+    areas: AreaLimits
 
 
 def curate_scene(index: int) -> Scene:
@@ -48,13 +59,18 @@ def curate_scene(index: int) -> Scene:
     pad = composition.place_start()
     fill([place.details() for place in places], lambda: builder.n_fine >= budget.n_fine)
     scene = _finish(builder, composition, pad, index)
-    return replace(scene, interaction_areas=derive_landing_areas(scene))
+    return replace(scene, interaction_areas=derive_interaction_areas(scene, limits=budget.areas))
 
 
 def _draw_budget(rng: np.random.Generator) -> Budget:
-    """Counts about the paper's averages, 34 coarse and 112 fine, each scene its own."""
-    n_coarse, n_fine = rng.normal((34.0, 112.0), (6.0, 22.0)).clip((22, 60), (48, 170))
-    return Budget(round(float(n_coarse)), round(float(n_fine)))
+    """Counts about the paper's averages, each scene its own, within two and a half spreads."""
+    means, spreads = np.array([_N_COARSE, _N_FINE, *_N_AREAS]).T
+    counts = np.rint(means + spreads * rng.standard_normal(len(means)).clip(-2.5, 2.5))
+    n_coarse, n_fine, *areas = (int(count) for count in counts)
+    small, medium, large, perching = areas
+    return Budget(
+        n_coarse, n_fine, AreaLimits(small=small, medium=medium, large=large, perching=perching)
+    )
 
 
 def _finish(builder: Builder, composition: Composition, pad: Placed, index: int) -> Scene:

@@ -9,7 +9,6 @@ from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
 from aeroscene.curation.frame import QUARTER, Frame
 from aeroscene.scene import AttributeValue, Vector3
-from aeroscene.shapes.buildings import FINISH_M
 from aeroscene.shapes.facade import (
     LINTEL_M,
     SILL_M,
@@ -21,6 +20,7 @@ from aeroscene.shapes.facade import (
     count_bays,
     opening_width,
 )
+from aeroscene.shapes.shell import FINISH_M
 
 PARTITION_M = 0.12
 STOREY_M = 3.3

@@ -1,182 +1,221 @@
-"""The ground plan of a scene: streets, the blocks between them, and parcels to build on."""
+"""The ground plan of a scene: what plans lay down, from carriageways to parcels."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.frame import Frame
+from aeroscene.curation.parcels import (
+    FLAT,
+    Block,
+    Land,
+    Parcel,
+    Rectangle,
+    Side,
+    cut_unequal,
+)
 from aeroscene.scene import AttributeValue
 
 ROAD_M = 0.04
 SIDEWALK_M = 0.15
+VERGE_M = 0.12
+WATER_M = 0.15
+PARKING_LANE_M = 2.2
 """Heights of the surfaces above the ground."""
 
-_BRIDGE_CHANCE = {"cross": 0.1, "tee": 0.2, "through": 0.5}
-
-Side = str
-"""south, east, north or west."""
-_SIDES: tuple[Side, ...] = ("south", "east", "north", "west")
-
 
 @dataclass(frozen=True, slots=True)
-class Rectangle:
-    """A rectangle along the axes of the site, m."""
+class Road:
+    """A carriageway for both directions, driven on the right: towards +x at negative y."""
 
-    x0: float
-    y0: float
-    x1: float
-    y1: float
+    placed: Placed
+    parking: tuple[int, ...] = ()
+    """Sides along y, -1 or 1, whose outer lane is for parked vehicles."""
+    zebra_end: int = 0
+    """End along x where people cross, 0 for neither."""
 
-    def side_frame(self, side: Side) -> tuple[Frame, float, float]:
-        """Frame in the middle of a side with v inwards, the side's length, and the depth."""
-        x, y = (self.x0 + self.x1) / 2, (self.y0 + self.y1) / 2
-        width, depth = self.x1 - self.x0, self.y1 - self.y0
-        return {
-            "south": (Frame(x, self.y0, 0.0), width, depth),
-            "east": (Frame(self.x1, y, math.pi / 2), depth, width),
-            "north": (Frame(x, self.y1, math.pi), width, depth),
-            "west": (Frame(self.x0, y, -math.pi / 2), depth, width),
-        }[side]
-
-    def without(self, side: Side, strip: float) -> Rectangle:
-        """What is left when a strip along one side is taken away."""
-        x0, y0, x1, y1 = self.x0, self.y0, self.x1, self.y1
-        return {
-            "south": Rectangle(x0, y0 + strip, x1, y1),
-            "east": Rectangle(x0, y0, x1 - strip, y1),
-            "north": Rectangle(x0, y0, x1, y1 - strip),
-            "west": Rectangle(x0 + strip, y0, x1, y1),
-        }[side]
-
-
-@dataclass(frozen=True, slots=True)
-class Block:
-    """Ground between streets and the border of the site."""
-
-    area: Rectangle
-    street_sides: tuple[Side, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Parcel:
-    """Ground for one place: u along the street, v from the street (0) to the back (depth)."""
-
-    frame: Frame
-    width: float
-    depth: float
-    level: float = 0.0
-    """Height of the ground that the place starts from."""
-
-    def middle(self) -> Frame:
-        """The same frame moved to the middle of the parcel."""
-        return self.frame.moved(0.0, self.depth / 2)
+    def lane(self, side: int) -> float:
+        """Middle of the lane for moving traffic on a side, m along y."""
+        low, high = (
+            sign * (self.placed.size[1] / 2 - (PARKING_LANE_M if sign in self.parking else 0.0))
+            for sign in (-1, 1)
+        )
+        return (low + high) / 2 + side * (high - low) / 4
 
 
 @dataclass(slots=True)
 class Site:
-    """Streets and parcels of a scene."""
+    """Streets laid out and parcels to fill; plans are drawn in the site's own frame."""
 
+    builder: Builder
+    frame: Frame
+    """Of the plan in the world: a city need not lie along the axes."""
     half_x: float
     half_y: float
-    roads: list[Placed] = field(default_factory=list)
+    road_m: float
+    """Width of a carriageway."""
+    walk_m: float
+    """Width of a sidewalk."""
+    parking: tuple[int, ...] = ()
+    """Sides of the streets along which vehicles are parked."""
+    style: Mapping[str, str] = field(default_factory=dict)
+    """Forms that all surfaces of a category share."""
+    roads: list[Road] = field(default_factory=list)
     sidewalks: list[Placed] = field(default_factory=list)
-    """Frames lie in the strip's middle with v leading away from the curb."""
+    """Their frames have u along the street and v leading away from the kerb."""
+    verges: list[Placed] = field(default_factory=list)
+    """Strips of green or parking between carriageway and sidewalk, framed likewise."""
     parcels: list[Parcel] = field(default_factory=list)
-    crossings: list[Frame] = field(default_factory=list)
+    slopes: list[Parcel] = field(default_factory=list)
+    """Ground that climbs, for grass and trees alone."""
+    waters: list[Placed] = field(default_factory=list)
+    """Basins and canals; their x axis runs along the quay on their -y side."""
+    junctions: list[Frame] = field(default_factory=list)
 
+    @property
+    def half_extent(self) -> tuple[float, float]:
+        """Half sides of the upright rectangle around the turned plan, m."""
+        c, s = abs(math.cos(self.frame.yaw)), abs(math.sin(self.frame.yaw))
+        return (c * self.half_x + s * self.half_y, s * self.half_x + c * self.half_y)
 
-def lay_out_site(builder: Builder, rng: np.random.Generator) -> Site:
-    """Draw streets for a scene of 60 to 84 m a side and cut the rest into parcels."""
-    half_x, half_y = rng.uniform(31, 40, 2).round(1).tolist()
-    site = Site(half_x, half_y)
-    road = float(rng.choice([6.5, 7.0, 8.0]))
-    plan = str(rng.choice(["cross", "tee", "through"], p=[0.25, 0.35, 0.4]))
-    y = float(rng.uniform(-0.15, 0.15)) * half_y
-    x = float(rng.uniform(-0.18, 0.18)) * half_x
-    turn = plan == "through" and bool(rng.integers(2))
-    blocks = _street_plan(builder, site, plan, road, (x, y), turned=turn)
-    walk = round(float(rng.uniform(2.0, 2.7)), 2)
-    for block in blocks:
-        _pave_block(builder, site, block, walk, rng)
-    if rng.random() < _BRIDGE_CHANCE[plan]:
-        _bridge_road(builder, site, walk, rng)
-    return site
+    def world(self, frame: Frame) -> Frame:
+        """A frame of the plan in the world."""
+        return self.frame.moved(frame.x, frame.y, frame.yaw)
 
+    def raise_land(self, area: Rectangle, level: float, finish: str, wall: str) -> Land:
+        """Raised ground on a rectangle of the plan, its sides retaining walls."""
+        frame, width, depth = area.side_frame("south")
+        attributes: dict[str, AttributeValue] = {"form": "terrace", "finish": finish, "wall": wall}
+        size = (width, depth, level)
+        block = self.builder.place(
+            "terrain", self.world(frame), 0, depth / 2, size, base=0.0, attributes=attributes
+        )
+        return Land(level, block) if block else FLAT
 
-def _bridge_road(builder: Builder, site: Site, walk: float, rng: np.random.Generator) -> None:
-    """A footbridge over the longest road, from sidewalk to sidewalk, away from the middle."""
-    road = max(site.roads, key=lambda road: road.size[0])
-    u = float(rng.choice([-1, 1])) * float(rng.uniform(0.45, 0.7)) * road.size[0] / 2
-    size = (road.size[1] + 2 * min(1.2, walk - 0.6), 2.4, 6.2)
-    builder.place("bridge", road.frame, u, 0, size, base=SIDEWALK_M, turn=math.pi / 2, margin=0.3)
+    def fill_with_water(self, area: Rectangle, quay: Side) -> Placed | None:
+        """Water on a rectangle of the plan, seen from the quay on one of its sides."""
+        frame, width, depth = area.side_frame(quay)
+        water = self.builder.place(
+            "water",
+            self.world(frame),
+            0,
+            depth / 2,
+            (width, depth, WATER_M),
+            base=0.0,
+            attributes={"form": "open"},
+        )
+        if water:
+            self.waters.append(water)
+        return water
 
+    def lay_road(
+        self,
+        frame: Frame,
+        length: float,
+        *,
+        width: float | None = None,
+        zebra_end: int = 0,
+        land: Land = FLAT,
+        after: Placed | None = None,
+        height: float = ROAD_M,
+    ) -> Placed | None:
+        """A carriageway along the x axis of a frame of the plan.
 
-def _street_plan(
-    builder: Builder, site: Site, plan: str, road: float, at: tuple[float, float], *, turned: bool
-) -> list[Block]:
-    """Roads of a plan; returns the blocks that they leave."""
-    hx, hy, half = site.half_x, site.half_y, road / 2
-    x, y = at
-    if turned:
-        _add_road(builder, site, Frame(x, 0, math.pi / 2), 2 * hy, road)
-        return [
-            Block(Rectangle(-hx, -hy, x - half, hy), ("east",)),
-            Block(Rectangle(x + half, -hy, hx, hy), ("west",)),
-        ]
-    _add_road(builder, site, Frame(0, y, 0), 2 * hx, road)
-    south, north = y - half, y + half
-    if plan == "through":
-        return [
-            Block(Rectangle(-hx, -hy, hx, south), ("north",)),
-            Block(Rectangle(-hx, north, hx, hy), ("south",)),
-        ]
-    site.crossings.append(Frame(x, y, 0))
-    _add_road(builder, site, Frame(x, (north + hy) / 2, math.pi / 2), hy - north, road, -1)
-    blocks = [
-        Block(Rectangle(-hx, north, x - half, hy), ("south", "east")),
-        Block(Rectangle(x + half, north, hx, hy), ("south", "west")),
-    ]
-    if plan == "tee":
-        return [*blocks, Block(Rectangle(-hx, -hy, hx, south), ("north",))]
-    _add_road(builder, site, Frame(x, (south - hy) / 2, math.pi / 2), hy + south, road, 1)
-    return [
-        *blocks,
-        Block(Rectangle(-hx, -hy, x - half, south), ("north", "east")),
-        Block(Rectangle(x + half, -hy, hx, south), ("north", "west")),
-    ]
+        Args:
+            frame: Its middle.
+            length: Along x, m.
+            width: Across, m; the site's by default.
+            zebra_end: At which end along x people cross it, 0 for neither.
+            land: What it lies on.
+            after: A carriageway that this one continues, and may overlap at the bend.
+            height: Of its surface above the land.
+        """
+        size = (length, width or self.road_m, height)
+        attributes: dict[str, AttributeValue] = {"zebra_end": zebra_end, **self._form("road")}
+        road = self.builder.place(
+            "road",
+            self.world(frame),
+            0,
+            0,
+            size,
+            base=land.level,
+            parent=after or land.bearer,
+            attributes=attributes,
+        )
+        if road:
+            parking = self.parking if width is None else ()
+            self.roads.append(Road(road, parking, zebra_end))
+        return road
 
-
-def _add_road(
-    builder: Builder, site: Site, frame: Frame, length: float, width: float, zebra_end: int = 0
-) -> None:
-    """A carriageway; `zebra_end` says at which end along x people cross it, 0 for neither."""
-    size = (length, width, ROAD_M)
-    attributes: dict[str, AttributeValue] = {"zebra_end": zebra_end}
-    road = builder.place("road", frame, 0, 0, size, base=0.0, attributes=attributes)
-    if road:
-        site.roads.append(road)
-
-
-def _pave_block(
-    builder: Builder, site: Site, block: Block, walk: float, rng: np.random.Generator
-) -> None:
-    """Sidewalks along the streets; the rest becomes one parcel, or two where it is long."""
-    rest = block.area
-    for side in block.street_sides:
-        frame, length, _ = rest.side_frame(side)
-        strip = builder.place("sidewalk", frame, 0, walk / 2, (length, walk, SIDEWALK_M), base=0.0)
+    def lay_sidewalk(
+        self,
+        frame: Frame,
+        length: float,
+        *,
+        land: Land = FLAT,
+        after: Placed | None = None,
+        height: float = SIDEWALK_M,
+    ) -> Placed | None:
+        """A sidewalk whose kerb lies on the x axis of a frame of the plan; see `lay_road`."""
+        strip = self.builder.place(
+            "sidewalk",
+            self.world(frame),
+            0,
+            self.walk_m / 2,
+            (length, self.walk_m, height),
+            base=land.level,
+            parent=after or land.bearer,
+            attributes=self._form("sidewalk"),
+        )
         if strip:
-            site.sidewalks.append(strip)
-        rest = rest.without(side, walk)
-    front = str(rng.choice(list(block.street_sides)))
-    frame, width, depth = rest.side_frame(front)
-    if width < 42:
-        site.parcels.append(Parcel(frame, width, depth))
-        return
-    cut = float(rng.uniform(-0.1, 0.1)) * width
-    for low, high in ((-width / 2, cut), (cut, width / 2)):
-        site.parcels.append(Parcel(frame.moved((low + high) / 2, 0), high - low, depth))
+            self.sidewalks.append(strip)
+        return strip
+
+    def lay_verge(self, frame: Frame, length: float, width: float, land: Land = FLAT) -> None:
+        """A strip of green between carriageway and sidewalk, the kerb on the frame's x axis."""
+        strip = self.builder.place(
+            "lawn",
+            self.world(frame),
+            0,
+            width / 2,
+            (length, width, VERGE_M),
+            base=land.level,
+            parent=land.bearer,
+            attributes={"form": "plain"},
+        )
+        if strip:
+            self.verges.append(strip)
+
+    def _form(self, name: str) -> dict[str, AttributeValue]:
+        return {"form": self.style[name]} if name in self.style else {}
+
+    def pave(self, block: Block, rng: np.random.Generator) -> None:
+        """Sidewalks along the block's streets; the rest becomes parcels of unequal size."""
+        rest = block.area
+        for side in block.street_sides:
+            frame, length, _ = rest.side_frame(side)
+            self.lay_sidewalk(frame, length, land=block.land)
+            rest = rest.without(side, self.walk_m)
+        front = str(rng.choice(list(block.street_sides)))
+        self.part(rest, front, rng, land=block.land, uses=block.uses)
+
+    def part(
+        self,
+        area: Rectangle,
+        front: Side,
+        rng: np.random.Generator,
+        *,
+        land: Land = FLAT,
+        uses: tuple[str, ...] = (),
+    ) -> None:
+        """Cut a rectangle across its front into unequal parcels; whole for a wanted use."""
+        frame, width, depth = area.side_frame(front)
+        for low, high in [(-width / 2, width / 2)] if uses else cut_unequal(width, rng):
+            at = self.world(frame.moved((low + high) / 2, 0))
+            parcel = Parcel(at, high - low, depth, land.level, bearer=land.bearer, uses=uses)
+            self.parcels.append(parcel)

@@ -15,6 +15,8 @@ FREE_RADIUS_M = 3.6
 """Half the side of the square that stays free around the pad."""
 FREE_HEIGHT_M = 60.0
 _GRID_M = 1.5
+_KERB_M = 0.16
+"""Kerbs and paths beside the pad are no obstacle."""
 _GROUNDS = ("lawn", "plaza", "parking_lot")
 _LAST_RESORT = "road"
 
@@ -34,7 +36,7 @@ def place_start(builder: Builder, draw: Draw, site_half: tuple[float, float]) ->
         spots = [
             (ground, u, v)
             for ground in builder.objects
-            if ground.category == name and ground.parent_id is None
+            if ground.category == name
             for u, v in _grid(ground)
             if _is_open(builder, ground, u, v, site_half)
         ]
@@ -74,7 +76,7 @@ def _is_open(
     if abs(x) > half[0] - FREE_RADIUS_M or abs(y) > half[1] - FREE_RADIUS_M:
         return False
     side = 2 * FREE_RADIUS_M
-    base = max(_top(ground), 0.2)  # curbs and paths beside the pad are no obstacle
+    base = _top(ground) + _KERB_M
     return builder.is_free(frame, u, v, (side, side, FREE_HEIGHT_M), base)
 
 

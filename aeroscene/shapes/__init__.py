@@ -1,10 +1,12 @@
 """Category to primitives: what every object looks like and collides as. Pure data."""
 
 from aeroscene.shapes.build import SHAPES, object_primitives, scene_primitives
+from aeroscene.shapes.forms import FORMS
 from aeroscene.shapes.materials import MATERIALS, Material
 from aeroscene.shapes.primitive import Part, Primitive
 
 __all__ = [
+    "FORMS",
     "MATERIALS",
     "SHAPES",
     "Material",

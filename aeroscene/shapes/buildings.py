@@ -1,214 +1,253 @@
-"""Buildings: solid masses with painted windows, and shells that a drone can fly into."""
+"""Solid buildings; the front is +x. `shell` has those that a drone can fly into.
+
+A mass keeps its full outline at its upper edge, where the roof lies on it. Below that, walls may
+stand back: what is left are ledges and balconies deep enough for a drone to perch on.
+"""
 
 from __future__ import annotations
 
-from aeroscene.shapes.facade import FacadePlan, count_bays, facade_parts, turned, window_panels
-from aeroscene.shapes.look import Look
-from aeroscene.shapes.materials import PAINT_COLOURS, WALL_COLOURS
-from aeroscene.shapes.primitive import Part, block, centred, centred_block, hull
+from math import radians, tan
 
-WALL_M = 0.25
-GATE_M = (5.0, 4.0)
-"""Width and height of a warehouse's gates."""
-PARAPET_M = 0.2
-ROOF_SLAB_M = 0.25
+from aeroscene.shapes.facade import window_panels
+from aeroscene.shapes.forms import FORMS
+from aeroscene.shapes.look import Look
+from aeroscene.shapes.materials import FACADE_BAY_M, PAINT_COLOURS, WALL_COLOURS
+from aeroscene.shapes.primitive import Interval, Part, block, centred, cylinder
+from aeroscene.shapes.shell import enterable_warehouse, shell
+from aeroscene.shapes.solids import about, inwards, paint, prism, shifted
+
+_STOREY_M = FACADE_BAY_M[1]
+_LEDGE_M = 0.9
+"""Depth of ledges: a Hummingbird reaches 0.4 m."""
+_BALCONY_M = 1.3
+_MOST_BALCONIES = 5
+_ATTIC_M = 0.45
+_TWO_STOREYS_M = 5.8
+_WAREHOUSE_PITCH_RAD = radians(7.0)
 
 
 def building(look: Look) -> list[Part]:
-    """An upright block: enterable shell or solid mass."""
+    """An upright block: enterable shell, or a mass: plain, with balconies, ledges or an arcade."""
     colour = look.choice("colour", (*WALL_COLOURS, "brick"))
     if look.flag("is_enterable"):
-        return _shell(look, "brick" if colour == "brick" else f"plaster_{colour}")
-    return _mass(look, colour)
-
-
-def _mass(look: Look, colour: str) -> list[Part]:
+        return shell(look, _wall(colour))
     x, y, z = look.size_m
-    wall = "brick" if colour == "brick" else f"plaster_{colour}"
-    facade = "facade_rose" if colour == "brick" else f"facade_{colour}"
-    core = block(centred(x - 0.08), centred(y - 0.08), (0.0, z), wall)
-    door_y = 0.0 if look.variant % 2 else -y / 4
-    door = centred_block(
-        (x / 2 - 0.01, door_y, 1.15), (0.02, 1.4, 2.3), "dark_wood", collides=False
+    is_tall = z > _TWO_STOREYS_M and min(x, y) > 5.0
+    form = look.choice("form", FORMS["building"] if is_tall else ("plain",))
+    if form == "balconies" and is_tall:
+        return _balconies(look, colour)
+    if form == "ledges" and is_tall:
+        return _ledges(look, colour)
+    if form == "podium" and is_tall:
+        return _podium(look, colour)
+    return _plain(look, colour)
+
+
+def _wall(colour: str) -> str:
+    return "brick" if colour == "brick" else f"plaster_{colour}"
+
+
+def _mass(x: Interval, y: Interval, z: Interval, colour: str) -> list[Part]:
+    """A block with painted windows on its four sides."""
+    core = block(x, y, z, _wall(colour))
+    length, width = x[1] - x[0] + 0.08, y[1] - y[0] + 0.08
+    panels = window_panels(length, width, z[1] - z[0], f"facade_{colour}")
+    middle = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2)
+    return [core, *(shifted(panel, *middle, z[0]) for panel in panels)]
+
+
+def _door(front: float, at_y: float, z: float, wide: float = 1.4) -> Part:
+    return paint(
+        (front - 0.02, front + 0.02), about(at_y, wide), (0, min(2.3, 0.8 * z)), "dark_wood"
     )
-    return [core, *window_panels(x, y, z, facade), door]
 
 
-def _shell(look: Look, wall: str) -> list[Part]:
-    """Four walls of bays and storeys; the front (+x) has the door, the flanks have panes."""
+def _plain(look: Look, colour: str) -> list[Part]:
+    """One mass with a projecting attic and a porch roof over the door."""
     x, y, z = look.size_m
-    storeys = max(1, round(look.number("storeys", max(1, round(z / 3.2)))))
-    rise = z / storeys
-    front = FacadePlan(y, storeys, rise, count_bays(y) // 2, "open")
-    back = FacadePlan(y, storeys, rise, None, "open")
-    flank = FacadePlan(x - 2 * WALL_M, storeys, rise, None, "glass")
-    parts = facade_parts(front, (x / 2 - WALL_M, x / 2), wall)
-    parts += facade_parts(back, (-x / 2, -x / 2 + WALL_M), wall)
-    parts += turned(facade_parts(flank, (y / 2 - WALL_M, y / 2), wall))
-    parts += turned(facade_parts(flank, (-y / 2, -y / 2 + WALL_M), wall))
+    front, door_y = x / 2 - 0.12, 0.0 if look.variant % 2 else -y / 4
+    attic = min(_ATTIC_M, 0.1 * z)
+    parts = _mass(centred(x - 0.24), centred(y - 0.24), (0, z - attic), colour)
+    parts.append(block(centred(x), centred(y), (z - attic, z), "concrete"))
+    return [*parts, _door(front, door_y, z)]
+
+
+def _balconies(look: Look, colour: str) -> list[Part]:
+    """Slabs with panes of glass along the front, one for each storey."""
+    x, y, z = look.size_m
+    front = x / 2 - _BALCONY_M
+    parts = _mass((-x / 2 + 0.05, front), centred(y - 0.1), (0, z - _ATTIC_M), colour)
+    parts.append(block(centred(x), centred(y), (z - _ATTIC_M, z), "concrete"))
+    storeys = min(_MOST_BALCONIES, int((z - _ATTIC_M - 2.2) // _STOREY_M))
+    wide = centred(0.7 * y)
+    for storey in range(1, storeys + 1):
+        low = storey * _STOREY_M
+        parts.append(block((front, x / 2), wide, (low - 0.16, low), "concrete"))
+        parts.append(block(inwards(1, x / 2, 0.06), wide, (low, low + 0.9), "glass"))
+    return [*parts, _door(front, 0.0, z, 2.0)]
+
+
+def _ledges(look: Look, colour: str) -> list[Part]:
+    """Bands of concrete around every or every other storey."""
+    x, y, z = look.size_m
+    parts = _mass(centred(x - 2 * _LEDGE_M), centred(y - 2 * _LEDGE_M), (0, z - _ATTIC_M), colour)
+    parts.append(block(centred(x), centred(y), (z - _ATTIC_M, z), "concrete"))
+    storeys = max(1, int((z - 2.0) // _STOREY_M))
+    step = 1 if storeys <= _MOST_BALCONIES else 2
+    parts += [
+        block(centred(x), centred(y), (i * _STOREY_M - 0.14, i * _STOREY_M + 0.06), "concrete")
+        for i in range(1, storeys + 1, step)
+    ]
+    return [*parts, _door(x / 2 - _LEDGE_M, 0.0, z, 2.0)]
+
+
+def _podium(look: Look, colour: str) -> list[Part]:
+    """Shops behind an arcade of columns; the storeys above reach out over it."""
+    x, y, z = look.size_m
+    low, front = 3.6, x / 2 - 2.2
+    parts = _mass(centred(x - 0.1), centred(y - 0.1), (low, z), colour)
+    parts.append(block((-x / 2 + 0.05, front), centred(y - 0.1), (0, low), "stone"))
+    parts.append(paint((front, front + 0.03), centred(0.86 * y), (0.25, 2.9), "dark_glass"))
+    awning = "paint_" + look.choice("awning", PAINT_COLOURS)
+    parts.append(block((front, front + 0.7), centred(0.86 * y), (3.0, 3.25), awning))
+    count = max(2, min(5, round(y / 4)))
+    parts += [
+        cylinder((x / 2 - 0.3, (i / (count - 1) - 0.5) * (y - 0.6), low / 2), 0.36, low, "concrete")
+        for i in range(count)
+    ]
     return parts
+
+
+def house(look: Look) -> list[Part]:
+    """A dwelling: plain with a plinth, with a veranda, or with a bay window."""
+    if look.flag("is_enterable"):
+        return building(look)
+    x, y, z = look.size_m
+    colour = look.choice("colour", (*WALL_COLOURS, "brick"))
+    form = look.choice("form", FORMS["house"])
+    top = min(z, 2.7)
+    if form == "plain":
+        front = x / 2 - 0.1
+        parts = _mass(centred(x - 0.2), centred(y - 0.2), (0, z), colour)
+        porch = block((front, x / 2), about(0.2 * y, 1.6), (0.9 * top, 0.96 * top), "dark_wood")
+        plinth = block(centred(x), centred(y), (0, min(0.35, 0.1 * z)), "stone")
+        return [*parts, plinth, porch, _door(front, 0.2 * y, z)]
+    if form == "bay":
+        front = x / 2 - 0.8
+        parts = _mass((-x / 2 + 0.05, front), centred(y - 0.1), (0, z), colour)
+        bay = about(-0.22 * y, min(2.6, 0.36 * y))
+        pane = about(-0.22 * y, min(2.6, 0.36 * y) - 0.3)
+        parts += [
+            block((front, x / 2 - 0.03), bay, (0, top), _wall(colour)),
+            paint((x / 2 - 0.03, x / 2), pane, (0.32 * top, 0.84 * top), "dark_glass"),
+            block((front, x / 2), about(0.22 * y, 1.6), (0.92 * top, top), "dark_wood"),
+        ]
+        return [*parts, _door(front, 0.22 * y, z, 1.1)]
+    front = x / 2 - 1.8
+    parts = _mass((-x / 2 + 0.05, front), centred(y - 0.1), (0, z), colour)
+    floor, roof = 0.16, (top - 0.14, top)
+    parts += [
+        block((front, x / 2), centred(y), (0, floor), "wood"),
+        block((front, x / 2), centred(y), roof, "dark_wood"),
+        *(
+            block(
+                inwards(1, x / 2 - 0.06, 0.14),
+                about(at * y, 0.14),
+                (floor, roof[0]),
+                "timber_white",
+            )
+            for at in (-0.46, -0.16, 0.16, 0.46)
+        ),
+    ]
+    return [*parts, _door(front, 0.0, z, 1.1)]
 
 
 def tower(look: Look) -> list[Part]:
-    """A tall slim block with a set-back crown."""
+    """A tall slim block with a set-back crown, stepped in three tiers, or with ribs."""
     x, y, z = look.size_m
+    form = look.choice("form", FORMS["tower"])
     colour = look.choice("colour", WALL_COLOURS)
+    if form == "stepped":
+        parts: list[Part] = []
+        low = 0.0
+        for share, high in ((1.0, 0.5), (0.78, 0.8), (0.5, 1.0)):
+            along, across = share * x - 0.08, share * y - 0.08
+            parts += _mass(centred(along), centred(across), (low, high * z), colour)
+            low = high * z
+        return [*parts, _lobby(x / 2 - 0.04)]
     shaft = z - 1.5
-    parts = [block(centred(x - 0.08), centred(y - 0.08), (0.0, shaft), f"plaster_{colour}")]
-    parts += window_panels(x, y, shaft, f"facade_{colour}")
+    inset = 0.08 if form == "crown" else 0.6
+    parts = _mass(centred(x - inset), centred(y - inset), (0, shaft), colour)
     parts.append(block(centred(0.6 * x), centred(0.6 * y), (shaft, z), "dark_concrete"))
-    parts.append(
-        centred_block((x / 2 - 0.01, 0, 1.3), (0.02, 2.4, 2.6), "dark_glass", collides=False)
-    )
-    return parts
+    if form == "ribs":
+        rise = (0.0, shaft + 0.5)
+        parts += [
+            *(block(centred(x), inwards(s, y / 2 - 0.1, 0.4), rise, "concrete") for s in (-1, 1)),
+            *(block(about(at * x, 0.4), centred(y), rise, "concrete") for at in (-0.16, 0.16)),
+        ]
+    return [*parts, _lobby((x - inset) / 2)]
+
+
+def _lobby(front: float) -> Part:
+    return paint((front - 0.02, front + 0.02), centred(2.4), (0, 2.7), "dark_glass")
 
 
 def warehouse(look: Look) -> list[Part]:
-    """A hall of sheet metal; enterable through a gate at each end."""
+    """A hall of sheet metal with a gate; with loading docks, or with a low pitched roof."""
+    if look.flag("is_enterable"):
+        return enterable_warehouse(look)
     x, y, z = look.size_m
-    roof = block(centred(x), centred(y), (z - 0.3, z), "roofing")
+    form, skin = look.choice("form", FORMS["warehouse"], ("hall", "docks")), _cladding(look)
     stripe = "paint_" + look.choice("colour", PAINT_COLOURS)
-    if not look.flag("is_enterable"):
-        core = block(centred(x - 0.04), centred(y - 0.04), (0, z - 0.3), "corrugated")
-        gate = centred_block((x / 2 - 0.01, 0, 2.0), (0.02, 4.0, 4.0), "dark_metal", collides=False)
-        return [core, roof, gate]
-    gate_y, gate_z = min(GATE_M[0], y - 2), min(GATE_M[1], z - 1.2)
-    parts = [roof]
-    for sign in (-1, 1):
-        side = (sign * (y / 2 - WALL_M), sign * y / 2)
-        parts.append(block(centred(x), (min(side), max(side)), (0, z - 0.3), "corrugated"))
-        end = (
-            min(sign * (x / 2 - WALL_M), sign * x / 2),
-            max(sign * (x / 2 - WALL_M), sign * x / 2),
-        )
-        inner = y / 2 - WALL_M
-        parts.append(block(end, (-inner, -gate_y / 2), (0, z - 0.3), "corrugated"))
-        parts.append(block(end, (gate_y / 2, inner), (0, z - 0.3), "corrugated"))
-        parts.append(block(end, centred(gate_y), (gate_z, z - 0.3), stripe))
-    return parts
-
-
-def garage(look: Look) -> list[Part]:
-    """A flat-roofed box with a roller door, or a shed of boards."""
-    if look.choice("form", ("garage", "shed")) == "shed":
-        return _shed(look)
-    x, y, z = look.size_m
-    core = block((-x / 2, x / 2 - 0.03), centred(y), (0, z - 0.2), "plaster_white")
-    roof = block(centred(x), centred(y), (z - 0.2, z), "roofing")
-    door = block((x / 2 - 0.03, x / 2), centred(0.75 * y), (0, 0.8 * z), "metal", collides=False)
-    return [core, roof, door]
-
-
-def _shed(look: Look) -> list[Part]:
-    """Board walls under a flat felt roof."""
-    x, y, z = look.size_m
-    core = block(centred(x - 0.2), centred(y - 0.2), (0, z - 0.12), "wood")
-    roof = block(centred(x), centred(y), (z - 0.12, z), "roofing")
-    door = block(
-        (x / 2 - 0.1, x / 2 - 0.07),
-        centred(0.9),
-        (0, min(1.9, z - 0.2)),
-        "dark_wood",
-        collides=False,
-    )
-    return [core, roof, door]
-
-
-def kiosk(look: Look) -> list[Part]:
-    """A stall with a counter hatch under a projecting roof."""
-    x, y, z = look.size_m
-    paint = "paint_" + look.choice("colour", PAINT_COLOURS)
-    body = (-x / 2 + 0.1, x / 2 - 0.6)
+    gate = min(4.0, 0.7 * z)
+    if form == "lowpitch":
+        return [*_low_pitch(look, skin), _gate(x / 2 - 0.02, 0.0, 4.0, gate)]
+    roof = block(centred(x), centred(y), (z - 0.3, z), "roofing")
+    lights = [
+        paint(about(at * x, 0.06 * x), centred(0.7 * y), (z, z + 0.015), "glass")
+        for at in (-0.3, 0.0, 0.3)
+    ]
+    band = paint(centred(x - 0.02), centred(y - 0.02), (z - 1.0, z - 0.6), stripe)
+    if form == "hall":
+        core = block(centred(x - 0.04), centred(y - 0.04), (0, z - 0.3), skin)
+        return [core, roof, band, *lights, _gate(x / 2 - 0.02, 0.0, 4.0, gate)]
+    front = x / 2 - 1.6
+    core = block((-x / 2 + 0.02, front), centred(y - 0.04), (0, z - 0.3), skin)
+    count = max(2, min(4, int(y // 5)))
+    doors = [(i - (count - 1) / 2) * y / count for i in range(count)]
     return [
-        block(body, centred(y - 0.3), (0, z - 0.2), paint),
-        block(centred(x), centred(y), (z - 0.2, z), "plastic_white"),
-        block((body[1], body[1] + 0.35), centred(y - 0.6), (0.95, 1.05), "wood"),
-        block(
-            (body[1], body[1] + 0.02), centred(y - 0.6), (1.05, 2.0), "dark_glass", collides=False
+        core,
+        roof,
+        block((front, x / 2), centred(0.92 * y), (0, min(1.1, 0.25 * z)), "concrete"),
+        *(
+            paint((front, front + 0.03), about(at, 2.8), (min(1.1, 0.25 * z), gate), stripe)
+            for at in doors
         ),
+        *lights,
     ]
 
 
-def container(look: Look) -> list[Part]:
-    """A shipping container with its doors at the front."""
-    x, y, z = look.size_m
-    paint = "paint_" + look.choice("colour", PAINT_COLOURS)
-    parts = [block((-x / 2, x / 2 - 0.03), centred(y), (0, z), paint)]
-    for side in (-1, 1):
-        leaf = (0.04, y / 2 - 0.04) if side > 0 else (-y / 2 + 0.04, -0.04)
-        parts.append(block((x / 2 - 0.03, x / 2), leaf, (0.08, z - 0.08), paint, collides=False))
-        bar = side * y / 4
-        parts.append(
-            block(
-                (x / 2 - 0.03, x / 2),
-                (bar - 0.03, bar + 0.03),
-                (0.1, z - 0.1),
-                "metal",
-                collides=False,
-            )
-        )
-    return parts
+def _cladding(look: Look) -> str:
+    return look.choice(
+        "cladding", ("corrugated", "cladding_grey", "cladding_white", "cladding_blue")
+    )
 
 
-def roof(look: Look) -> list[Part]:
-    """A flat roof with a parapet, a gable or a hip, on top of a building."""
+def _gate(front: float, at_y: float, wide: float, high: float) -> Part:
+    return paint((front - 0.02, front + 0.02), about(at_y, wide), (0, high), "dark_metal")
+
+
+def _low_pitch(look: Look, skin: str) -> list[Part]:
+    """Walls and a roof of two planes, gentle enough to land on, ridge along y."""
     x, y, z = look.size_m
-    form = look.choice("form", ("flat", "gable", "hip")) if z > 1.2 else "flat"
-    if form == "flat":
-        return _flat_roof(x, y, z)
-    tiles = look.choice("tiles", ("roof_red", "roof_slate"))
-    ridge = x / 2 if form == "gable" else x / 2 - min(x, y) * 0.35
-    eaves = 0.15
-    vertices = [
-        (sx * x / 2, sy * y / 2, h) for sx in (-1, 1) for sy in (-1, 1) for h in (0.0, eaves)
+    rise = min(x / 2 * tan(_WAREHOUSE_PITCH_RAD), 0.3 * z)
+    eaves = z - rise - 0.2
+    body = block(centred(x - 0.04), centred(y - 0.04), (0, eaves), skin)
+    planes = [
+        (-x / 2, eaves),
+        (x / 2, eaves),
+        (x / 2, eaves + 0.2),
+        (0.0, z),
+        (-x / 2, eaves + 0.2),
     ]
-    vertices += [(-ridge, 0.0, z), (ridge, 0.0, z)]
-    return [hull(vertices, tiles)]
-
-
-def _flat_roof(x: float, y: float, z: float) -> list[Part]:
-    slab = min(ROOF_SLAB_M, z)
-    parts = [block(centred(x), centred(y), (0, slab), "roofing")]
-    if z > slab + 0.05:
-        inner = y - 2 * PARAPET_M
-        for sign in (-1, 1):
-            ends = sorted((sign * (x / 2 - PARAPET_M), sign * x / 2))
-            sides = sorted((sign * (y / 2 - PARAPET_M), sign * y / 2))
-            parts.append(block((ends[0], ends[1]), centred(inner), (slab, z), "concrete"))
-            parts.append(block(centred(x), (sides[0], sides[1]), (slab, z), "concrete"))
-    return parts
-
-
-def floor(look: Look) -> list[Part]:
-    """The slab of one storey."""
-    x, y, z = look.size_m
-    return [block(centred(x), centred(y), (0, z), "concrete")]
-
-
-FINISH_M = 0.02
-"""Thickness of a room's floor finish; furniture stands on it."""
-
-
-def room(look: Look) -> list[Part]:
-    """A room is the space between walls; what is solid of it is the floor's finish."""
-    x, y, _ = look.size_m
-    finish = look.choice("finish", ("parquet", "floor_tiles", "carpet"))
-    return [block(centred(x), centred(y), (0, FINISH_M), finish)]
-
-
-def wall(look: Look) -> list[Part]:
-    """A partition or free-standing wall along y; `door_m` wide open at `door_offset_m`."""
-    x, y, z = look.size_m
-    material = "plaster_" + look.choice("colour", WALL_COLOURS)
-    door = look.number("door_m", 0.0)
-    if door <= 0 or door >= y:
-        return [block(centred(x), centred(y), (0, z), material)]
-    middle = look.number("door_offset_m", 0.0)
-    low, high = max(-y / 2, middle - door / 2), min(y / 2, middle + door / 2)
-    head = min(z, look.number("door_height_m", 2.4))
-    pieces = [((-y / 2, low), (0, z)), ((high, y / 2), (0, z)), ((low, high), (head, z))]
-    return [
-        block(centred(x), span, rise, material)
-        for span, rise in pieces
-        if span[1] - span[0] > 0.01 and rise[1] - rise[0] > 0.01
-    ]
+    return [body, prism(planes, centred(y), "corrugated")]

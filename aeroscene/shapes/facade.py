@@ -26,6 +26,8 @@ SILL_M = 0.85
 LINTEL_M = 2.75
 """Underside of the wall above every opening; both above the storey's base. Low storeys lower it."""
 _BAND_RECESS_M = 0.03
+_PIER_M = 0.5
+"""Width of a pier between the panes of a closed wall."""
 
 Use = Literal["open", "glass"]
 
@@ -88,6 +90,24 @@ def facade_parts(plan: FacadePlan, across: Interval, material: str) -> list[Part
             block(pane, plan.opening(bay), (SLAB_TOP_M, height), "glass")
             for bay in range(plan.n_bays)
         ]
+    return parts
+
+
+def ribbon_parts(
+    length_m: float, height_m: float, rows: list[Interval], across: Interval, material: str
+) -> list[Part]:
+    """A closed wall that runs along y: rows of glass between bands, divided by piers."""
+    full = centred(length_m)
+    edges = [0.0, *(edge for row in rows for edge in row), height_m]
+    parts = [
+        block(across, full, band, material) for band in zip(edges[::2], edges[1::2], strict=True)
+    ]
+    middle = (across[0] + across[1]) / 2
+    parts += [block((middle - 0.03, middle + 0.03), full, row, "glass") for row in rows]
+    for row in rows:
+        for at in (-length_m / 2, *bay_borders(length_m), length_m / 2):
+            low, high = max(full[0], at - _PIER_M / 2), min(full[1], at + _PIER_M / 2)
+            parts.append(block(across, (low, high), row, material))
     return parts
 
 

@@ -1,206 +1,170 @@
-"""Furniture; the front, where a person sits or stands, is +x."""
+"""Furniture with a top to put things on; the front, where a person sits or stands, is +x.
+
+Under a table the air is free between the legs.
+"""
 
 from __future__ import annotations
 
+from aeroscene.shapes.forms import FORMS
 from aeroscene.shapes.look import Look
-from aeroscene.shapes.materials import FABRIC_COLOURS
 from aeroscene.shapes.primitive import Part, block, centred, cylinder
+from aeroscene.shapes.solids import about, inwards, legs, paint
 
 WOODS = ("wood", "pale_wood", "dark_wood")
-
-
-def _legs(x: float, y: float, height: float, thick: float, material: str) -> list[Part]:
-    parts: list[Part] = []
-    for sx in (-1, 1):
-        for sy in (-1, 1):
-            ends = sorted((sx * x / 2, sx * (x / 2 - thick)))
-            sides = sorted((sy * y / 2, sy * (y / 2 - thick)))
-            parts.append(block((ends[0], ends[1]), (sides[0], sides[1]), (0, height), material))
-    return parts
+_TOP_M = 0.045
+_SQUARE = 1.3
+"""Tables longer than this for their width are not round."""
 
 
 def table(look: Look) -> list[Part]:
-    """A top on four legs."""
+    """A top on four legs or two trestles; a small square one may be round or have one foot."""
     x, y, z = look.size_m
-    wood = look.choice("wood", WOODS)
-    top = block(centred(x), centred(y), (z - 0.05, z), wood)
-    return [top, *_legs(x - 0.1, y - 0.1, z - 0.05, 0.07, wood)]
+    is_small = max(x, y) <= min(1.5, _SQUARE * min(x, y))
+    form = look.set_choice("form", FORMS["table"], () if is_small else ("legs", "trestle"))
+    wood = look.set_choice("wood", WOODS)
+    under = z - _TOP_M
+    if form == "legs":
+        top = block(centred(x), centred(y), (under, z), wood)
+        return [top, *legs(x - 0.08, y - 0.08, (0, under), 0.065, wood)]
+    if form == "trestle":
+        metal = look.set_choice("legs", ("dark_metal", wood))
+        ends = [inwards(sign, y / 2 - 0.12, 0.05) for sign in (-1, 1)]
+        return [
+            block(centred(x), centred(y), (under, z), wood),
+            *(block(centred(0.72 * x), end, (0, under), metal) for end in ends),
+        ]
+    wide = min(x, y)
+    if form == "round":
+        top = cylinder((0, 0, z - _TOP_M / 2), wide, _TOP_M, wood)
+        return [top, *legs(0.62 * wide, 0.62 * wide, (0, under), 0.055, wood)]
+    feet = (0.0,) if is_small else (-0.27 * y, 0.27 * y)
+    return [
+        block(centred(x), centred(y), (under, z), "stone"),
+        *(cylinder((0, at, under / 2), 0.1, under, "dark_metal") for at in feet),
+        *(cylinder((0, at, 0.015), min(0.5 * wide, 0.42 * y), 0.03, "dark_metal") for at in feet),
+    ]
 
 
 def coffee_table(look: Look) -> list[Part]:
-    """A low top on two panels."""
+    """A low top on two panels, round on a drum, or on legs with a board between them."""
     x, y, z = look.size_m
-    wood = look.choice("wood", WOODS)
-    ends = ((-y / 2 + 0.08, -y / 2 + 0.13), (y / 2 - 0.13, y / 2 - 0.08))
-    panels = [block(centred(0.8 * x), end, (0, z - 0.05), wood) for end in ends]
-    return [block(centred(x), centred(y), (z - 0.05, z), wood), *panels]
-
-
-def chair(look: Look) -> list[Part]:
-    """Seat and back on four legs."""
-    x, y, z = look.size_m
-    seat = 0.47
-    wood = look.choice("wood", WOODS)
+    form, wood = look.choice("form", FORMS["coffee_table"]), look.choice("wood", WOODS)
+    under = z - 0.04
+    top = block(centred(x), centred(y), (under, z), wood)
+    if form == "panels":
+        ends = [inwards(sign, y / 2 - 0.08, 0.05) for sign in (-1, 1)]
+        return [top, *(block(centred(0.8 * x), end, (0, under), wood) for end in ends)]
+    if form == "legs":
+        board = block(centred(0.86 * x), centred(0.86 * y), (0.32 * z, 0.32 * z + 0.025), wood)
+        return [top, board, *legs(x - 0.04, y - 0.04, (0, under), 0.04, "dark_metal")]
+    wide = min(x, y)
     return [
-        block(centred(x), centred(y), (seat - 0.05, seat), wood),
-        block((-x / 2, -x / 2 + 0.05), centred(y), (seat + 0.1, z), wood),
-        *(_legs(x, y, seat - 0.05, 0.045, "dark_metal")),
-        block(
-            (-x / 2 + 0.01, -x / 2 + 0.04),
-            centred(0.5 * y),
-            (seat, seat + 0.1),
-            wood,
-            collides=False,
+        *(cylinder((0, at, z - 0.02), wide, 0.04, wood) for at in _round_tops(wide, y)),
+        *(
+            cylinder((0, at, under / 2), 0.5 * wide, under, "dark_metal")
+            for at in _round_tops(wide, y)
         ),
     ]
 
 
-def sofa(look: Look) -> list[Part]:
-    """Base, cushions, back and arms."""
-    x, y, z = look.size_m
-    fabric = "fabric_" + look.choice("colour", FABRIC_COLOURS)
-    arm = 0.2
-    back = (-x / 2, -x / 2 + 0.24)
-    inner = y / 2 - arm
-    return [
-        block((back[1], x / 2), centred(y - 2 * arm), (0.08, 0.44), fabric),
-        block(back, centred(y), (0.08, z), fabric),
-        block((back[1], x / 2), (-y / 2, -inner), (0.08, 0.62), fabric),
-        block((back[1], x / 2), (inner, y / 2), (0.08, 0.62), fabric),
-        block(centred(x - 0.1), centred(y - 0.1), (0, 0.08), "dark_wood", collides=False),
-    ]
-
-
-def bed(look: Look) -> list[Part]:
-    """Frame, mattress with a cover, pillow and head board (-x)."""
-    x, y, z = look.size_m
-    fabric = "fabric_" + look.choice("colour", FABRIC_COLOURS)
-    mattress = min(0.52, z)
-    parts = [
-        block((-x / 2 + 0.05, x / 2), centred(y), (0, 0.28), "wood"),
-        block(
-            (-x / 2 + 0.08, x / 2 - 0.03),
-            centred(y - 0.06),
-            (0.28, mattress - 0.02),
-            "plastic_white",
-        ),
-        block((-x / 2 + 0.62, x / 2 - 0.02), centred(y - 0.04), (0.30, mattress), fabric),
-        block((-x / 2, -x / 2 + 0.05), centred(y), (0, z), "wood"),
-    ]
-    if z > mattress + 0.1:
-        pillow = (mattress - 0.02, mattress + 0.08)
-        parts.append(
-            block((-x / 2 + 0.1, -x / 2 + 0.5), centred(0.8 * y), pillow, "ceramic", collides=False)
-        )
-    return parts
+def _round_tops(wide: float, y: float) -> list[float]:
+    """One round table in the middle, or two side by side where there is room."""
+    if y < 1.8 * wide:
+        return [0.0]
+    return [-(y - wide) / 2, (y - wide) / 2]
 
 
 def desk(look: Look) -> list[Part]:
-    """A top on two side panels with a drawer block."""
+    """A top with a drawer block, on four legs with a modesty panel, or on two lifting columns."""
     x, y, z = look.size_m
-    wood = look.choice("wood", WOODS)
+    form, wood = look.set_choice("form", FORMS["desk"]), look.set_choice("wood", WOODS)
+    under = z - 0.04
+    top = block(centred(x), centred(y), (under, z), wood)
+    back = (-x / 2 + 0.06, -x / 2 + 0.08)
+    if form == "legs":
+        panel = block(back, centred(y - 0.2), (0.45 * z, under), wood)
+        return [top, panel, *legs(x - 0.06, y - 0.06, (0, under), 0.05, "dark_metal")]
+    if form == "standing":
+        columns = [about(sign * 0.36 * y, 0.08) for sign in (-1, 1)]
+        return [
+            top,
+            *(block(centred(0.1), column, (0.03, under), "metal") for column in columns),
+            *(block(centred(0.9 * x), column, (0, 0.03), "metal") for column in columns),
+        ]
+    drawers = (y / 2 - 0.44, y / 2 - 0.02)
+    front = (0.45 * x - 0.005, 0.45 * x + 0.005)
     return [
-        block(centred(x), centred(y), (z - 0.04, z), wood),
-        block(centred(0.9 * x), (-y / 2 + 0.02, -y / 2 + 0.06), (0, z - 0.04), "dark_metal"),
-        block(centred(0.9 * x), (y / 2 - 0.44, y / 2 - 0.02), (0.1, z - 0.04), wood),
-        block(
-            centred(0.8 * x), (y / 2 - 0.4, y / 2 - 0.06), (0, 0.1), "dark_metal", collides=False
+        top,
+        block(centred(0.9 * x), (-y / 2 + 0.02, -y / 2 + 0.06), (0, under), "dark_metal"),
+        block(centred(0.9 * x), drawers, (0.06, under), wood),
+        block(back, centred(y - 0.2), (0.5 * z, under), wood),
+        paint(
+            front, about((drawers[0] + drawers[1]) / 2, 0.2), about(0.68 * z, 0.02), "dark_metal"
+        ),
+        paint(
+            front, about((drawers[0] + drawers[1]) / 2, 0.2), about(0.36 * z, 0.02), "dark_metal"
         ),
     ]
 
 
-def cabinet(look: Look) -> list[Part]:
-    """A chest with doors and handles at the front."""
-    x, y, z = look.size_m
-    wood = look.choice("wood", WOODS)
-    door = "pale_wood" if wood != "pale_wood" else "wood"
-    parts = [block((-x / 2, x / 2 - 0.03), centred(y), (0, z), wood)]
-    parts += [
-        block((x / 2 - 0.03, x / 2 - 0.01), side, (0.06, z - 0.05), door, collides=False)
-        for side in ((-y / 2 + 0.02, -0.01), (0.01, y / 2 - 0.02))
-    ]
-    parts.append(
-        block(
-            (x / 2 - 0.01, x / 2),
-            centred(0.12),
-            (0.5 * z, 0.5 * z + 0.03),
-            "dark_metal",
-            collides=False,
-        )
-    )
-    return parts
-
-
 def nightstand(look: Look) -> list[Part]:
-    """A small chest with two drawers."""
+    """A small chest with two drawers, an open case, or a round side table."""
     x, y, z = look.size_m
-    parts = [block((-x / 2, x / 2 - 0.02), centred(y), (0, z), look.choice("wood", WOODS))]
-    front = (x / 2 - 0.02, x / 2)
-    drawers = [(low, low + 0.34 * z) for low in (0.12 * z, 0.56 * z)]
-    parts += [
-        block(front, centred(0.85 * y), drawer, "dark_wood", collides=False) for drawer in drawers
+    form, wood = look.set_choice("form", FORMS["nightstand"]), look.set_choice("wood", WOODS)
+    if form == "round":
+        wide = min(x, y)
+        return [
+            cylinder((0, 0, z - 0.015), wide, 0.03, wood),
+            cylinder((0, 0, z / 2), 0.06, z - 0.06, "dark_metal"),
+            cylinder((0, 0, 0.015), 0.6 * wide, 0.03, "dark_metal"),
+        ]
+    if form == "open":
+        return [
+            *(block(centred(x), inwards(sign, y / 2, 0.025), (0, z), wood) for sign in (-1, 1)),
+            block(inwards(-1, x / 2, 0.02), centred(y - 0.05), (0.1, z), wood),
+            *(
+                block(centred(x), centred(y - 0.05), (low, low + 0.025), wood)
+                for low in (0.1, 0.55 * z, z - 0.025)
+            ),
+        ]
+    front = inwards(1, x / 2, 0.02)
+    return [
+        block((-x / 2, front[0]), centred(y), (0, z), wood),
+        *(
+            paint(front, centred(0.86 * y), (low * z, (low + 0.36) * z), "dark_wood")
+            for low in (0.12, 0.56)
+        ),
     ]
-    return parts
-
-
-def shelf(look: Look) -> list[Part]:
-    """Boards between two sides, books drawn as blocks."""
-    x, y, z = look.size_m
-    wood = look.choice("wood", WOODS)
-    count = max(3, round(z / 0.42))
-    rise = z / count
-    parts = [
-        block((-x / 2, x / 2), (-y / 2, -y / 2 + 0.03), (0, z), wood),
-        block((-x / 2, x / 2), (y / 2 - 0.03, y / 2), (0, z), wood),
-        block((-x / 2, -x / 2 + 0.02), centred(y - 0.06), (0, z), wood),
-        block(centred(x), centred(y - 0.06), (z - 0.03, z), wood),
-    ]
-    for index in range(count):
-        low = index * rise
-        parts.append(block(centred(x), centred(y - 0.06), (low, low + 0.03), wood))
-        fill = ((index * 37 + look.variant * 13) % 5 + 3) / 8 * (y - 0.1)
-        colour = FABRIC_COLOURS[(index + look.variant) % len(FABRIC_COLOURS)]
-        parts.append(
-            block(
-                (-x / 2 + 0.02, x / 2 - 0.06),
-                (-y / 2 + 0.04, -y / 2 + 0.04 + fill),
-                (low + 0.03, low + 0.03 + 0.62 * rise),
-                f"fabric_{colour}",
-                collides=False,
-            )
-        )
-    return parts
 
 
 def counter(look: Look) -> list[Part]:
-    """Cupboards under a stone worktop."""
+    """A worktop over cupboards, plain or with a sink, or a bar with a panel to lean on."""
     x, y, z = look.size_m
+    form = look.choice("form", FORMS["counter"])
+    top = block(centred(x), centred(y), (z - 0.05, z), "stone")
+    if form == "bar":
+        wood = look.choice("wood", WOODS)
+        rail = paint(inwards(1, x / 2, 0.06), centred(0.94 * y), (0.16, 0.2), "metal")
+        return [
+            block((-x / 2, x / 2 - 0.16), centred(y), (0, z - 0.06), wood),
+            block(centred(x), centred(y), (z - 0.06, z), "dark_wood"),
+            rail,
+        ]
+    front = inwards(1, x / 2 - 0.02, 0.02)
+    doors = look.choice("doors", ("plastic_white", "pale_wood", "paint_green"))
+    count = max(1, min(6, round(y / 0.6)))
+    step = y / count
     parts = [
-        block((-x / 2, x / 2 - 0.04), centred(y), (0, z - 0.05), "plastic_white"),
-        block(centred(x), centred(y), (z - 0.05, z), "stone"),
+        block((-x / 2, front[0]), centred(y), (0, z - 0.05), "dark_wood"),
+        top,
+        *(
+            paint(front, about(-y / 2 + (i + 0.5) * step, step - 0.02), (0.1, z - 0.07), doors)
+            for i in range(count)
+        ),
     ]
-    count = max(1, round(y / 0.6))
-    for index in range(1, count):
-        at = -y / 2 + index * y / count
-        parts.append(
-            block(
-                (x / 2 - 0.04, x / 2 - 0.03),
-                (at - 0.01, at + 0.01),
-                (0.1, z - 0.08),
-                "dark_metal",
-                collides=False,
-            )
-        )
+    if form == "sink" and y > 1.0:
+        at = -y / 2 + 0.25 * y
+        parts.append(paint(centred(0.6 * x), about(at, 0.5), (z, z + 0.004), "dark_metal"))
+        tap = (-0.36 * x, -0.36 * x + 0.03)
+        parts.append(paint(tap, about(at, 0.03), (z - 0.01, z + 0.018), "metal"))
     return parts
-
-
-def lamp(look: Look) -> list[Part]:
-    """A shade on a stem and a foot."""
-    x, y, z = look.size_m
-    width = min(x, y)
-    shade = min(0.3, 0.4 * z)
-    return [
-        cylinder((0, 0, 0.015), 0.6 * width, 0.03, "dark_metal"),
-        cylinder((0, 0, (z - shade) / 2), 0.03, z - shade, "dark_metal"),
-        cylinder((0, 0, z - shade / 2), width, shade, "light_warm"),
-    ]

@@ -1,200 +1,168 @@
-"""What lies on the ground: roads and their paint, lawns, decks, ponds, fences, canopies."""
+"""Surfaces that lie on the ground, and what is painted on them. Paint touches nothing."""
 
 from __future__ import annotations
 
 from aeroscene.scene import Vector3
+from aeroscene.shapes.forms import FORMS
 from aeroscene.shapes.look import Look
-from aeroscene.shapes.materials import PAINT_COLOURS
 from aeroscene.shapes.primitive import Interval, Part, block, centred, cylinder, hull
+from aeroscene.shapes.solids import PAINT_M, about, inwards, paint
 
-PAINT_M = 0.005
-"""Thickness of paint on a road."""
-_DASH_PERIOD_M = 5.0
 BAY_WIDTH_M = 2.5
 """Width of one parking space."""
+BAY_DEPTH_M = 5.0
+_DASH_PERIOD_M = 6.0
+_DASH_M = 2.5
+_MOST_DASHES = 12
+_TWO_LANES_M = 5.5
+"""Narrower roads have no line in the middle."""
+
+
+def _slab(look: Look, material: str) -> Part:
+    x, y, z = look.size_m
+    return block(centred(x), centred(y), (0, z), material)
+
+
+def _coat(z: float) -> Interval:
+    return (z, z + PAINT_M)
 
 
 def road(look: Look) -> list[Part]:
-    """A carriageway along x, dashed in the middle, with a zebra crossing where asked."""
+    """A carriageway along x: dashes, edge lines or arrows, and a zebra crossing where asked."""
     x, y, z = look.size_m
-    parts = [block(centred(x), centred(y), (0, z), "asphalt")]
-    paint = (z, z + PAINT_M)
-    n_dashes = int((x - 2.0) // _DASH_PERIOD_M)
-    end = look.number("zebra_end", 0.0)
-    for index in range(n_dashes):
-        start = -_DASH_PERIOD_M * n_dashes / 2 + _DASH_PERIOD_M * index + 1.5
-        is_crossing = end != 0 and end * (start + 1) > x / 2 - 5
-        if not is_crossing:
-            dash = (start, start + 2)
-            parts.append(block(dash, centred(0.14), paint, "marking_white", collides=False))
-    return parts + (_zebra(x, y, paint, end) if end else [])
+    form, end = look.choice("form", FORMS["road"]), look.number("zebra_end", 0.0)
+    parts = [_slab(look, "asphalt")]
+    if y >= _TWO_LANES_M:
+        parts += _dashes(x, z, end)
+    if form == "edged" or y < _TWO_LANES_M:
+        parts += [
+            paint(centred(x), about(sign * (y / 2 - 0.25), 0.12), _coat(z), "marking_white")
+            for sign in (-1, 1)
+        ]
+    if form == "arrows" and x > 24 and y >= _TWO_LANES_M:
+        for sign in (-1, 1):
+            parts += _arrow((sign * (x / 2 - 9.0), -sign * y / 4), sign, z)
+    return parts + (_zebra(x, y, z, end) if end else [])
 
 
-def _zebra(x: float, y: float, paint: Interval, end: float) -> list[Part]:
-    sign = 1 if end > 0 else -1
-    near, far = sorted((sign * (x / 2 - 0.8), sign * (x / 2 - 3.3)))
+def _dashes(x: float, z: float, zebra_end: float) -> list[Part]:
+    """The middle line, which ends before a crossing."""
+    count = min(_MOST_DASHES, int((x - 2.0) // _DASH_PERIOD_M))
+    period = (x - 2.0) / max(1, count)
+    middles = [(index - (count - 1) / 2) * period for index in range(count)]
+    return [
+        paint(about(at, _DASH_M), centred(0.14), _coat(z), "marking_white")
+        for at in middles
+        if zebra_end == 0 or zebra_end * at < x / 2 - 5.5
+    ]
+
+
+def _arrow(tip: tuple[float, float], heading: int, z: float) -> list[Part]:
+    """A straight arrow along x that ends at `tip`, pointing to `heading` times x."""
+    along, across = tip
+    neck = along - heading * 1.2
+    head: list[Vector3] = [
+        (at, across + side, height)
+        for at, side in ((along, 0.0), (neck, -0.42), (neck, 0.42))
+        for height in _coat(z)
+    ]
+    shaft = sorted((neck, neck - heading * 2.0))
+    return [
+        hull(head, "marking_white", collides=False),
+        paint((shaft[0], shaft[1]), about(across, 0.18), _coat(z), "marking_white"),
+    ]
+
+
+def _zebra(x: float, y: float, z: float, end: float) -> list[Part]:
+    stripe = inwards(1 if end > 0 else -1, x / 2 - 0.8, 2.5)
     count = int((y - 0.6) // 1.0)
-    stripes = [-count / 2 + index + 0.25 for index in range(count)]
     return [
-        block((near, far), (low, low + 0.5), paint, "marking_white", collides=False)
-        for low in stripes
-    ]
-
-
-def parking_lot(look: Look) -> list[Part]:
-    """Asphalt with bays for cars along both long (x) sides, cars heading along y."""
-    x, y, z = look.size_m
-    parts = [block(centred(x), centred(y), (0, z), "asphalt")]
-    n_bays = int((x - 0.1) // BAY_WIDTH_M)
-    rows = look.number("rows", 2 if y > 12 else 1)
-    for row in range(round(rows)):
-        sign = 1 if row == 0 else -1
-        for index in range(n_bays + 1):
-            at = -n_bays * BAY_WIDTH_M / 2 + index * BAY_WIDTH_M
-            ends = sorted((sign * (y / 2 - 0.2), sign * (y / 2 - 5.0)))
-            parts.append(
-                block(
-                    (at - 0.06, at + 0.06),
-                    (ends[0], ends[1]),
-                    (z, z + PAINT_M),
-                    "marking_white",
-                    collides=False,
-                )
-            )
-    return parts
-
-
-def sidewalk(look: Look) -> list[Part]:
-    """A raised strip of paving."""
-    x, y, z = look.size_m
-    material = look.choice("paving", ("paving",))
-    return [block(centred(x), centred(y), (0, z), material)]
-
-
-def plaza(look: Look) -> list[Part]:
-    """A paved square with a border of another colour."""
-    x, y, z = look.size_m
-    parts = [block(centred(x), centred(y), (0, z), "red_paving")]
-    for sign in (-1, 1):
-        edge = sorted((sign * x / 2, sign * (x / 2 - 0.8)))
-        parts.append(
-            block((edge[0], edge[1]), centred(y), (z, z + PAINT_M), "concrete", collides=False)
-        )
-    return parts
-
-
-def lawn(look: Look) -> list[Part]:
-    """Grass."""
-    x, y, z = look.size_m
-    return [block(centred(x), centred(y), (0, z), "grass")]
-
-
-def water(look: Look) -> list[Part]:
-    """A basin: a rim of stone around water."""
-    x, y, z = look.size_m
-    rim = 0.35
-    parts = [block(centred(x - 2 * rim), centred(y - 2 * rim), (0, 0.6 * z), "water")]
-    for sign in (-1, 1):
-        ends = sorted((sign * x / 2, sign * (x / 2 - rim)))
-        sides = sorted((sign * y / 2, sign * (y / 2 - rim)))
-        parts.append(block((ends[0], ends[1]), centred(y), (0, z), "stone"))
-        parts.append(block(centred(x - 2 * rim), (sides[0], sides[1]), (0, z), "stone"))
-    return parts
-
-
-def deck(look: Look) -> list[Part]:
-    """A wooden platform with a dark plinth."""
-    x, y, z = look.size_m
-    top = 0.1 if z > 0.2 else 0.5 * z
-    return [
-        block(centred(x - 0.3), centred(y - 0.3), (0, z - top), "dark_wood"),
-        block(centred(x), centred(y), (z - top, z), "pale_wood"),
-    ]
-
-
-def stairs(look: Look) -> list[Part]:
-    """Steps that rise towards +x."""
-    x, y, z = look.size_m
-    count = max(2, min(8, round(z / 0.25)))
-    return [
-        block(
-            (-x / 2 + index * x / count, x / 2),
-            centred(y),
-            (0, (index + 1) * z / count),
-            "concrete",
-        )
+        paint(stripe, about(index - (count - 1) / 2, 0.5), _coat(z), "marking_white")
         for index in range(count)
     ]
 
 
-def fence(look: Look) -> list[Part]:
-    """A barrier along y: hedge, boards or rails between posts."""
+def parking_lot(look: Look) -> list[Part]:
+    """Asphalt with bays for cars along the long (x) sides, cars heading along y."""
     x, y, z = look.size_m
-    form = look.choice("form", ("hedge", "boards", "rails"))
-    if form == "hedge":
-        return [block(centred(x), centred(y), (0, z), "hedge")]
-    posts = max(2, round(y / 3.0) + 1)
-    material = "wood" if form == "boards" else "dark_metal"
-    thick = min(x, 0.1)
-    parts = [
-        block(
-            centred(thick),
-            centred_at(-y / 2 + 0.05 + index * (y - 0.1) / (posts - 1), 0.1),
-            (0, z),
-            "dark_wood" if form == "boards" else "dark_metal",
-            collides=form != "boards",
-        )
-        for index in range(posts)
-    ]
-    if form == "boards":
-        return [*parts, block(centred(0.6 * thick), centred(y), (0.08, z - 0.06), material)]
-    rails = [(0.12, 0.2), (0.5 * z, 0.5 * z + 0.06), (z - 0.08, z - 0.02)]
-    return [*parts, *(block(centred(0.5 * thick), centred(y), rail, material) for rail in rails)]
-
-
-def centred_at(middle: float, length: float) -> tuple[float, float]:
-    """The interval of a length about a point."""
-    return (middle - length / 2, middle + length / 2)
-
-
-def canopy(look: Look) -> list[Part]:
-    """A roof on four posts, open on every side."""
-    x, y, z = look.size_m
-    paint = "paint_" + look.choice("colour", PAINT_COLOURS)
-    parts = [
-        block(centred(x), centred(y), (z - 0.25, z - 0.04), paint),
-        block(centred(x - 0.1), centred(y - 0.1), (z - 0.04, z), "plastic_white"),
-    ]
-    reach_x, reach_y = x / 2 - 0.25, y / 2 - 0.25
-    for sx in (-1, 1):
-        for sy in (-1, 1):
-            centre = (sx * reach_x, sy * reach_y, (z - 0.25) / 2)
-            parts.append(cylinder(centre, 0.16, z - 0.25, "metal"))
+    form = look.choice("form", FORMS["parking_lot"])
+    n_bays = int((x - 0.1) // BAY_WIDTH_M)
+    deep = min(BAY_DEPTH_M, y - 0.4)
+    signs = (1, -1)[: round(look.number("rows", 2 if y > 12 else 1))]
+    parts = [_slab(look, "asphalt")]
+    for sign in signs:
+        row = inwards(sign, y / 2 - 0.2, deep - 0.2)
+        parts += [
+            paint(about((index - n_bays / 2) * BAY_WIDTH_M, 0.12), row, _coat(z), "marking_white")
+            for index in range(n_bays + 1)
+        ]
+        if form == "marked" and n_bays > 2:
+            first = about((0.5 - n_bays / 2) * BAY_WIDTH_M, BAY_WIDTH_M - 0.3)
+            parts.append(
+                paint(first, inwards(sign, y / 2 - 0.4, deep - 0.6), _coat(z), "paint_blue")
+            )
+    if form == "arrows" and len(signs) == 2 and x > 12:
+        for sign in (-1, 1):
+            parts += _arrow((sign * (0.25 * x + 1.6), -sign * 1.2), sign, z)
     return parts
 
 
-def bridge(look: Look) -> list[Part]:
-    """A footbridge along x: deck, railings and a pier at each end."""
+def sidewalk(look: Look) -> list[Part]:
+    """Raised paving with a kerb along the street (-y); bands or a tactile strip on it."""
     x, y, z = look.size_m
-    rail = 1.1
-    top = z - rail
-    parts = [block(centred(x), centred(y), (top - 0.35, top), "concrete")]
-    for sign in (-1, 1):
-        side = sorted((sign * y / 2, sign * (y / 2 - 0.08)))
-        parts.append(block(centred(x), (side[0], side[1]), (z - 0.1, z), "dark_metal"))
-        parts.append(block(centred(x), (side[0], side[1]), (top, top + 0.5), "glass"))
-        pier = sorted((sign * x / 2, sign * (x / 2 - 0.8)))
-        parts.append(block((pier[0], pier[1]), centred(0.7 * y), (0, top - 0.35), "concrete"))
+    form = look.choice("form", FORMS["sidewalk"])
+    paving = look.choice("paving", ("paving",))
+    if y < 0.6:
+        return [_slab(look, paving)]
+    kerb = -y / 2 + 0.18
+    parts = [
+        block(centred(x), (kerb, y / 2), (0, z), paving),
+        block(centred(x), (-y / 2, kerb), (0, z), "concrete"),
+    ]
+    if form == "tactile":
+        parts.append(paint(centred(x), (kerb + 0.15, kerb + 0.45), _coat(z), "marking_yellow"))
+    elif form == "banded":
+        parts.append(paint(centred(x), inwards(1, y / 2, 0.3 * y), _coat(z), "dark_concrete"))
     return parts
 
 
-def terrain(look: Look) -> list[Part]:
-    """Raised ground: a terrace, or a ramp that rises from nothing at -x to its height at +x."""
+def plaza(look: Look) -> list[Part]:
+    """Paving with a border, with bands across it, or with a cross and a disc in the middle."""
     x, y, z = look.size_m
-    material = look.choice("finish", ("grass", "paving", "asphalt", "gravel", "concrete"))
-    if look.choice("form", ("terrace", "ramp")) == "terrace":
-        return [block(centred(x), centred(y), (0, z), material)]
-    low, high = centred(x)
-    foot: list[Vector3] = [(low, side, 0.0) for side in centred(y)]
-    back: list[Vector3] = [(high, side, height) for side in centred(y) for height in (0.0, z)]
-    return [hull([*foot, *back], material)]
+    form = look.choice("form", FORMS["plaza"])
+    base = look.choice("paving", ("red_paving", "paving"))
+    trim = "concrete" if base == "red_paving" else "dark_concrete"
+    parts = [_slab(look, base)]
+    if form == "bands":
+        count = max(2, min(7, int(x // 4)))
+        parts += [
+            paint(about((i - (count - 1) / 2) * x / count, 0.6), centred(y), _coat(z), trim)
+            for i in range(count)
+        ]
+    elif form == "cross":
+        parts += [
+            paint(centred(x), centred(0.9), _coat(z), trim),
+            paint(centred(0.9), centred(y), _coat(z), trim),
+            cylinder((0, 0, z + 0.004), 0.4 * min(x, y), 0.008, trim, collides=False),
+            cylinder((0, 0, z + 0.006), 0.3 * min(x, y), 0.008, base, collides=False),
+        ]
+    else:
+        wide = min(0.8, 0.1 * min(x, y))
+        for sign in (-1, 1):
+            parts.append(paint(inwards(sign, x / 2, wide), centred(y), _coat(z), trim))
+            parts.append(paint(centred(x - 2 * wide), inwards(sign, y / 2, wide), _coat(z), trim))
+    return parts
+
+
+def lawn(look: Look) -> list[Part]:
+    """Grass; with a path along the middle, or with beds along two sides."""
+    x, y, z = look.size_m
+    form = look.choice("form", FORMS["lawn"])
+    parts = [_slab(look, "grass")]
+    if form == "path" and min(x, y) > 4:
+        parts.append(paint(centred(x), centred(min(1.4, 0.1 * y)), _coat(z), "gravel"))
+    elif form == "beds" and min(x, y) > 4:
+        for sign in (-1, 1):
+            bed = inwards(sign, y / 2 - 0.25, min(0.7, 0.08 * y))
+            parts.append(paint(centred(x - 1.0), bed, _coat(z), "soil"))
+    return parts

@@ -1,165 +1,213 @@
-"""Appliances and small things that stand on furniture; the front is +x."""
+"""Screens, lamps and the small things that lie on furniture; the front is +x."""
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, sin
+from math import atan2, hypot
 
+from aeroscene.shapes.forms import FORMS
 from aeroscene.shapes.look import Look
-from aeroscene.shapes.materials import FABRIC_COLOURS
-from aeroscene.shapes.primitive import Part, block, centred, cylinder
+from aeroscene.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
+from aeroscene.shapes.primitive import Part, block, centred, cylinder, ellipsoid
+from aeroscene.shapes.solids import about, cone, inwards, leaning, paint
 
 
-def armchair(look: Look) -> list[Part]:
-    """A seat between arms."""
+def lamp(look: Look) -> list[Part]:
+    """A shade on a stem and a foot: a drum, a globe or a cone."""
     x, y, z = look.size_m
-    fabric = "fabric_" + look.choice("colour", FABRIC_COLOURS)
-    inner = y / 2 - 0.16
-    front = (-x / 2 + 0.2, x / 2)
-    return [
-        block(front, centred(2 * inner), (0.08, 0.44), fabric),
-        block((-x / 2, -x / 2 + 0.2), centred(y), (0.08, z), fabric),
-        block(front, (-y / 2, -inner), (0.08, 0.62), fabric),
-        block(front, (inner, y / 2), (0.08, 0.62), fabric),
-        block(centred(x - 0.1), centred(y - 0.1), (0, 0.08), "dark_wood", collides=False),
+    form, wide = look.set_choice("form", FORMS["lamp"]), min(x, y)
+    shade = min(0.3, 0.42 * z) if form != "globe" else min(wide, 0.5 * z)
+    low = z - shade
+    foot = look.set_choice("foot", ("dark_metal", "ceramic", "metal"))
+    stand = [
+        cylinder((0, 0, 0.015), 0.6 * wide, 0.03, foot),
+        cylinder((0, 0, low / 2), min(0.04, 0.2 * wide), low, foot),
     ]
-
-
-def wardrobe(look: Look) -> list[Part]:
-    """A tall case with two doors."""
-    x, y, z = look.size_m
-    front = (x / 2 - 0.03, x / 2)
-    doors = ((-y / 2 + 0.02, -0.01), (0.01, y / 2 - 0.02))
-    return [
-        block((-x / 2, front[0]), centred(y), (0, z), "pale_wood"),
-        *(block(front, door, (0.05, z - 0.04), "plastic_white", collides=False) for door in doors),
-    ]
-
-
-def fridge(look: Look) -> list[Part]:
-    """A tall case, freezer door above."""
-    x, y, z = look.size_m
-    front = (x / 2 - 0.03, x / 2)
-    doors = ((0.03, 0.64 * z), (0.66 * z, z - 0.02))
-    return [
-        block((-x / 2, front[0]), centred(y), (0, z), "metal"),
-        *(block(front, centred(y - 0.02), d, "plastic_white", collides=False) for d in doors),
-    ]
-
-
-def stove(look: Look) -> list[Part]:
-    """An oven with four plates on top."""
-    x, y, z = look.size_m
-    return [
-        block((-x / 2, x / 2 - 0.02), centred(y), (0, z - 0.01), "plastic_white"),
-        block(
-            (x / 2 - 0.02, x / 2),
-            centred(0.8 * y),
-            (0.2 * z, 0.7 * z),
-            "dark_glass",
-            collides=False,
-        ),
-        block(centred(0.9 * x), centred(0.9 * y), (z - 0.01, z), "plastic_black", collides=False),
-    ]
-
-
-def _screen(look: Look, foot: str) -> list[Part]:
-    x, y, z = look.size_m
-    gap = 0.14 * z
-    return [
-        block((-0.02, 0.01), centred(y), (gap, z), "plastic_black"),
-        block(
-            (0.01, 0.02), centred(0.95 * y), (gap + 0.03 * z, 0.97 * z), "screen", collides=False
-        ),
-        block(centred(x), centred(0.4 * y), (0, 0.02), foot),
-        block((-0.015, 0.005), centred(0.08), (0.02, gap), foot, collides=False),
-    ]
+    if form == "drum":
+        return [*stand, cylinder((0, 0, z - shade / 2), wide, shade, "light_warm")]
+    if form == "globe":
+        return [*stand, ellipsoid(centred(shade), centred(shade), (low, z), "light_warm")]
+    return [*stand, cone((wide, wide), (0.5 * wide, 0.5 * wide), (low, z), "light_warm")]
 
 
 def television(look: Look) -> list[Part]:
-    """A flat screen on a foot."""
-    return _screen(look, "plastic_black")
+    """A flat screen on a foot, on two legs, or over a bar of loudspeakers."""
+    x, y, z = look.size_m
+    form = look.choice("form", FORMS["television"])
+    low = 0.12 * z
+    parts = _screen(y, (low, z), 0.0)
+    if form == "legs":
+        ends = [about(sign * 0.36 * y, 0.03) for sign in (-1, 1)]
+        return (
+            parts
+            + [block(centred(x), end, (0, 0.02), "dark_metal") for end in ends]
+            + [paint(about(-0.005, 0.02), end, (0.02, low), "dark_metal") for end in ends]
+        )
+    if form == "bar":
+        bar = block((-0.02, 0.5 * x), centred(0.8 * y), (0, low - 0.01), "dark_metal")
+        return [*parts, bar]
+    stem = paint(about(-0.005, 0.02), centred(0.08), (0.02, low), "plastic_black")
+    return [*parts, block(centred(x), centred(0.42 * y), (0, 0.02), "plastic_black"), stem]
+
+
+def _screen(width: float, z: tuple[float, float], at_y: float) -> list[Part]:
+    """A thin case with a picture that faces +x."""
+    rim = 0.025 * (z[1] - z[0])
+    return [
+        block((-0.02, 0.01), about(at_y, width), z, "plastic_black"),
+        paint((0.01, 0.015), about(at_y, 0.95 * width), (z[0] + rim, z[1] - rim), "screen"),
+    ]
 
 
 def monitor(look: Look) -> list[Part]:
-    """A computer screen on a foot."""
-    return _screen(look, "metal")
+    """A computer screen on a foot; two side by side where wide enough; or thin on a tall stem."""
+    x, y, z = look.size_m
+    form = look.choice("form", FORMS["monitor"])
+    low = 0.3 * z if form != "thin" else 0.42 * z
+    foot = block(centred(x), centred(min(0.4 * y, 0.26)), (0, 0.02), "metal")
+    stem = paint(about(-0.035, 0.03), centred(0.05), (0.02, 0.7 * z), "metal")
+    if form == "pair" and y > 0.6:
+        half = y / 2 - 0.01
+        screens = [p for sign in (-1, 1) for p in _screen(half, (low, z), sign * y / 4)]
+        return [*screens, foot, stem]
+    return [*_screen(y, (low, z), 0.0), foot, stem]
 
 
 def laptop(look: Look) -> list[Part]:
     """A keyboard half and a screen that leans back."""
     x, y, z = look.size_m
+    form = look.choice("form", FORMS["laptop"])
+    case = {"silver": "metal", "black": "plastic_black", "white": "plastic_white"}[form]
     depth, thick = 0.85 * x, 0.012
     rise, run = z - 0.02 - thick, x - depth
     lean = atan2(run, rise)
-    length = hypot(run, rise) - thick
-    lid = Part(
-        kind="box",
-        position_m=(-x / 2 + run / 2 + 0.005, 0.0, 0.02 + rise / 2),
-        quat_wxyz=(cos(lean / 2), 0.0, -sin(lean / 2), 0.0),
-        size_m=(thick, y, length),
-        material="screen",
+    middle = (-x / 2 + run / 2 + 0.005, 0.0, 0.02 + rise / 2)
+    lid = leaning(middle, (thick, y, hypot(run, rise) - thick), -lean, "y", "screen")
+    base = (x / 2 - depth, x / 2)
+    keys = paint(
+        (base[0] + 0.1 * depth, base[0] + 0.6 * depth),
+        centred(0.86 * y),
+        (0.02, 0.022),
+        "dark_metal",
     )
-    return [block((x / 2 - depth, x / 2), centred(y), (0, 0.02), "metal"), lid]
+    return [block(base, centred(y), (0, 0.02), case), lid, keys]
 
 
 def plate(look: Look) -> list[Part]:
-    """A flat disc with a foot."""
+    """A flat disc on a foot, a bowl, or a plate with a meal on it."""
     x, y, z = look.size_m
-    width = min(x, y)
+    form, wide = look.set_choice("form", FORMS["plate"]), min(x, y)
+    if form == "bowl":
+        inside = cylinder((0, 0, z), 0.86 * wide, 0.002, "marking_yellow", collides=False)
+        return [cone((0.45 * wide, 0.45 * wide), (wide, wide), (0, z), "ceramic", sides=12), inside]
+    rim = z if form == "flat" else 0.6 * z
+    disc = cylinder((0, 0, 0.7 * rim), wide, 0.6 * rim, "ceramic")
+    foot = cylinder((0, 0, 0.2 * rim), 0.6 * wide, 0.4 * rim, "ceramic", collides=False)
+    if form == "flat":
+        well = cylinder((0, 0, z + 0.001), 0.66 * wide, 0.002, "plastic_white", collides=False)
+        return [disc, foot, well]
     return [
-        cylinder((0, 0, 0.25 * z), 0.6 * width, 0.5 * z, "ceramic", collides=False),
-        cylinder((0, 0, 0.75 * z), width, 0.5 * z, "ceramic"),
+        disc,
+        foot,
+        cylinder((-0.12 * wide, 0, 0.8 * z), 0.4 * wide, 0.4 * z, "leaves_light", collides=False),
+        cylinder((0.2 * wide, 0.1 * wide, 0.8 * z), 0.3 * wide, 0.4 * z, "bark", collides=False),
     ]
 
 
 def cup(look: Look) -> list[Part]:
-    """A mug with a handle."""
+    """A mug with a handle, a glass, or a paper cup with a lid."""
     x, y, z = look.size_m
-    width = 0.8 * min(x, y)
-    return [
-        cylinder((0, 0, z / 2), width, z, "ceramic"),
-        block(
-            (width / 2, min(x, y) / 2),
-            centred(0.015),
-            (0.25 * z, 0.75 * z),
-            "ceramic",
-            collides=False,
-        ),
-    ]
-
-
-def book(look: Look) -> list[Part]:
-    """One to three books in a pile."""
-    x, y, z = look.size_m
-    count = 1 if z < 0.05 else min(3, round(z / 0.04))
-    parts: list[Part] = []
-    for index in range(count):
-        shrink = 1 - 0.1 * index
-        colour = FABRIC_COLOURS[(look.variant + index) % len(FABRIC_COLOURS)]
-        rise = (index * z / count, (index + 1) * z / count)
-        parts.append(block(centred(shrink * x), centred(shrink * y), rise, f"fabric_{colour}"))
-    return parts
-
-
-def box(look: Look) -> list[Part]:
-    """A carton with tape."""
-    x, y, z = look.size_m
-    return [
-        block(centred(x), centred(y), (0, z - 0.002), "cardboard"),
-        block(centred(x), centred(0.06), (z - 0.002, z), "pale_wood", collides=False),
-    ]
+    form, wide = look.set_choice("form", FORMS["cup"]), min(x, y)
+    if form == "glass":
+        glass = cone((0.7 * wide, 0.7 * wide), (0.9 * wide, 0.9 * wide), (0, z), "glass", sides=10)
+        return [glass]
+    if form == "paper":
+        return [
+            cone(
+                (0.66 * wide, 0.66 * wide),
+                (0.94 * wide, 0.94 * wide),
+                (0, 0.9 * z),
+                "plastic_white",
+            ),
+            cylinder((0, 0, 0.95 * z), wide, 0.1 * z, "plastic_black"),
+        ]
+    glaze = look.choice("glaze", ("ceramic", "paint_blue", "paint_red", "terracotta"))
+    handle = paint((0.36 * wide, wide / 2), centred(0.015), (0.25 * z, 0.75 * z), glaze)
+    inside = cylinder((0, 0, z), 0.66 * wide, 0.004, "bark", collides=False)
+    return [cylinder((0, 0, z / 2), 0.8 * wide, z, glaze), handle, inside]
 
 
 def cutlery(look: Look) -> list[Part]:
-    """A knife and a fork beside each other, handles at -x."""
+    """Knife and fork, with a spoon between them where wide enough, or chopsticks."""
     x, y, z = look.size_m
-    width = 0.3 * y
+    form = look.set_choice("form", FORMS["cutlery"])
+    count = 3 if form == "trio" and y > 0.05 else 2
+    wide = {"sticks": 0.14, "trio": 0.18, "pair": 0.3}[form] * y
+    material = "dark_wood" if form == "sticks" else "metal"
+    step = (y - wide) / (count - 1)
+    bars = [
+        block(centred(x), about(-y / 2 + wide / 2 + i * step, wide), (0, z), material)
+        for i in range(count)
+    ]
+    if form == "sticks":
+        return bars
+    head = paint((0.28 * x, x / 2), inwards(1, y / 2, min(y, 1.5 * wide)), (0, 0.9 * z), material)
+    return [*bars, head]
+
+
+def book(look: Look) -> list[Part]:
+    """A pile, one that lies open, or a row that stands upright."""
+    x, y, z = look.size_m
+    drawn = ("pile", "upright") if z > 0.1 else ("pile", "open") if z < 0.05 else ("pile",)
+    form = look.choice("form", FORMS["book"], drawn)
+    covers = [
+        f"fabric_{FABRIC_COLOURS[(look.variant + index) % len(FABRIC_COLOURS)]}"
+        for index in range(4)
+    ]
+    if form == "upright":
+        return [
+            block(
+                centred((0.9, 0.76, 1.0, 0.84)[i] * x),
+                about((i - 1.5) * y / 4, 0.235 * y),
+                (0, (0.94, 1.0, 0.86, 0.97)[i] * z),
+                cover,
+            )
+            for i, cover in enumerate(covers)
+        ]
+    if form == "open":
+        return [
+            block(centred(x), centred(y), (0, 0.3 * z), covers[0]),
+            *(
+                block(centred(0.94 * x), about(sign * 0.24 * y, 0.46 * y), (0.3 * z, z), "paper")
+                for sign in (-1, 1)
+            ),
+        ]
+    count = 1 if z < 0.05 else min(4, max(2, round(z / 0.05)))
+    shares = (1.0, 0.86, 0.94, 0.78)
     return [
         block(
-            centred(x),
-            (side * (y - width) / 2 - width / 2, side * (y - width) / 2 + width / 2),
-            (0, z),
-            "metal",
+            centred(shares[i] * x),
+            centred(shares[i] * y),
+            (i * z / count, (i + 1) * z / count),
+            covers[i],
         )
-        for side in (-1, 1)
+        for i in range(count)
     ]
+
+
+def box(look: Look) -> list[Part]:
+    """A carton with tape, one with a label, or a plastic tub with a lid."""
+    x, y, z = look.size_m
+    form = look.choice("form", FORMS["box"])
+    if form == "tub":
+        colour = "paint_" + look.choice("colour", PAINT_COLOURS)
+        return [
+            block(centred(0.94 * x), centred(0.94 * y), (0, 0.86 * z), "plastic_white"),
+            block(centred(x), centred(y), (0.86 * z, z), colour),
+        ]
+    carton = block(centred(x), centred(y), (0, z - 0.002), "cardboard")
+    tape = paint(centred(x), centred(0.06), (z - 0.002, z), "pale_wood")
+    if form == "taped":
+        return [carton, tape]
+    label = paint((x / 2, x / 2 + 0.003), centred(0.5 * y), (0.3 * z, 0.7 * z), "paper")
+    stripe = paint((x / 2, x / 2 + 0.004), centred(0.5 * y), (0.6 * z, 0.66 * z), "plastic_black")
+    return [carton, tape, label, stripe]

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from aeroscene.geometry import rotation_matrix
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.shapes import Primitive
-from flightsim.looks.drawing import Detail, surface_enu
+from flightsim.looks.surfaces import Detail, surface_enu
 from flightsim.looks.tessellation import Surface
 
 EXPORT_DETAIL = Detail(slices=20, stacks=12)

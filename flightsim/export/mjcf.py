@@ -19,8 +19,8 @@ from flightsim.export.files import staged, write_png
 from flightsim.export.meshes import EXPORT_DETAIL
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.drawing import add_looks
-from flightsim.world import World, add_vehicle_at_start, new_spec
-from flightsim.world_geometry import STATIC_CONTACT, add_solids, friction
+from flightsim.world import World, add_ground, add_vehicle_at_start, new_spec
+from flightsim.world_geometry import add_solids
 
 _AREA_GROUP = 4
 _AREA_RGBA = {
@@ -47,11 +47,12 @@ def write_mjcf(world: World, folder: Path) -> Path:
 
 def _spec(world: World) -> mujoco.MjSpec:
     spec = new_spec(world.scene, round(1.0 / world.model.opt.timestep))
-    add_looks(spec, world.solids, EXPORT_DETAIL)
+    add_looks(spec, world.scene, world.solids, EXPORT_DETAIL)
     for geom in spec.worldbody.geoms:
         geom.contype = geom.conaffinity = 0
-    ground = spec.geom("ground")
-    _set(ground, {**STATIC_CONTACT, "friction": friction("grass")})
+    add_ground(spec)
+    # It lies in the plane of the skins that show it.
+    spec.geom("ground").group = int(GeomGroup.VEHICLE_SHAPE)
     solids = [solid for solid in world.solids if solid.collides]
     n_looks = len(spec.worldbody.geoms)
     add_solids(spec, solids)

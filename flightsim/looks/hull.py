@@ -7,6 +7,7 @@ for a roof), which needs no triangulation library at start-up.
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 
@@ -45,41 +46,52 @@ def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         raise HullError(f"{len(corners)} vertices lie in one plane, valid: vertices of a solid")
     is_face = is_below | is_above
     outward = np.where(is_below[:, None], normals, -normals)[is_face]
+    touches = np.abs(height[is_face]) <= tolerance_m
     # Every three corners of a face found it once more.
-    members, first = np.unique(np.abs(height[is_face]) <= tolerance_m, axis=0, return_index=True)
+    first = {row.tobytes(): i for i, row in reversed(list(enumerate(touches)))}
+    points, least_m2 = corners.tolist(), _RELATIVE_TOLERANCE * size_m**2
     return [
-        (outward[i], _counter_clockwise(corners, np.flatnonzero(row), outward[i]))
-        for row, i in zip(members, first, strict=True)
+        (outward[i], _counter_clockwise(points, np.flatnonzero(touches[i]), outward[i], least_m2))
+        for i in sorted(first.values())
     ]
 
 
 def face_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal axes of a face: level, and up the face (north on a level one)."""
-    u = np.array([-normal[1], normal[0], 0.0])
-    length = float(np.linalg.norm(u))
-    u = u / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
-    return u, np.cross(normal, u)
+    x, y, z = normal.tolist()
+    length = math.hypot(x, y)
+    ux, uy = (-y / length, x / length) if length > 1e-6 else (1.0, 0.0)
+    return np.array([ux, uy, 0.0]), np.array([-z * uy, z * ux, x * uy - y * ux])
 
 
-def _counter_clockwise(corners: np.ndarray, members: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    u, v = face_axes(normal)
-    spokes = corners[members] - corners[members].mean(axis=0)
-    angle = np.arctan2(spokes @ v, spokes @ u)
+def _counter_clockwise(
+    points_m: list[list[float]], members: np.ndarray, normal: np.ndarray, least_m2: float
+) -> np.ndarray:
+    u, v = (axis.tolist() for axis in face_axes(normal))
+    ring = [
+        (
+            sum(p * q for p, q in zip(points_m[i], u, strict=True)),
+            sum(p * q for p, q in zip(points_m[i], v, strict=True)),
+        )
+        for i in members.tolist()
+    ]
+    x = sum(point[0] for point in ring) / len(ring)
+    y = sum(point[1] for point in ring) / len(ring)
+    order = sorted(range(len(ring)), key=lambda k: math.atan2(ring[k][1] - y, ring[k][0] - x))
     # Corners inside a face, on none of its edges, would break the fan: keep the outer ones.
-    order = members[np.argsort(angle, kind="stable")]
-    return _without_inner(corners, order, normal)
+    kept = _turning_left([ring[k] for k in order], least_m2)
+    return members[[order[k] for k in kept]]
 
 
-def _without_inner(corners: np.ndarray, ring: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Drop ring members where the outline does not turn left."""
-    kept = ring.tolist()
+def _turning_left(ring_m: list[tuple[float, float]], least_m2: float) -> list[int]:
+    """Places in a ring of plane points, without those where the outline does not turn left."""
+    kept = list(range(len(ring_m)))
     i = 0
     while len(kept) > 3 and i < len(kept):
-        before, here, after = (corners[kept[(i + k) % len(kept)]] for k in (-1, 0, 1))
-        turn = float(np.cross(here - before, after - here) @ normal)
-        if turn <= _RELATIVE_TOLERANCE * float(np.ptp(corners, axis=0).max()) ** 2:
+        (ax, ay), (bx, by), (cx, cy) = (ring_m[kept[(i + k) % len(kept)]] for k in (-1, 0, 1))
+        if (bx - ax) * (cy - by) - (by - ay) * (cx - bx) <= least_m2:
             kept.pop(i)
             i = max(0, i - 1)
         else:
             i += 1
-    return np.array(kept)
+    return kept

@@ -16,6 +16,9 @@ from jaxtyping import Float, Int
 from flightsim.looks.hull import face_axes, hull_faces
 
 
+N_BOX_FACES = 6
+
+
 @dataclass(frozen=True, eq=False)
 class Surface:
     """A closed surface; corners counter-clockwise seen from outside."""
@@ -33,8 +36,8 @@ class Surface:
 
 def box(size_m: np.ndarray) -> Surface:
     """A box by full extents; texture starts in the lower left corner of each face."""
-    vertices, texture, normals, triangles = _unit_box()
-    return Surface(vertices * size_m, normals, _box_texture(texture, size_m), triangles)
+    vertices, texture, normals, triangles = unit_box()
+    return Surface(vertices * size_m, normals, box_texture_m(texture, size_m), triangles)
 
 
 def ellipsoid(size_m: np.ndarray, slices: int, stacks: int) -> Surface:
@@ -103,8 +106,11 @@ def _grid(points: np.ndarray, normals: np.ndarray, texture: np.ndarray) -> Surfa
 
 
 @functools.cache
-def _unit_box() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices, texture corners (0 or 1, and the axes they run along), normals, triangles."""
+def unit_box() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices, texture corners (0 or 1, and the axes they run along), normals, triangles.
+
+    Four vertices for each face, in the order +x, -x, +y, -y, +z, -z.
+    """
     vertices, axes, normals = [], [], []
     for axis in range(3):
         for sign in (1.0, -1.0):
@@ -125,7 +131,8 @@ def _unit_box() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return np.array(vertices), np.array(axes), np.array(normals), triangles
 
 
-def _box_texture(axes: np.ndarray, size_m: np.ndarray) -> np.ndarray:
+def box_texture_m(axes: np.ndarray, size_m: np.ndarray) -> np.ndarray:
+    """Texture coordinates of a box's vertices in metres, from `unit_box`'s texture corners."""
     size = np.asarray(size_m)
     return np.stack([axes[:, 0] * size[axes[:, 2]], axes[:, 1] * size[axes[:, 3]]], axis=1)
 

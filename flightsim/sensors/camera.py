@@ -72,12 +72,18 @@ class Viewpoint:
 
     def rays_enu(self, width: int, height: int) -> np.ndarray:
         """(height, width, 3) float32: direction of each pixel, one metre deep."""
-        focal = self.focal_px(height)
-        x = (np.arange(width, dtype=np.float32) - (width - 1) / 2) / focal
-        y = (np.arange(height, dtype=np.float32) - (height - 1) / 2) / focal
+        columns, rows = np.arange(width), np.arange(height)[:, None]
+        return self.rays_enu_at(rows, columns, width, height)
+
+    def rays_enu_at(
+        self, rows: np.ndarray, columns: np.ndarray, width: int, height: int
+    ) -> np.ndarray:
+        """(..., 3) float32: direction of some pixels of an image, one metre deep."""
+        focal = np.float32(self.focal_px(height))
+        x = (columns - np.float32((width - 1) / 2)).astype(np.float32) / focal
+        y = (rows - np.float32((height - 1) / 2)).astype(np.float32) / focal
         right, down, forward = self.rotation_enu_from_optical.T.astype(np.float32)
-        across = x[:, None] * right
-        return across[None] + (y[:, None] * down + forward)[:, None]
+        return x[..., None] * right + (y[..., None] * down + forward)
 
     def frame(self, time_us: int, rgb: np.ndarray, depth_m: np.ndarray) -> RgbdFrame:
         """The frame that this viewpoint took."""

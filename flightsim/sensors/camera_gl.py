@@ -14,14 +14,13 @@ import numpy as np
 
 from autonomy.model.quadrotor import Vector3
 from flightsim.geom_groups import GeomGroup
-from flightsim.looks.drawing import FAST, FINE
+from flightsim.looks.surfaces import FAST, FINE
 from flightsim.sensors.camera import NO_OBJECT_ID, PoseCopy, Quality, RgbdFrame, Viewpoint, look_at
 from flightsim.sensors.camera_gl_target import GlTarget, GlUnavailableError, new_gl_context
+from flightsim.sensors.fine_picture import SAMPLES, FineLight, vehicle_triangles
 from flightsim.sensors.sky import sky_rgb
 from flightsim.world import World
 
-# In fine pictures the sky is MuJoCo's, a box about the eye whose faces are no nearer than this.
-_SKY_BOX_SHARE_OF_FAR = 0.4
 # Geoms drawn beside the model's own: none today; MuJoCo warns when its buffer is short.
 _SPARE_GEOMS = 16
 _ID_FLAGS = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
@@ -38,6 +37,7 @@ class GlCameraRenderer:
         self._size = (width, height)
         self._gl = new_gl_context(width, height)
         self._stages: dict[str, _Stage] = {}
+        self._fine_light: FineLight | None = None
         try:
             self._stage("fast")
         except mujoco.FatalError as error:
@@ -50,8 +50,7 @@ class GlCameraRenderer:
         stage.poses.update(data)
         view = stage.poses.viewpoint(camera_name)
         rgb, depth_m = stage.draw(view, has_vehicle=False)
-        is_sky = np.isinf(depth_m)
-        rgb[is_sky] = sky_rgb(view.rays_enu(*self._size)[is_sky])
+        _paint_sky(rgb, depth_m, view)
         return view.frame(time_us, rgb, depth_m)
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
@@ -74,11 +73,20 @@ class GlCameraRenderer:
         view = look_at(eye_enu_m, target_enu_m, vertical_fov_rad)
         stage = self._stage(quality)
         stage.poses.update(data)
-        rgb, depth_m = stage.draw(view, has_vehicle=True, focus_enu_m=np.array(target_enu_m))
-        if quality == "fast":
-            is_sky = np.isinf(depth_m)
-            rgb[is_sky] = sky_rgb(view.rays_enu(*self._size)[is_sky])
-        return view.frame(round(data.time * 1e6), rgb, depth_m)
+        rgb, depth_m = stage.draw(view, has_vehicle=True)
+        time_us = round(data.time * 1e6)
+        if quality == "fine":
+            return self._lit(view, time_us, rgb, depth_m, stage)
+        _paint_sky(rgb, depth_m, view)
+        return view.frame(time_us, rgb, depth_m)
+
+    def _lit(
+        self, view: Viewpoint, time_us: int, rgb: np.ndarray, depth_m: np.ndarray, stage: _Stage
+    ) -> RgbdFrame:
+        if self._fine_light is None:
+            self._fine_light = FineLight(self._world)
+        colours = rgb.astype(np.float32) / 255
+        return self._fine_light.frame(view, time_us, colours, depth_m, stage.vehicle_enu_m())
 
     def close(self) -> None:
         """See `CameraRenderer`."""
@@ -97,11 +105,33 @@ class GlCameraRenderer:
             raise RuntimeError("the renderer is closed")
         self._gl.make_current()
         if kind not in self._stages:
-            model = self._world.model
-            if kind != "ids":
-                model = self._world.new_looks(FINE if kind == "fine" else FAST)
-            self._stages[kind] = _Stage(model, *self._size, kind)
+            width, height = self._size
+            if kind == "fine":
+                width, height = SAMPLES * width, SAMPLES * height
+            self._stages[kind] = _Stage(_drawn_model(self._world, kind), width, height, kind)
         return self._stages[kind]
+
+
+def _drawn_model(world: World, kind: Literal["fast", "fine", "ids"]) -> mujoco.MjModel:
+    """The model that a kind of picture is drawn from."""
+    if kind == "ids":
+        return world.model
+    if kind == "fast":
+        return world.new_looks(FAST)
+    model = world.new_looks(FINE)
+    # Plain colours: rays light them.
+    model.vis.headlight.ambient[:] = 1.0
+    model.light_diffuse[:] = 0.0
+    model.light_specular[:] = 0.0
+    model.vis.quality.numslices, model.vis.quality.numstacks = FINE.slices, FINE.stacks
+    return model
+
+
+def _paint_sky(rgb: np.ndarray, depth_m: np.ndarray, view: Viewpoint) -> None:
+    rows, columns = np.nonzero(np.isinf(depth_m))
+    if len(rows):
+        height, width = depth_m.shape
+        rgb[rows, columns] = sky_rgb(view.rays_enu_at(rows, columns, width, height))
 
 
 class _Stage:
@@ -111,26 +141,24 @@ class _Stage:
         self, model: mujoco.MjModel, width: int, height: int, kind: Literal["fast", "fine", "ids"]
     ) -> None:
         self._model = model
-        self._is_fine, self._is_ids = kind == "fine", kind == "ids"
+        self._is_ids = kind == "ids"
         self._aspect = width / height
         self.poses = PoseCopy(model)
-        self.target = GlTarget(model, width, height, "fine" if self._is_fine else "fast")
+        self.target = GlTarget(model, width, height)
         self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + _SPARE_GEOMS)
         self._option = mujoco.MjvOption()
         self._camera = mujoco.MjvCamera()
         self._near_m = float(model.vis.map.znear * model.stat.extent)
         self._far_m = float(model.vis.map.zfar * model.stat.extent)
         flags = self._scene.flags
-        flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self._is_fine
-        # Elsewhere the caller paints the sky: MuJoCo's is a box whose depth could pass for a wall.
-        flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = self._is_fine
+        flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
+        # The caller paints the sky: MuJoCo's is a box whose depth could pass for a wall.
+        flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = False
         flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
         flags[mujoco.mjtRndFlag.mjRND_HAZE] = False
         flags[mujoco.mjtRndFlag.mjRND_FOG] = False
 
-    def draw(
-        self, view: Viewpoint, *, has_vehicle: bool, focus_enu_m: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def draw(self, view: Viewpoint, *, has_vehicle: bool) -> tuple[np.ndarray, np.ndarray]:
         """Colour (h, w, 3) and depth in m (h, w), inf in the sky."""
         self._aim(view)
         groups = self._option.geomgroup
@@ -138,17 +166,18 @@ class _Stage:
         groups[GeomGroup.SCENE] = groups[GeomGroup.DECOR] = 1
         groups[GeomGroup.VEHICLE_LOOKS] = has_vehicle
         self._gather(view)
-        if self._is_fine and focus_enu_m is not None:
-            self.target.cast_shadows_around(self._scene, focus_enu_m, view)
         # MuJoCo clears these after each picture.
         for flag in _ID_FLAGS:
             self._scene.flags[flag] = self._is_ids
         rgb, buffer = self.target.read(self._scene)
         near, far = self._near_m, self._far_m
         depth_m = near * far / (near + buffer * np.float32(far - near))
-        is_sky = depth_m > _SKY_BOX_SHARE_OF_FAR * far if self._is_fine else buffer <= 0
-        depth_m[is_sky] = np.inf
+        depth_m[buffer <= 0] = np.inf
         return rgb, depth_m
+
+    def vehicle_enu_m(self) -> np.ndarray:
+        """Triangles of the vehicle where it is."""
+        return vehicle_triangles(self._model, self.poses.data)
 
     def object_ids(self, geom_object_id: np.ndarray) -> np.ndarray:
         """Object id by what MuJoCo drew as colour in the last picture: 0 sky, else index + 1."""
@@ -177,9 +206,7 @@ class _Stage:
         groups = self._model.geom_group
         saved_groups, saved_fov = groups.copy(), self._model.vis.global_.fovy
         self._model.vis.global_.fovy = math.degrees(view.vertical_fov_rad)
-        # What is out of view may still cast a shadow into it.
-        if not self._is_fine:
-            groups[~self._in_view(view)] = GeomGroup.CULLED
+        groups[~self._in_view(view)] = GeomGroup.CULLED
         try:
             mujoco.mjv_updateScene(
                 self._model,

@@ -8,7 +8,6 @@ from rich.console import Console
 from rich.progress import Progress
 
 from scenarios.cli.command_line import EXIT_DONE
-from scenarios.kernels import compile_everything
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +20,8 @@ class CompileCfg:
 
 def run(_: CompileCfg) -> int:
     """Compile."""
+    from scenarios.kernels import compile_everything  # noqa: PLC0415 - all that compiles
+
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=1.0)
         compile_everything(

@@ -9,15 +9,22 @@ from typing import Annotated, Any
 
 import tyro
 
-from scenarios.cli import bench, compile, doctor, export, replay  # noqa: A004 - the command's name
+from scenarios.cli import (
+    bench,
+    compile,  # noqa: A004 - the command's name
+    dataset,
+    doctor,
+    export,
+    replay,
+)
 from scenarios.cli.command_line import EXIT_INTERRUPTED, fail, parse
-from scenarios.sitl import INPUT_ERRORS
 
 PROG = "aeroscene"
 
 Command = (
     Annotated[replay.ReplayCfg, tyro.conf.subcommand("replay")]
     | Annotated[doctor.DoctorCfg, tyro.conf.subcommand("doctor")]
+    | Annotated[dataset.DatasetCfg, tyro.conf.subcommand("dataset")]
     | Annotated[bench.BenchCfg, tyro.conf.subcommand("bench")]
     | Annotated[compile.CompileCfg, tyro.conf.subcommand("compile")]
     | Annotated[export.ExportCfg, tyro.conf.subcommand("export")]
@@ -26,6 +33,7 @@ Command = (
 _RUN: Mapping[type, Callable[[Any], int]] = {
     replay.ReplayCfg: replay.run,
     doctor.DoctorCfg: doctor.run,
+    dataset.DatasetCfg: dataset.run,
     bench.BenchCfg: bench.run,
     compile.CompileCfg: compile.run,
     export.ExportCfg: export.run,
@@ -38,10 +46,15 @@ def main(args: list[str] | None = None) -> int:
     command = parse(Command, PROG, args)
     try:
         return _RUN[type(command)](command)
-    except INPUT_ERRORS as error:
-        fail(PROG, str(error))
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
+    except Exception as error:
+        # The whole simulator: a second that a command without it does not spend.
+        from scenarios.sitl import INPUT_ERRORS  # noqa: PLC0415
+
+        if isinstance(error, INPUT_ERRORS):
+            fail(PROG, str(error))
+        raise
 
 
 if __name__ == "__main__":

@@ -7,21 +7,16 @@ import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 from rich.console import Console
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, fail
-from scenarios.recording.program import RerunMissingError
-from scenarios.recording.summary import (
-    RecordingSummary,
-    UnreadableRecordingError,
-    readable,
-    summarise,
-)
-from scenarios.viewer import Viewer, ViewerError, has_display
+
+if TYPE_CHECKING:
+    from scenarios.recording.summary import RecordingSummary
 
 _PROG = "aeroscene replay"
 
@@ -45,6 +40,11 @@ class ReplayCfg:
 
 def run(cfg: ReplayCfg) -> int:
     """Replay; exit status 2 with one line where there is nothing to replay or no way to."""
+    # rerun: only where a recording is opened.
+    from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
+    from scenarios.recording.summary import UnreadableRecordingError, summarise  # noqa: PLC0415
+    from scenarios.viewer import ViewerError  # noqa: PLC0415
+
     try:
         if cfg.json or cfg.summary:
             _print_summary(summarise(cfg.recording), is_json=cfg.json)
@@ -56,6 +56,9 @@ def run(cfg: ReplayCfg) -> int:
 
 
 def _show(cfg: ReplayCfg) -> None:
+    from scenarios.recording.summary import readable  # noqa: PLC0415
+    from scenarios.viewer import Viewer, has_display  # noqa: PLC0415
+
     # An end from outside must end the viewer too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     kind = cfg.viewer

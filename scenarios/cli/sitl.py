@@ -62,7 +62,8 @@ def _announce(console: Console, sitl: Sitl) -> None:
     scene, cfg = sitl.bench.scene, sitl.cfg.bench
     console.print(
         f"[bold]Scene {scene.scene_id}[/]: {scene.domain}, {len(scene.objects)} objects, "
-        f"{len(scene.interaction_areas)} landing areas. [bold]{sitl.bench.airframe.title}[/], "
+        f"{len(scene.landing_areas)} landing areas, "
+        f"{len(scene.perching_areas)} to perch on. [bold]{sitl.bench.airframe.title}[/], "
         f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}."
     )
     console.print(

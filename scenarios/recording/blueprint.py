@@ -34,6 +34,17 @@ def recording_blueprint(scene: Scene, airframe: Airframe) -> rrb.Blueprint:
     )
 
 
+def scene_blueprint(scene: Scene) -> rrb.Blueprint:
+    """The arrangement of a scene that nobody flies in."""
+    eye, target = _overview(scene)
+    return rrb.Blueprint(
+        _scene_view("Scene", (), eye, target, tracking=None),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="hidden"),
+    )
+
+
 def _scene_views(scene: Scene, cameras: Sequence[str]) -> rrb.Container:
     overview_eye, overview_target = _overview(scene)
     start = scene.start_position_enu_m

@@ -1,4 +1,4 @@
-"""The scene in a recording: primitives in batches by coarse object, ground, landing areas."""
+"""The scene in a recording: primitives in batches by coarse object, ground, areas."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ DRONE_CLASS_RGB: Mapping[str, tuple[int, int, int]] = {
     "large": (255, 190, 60),
 }
 """Colour of a landing area, by the largest class of drone that fits."""
+PERCHING_RGB = (214, 120, 255)
+"""Colour of a perching area."""
 
 _GROUND_RGB = (96, 122, 76)
 _GROUND_MARGIN_M = 20.0
@@ -43,12 +45,10 @@ def log_scene(stream: rr.RecordingStream, scene: Scene, primitives: Iterable[Pri
     categories = {o.id: o.category_id for o in scene.objects}
     for path, members in groups.items():
         _log_group(stream, path, members, categories)
-    for drone_class in DRONE_CLASS_RGB:
-        _log_landing_areas(
-            stream,
-            drone_class,
-            [a for a in scene.interaction_areas if a.drone_class == drone_class],
-        )
+    for drone_class, rgb in DRONE_CLASS_RGB.items():
+        areas = [a for a in scene.landing_areas if a.drone_class == drone_class]
+        _log_areas(stream, f"{layout.LANDING_AREAS}/{drone_class}", rgb, areas)
+    _log_areas(stream, layout.PERCHING_AREAS, PERCHING_RGB, scene.perching_areas)
 
 
 def _group_path(objects: Mapping[int, SceneObject], object_id: int) -> str:
@@ -197,13 +197,14 @@ def _log_ground(stream: rr.RecordingStream, scene: Scene) -> None:
     )
 
 
-def _log_landing_areas(
-    stream: rr.RecordingStream, drone_class: str, areas: Sequence[InteractionArea]
+def _log_areas(
+    stream: rr.RecordingStream,
+    path: str,
+    rgb: tuple[int, int, int],
+    areas: Sequence[InteractionArea],
 ) -> None:
     if not areas:
         return
-    path = f"{layout.LANDING_AREAS}/{drone_class}"
-    rgb = DRONE_CLASS_RGB[drone_class]
     lifted = [np.array(a.polygon) + np.array((0.0, 0.0, _AREA_LIFT_M)) for a in areas]
     stream.log(
         f"{path}/outline",
@@ -211,7 +212,7 @@ def _log_landing_areas(
             [np.vstack([polygon, polygon[:1]]) for polygon in lifted],
             colors=[rgb] * len(areas),
             radii=0.03,
-            labels=[f"{drone_class} {a.id}" for a in areas],
+            labels=[f"{a.kind} {a.drone_class} {a.id}" for a in areas],
             show_labels=False,
         ),
         static=True,

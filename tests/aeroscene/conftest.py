@@ -9,8 +9,8 @@ import pytest
 from aeroscene.curation import curate_scene
 from aeroscene.scene import Scene
 
-SAMPLE = (7, 40, 42, 49, 311, 1015)
-"""Corpus scenes that tests look at closely."""
+SAMPLE = (7, 42, 45, 49, 311, 1015)
+"""Corpus scenes that tests look at closely: outdoor, mixed, mixed, outdoor, indoor, outdoor."""
 
 cached_scene = cache(curate_scene)
 

@@ -19,6 +19,6 @@ def test_names_are_unique_and_lead_back_to_ids():
 @pytest.mark.parametrize("category", CATALOGUE.values(), ids=lambda c: c.name)
 def test_size_ranges_are_real_sizes(category):
     for low, high in (category.length_m, category.width_m, category.height_m):
-        assert 0.01 < low < high < 130
+        assert 0.005 < low < high < 130
     assert category.supports
     assert category.surface

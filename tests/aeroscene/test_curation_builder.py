@@ -54,3 +54,12 @@ def test_an_outline_that_leaves_its_bearer_is_refused():
     near_edge = {"base": 0.7, "parent": table, "within": table}
     assert builder.place("cup", table.frame, 0.48, 0, (0.1, 0.1, 0.1), **near_edge) is None
     assert builder.place("cup", table.frame, 0.44, 0, (0.1, 0.1, 0.1), **near_edge)
+
+
+def test_what_leaves_the_flight_volume_is_refused():
+    builder = Builder("s")
+    builder.enclose((-5.0, -5.0), (5.0, 5.0))
+    assert builder.place("crate", WORLD, 4.5, 0, (1, 1, 1), base=0)
+    assert builder.place("crate", WORLD, 4.6, 2, (1, 1, 1), base=0) is None
+    assert builder.place("crate", WORLD, -4.4, 0, (1, 1, 1), base=0, turn=math.pi / 4) is None
+    assert builder.place("crate", WORLD, -4.2, 0, (1, 1, 1), base=0, turn=math.pi / 4)

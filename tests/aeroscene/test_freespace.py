@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import ndimage
 
 from aeroscene.freespace import (
     NoFreeSpaceError,
     VoxelField,
     build_distance_field,
     distance_to_occupied,
+    flood,
     reachable,
 )
 from aeroscene.shapes import scene_primitives
@@ -96,3 +98,27 @@ def test_a_start_without_space_is_named():
     field = wall_with_hole(5)
     with pytest.raises(NoFreeSpaceError, match=r"start \(5.0, 0.5, 0.5\) has no free ball"):
         reachable(field, (5.0, 0.5, 0.5), 0.5)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 2**32 - 1), st.floats(0.1, 0.7), st.booleans())
+def test_a_flood_is_the_connected_component_of_its_start(seed, share, is_open_above):
+    free = np.random.default_rng(seed).random((9, 8, 12)) > share
+    free[4, 4, 5:7] = True
+    free[:, :, -1] |= is_open_above
+    field = VoxelField(
+        origin_enu_m=(0.0, 0.0, 0.0), resolution_m=1.0, distance_m=free.astype(np.float32)
+    )
+    labels, _ = ndimage.label(free)
+    found = flood(field, (4.0, 4.0, 5.0), 0.5)
+    assert np.array_equal(found.cells(), labels == labels[4, 4, 5])
+    assert np.array_equal(reachable(field, (4.0, 4.0, 5.0), 0.5), found.cells())
+    for i, j, k in np.ndindex(free.shape):
+        for n_up in (0, 3, 50):
+            expected = found.cells()[i, j, k : k + n_up + 1].any()
+            assert found.reaches((i, j, k), n_up) == expected
+
+
+def test_a_lower_cap_changes_no_distance_below_it(scene_42):
+    wide, narrow = build_distance_field(scene_42), build_distance_field(scene_42, cap_m=1.1)
+    assert np.array_equal(np.minimum(wide.distance_m, np.float32(1.1)), narrow.distance_m)

@@ -10,9 +10,12 @@ from hypothesis import strategies as st
 from aeroscene.geometry import (
     NotUprightError,
     box_corners,
+    footprint_rectangle,
     iou,
+    layer,
     penetration_depth,
     quat_from_yaw,
+    quat_product,
     rotation_matrix,
     signed_distance,
 )
@@ -107,11 +110,51 @@ def test_iou_is_symmetric_and_equals_counting_points(first, second):
     assert value == pytest.approx(counted, abs=3.0 / np.sqrt(n_points))
 
 
-def test_iou_of_a_tilted_box_is_refused():
-    flat = OrientedBox((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+@given(upright_boxes(), upright_boxes(), quaternions())
+def test_iou_does_not_change_when_both_boxes_turn_together(first, second, q):
+    rotation = rotation_matrix(q)
+
+    def turned(box: OrientedBox) -> OrientedBox:
+        x, y, z = (rotation @ box.p).tolist()
+        return OrientedBox((x, y, z), quat_product(tuple(q.tolist()), box.q), box.s)
+
+    assert iou(turned(first), turned(second)) == pytest.approx(iou(first, second), abs=1e-6)
+
+
+def test_iou_of_a_cube_on_its_edge_in_a_slab_is_the_analytic_value():
+    # The slab keeps the middle of height sqrt(2) / 2 of a square of side 1 on its corner.
+    tilted = OrientedBox((0.0, 0.0, 0.0), quat_about_x(math.pi / 4), (1.0, 1.0, 1.0))
+    slab = OrientedBox((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (4.0, 4.0, math.sqrt(0.5)))
+    shared = 0.75
+    assert iou(tilted, slab) == pytest.approx(shared / (1 + 16 * math.sqrt(0.5) - shared))
+    apart = OrientedBox((0.0, 0.0, 3.0), (1.0, 0.0, 0.0, 0.0), (4.0, 4.0, 1.0))
+    assert iou(tilted, apart) == 0.0
+
+
+def quat_about_x(angle_rad: float):
+    return (math.cos(angle_rad / 2), math.sin(angle_rad / 2), 0.0, 0.0)
+
+
+def test_the_outline_of_a_tilted_box_is_refused():
     tilted = OrientedBox((0.0, 0.0, 0.0), (0.8, 0.6, 0.0, 0.0), (1.0, 1.0, 1.0))
     with pytest.raises(NotUprightError, match="a turn about z only"):
-        iou(flat, tilted)
+        footprint_rectangle(tilted)
+
+
+@given(upright_boxes(), quaternions(), st.floats(-1.5, 1.5), st.floats(0.1, 2.0))
+def test_the_points_of_a_layer_span_it(box, q, low, height):
+    normal = rotation_matrix(q)[0]
+    high = low + height
+    kept = layer(box.corners(), normal, low, high)
+    assert np.all((kept @ normal <= high + 1e-9) & (kept @ normal >= low - 1e-9))
+    inside = np.random.default_rng(3).uniform(-0.5, 0.5, (200, 3)) * box.s
+    inside = inside @ rotation_matrix(box.q).T + box.p
+    heights = inside @ normal
+    inside = inside[(heights > low) & (heights < high)]
+    if len(inside):
+        directions = np.random.default_rng(4).normal(size=(20, 3))
+        outermost = (kept @ directions.T).max(axis=0)
+        assert np.all((inside @ directions.T).max(axis=0) <= outermost + 1e-9)
 
 
 @given(upright_boxes(), upright_boxes())

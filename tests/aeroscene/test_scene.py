@@ -192,3 +192,15 @@ def test_hierarchy_is_readable_in_both_directions():
 
 def test_scene_without_objects_is_valid():
     assert make_scene(objects=(), interaction_areas=()).objects == ()
+
+
+def test_areas_to_land_and_to_perch_on_are_told_apart():
+    areas = (make_area(), make_area(id=1, kind="perching"))
+    scene = make_scene(interaction_areas=areas)
+    assert scene.landing_areas == areas[:1]
+    assert scene.perching_areas == areas[1:]
+
+
+def test_another_kind_of_area_is_refused():
+    with pytest.raises(SceneError, match="kind is 'hovering', valid: landing, perching"):
+        make_area(kind="hovering")

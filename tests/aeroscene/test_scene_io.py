@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gzip
 import json
 import math
 from pathlib import Path
@@ -51,6 +52,7 @@ def scenes(draw) -> Scene:
     x, y, z, r = draw(coordinates), draw(coordinates), draw(coordinates), draw(extents)
     area = InteractionArea(
         id=3,
+        kind=draw(st.sampled_from(["landing", "perching"])),
         object_id=draw(st.sampled_from([None, *range(len(objects))])),
         polygon=((x - r, y - r, z), (x + r, y - r, z), (x + r, y + r, z), (x - r, y + r, z)),
         centroid=(x, y, z),
@@ -242,3 +244,28 @@ def test_failed_write_leaves_the_old_file_and_nothing_else(scene_42, tmp_path, m
         write_scene(scene_42, path)
     assert path.read_text() == "old"
     assert [entry.name for entry in tmp_path.iterdir()] == ["scene.json"]
+
+
+def test_a_compressed_file_holds_the_same_scene_in_the_same_bytes(scene_42, tmp_path):
+    first, second = tmp_path / "a.json.gz", tmp_path / "b.json.gz"
+    write_scene(scene_42, first)
+    write_scene(scene_42, second)
+    assert first.read_bytes() == second.read_bytes()
+    assert gzip.decompress(first.read_bytes()) == scene_to_json(scene_42)
+    assert read_scene(first) == scene_42
+    assert first.stat().st_size < 0.3 * len(scene_to_json(scene_42))
+
+
+def test_a_compressed_file_is_known_by_what_is_in_it(scene_42, tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_bytes(gzip.compress(scene_to_json(scene_42)))
+    assert read_scene(path) == scene_42
+
+
+@pytest.mark.parametrize("cut", [5, 20, 400])
+def test_a_compressed_file_cut_short_is_named(scene_42, tmp_path, cut):
+    path = tmp_path / "scene.json.gz"
+    write_scene(scene_42, path)
+    path.write_bytes(path.read_bytes()[:cut])
+    with pytest.raises(SceneError, match=r"scene\.json\.gz': not gzip or not all of it"):
+        read_scene(path)

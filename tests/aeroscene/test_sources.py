@@ -7,6 +7,14 @@ from aeroscene import sources
 from aeroscene.scene import SceneError
 from aeroscene.scene_io import write_scene
 from aeroscene.sources import open_scene
+from tests.aeroscene.layouts.samples import (
+    authors_scene,
+    block,
+    front3d_house,
+    house,
+    write_json,
+    write_lines,
+)
 
 
 @pytest.fixture
@@ -52,10 +60,59 @@ def test_a_file_is_opened_by_its_path(tmp_path, scene_42):
     assert open_scene(str(path)) == scene_42
 
 
-@pytest.mark.parametrize("spec", ["1016", "-1", "4.2", "x", "", "gen:3", "٤٢", "+1", "9" * 5000])
+@pytest.mark.parametrize(
+    "spec", ["1016", "-1", "4.2", "x", "", "gen:3", "٤٢", "+1", "9" * 5000, "a.jsonx", "#0"]
+)
 def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):
     with pytest.raises(SceneError) as caught:
         open_scene(spec)
     assert str(caught.value) == (
-        f"scene {spec!r} is unknown, valid: a number from 0 to 1015 or the path of a .json file"
+        f"scene {spec!r} is unknown, valid: a number from 0 to 1015, FILE.json or FILE.jsonl#ID, "
+        "also with .gz"
     )
+
+
+def test_a_file_of_ours_holds_one_scene(tmp_path, scene_42):
+    path = tmp_path / "mine.json"
+    write_scene(scene_42, path)
+    assert open_scene(f"{path}#0") == open_scene(f"{path}#corpus-0042") == scene_42
+    with pytest.raises(SceneError, match=r"has no scene '1', valid: 'corpus-0042'"):
+        open_scene(f"{path}#1")
+
+
+def test_layouts_of_other_people_are_opened_by_what_is_in_them(tmp_path):
+    lines = write_lines(tmp_path / "two.jsonl.gz", house(), block())
+    assert open_scene(str(lines)).scene_id == "made-up/house-1"
+    assert open_scene(f"{lines}#block-1").scene_id == "made-up/block-1"
+    assert open_scene(f"{lines}#1").scene_id == "made-up/block-1"
+    authors = write_json(tmp_path / "a.json", authors_scene())
+    assert open_scene(str(authors)).scene_id == "gen_sample_0"
+    front3d = write_json(tmp_path / "b#1.json.gz", front3d_house())
+    assert open_scene(str(front3d)).scene_id == "made-up-house"
+
+
+def test_what_a_layout_loses_is_said(tmp_path, caplog):
+    record = house()
+    record["objects"][1]["category"] = "Xyzzy"
+    record["objects"][2]["s"] = [0, 1, 1]
+    path = write_lines(tmp_path / "a.jsonl", record)
+    with pytest.raises(SceneError, match=r"object 2 \(Bed\): s is \[0, 1, 1\], valid"):
+        open_scene(str(path))
+    open_scene(str(path), skip_invalid=True)
+    said = [entry.getMessage() for entry in caplog.records]
+    assert any("object 1: category is 'Xyzzy'" in line for line in said)
+    assert any("object 2 (Bed): s is [0, 1, 1]" in line for line in said)
+
+
+def test_damaged_files_are_refused_by_the_reader_they_are_for(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text('{"outdoor_scene": [')
+    with pytest.raises(SceneError, match="line 1: JSON is cut short"):
+        open_scene(str(path))
+    path.write_text("")
+    with pytest.raises(SceneError, match=r"a\.json"):
+        open_scene(str(path))
+    packed = tmp_path / "b.json.gz"
+    packed.write_bytes(b"\x1f\x8b damaged")
+    with pytest.raises(SceneError, match=r"b\.json\.gz"):
+        open_scene(str(packed))

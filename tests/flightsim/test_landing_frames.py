@@ -1,13 +1,16 @@
 """Landing perception on frames that the real camera took of a real scene."""
 
 import math
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 import shapely
 
-from aeroscene.curation import curate_scene
+from aeroscene.catalogue import category_id
+from aeroscene.landing import derive_interaction_areas
+from aeroscene.scene import OrientedBox, Scene, SceneObject
 from autonomy.perception import (
     DepthImage,
     ElevationMap,
@@ -29,9 +32,47 @@ NEEDS = LandingNeeds(
 HOVER_M = 4.0
 
 
+# Category, centre and extents: one of each kind of thing to land on, well apart.
+THINGS = (
+    ("lawn", (0.0, 0.0, 0.03), (30.0, 30.0, 0.06)),
+    ("sidewalk", (0.0, 18.0, 0.075), (30.0, 3.0, 0.15)),
+    ("landing_pad", (-9.0, -9.0, 0.11), (2.6, 2.6, 0.1)),
+    ("building", (9.0, -9.0, 3.06), (8.0, 8.0, 6.0)),
+    ("roof", (9.0, -9.0, 6.31), (8.0, 8.0, 0.5)),
+    ("car", (-9.0, 0.0, 0.81), (4.4, 1.8, 1.5)),
+    ("crate", (-9.0, 8.0, 0.56), (1.2, 1.2, 1.0)),
+    ("kiosk", (9.0, 9.0, 1.56), (3.0, 3.0, 3.0)),
+)
+
+
 @pytest.fixture(scope="module")
 def scene():
-    return curate_scene(42)
+    objects = tuple(
+        SceneObject(
+            id=number,
+            scene_id="things",
+            parent_id=None,
+            category_id=category_id(name),
+            bbox=OrientedBox(p, (1.0, 0.0, 0.0, 0.0), s),
+            domain="outdoor",
+            attributes={"form": "flat"} if name == "roof" else {},
+        )
+        for number, (name, p, s) in enumerate(THINGS)
+    )
+    bare = Scene(
+        scene_id="things",
+        domain="outdoor",
+        seed=0,
+        extent_min_enu_m=(-25.0, -25.0, 0.0),
+        extent_max_enu_m=(25.0, 25.0, 20.0),
+        start_position_enu_m=(0.0, -8.0, 0.06),
+        start_yaw_rad=0.0,
+        latitude_deg=47.4,
+        longitude_deg=8.5,
+        altitude_m=488.0,
+        objects=objects,
+    )
+    return replace(bare, interaction_areas=derive_interaction_areas(bare))
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +91,7 @@ def renderer(world):
 def bearers(scene):
     """The first open-air area on each kind of thing."""
     found = {}
-    for area in scene.interaction_areas:
+    for area in scene.landing_areas:
         if area.object_id is not None and area.clearance_m > HOVER_M + 0.6:
             found.setdefault(scene.object_by_id[area.object_id].category, area)
     return found

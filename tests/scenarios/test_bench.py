@@ -10,6 +10,8 @@ from pymavlink.dialects.v20 import common
 
 from scenarios.bench.clients import Clients, count_messages
 from scenarios.bench.row import Row
+from scenarios.bench.scene import rows as scene_rows
+from scenarios.bench.scene import scene_index
 
 
 def _bench(*args):
@@ -47,6 +49,8 @@ def test_sim_prints_rows_of_a_real_flight_as_one_object():
         (("sim", "--vehicle", "zeppelin"), "zeppelin"),
         (("sim", "--seconds", "0"), "seconds 0"),
         (("sim", "--seconds", "nan"), "seconds nan"),
+        (("scene", "--count", "2"), "count 2"),
+        (("scene", "--seconds", "9"), "seconds"),
         (("warp",), "warp"),
     ],
 )
@@ -56,6 +60,31 @@ def test_bad_input_ends_with_status_2_and_one_line(args, says):
     assert result.stdout == ""
     (line,) = result.stderr.strip().splitlines()
     assert says in line
+
+
+def test_scene_measures_making_compiling_stepping_and_rendering():
+    said = []
+    rows = {row.metric: row for row in scene_rows(1, lambda *progress: said.append(progress))}
+    assert said == [("scene 1 of 1", 0.0)]
+    assert all(row.value > 0 for row in rows.values())
+    targets = {metric: row.target for metric, row in rows.items() if row.target is not None}
+    assert targets == {
+        "curation, landing areas included, mean": 1.0,
+        "scene to model, median": 300,
+        "scene to model, p95": 300,
+        "mj_step, airborne, median": 10,
+        "RGB-D 320 x 240 forward, median": 50,
+    }
+    assert rows["RGB-D 320 x 240 forward, median"].better == "higher"
+
+
+@given(st.integers(3, 1016))
+def test_the_sample_of_scenes_is_spread_and_takes_the_domains_in_turn(count):
+    indices = [scene_index(number, count) for number in range(count)]
+    assert [index % 3 for index in indices] == [number % 3 for number in range(count)]
+    assert indices == sorted(indices)
+    assert 0 <= indices[0] < 1016 / count + 3
+    assert 1016 - 1016 / count - 3 < indices[-1] < 1016
 
 
 @given(st.lists(st.text(st.characters(codec="ascii"), max_size=40), min_size=1, max_size=5))

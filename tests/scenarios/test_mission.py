@@ -31,10 +31,17 @@ IRIS, HUMMINGBIRD = AIRFRAMES["iris"], AIRFRAMES["hummingbird"]
 
 def test_areas_too_small_for_the_vehicle_are_left_out():
     scene = open_scene("42")
-    small = [area for area in scene.interaction_areas if area.drone_class == "small"]
+    small = [area for area in scene.landing_areas if area.drone_class == "small"]
     assert small
     assert not set(small) & set(rank_areas(scene, IRIS, 0))
-    assert set(rank_areas(scene, HUMMINGBIRD, 0)) == set(scene.interaction_areas)
+    assert set(rank_areas(scene, HUMMINGBIRD, 0)) == set(scene.landing_areas)
+
+
+def test_nobody_is_sent_to_a_perch():
+    scene = open_scene("42")
+    assert scene.perching_areas
+    for airframe in (IRIS, HUMMINGBIRD):
+        assert all(area.kind == "landing" for area in rank_areas(scene, airframe, 0))
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,64 +1,70 @@
-"""Mixed scenes: an urban block in which a drone can leave the street and enter a building."""
+"""Mixed scenes: streets from which a drone can enter at least one building."""
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
 from aeroscene.curation.builder import Builder
-from aeroscene.curation.composition import Composition, Place
-from aeroscene.curation.draw import Draw
-from aeroscene.curation.places import Flats, Ground, Houses, Market, Offices, Park, Parking, Yard
-from aeroscene.curation.site import Site, lay_out_site
-from aeroscene.curation.start import place_start
-from aeroscene.curation.streets import Streets
+from aeroscene.curation.composers.themes import Theme, compose_theme, draw_one
+from aeroscene.curation.composition import Composition
+
+_OPEN = ("park", "market", "parking")
+"""Where a flight can start under open sky."""
+
+THEMES: Mapping[str, Theme] = MappingProxyType(
+    {
+        "urban_block": Theme(
+            plans={"cross": 0.25, "tee": 0.25, "square": 0.15, "through": 0.2, "curve": 0.15},
+            always=[("offices",), _OPEN],
+            others={
+                "flats": 0.3,
+                "offices": 0.04,
+                "houses": 0.12,
+                "market": 0.12,
+                "parking": 0.12,
+                "park": 0.1,
+                "school": 0.08,
+                "construction": 0.06,
+            },
+        ),
+        "residential_street": Theme(
+            plans={"curve": 0.25, "through": 0.2, "tee": 0.15, "cul_de_sac": 0.2, "loop": 0.2},
+            always=[("furnished_house",), ("park", "school")],
+            others={"houses": 0.6, "furnished_house": 0.06, "flats": 0.14, "park": 0.2},
+        ),
+        "industrial_yard": Theme(
+            plans={"through": 0.45, "tee": 0.35, "cul_de_sac": 0.2},
+            always=[("warehouse",), ("offices", "yard")],
+            others={"yard": 0.4, "depot": 0.2, "parking": 0.2, "construction": 0.2},
+        ),
+        "waterfront": Theme(
+            plans={"shore": 0.5, "quay": 0.3, "canal": 0.2},
+            always=[("offices",), ("market", "park")],
+            others={"offices": 0.04, "market": 0.25, "flats": 0.35, "park": 0.3},
+            terrace_chance=0.0,
+        ),
+        "hillside": Theme(
+            plans={"hillside": 1.0},
+            always=[("furnished_house", "offices"), ("terraces",)],
+            others={"houses": 0.5, "flats": 0.2, "park": 0.3},
+        ),
+    }
+)
+WEIGHTS: Mapping[str, float] = MappingProxyType(
+    {
+        "urban_block": 0.34,
+        "residential_street": 0.24,
+        "industrial_yard": 0.18,
+        "waterfront": 0.13,
+        "hillside": 0.11,
+    }
+)
+"""How often each theme is drawn."""
 
 
 def compose_mixed(builder: Builder, rng: np.random.Generator) -> Composition:
-    """Streets, one furnished building for certain, open ground somewhere, the rest by chance."""
-    plan, choice, start, streets = rng.spawn(4)
-    site = lay_out_site(builder, plan)
-    return Composition(
-        places=[*_choose_places(builder, site, choice), Streets(builder, Draw(streets), site)],
-        extent_min_enu_m=(-site.half_x, -site.half_y, 0.0),
-        extent_max_enu_m=(site.half_x, site.half_y, 22.0),
-        place_start=partial(place_start, builder, Draw(start), (site.half_x, site.half_y)),
-    )
-
-
-def _choose_places(builder: Builder, site: Site, rng: np.random.Generator) -> list[Place]:
-    parcels = list(site.parcels)
-    order = [int(i) for i in rng.permutation(len(parcels))]
-    kinds = ["offices", str(rng.choice(["park", "market", "parking"]))]
-    others = ["houses", "flats", "yard", "park", "market", "parking", "furnished_house"]
-    weights = [0.2, 0.24, 0.14, 0.12, 0.1, 0.1, 0.1]
-    while len(kinds) < len(parcels):
-        kind = str(rng.choice(others, p=weights))
-        if kind not in kinds or kind in {"houses", "flats"}:
-            kinds.append(kind)
-    streams = rng.spawn(len(parcels))
-    return [
-        _place(kind, Ground(builder, Draw(stream), parcels[parcel]))
-        for kind, parcel, stream in zip(kinds, order, streams, strict=False)
-    ]
-
-
-def _place(kind: str, ground: Ground) -> Place:
-    match kind:
-        case "offices":
-            return Offices(ground)
-        case "houses":
-            return Houses(ground)
-        case "furnished_house":
-            return Houses(ground, is_furnished=True)
-        case "flats":
-            return Flats(ground)
-        case "park":
-            return Park(ground)
-        case "market":
-            return Market(ground)
-        case "parking":
-            return Parking(ground)
-        case _:
-            return Yard(ground)
+    """One of the themes with a building to enter."""
+    return compose_theme(builder, rng, THEMES[draw_one(rng, WEIGHTS)])

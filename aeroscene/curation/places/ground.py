@@ -2,40 +2,60 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import pi
+from dataclasses import dataclass
+from math import ceil, cos, pi, sin
 
 from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
 from aeroscene.curation.frame import QUARTER, STREETWARD, Frame
-from aeroscene.curation.site import Parcel
+from aeroscene.curation.parcels import Parcel
 from aeroscene.scene import AttributeValue, Vector3
 
 GROUND_M = {"lawn": 0.06, "plaza": 0.1, "parking_lot": 0.04, "sidewalk": 0.1}
 """Heights of the surfaces of parcels above the ground."""
+_FINISH = {"lawn": "grass", "plaza": "paving", "parking_lot": "asphalt", "sidewalk": "paving"}
+"""What covers a slope instead of a surface of its own."""
 _MARGIN_M = 0.4
 _TRIES = 6
+_FENCE_STEP_M = 3.0
+"""Length of the pieces in which a fence climbs a slope."""
 
 
 @dataclass(slots=True)
 class Ground:
-    """One parcel with its surface; positions are in the parcel's frame, v from the street."""
+    """One parcel with its surface; positions are in the parcel's frame, v from the street.
+
+    On a slope whatever stands on the surface stands at the lowest point of its outline, sunk into
+    the hill behind it.
+    """
 
     builder: Builder
     draw: Draw
     parcel: Parcel
     surface: Placed | None = None
-    lawns: list[Placed] = field(default_factory=list)
 
     @property
     def level(self) -> float:
-        """Height on which things stand."""
-        return self.surface.top if self.surface else self.parcel.level
+        """Height on which things stand; on a slope that of its foot."""
+        if self.parcel.rise or not self.surface:
+            return self.parcel.level
+        return self.surface.top
+
+    def height_under(self, v: float, size: Vector3, turn: float) -> float:
+        """Height on which an outline stands: of the lowest ground that it covers, m."""
+        if not self.parcel.rise:
+            return self.level
+        reach = (abs(sin(turn)) * size[0] + abs(cos(turn)) * size[1]) / 2
+        share = min(1.0, max(0.0, (v - reach) / self.parcel.depth))
+        return self.parcel.level + share * self.parcel.rise
 
     def cover(self, name: str, attributes: dict[str, AttributeValue] | None = None) -> None:
-        """Give the whole parcel a surface."""
+        """Give the whole parcel a surface; on a slope the hill itself."""
         parcel = self.parcel
-        size = (parcel.width, parcel.depth, GROUND_M[name])
+        turn, size = 0.0, (parcel.width, parcel.depth, GROUND_M[name])
+        if parcel.rise:
+            attributes = {"form": "ramp", "finish": _FINISH[name]}
+            name, turn, size = "terrain", QUARTER, (parcel.depth, parcel.width, parcel.rise)
         self.surface = self.builder.place(
             name,
             parcel.frame,
@@ -43,6 +63,8 @@ class Ground:
             parcel.depth / 2,
             size,
             base=parcel.level,
+            turn=turn,
+            parent=parcel.bearer,
             attributes=attributes,
         )
 
@@ -61,13 +83,16 @@ class Ground:
     ) -> Placed | None:
         """Stand something on the parcel's surface, if there is space."""
         bearer = on or self.surface
+        size = size or self.draw.size_of(name)
+        if base is None:
+            base = self.height_under(v, size, turn)
         return self.builder.place(
             name,
             self.parcel.frame,
             u,
             v,
-            size or self.draw.size_of(name),
-            base=self.level if base is None else base,
+            size,
+            base=base,
             turn=turn,
             parent=bearer,
             within=bearer,
@@ -85,16 +110,16 @@ class Ground:
         turn: float = STREETWARD,
         attributes: dict[str, AttributeValue] | None = None,
     ) -> Placed | None:
-        """Put up a structure that is a root of its own, if there is space."""
+        """Put up a structure, if there is space: a root of its own, or a part of its hill."""
         return self.builder.place(
             name,
             self.parcel.frame,
             u,
             v,
             size,
-            base=self.level,
+            base=self.height_under(v, size, turn),
             turn=turn,
-            parent=None,
+            parent=self.surface if self.parcel.rise else None,
             within=self.surface,
             margin=_MARGIN_M,
             attributes=attributes,
@@ -162,18 +187,23 @@ class Ground:
         (u0, v0), (u1, v1) = start, end
         is_along_u = abs(u1 - u0) > abs(v1 - v0)
         length = abs(u1 - u0) if is_along_u else abs(v1 - v0)
-        thick = 0.3 if form == "hedge" else 0.1
-        self.builder.place(
-            "fence",
-            self.parcel.frame,
-            (u0 + u1) / 2,
-            (v0 + v1) / 2,
-            (thick, length, height),
-            base=self.level,
-            turn=QUARTER if is_along_u else 0.0,
-            parent=self.surface,
-            attributes={"form": form},
-        )
+        pieces = ceil(length / _FENCE_STEP_M) if self.parcel.rise and not is_along_u else 1
+        turn = QUARTER if is_along_u else 0.0
+        size = (0.3 if form == "hedge" else 0.1, length / pieces, height)
+        for piece in range(pieces):
+            share = (piece + 0.5) / pieces
+            u, v = u0 + share * (u1 - u0), v0 + share * (v1 - v0)
+            self.builder.place(
+                "fence",
+                self.parcel.frame,
+                u,
+                v,
+                size,
+                base=self.height_under(v, size, turn),
+                turn=turn,
+                parent=self.surface,
+                attributes={"form": form},
+            )
 
     def facing(self, frame: Frame, turn: float) -> float:
         """Turn in the parcel's frame of a heading in another frame."""

@@ -1,4 +1,4 @@
-"""A furnished building of one or two storeys with a terrace: the scene's interior."""
+"""A furnished building of one or two storeys with a forecourt: offices, flats or a cafe."""
 
 from __future__ import annotations
 
@@ -6,19 +6,35 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from aeroscene.curation.builder import Placed
-from aeroscene.curation.frame import STREETWARD
-from aeroscene.curation.interiors import FURNISHINGS, Interior
+from aeroscene.curation.frame import INWARD, QUARTER
+from aeroscene.curation.places.bearing import OpenGround, beneath, on_top
+from aeroscene.curation.places.furnished import furnish, raise_furnished
 from aeroscene.curation.places.ground import Ground
-from aeroscene.curation.rooftops import add_flat_roof, add_roof_pad, equip_flat_roof
-from aeroscene.curation.shells import Shell, raise_shell
+from aeroscene.curation.places.roadside import line_way, park, rack_bicycles
+from aeroscene.curation.places.rooftops import (
+    add_flat_roof,
+    furnish_flat_roof,
+    furnish_roof_deck,
+    lay_roof_deck,
+)
+from aeroscene.curation.places.seating import dine
+from aeroscene.curation.places.turns import in_turn
+from aeroscene.curation.shells import RoomSpace
+from aeroscene.scene import AttributeValue
 from aeroscene.shapes.materials import WALL_COLOURS
 
 _PROGRAMMES = {
     "offices": ("office", "meeting", "office", "store"),
-    "flats": ("living", "kitchen", "bedroom", "living"),
+    "flats": ("living", "kitchen", "bedroom", "dining"),
     "cafe": ("cafe", "kitchen", "office", "meeting"),
+    "studio": ("open_office", "lounge", "meeting", "workshop"),
+    "library": ("library", "lobby", "classroom", "office"),
 }
 """Rooms of a use, in the order in which a building offers them."""
+_LEAST_SHELL_M = (11.5, 16.0)
+"""Width and depth of a parcel whose building can be entered."""
+_BAYS_M = (5.2, 7.7, 0.02)
+"""Three bays for visitors."""
 
 
 @dataclass(slots=True)
@@ -26,71 +42,150 @@ class Offices:
     """Offices, flats or a cafe that a drone can fly into."""
 
     ground: Ground
-    _shells: list[tuple[Shell, Placed | None]] = field(default_factory=list)
+    _use: str = ""
+    _rooms: list[RoomSpace] = field(default_factory=list)
+    _building: Placed | None = None
+    _roof: Placed | None = None
+    _roof_deck: Placed | None = None
     _terrace: Placed | None = None
+    _pavilion: Placed | None = None
+    _bays: Placed | None = None
+    _walk: Placed | None = None
 
     def structures(self) -> Iterator[None]:
-        """Ground, the furnished building, its roof, and a terrace before the door."""
+        """The furnished building and its roof, then terrace, bays, garden path, pavilion."""
         ground, draw = self.ground, self.ground.draw
+        self._use = draw.one_of(tuple(_PROGRAMMES))
         ground.cover(draw.one_of(("lawn", "plaza", "lawn")))
-        width, depth = ground.parcel.width, ground.parcel.depth
-        length = min(draw.between(12, 16.5), width - 3.5)
-        deep = min(draw.between(7.5, 9.5), depth - 9)
-        setback = draw.between(5.0, 6.5)
-        u = draw.between(-0.5, 0.5) * (width - length - 3)
-        shell = raise_shell(
-            ground.builder,
-            draw,
-            ground.parcel.frame,
-            (u, setback + deep / 2),
-            name="building",
-            depth=deep,
-            length=length,
-            storeys=draw.count(1, 2) if draw.chance(0.3) else 2,
-            base=ground.level,
-            turn=STREETWARD,
-            colour=draw.one_of((*WALL_COLOURS, "brick")),
-        )
-        if shell is None:
-            return
-        roof = add_flat_roof(ground.builder, shell.building)
-        self._shells.append((shell, roof))
-        size = (3.2, min(8.0, length - 2), 0.15)
-        self._terrace = ground.stand("deck", u, setback - 1.9, size, margin=0.02)
+        u, setback, deep, length = self._raise(draw.between(5.0, 6.5))
+        half, depth = ground.parcel.width / 2, ground.parcel.depth
         yield
+        if self._building and setback > 4.2:
+            size = (3.2, min(8.0, round(length - 2, 2)), 0.15)
+            self._terrace = ground.stand("deck", u, setback - 1.75, size, margin=0.02)
+        yield
+        if self._roof and draw.chance(0.4):
+            self._roof_deck = lay_roof_deck(ground.builder, draw, self._roof)
+        yield
+        side = 1 if u < 0 else -1
+        bays: dict[str, AttributeValue] = {"rows": 1}
+        at = (side * (half - _BAYS_M[1] / 2 - 0.3), _BAYS_M[0] / 2 + 0.2)
+        size = (_BAYS_M[1], _BAYS_M[0], _BAYS_M[2])
+        self._bays = ground.stand("parking_lot", *at, size, turn=0.0, attributes=bays)
+        yield
+        garden = depth - setback - deep
+        if garden > 5:
+            long = round(min(2 * half - 3, 22.0), 2)
+            v = setback + deep + 1.6
+            self._walk = ground.stand("sidewalk", 0.0, v, (long, 1.6, 0.05), turn=0.0)
+            yield
+            size = (3.6, 4.4, 3.0)
+            colour: dict[str, AttributeValue] = {"colour": draw.one_of(("white", "green", "red"))}
+            self._pavilion = ground.stand(
+                "canopy", -side * 0.5 * half, depth - 2.6, size, attributes=colour
+            )
+            yield
+        ground.fence_line((-half + 0.4, depth - 0.3), (half - 0.4, depth - 0.3), "hedge", 1.3)
+        yield
+
+    def _raise(self, setback: float) -> tuple[float, float, float, float]:
+        """Put the building up; place along the street, setback, depth and length."""
+        ground, draw = self.ground, self.ground.draw
+        width, depth = ground.parcel.width, ground.parcel.depth
+        length = round(min(draw.between(12, 16.5), width - 2.0), 2)
+        deep = round(min(draw.between(7.5, 9.5), depth - setback - 1.0), 2)
+        u = draw.between(-0.5, 0.5) * max(0.0, width - length - 3)
+        if width >= _LEAST_SHELL_M[0] and depth >= _LEAST_SHELL_M[1]:
+            shell = raise_furnished(
+                ground,
+                "building",
+                u,
+                setback + deep / 2,
+                deep=deep,
+                length=length,
+                storeys=1 if draw.chance(0.2) else 2,
+            )
+            if shell:
+                self._building, self._rooms = shell.building, list(shell.rooms)
+        else:
+            deep = round(max(6.0, deep), 2)
+            setback = round(max(0.6, min(setback, depth - deep - 0.6)), 2)
+            attributes: dict[str, AttributeValue] = {
+                "colour": draw.one_of(WALL_COLOURS),
+                "form": "plain",
+            }
+            size = (deep, length, 6.4)
+            self._building = ground.erect(
+                "building", u, setback + deep / 2, size, attributes=attributes
+            )
+        if self._building:
+            self._roof = add_flat_roof(ground.builder, self._building)
+        return u, setback, deep, length
 
     def details(self) -> Iterator[None]:
-        """Furniture inside, machines and a pad on the roof, plants and seats outside."""
+        """Furniture inside and on the terrace, machines on the roof, the forecourt."""
         ground, draw = self.ground, self.ground.draw
-        programme = _PROGRAMMES[draw.one_of(tuple(_PROGRAMMES))]
-        for shell, roof in self._shells:
-            for index, space in enumerate(shell.rooms):
-                kind = programme[index % len(programme)]
-                yield from FURNISHINGS[kind](Interior(ground.builder, draw, space))
-            if roof:
-                if draw.chance(0.6):
-                    add_roof_pad(ground.builder, draw, roof)
-                equip_flat_roof(ground.builder, draw, roof, items=draw.count(2, 5))
-        self._furnish_outside()
-        yield
+        roofs: list[Iterator[None]] = []
+        if self._roof:
+            roofs.append(furnish_flat_roof(ground.builder, draw, self._roof))
+        if self._roof_deck:
+            roofs.append(furnish_roof_deck(ground.builder, draw, self._roof_deck))
+        rooms = furnish(ground, self._rooms, _PROGRAMMES[self._use])
+        yield from in_turn(rooms, self._receive(), *roofs, self._garden())
 
-    def _furnish_outside(self) -> None:
+    def _receive(self) -> Iterator[None]:
+        """Planters and tables on the terrace, bicycles, cars in the visitors' bays."""
         ground, draw = self.ground, self.ground.draw
-        half, depth = ground.parcel.width / 2, ground.parcel.depth
+        half = ground.parcel.width / 2
         if self._terrace:
+            terrace, platform = self._terrace, on_top(ground, self._terrace)
+            reach = terrace.size[1] / 2
             for sign in (-1, 1):
-                ground.builder.place(
-                    "planter",
-                    self._terrace.frame,
-                    0.9,
-                    sign * (self._terrace.size[1] / 2 - 0.7),
-                    (0.5, 1.2, 0.9),
-                    base=self._terrace.top,
-                    parent=self._terrace,
+                platform.stand(
+                    "planter", terrace.frame, -0.9, sign * (reach - 0.7), (0.5, 1.2, 0.9)
                 )
-        ground.plant_trees(draw.count(1, 3), (-half, half, 0.6 * depth, depth))
-        ground.scatter("bush", draw.count(1, 2), near=(-half, half, 0.5, 4.0))
-        if draw.chance(0.7):
-            ground.stand("bench", draw.between(-0.8, 0.8) * half, 1.2)
-        for _ in range(draw.count(0, 2)):
-            ground.stand("bicycle", draw.between(-0.8, 0.8) * half, 2.6, margin=0.1)
+            yield
+            if reach > 2.6:
+                spots = [(0.3, sign * (reach - 1.2)) for sign in (-1, 1)]
+                yield from dine(platform, terrace.frame, spots, 0.0, chairs=2)
+        if self._bays:
+            bays = on_top(ground, self._bays)
+            for index in draw.shuffled(range(3)):
+                at = (index - 1) * 2.5
+                park(
+                    bays, "car", self._bays.frame, at, 0.0, INWARD if draw.chance(0.6) else -INWARD
+                )
+                yield
+        bearing = OpenGround(ground)
+        u = draw.between(-0.7, 0.7) * half
+        rack_bicycles(bearing, ground.parcel.frame, u, 1.4, draw.count(3, 4))
+        yield
+        ground.stand("sign", -0.3 * half, 0.7, (0.12, 1.6, 2.2))
+        for _ in range(2):
+            ground.stand("bench", draw.between(-0.8, 0.8) * half, 1.2, turn=INWARD)
+        yield
+        for _ in range(2):
+            ground.scatter("planter", 1, near=(-half, half, 0.4, 4.5), turn=0.0)
+            ground.scatter("bush", 1, near=(-half, half, 0.4, 4.5))
+            yield
+
+    def _garden(self) -> Iterator[None]:
+        """Trees, seats along the path, a table in the pavilion."""
+        ground = self.ground
+        half, depth = ground.parcel.width / 2, ground.parcel.depth
+        back = (-half, half, 0.6 * depth, depth)
+        ground.plant_trees(2, back)
+        yield
+        if self._pavilion:
+            pavilion = self._pavilion
+            yield from dine(beneath(ground, pavilion), pavilion.frame, [(0.0, 0.0)], QUARTER)
+        if self._walk:
+            end = self._walk.size[0] / 2
+            yield from line_way(OpenGround(ground), self._walk.frame, (-end, end), 0.8)
+        for _ in range(2):
+            ground.plant_trees(1, back)
+            ground.scatter("bush", 2, near=back)
+            yield
+        ground.plant_trees(1, (-half, half, 0.3, 5.0))
+        ground.scatter("bin", 1, turn=0.0)
+        yield

@@ -1,121 +1,164 @@
-"""A logistics yard: an open hall, containers, pallets, a truck."""
+"""A container yard: stacks in rows with lanes between, goods, trucks, an office in a container."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi
 
 from aeroscene.curation.builder import Placed
-from aeroscene.curation.frame import STREETWARD
+from aeroscene.curation.frame import INWARD, QUARTER, STREETWARD
+from aeroscene.curation.places.bearing import OpenGround, beneath, on_top
+from aeroscene.curation.places.boundary import enclose
+from aeroscene.curation.places.filling import fill_up
+from aeroscene.curation.places.goods import (
+    CONTAINER_M,
+    pallet_row,
+    scatter_goods,
+    set_container,
+    stack_container,
+)
 from aeroscene.curation.places.ground import Ground
+from aeroscene.curation.places.roadside import park
+from aeroscene.curation.places.turns import in_turn
 from aeroscene.scene import AttributeValue
-from aeroscene.shapes.materials import PAINT_COLOURS
+
+_PITCH_M = 3.0
+"""From container to container in a row."""
+_LANE_M = 6.5
+_GATE_M = 7.0
 
 
 @dataclass(slots=True)
 class Yard:
-    """A paved yard with goods."""
+    """Asphalt with container stacks at the back and along one side, fenced."""
 
     ground: Ground
-    _hall: Placed | None = None
+    _stacks: list[Placed] = field(default_factory=list)
+    _office: Placed | None = None
+    _shelter: Placed | None = None
+    _side: int = 1
 
     def structures(self) -> Iterator[None]:
-        """A hall with a gate at each end, containers along the side, a fence."""
+        """Two stacks, then an office, a shelter for goods, more stacks, fences with a gate."""
         ground, draw = self.ground, self.ground.draw
-        ground.cover("parking_lot", {"rows": 0})
-        half, depth = ground.parcel.width / 2, ground.parcel.depth
-        deep, length = min(14.0, depth - 10), min(draw.between(11, 14), 2 * half - 6)
-        side = 1 if draw.chance(0.5) else -1
-        hall_u = side * (half - length / 2 - 0.8)
-        attributes: dict[str, AttributeValue] = {
-            "is_enterable": True,
-            "colour": draw.one_of(PAINT_COLOURS),
-        }
-        size = (deep, length, draw.between(5.6, 7.0))
-        self._hall = ground.erect(
-            "warehouse", hall_u, depth - deep / 2 - 1.5, size, attributes=attributes
-        )
-        if self._hall:
-            for sign in (-1, 1):
-                gate = (7.0, 4.6, 3.8)
-                at = sign * size[0] / 2
-                ground.builder.reserve(self._hall.frame, at, 0, gate, ground.level + 0.05)
-        for index in range(draw.count(2, 4)):
-            colour: dict[str, AttributeValue] = {"colour": draw.one_of(PAINT_COLOURS)}
-            v = depth - 3.6 - 3.1 * index
-            long = 6.06 if draw.chance(0.7) else 12.2
-            u = -side * (half - 0.6 - long / 2)
-            turn = 0.0 if side > 0 else pi
-            box = ground.erect("container", u, v, (long, 2.44, 2.59), turn=turn, attributes=colour)
-            if box and draw.chance(0.35):
-                ground.builder.place(
-                    "container",
-                    box.frame,
-                    0,
-                    0,
-                    (6.06, 2.44, 2.59),
-                    base=box.top,
-                    parent=box,
-                    attributes={"colour": draw.one_of(PAINT_COLOURS)},
-                )
-        ground.fence_line((-half + 0.3, depth - 0.2), (half - 0.3, depth - 0.2), "rails", 1.8)
+        attributes: dict[str, AttributeValue] = {"rows": 0, "form": "bays"}
+        ground.cover("parking_lot", attributes)
+        self._side = 1 if draw.chance(0.5) else -1
+        spots = self._spots()
+        for spot in spots[:2]:
+            self._stack(*spot)
         yield
+        self._set_office()
+        yield
+        half, depth = ground.parcel.width / 2, ground.parcel.depth
+        if half > 8 and depth > 18:
+            size = (6.0, 4.5, 4.2)
+            colour: dict[str, AttributeValue] = {"colour": "silver", "form": "flat"}
+            at = (-self._side * (half - 3.2), min(0.45 * depth, depth - 11))
+            self._shelter = ground.stand("canopy", *at, size, turn=INWARD, attributes=colour)
+        yield
+        for spot in spots[2:6]:
+            self._stack(*spot)
+            yield
+        gate = (self._side * half / 2 - _GATE_M / 2, self._side * half / 2 + _GATE_M / 2)
+        yield from enclose(ground, "mesh", 2.0, gate)
+        for spot in spots[6:]:
+            self._stack(*spot)
+            yield
+
+    def _spots(self) -> list[tuple[float, float, float]]:
+        """Places and headings of stacks: a row at the back, half a row before it."""
+        half, depth = self.ground.parcel.width / 2, self.ground.parcel.depth
+        long = CONTAINER_M[0]
+        back, reach = depth - 1.0 - long / 2, half - 1.0 - CONTAINER_M[1] / 2
+        count = max(1, int(2 * reach / _PITCH_M) + 1)
+        rows = [back]
+        if back - long - _LANE_M - long / 2 > 9:
+            rows.append(back - long - _LANE_M)
+        spots: list[tuple[float, float, float]] = []
+        for row, v in enumerate(rows):
+            usable = count if row == 0 else count // 2
+            order = range(usable)
+            # Stacks stand close together from one side on, and leave the other side open.
+            spots += [(self._side * (reach - index * _PITCH_M), v, STREETWARD) for index in order]
+        return spots[:9]
+
+    def _stack(self, u: float, v: float, turn: float) -> None:
+        ground, draw = self.ground, self.ground.draw
+        top = set_container(ground, u, v, turn)
+        for _ in range(draw.count(0, 2) if top else 0):
+            top = stack_container(ground, top) if top and draw.chance(0.75) else top
+        if top:
+            self._stacks.append(top)
+
+    def _set_office(self) -> None:
+        """A container with a door by the gate, steps before it."""
+        ground, half = self.ground, self.ground.parcel.width / 2
+        attributes: dict[str, AttributeValue] = {"colour": "white", "form": "office"}
+        u = -self._side * (half - CONTAINER_M[0] / 2 - 0.8)
+        self._office = ground.erect(
+            "container", u, 2.2, CONTAINER_M, turn=0.0, attributes=attributes
+        )
+        if self._office:
+            ground.stand("deck", u, 4.7, (3.0, 1.8 * 2, 0.2), turn=0.0, margin=0.02)
 
     def details(self) -> Iterator[None]:
-        """Goods in the hall, a truck at the gate, barrels and crates outside."""
+        """Trucks in the lane, pallets and crates, machines on the office, lights."""
+        ground = self.ground
+        half, depth = ground.parcel.width / 2, ground.parcel.depth
+        apron = (-half + 1.0, half - 1.0, 4.0, depth - 2.0)
+        yield from in_turn(
+            self._drive(),
+            scatter_goods(ground, OpenGround(ground), apron, 9),
+            self._staff(),
+        )
+
+    def _drive(self) -> Iterator[None]:
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
-        if self._hall:
-            self._stock(self._hall)
-        colour: dict[str, AttributeValue] = {"colour": draw.one_of(PAINT_COLOURS)}
-        turn = 0.0 if draw.chance(0.5) else pi
-        truck = (draw.between(6.5, 8), 2.4, 3.2)
-        ground.stand(
-            "truck", draw.between(-0.4, 0.4) * half, 3.0, truck, turn=turn, attributes=colour
-        )
-        ground.stand("van", draw.between(-0.6, 0.6) * half, 6.5, turn=turn)
-        for name, low, high in (("pallet", 2, 4), ("crate", 2, 3), ("barrel", 2, 3)):
-            ground.scatter(name, draw.count(low, high), near=(-half, half, 4.0, depth))
-        ground.stand("sign", 0.85 * half, 0.6, turn=STREETWARD)
+        frame, bearing = ground.parcel.frame, OpenGround(ground)
+        lane = depth - 1.5 - CONTAINER_M[0] - _LANE_M / 2
+        park(bearing, "truck", frame, draw.between(-0.3, 0.3) * half, lane, draw.count(0, 1) * pi)
+        yield
+        gate_u = self._side * half / 2
+        park(bearing, draw.one_of(("truck", "van")), frame, gate_u, 5.5, INWARD)
+        yield
+        if self._shelter:
+            under = beneath(ground, self._shelter)
+            for v in (-1.1, 1.1):
+                pallet_row(under, self._shelter.frame, 0.0, v, 3)
+                yield
+        park(bearing, "van", frame, -gate_u, 6.4, 0.0)
         yield
 
-    def _stock(self, hall: Placed) -> None:
-        """Shelves along the walls, pallets in the middle, a desk in a corner."""
-        draw = self.ground.draw
-        x, y, _ = hall.size
+    def _staff(self) -> Iterator[None]:
+        """Cooling on the office, bins, lamps at the corners, a tank, a sign at the gate."""
+        ground, draw = self.ground, self.ground.draw
+        half, depth = ground.parcel.width / 2, ground.parcel.depth
+        if self._office:
+            office = on_top(ground, self._office)
+            office.stand("ac_unit", self._office.frame, 1.8, 0.0, (0.9, 1.0, 0.8))
+            office.stand("antenna", self._office.frame, -2.2, 0.5, (0.6, 0.6, 2.6))
+            yield
+            beside = OpenGround(ground)
+            reach = self._office.size[1] / 2 + 0.7
+            beside.stand("bench", self._office.frame, -1.8, reach, (0.5, 1.6, 0.85), turn=QUARTER)
+            beside.stand("bin", self._office.frame, 2.4, reach, (0.7, 0.9, 1.1))
+            yield
+        ground.stand("sign", self._side * half / 2 + 4.0, 0.8, (0.1, 1.4, 2.6))
         for sign in (-1, 1):
-            for slot in (-0.25, 0.05, 0.3):
-                size = (0.5, 2.0, 2.2)
-                turn = -sign * 1.5707963267948966
-                self._inside(hall, "shelf", slot * x, sign * (y / 2 - 0.6), size, turn)
-        for _ in range(draw.count(3, 5)):
-            size = draw.size_of("pallet")
-            u, v = draw.between(-0.25, 0.25) * x, draw.between(-0.34, 0.34) * y
-            self._inside(hall, "pallet", u, v, size, 0.0)
-        for _ in range(2):
-            u = draw.between(-0.3, 0.3) * x
-            self._inside(hall, "box", u, -(y / 2 - 1.3), draw.size_of("box"), 0.0)
-
-    def _inside(
-        self,
-        hall: Placed,
-        name: str,
-        u: float,
-        v: float,
-        size: tuple[float, float, float],
-        turn: float,
-    ) -> None:
-        self.ground.builder.place(
-            name,
-            hall.frame,
-            u,
-            v,
-            size,
-            base=hall.base,
-            turn=turn,
-            parent=hall,
-            within=hall,
-            margin=0.1,
-            domain="indoor",
-        )
+            at = sign * (half - 0.9)
+            ground.stand(
+                "street_lamp", at, 0.35 * depth, (1.6, 0.5, 6.5), turn=sign * QUARTER + QUARTER
+            )
+        yield
+        size = draw.size_of("water_tank")
+        ground.stand("water_tank", -self._side * (half - 2.2), depth - 2.4, size)
+        yield
+        for top in self._stacks[:3]:
+            draw_size = (0.6, 0.6, 0.5)
+            on_top(ground, top).stand("crate", top.frame, draw.between(-2, 2), 0.0, draw_size)
+        yield
+        names = ("pallet", "barrel", "bin", "crate", "bicycle")
+        yield from fill_up(ground, names, (-half, half, 1.0, depth), 9)

@@ -10,7 +10,8 @@ TEXTURED = [m for m in MATERIALS.values() if m.texture is not None]
 @pytest.mark.parametrize("texture", sorted({m.texture for m in TEXTURED}))
 def test_every_texture_of_a_scene_has_a_pattern_of_its_own(texture):
     picture = tile(texture, (0.5, 0.4, 0.3))
-    assert picture.shape == (TILE_PIXELS, TILE_PIXELS, 3)
+    assert picture.shape[0] == picture.shape[1] >= TILE_PIXELS
+    assert picture.shape[2] == 3
     assert picture.dtype == np.uint8
     assert picture.std() > 1.0
     if texture != "plaster":

@@ -11,7 +11,12 @@ from scipy.spatial.transform import Rotation
 
 from aeroscene.shapes import MATERIALS
 from scenarios.recording.frames import depth_to_uint16, encode_png
-from scenarios.recording.scene import DRONE_CLASS_RGB, hull_triangles, polygon_triangles
+from scenarios.recording.scene import (
+    DRONE_CLASS_RGB,
+    PERCHING_RGB,
+    hull_triangles,
+    polygon_triangles,
+)
 
 BATCHES = {
     "box": "Boxes3D:half_sizes",
@@ -75,12 +80,20 @@ def test_a_box_has_its_place_size_and_colour(flight, contents):
 
 
 def test_landing_areas_are_outlined_by_drone_class(flight, contents):
-    expected = Counter(area.drone_class for area in flight.scene.interaction_areas)
+    expected = Counter(area.drone_class for area in flight.scene.landing_areas)
     assert expected
     for drone_class in DRONE_CLASS_RGB:
         entity = f"world/landing_areas/{drone_class}/outline"
         strips = contents.column(entity, "LineStrips3D:strips")[1]
         assert sum(len(strip) for strip in strips) == expected[drone_class]
+
+
+def test_perching_areas_are_outlined_apart_from_landing_areas(flight, contents):
+    assert flight.scene.perching_areas
+    entity = "world/perching_areas/outline"
+    strips = contents.column(entity, "LineStrips3D:strips")[1]
+    assert sum(len(strip) for strip in strips) == len(flight.scene.perching_areas)
+    assert PERCHING_RGB not in DRONE_CLASS_RGB.values()
 
 
 @given(

@@ -1,0 +1,125 @@
+"""Faces that look upwards, level or sloping: the candidates for standing on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import atan, cos, hypot
+
+import numpy as np
+import shapely
+from jaxtyping import Float
+from shapely.geometry.base import BaseGeometry
+
+from aeroscene.areas.needs import MAX_SLOPE_RAD, PERCH_NEEDS
+from aeroscene.outlines import outline_of
+from aeroscene.solids import Solids, hull_faces
+
+_LEVEL = 1e-4
+"""Gradient below which a face is level."""
+_ROUND = 16
+"""Corners of a circle's outline."""
+_MERGE_M = 0.002
+"""Faces of one object whose heights differ by less, in gradients too, are one face."""
+_SLACK_RAD = 1e-6
+_RECTANGLE = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Face:
+    """A plane upward face of an object, of slope `MAX_SLOPE_RAD` at most."""
+
+    object_id: int
+    outline: BaseGeometry
+    """Seen from above, ENU, m."""
+    gradient: tuple[float, float]
+    """Rise towards east and north."""
+    height_at_origin_m: float
+    """Of the face's plane."""
+
+    @property
+    def slope_rad(self) -> float:
+        """Angle to the horizontal; exactly 0 where level."""
+        return atan(hypot(*self.gradient))
+
+    @property
+    def is_level(self) -> bool:
+        """Whether one height holds for all of it."""
+        return self.gradient == (0.0, 0.0)
+
+    def height_m(self, x: float, y: float) -> float:
+        """Height of the plane at a place."""
+        return self.height_at_origin_m + self.gradient[0] * x + self.gradient[1] * y
+
+
+_Piece = tuple[int, Float[np.ndarray, " 3"], Float[np.ndarray, "k 3"]]
+"""Solid, upward unit normal, corners."""
+
+
+def upward_faces(solids: Solids, is_wanted: Callable[[int], bool]) -> list[Face]:
+    """Upper faces of boxes, cylinders and hulls, those of one object and plane united.
+
+    Args:
+        solids: The solids of a scene.
+        is_wanted: Whether an object, given by its id, matters.
+    """
+    groups: dict[tuple[int, ...], list[tuple[_Piece, tuple[float, float, float]]]] = {}
+    for piece in _pieces(solids, is_wanted):
+        index, normal, corners = piece
+        gx, gy = (-normal[:2] / normal[2]).tolist()
+        if hypot(gx, gy) < _LEVEL:
+            gx = gy = 0.0
+        x, y, z = corners[0].tolist()
+        height = z - gx * x - gy * y
+        object_id = int(solids.object_id[index])
+        key = (object_id, *(round(value / _MERGE_M) for value in (gx, gy, height)))
+        groups.setdefault(key, []).append((piece, (gx, gy, height)))
+    faces = [_united(key[0], group) for key, group in groups.items()]
+    least_m2 = np.pi * PERCH_NEEDS.surface_radius_m**2
+    return [face for face in faces if face.outline.area > least_m2]
+
+
+def _united(object_id: int, group: list[tuple[_Piece, tuple[float, float, float]]]) -> Face:
+    outlines = [outline_of(piece[2]) for piece, _ in group]
+    outline = outlines[0] if len(outlines) == 1 else shapely.union_all(outlines)
+    gx, gy, height = max((plane for _, plane in group), key=lambda plane: plane[2])
+    return Face(object_id, outline, (gx, gy), height)
+
+
+def _pieces(solids: Solids, is_wanted: Callable[[int], bool]) -> Iterator[_Piece]:
+    steepest = cos(MAX_SLOPE_RAD + _SLACK_RAD)
+    upness = np.abs(solids.rotation[:, 2, :])
+    axis = np.where(solids.is_cylinder, 2, upness.argmax(axis=1))
+    is_flat = np.take_along_axis(upness, axis[:, None], axis=1)[:, 0] >= steepest
+    for i in np.flatnonzero(solids.is_mesh | (is_flat & (solids.is_box | solids.is_cylinder))):
+        if not is_wanted(int(solids.object_id[i])):
+            continue
+        if solids.is_mesh[i]:
+            yield from _hull_pieces(solids, int(i), steepest)
+        else:
+            yield _flat_piece(solids, int(i), int(axis[i]))
+
+
+def _flat_piece(solids: Solids, index: int, axis: int) -> _Piece:
+    """The upper face of a box or the upper cap of a cylinder, circles by a polygon inside them."""
+    rotation, half = solids.rotation[index], solids.half_m[index]
+    normal = rotation[:, axis] * np.sign(rotation[2, axis])
+    first, second = (i for i in range(3) if i != axis)
+    if solids.is_cylinder[index]:
+        turns = 2 * np.pi * np.arange(_ROUND) / _ROUND
+        plane = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    else:
+        plane = _RECTANGLE
+    across = plane[:, :1] * half[first] * rotation[:, first]
+    along = plane[:, 1:] * half[second] * rotation[:, second]
+    return index, normal, solids.centre_m[index] + half[axis] * normal + across + along
+
+
+def _hull_pieces(solids: Solids, index: int, steepest: float) -> Iterator[_Piece]:
+    rotation, centre = solids.rotation[index], solids.centre_m[index]
+    vertices_m = solids.primitives[index].vertices_m
+    faces = hull_faces(vertices_m)
+    normals = faces.planes[:, :3] @ rotation.T
+    for number in np.flatnonzero(normals[:, 2] >= steepest):
+        corners = np.asarray(vertices_m)[faces.corners[number]]
+        yield index, normals[number], corners @ rotation.T + centre

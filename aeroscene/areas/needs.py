@@ -1,0 +1,73 @@
+"""What a drone of each class needs of a place to stand, and how many places a scene keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import radians
+from types import MappingProxyType
+
+from aeroscene.scene import AreaKind, DroneClass, InteractionArea
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AreaNeeds:
+    """What a place must offer, m."""
+
+    surface_radius_m: float
+    """Even surface about the touchdown point: the feet and the scatter of a landing."""
+    body_radius_m: float
+    """Free of what stands higher than the legs."""
+    flight_radius_m: float
+    """Free ball all the way from the start."""
+    clearance_m: float
+    """Free height above the surface."""
+
+
+# A Hummingbird reaches 0.4 m from its centre and an Iris 0.45 m.
+NEEDS: Mapping[DroneClass, AreaNeeds] = MappingProxyType(
+    {
+        "large": AreaNeeds(
+            surface_radius_m=2.6, body_radius_m=2.6, flight_radius_m=1.0, clearance_m=1.5
+        ),
+        "medium": AreaNeeds(
+            surface_radius_m=1.2, body_radius_m=1.2, flight_radius_m=0.7, clearance_m=1.5
+        ),
+        "small": AreaNeeds(
+            surface_radius_m=0.4, body_radius_m=0.6, flight_radius_m=0.45, clearance_m=1.5
+        ),
+    }
+)
+"""For landing, largest class first."""
+
+PERCH_NEEDS = AreaNeeds(
+    surface_radius_m=0.22, body_radius_m=0.45, flight_radius_m=0.45, clearance_m=1.0
+)
+"""For perching: the feet of a Hummingbird stand on a circle of 0.17 m."""
+
+MAX_SLOPE_RAD = radians(10.0)
+"""Steepest surface: the limit of the pilot's eyes, `autonomy.perception.LandingNeeds`."""
+STEP_M = 0.008
+"""What rises less than this above a surface is no obstacle: it tips an Iris by under 2 degrees."""
+LEGS_M = 0.1
+"""What rises less than this beside a landed drone stays below its body."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AreaLimits:
+    """At most how many areas a scene keeps; of more, well spread ones stay."""
+
+    small: int
+    medium: int
+    large: int
+    perching: int
+
+
+def needs_of(kind: AreaKind, drone_class: DroneClass) -> AreaNeeds:
+    """The needs that an area of a kind and class claims to meet."""
+    return PERCH_NEEDS if kind == "perching" else NEEDS[drone_class]
+
+
+def area_needs(area: InteractionArea) -> AreaNeeds:
+    """The needs that an area claims to meet."""
+    return needs_of(area.kind, area.drone_class)

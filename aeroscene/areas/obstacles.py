@@ -1,0 +1,141 @@
+"""What stands on a face or hangs over it, seen along the vertical."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+
+import numpy as np
+import shapely
+from jaxtyping import Float, Int
+from shapely.geometry.base import BaseGeometry
+
+from aeroscene.areas.faces import Face
+from aeroscene.geometry import layer
+from aeroscene.outlines import outline_of
+from aeroscene.solids import Solids
+
+_ROUND = 12
+"""Corners of a circle's outline."""
+
+
+@dataclass(frozen=True, slots=True)
+class Obstructions:
+    """Solids that rise above a face, within a region."""
+
+    outlines: np.ndarray
+    """(k,) polygons, seen from above."""
+    base_m: Float[np.ndarray, " k"]
+    """Height of their lower ends above the face."""
+    top_m: Float[np.ndarray, " k"]
+    """Height of their upper ends above the face."""
+
+    def below(self, clearance_m: float) -> Obstructions:
+        """Those whose lower end is lower than a height."""
+        keep = self.base_m < clearance_m
+        return Obstructions(self.outlines[keep], self.base_m[keep], self.top_m[keep])
+
+    def taken_from(self, outline: BaseGeometry) -> BaseGeometry:
+        """What is left of an outline."""
+        touching = self.outlines[shapely.intersects(self.outlines, outline)]
+        if not len(touching):
+            return outline
+        return shapely.difference(outline, shapely.union_all(touching))
+
+    def distance_m(self, point: shapely.Point, above_m: float) -> float:
+        """From a point to the nearest that rises above a height; infinite where none does."""
+        outlines = self.outlines[self.top_m > above_m]
+        return float(shapely.distance(outlines, point).min(initial=np.inf))
+
+
+class Obstacles:
+    """Outlines of all solids of a scene with their heights over any plane.
+
+    Outlines are supersets of the truth: circles lie within their polygons.
+    """
+
+    def __init__(self, solids: Solids) -> None:
+        self._solids = solids
+        self._outlines = _outlines(solids)
+        self._tree = shapely.STRtree(self._outlines)
+        self._is_straight = solids.is_upright & ~solids.is_mesh
+
+    def above(
+        self, face: Face, bounds: tuple[float, float, float, float], step_m: float
+    ) -> Obstructions:
+        """Solids near a rectangle that rise by more than a step above a face."""
+        hits = np.sort(self._tree.query(shapely.box(*bounds)))
+        base, top = self._heights(face, hits)
+        hits, base, top = (values[top > step_m] for values in (hits, base, top))
+        outlines = self._outlines[hits]
+        is_whole = (base >= step_m) | self._solids.is_round[hits]
+        if face.is_level:
+            is_whole |= self._is_straight[hits]
+        for k in np.flatnonzero(~is_whole):
+            outlines[k] = self._cut_outline(face, int(hits[k]), step_m)
+        return Obstructions(outlines, base, top)
+
+    def lowest_above(self, face: Face, disc: BaseGeometry, height_m: float) -> float:
+        """A height above a face over which nothing hangs lower; infinite under open sky."""
+        hits = np.sort(self._tree.query(disc, predicate="intersects"))
+        base, _ = self._heights(face, hits)
+        if not face.is_level:
+            x0, y0, x1, y1 = disc.bounds
+            rise_m = hypot(*face.gradient) * (x1 - x0) / 2
+            highest_m = face.height_m((x0 + x1) / 2, (y0 + y1) / 2) + rise_m
+            # Both are lower bounds: over the whole solid, and of its underside over the disc.
+            base = np.maximum(base, self._solids.low_m[hits, 2] - highest_m)
+        return float(base[base > height_m].min(initial=np.inf))
+
+    def _heights(
+        self, face: Face, hits: Int[np.ndarray, " k"]
+    ) -> tuple[Float[np.ndarray, " k"], Float[np.ndarray, " k"]]:
+        """Lower and upper ends of solids above a face's plane."""
+        if face.is_level:
+            height = face.height_at_origin_m
+            return self._solids.low_m[hits, 2] - height, self._solids.high_m[hits, 2] - height
+        normal, offset = _plane(face)
+        middle = self._solids.centre_m[hits] @ normal - offset
+        reach = self._solids.reach_along(normal[None], hits)[:, 0]
+        return middle - reach[:, 0], middle + reach[:, 1]
+
+    def _cut_outline(self, face: Face, index: int, step_m: float) -> BaseGeometry:
+        """Outline of the part of a solid that rises above a face."""
+        normal, offset = _plane(face)
+        points = layer(self._solids.points(index), normal, offset + step_m, np.inf)
+        return outline_of(points)
+
+
+def _plane(face: Face) -> tuple[Float[np.ndarray, " 3"], float]:
+    """Such that `normal @ x - offset` is the height of a point above the face's plane."""
+    return np.array([-face.gradient[0], -face.gradient[1], 1.0]), face.height_at_origin_m
+
+
+def _outlines(solids: Solids) -> np.ndarray:
+    """Outlines from above; boxes turned about the vertical all at once."""
+    outlines = np.empty(len(solids), dtype=object)
+    signs = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    is_plain = solids.is_box & solids.is_upright
+    corners = signs * solids.half_m[is_plain, None, :2]
+    turned = corners @ np.swapaxes(solids.rotation[is_plain, :2, :2], 1, 2)
+    outlines[is_plain] = shapely.polygons(turned + solids.centre_m[is_plain, None, :2])
+    for i in np.flatnonzero(~is_plain):
+        outlines[i] = outline_of(_shadow(solids, int(i)))
+    return outlines
+
+
+def _shadow(solids: Solids, index: int) -> Float[np.ndarray, "k 2"]:
+    """Points in the plane whose hull holds a solid's shadow."""
+    rotation, half = solids.rotation[index], solids.half_m[index]
+    centre = solids.centre_m[index, :2]
+    if not solids.is_round[index]:
+        return solids.points(index)[:, :2]
+    turns = 2 * np.pi * np.arange(_ROUND) / _ROUND
+    circle = np.stack([np.cos(turns), np.sin(turns)], axis=1) / np.cos(np.pi / _ROUND)
+    if solids.is_cylinder[index]:
+        caps = circle @ (rotation[:2, :2] * half[:2]).T
+        along = half[2] * rotation[:2, 2]
+        return np.vstack([caps + along, caps - along]) + centre
+    # The shadow of an ellipsoid is an ellipse with this matrix.
+    shadow = (rotation * half**2) @ rotation.T
+    return centre + circle @ np.linalg.cholesky(shadow[:2, :2]).T

@@ -1,0 +1,99 @@
+"""The widest places of a free outline: whole small rectangles, else the largest circles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+MAX_RADIUS_M = 3.0
+"""Circles are cut to this radius: an area is a spot, not a field."""
+_VERTICES = 12
+_TOLERANCE = 0.02
+"""Of the largest circle's radius, as a share of the outline's size."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A circle to stand in and the polygon around it."""
+
+    centre: shapely.Point
+    radius_m: float
+    outline: tuple[tuple[float, float], ...]
+
+    def cut(self, radius_m: float) -> Spot:
+        """The same place with a radius of no more than this."""
+        if radius_m >= self.radius_m:
+            return self
+        return _round_spot(self.centre, radius_m / cos(pi / _VERTICES))
+
+
+class FreeOutline:
+    """What of a face is free, and the spots in it, widest first.
+
+    Args:
+        free: Outline of what is free.
+        least_m: Radius below which no spot matters.
+    """
+
+    def __init__(self, free: BaseGeometry, least_m: float) -> None:
+        self._least_m = least_m
+        self._spots: list[tuple[Spot, BaseGeometry]] = []
+        parts = shapely.get_parts(free)
+        whole = _whole_rectangle(parts[0]) if len(parts) == 1 else None
+        if whole is not None:
+            self._spots.append((whole, parts[0]))
+        else:
+            self._add(parts)
+
+    def _add(self, parts: np.ndarray) -> None:
+        for part in parts[shapely.area(parts) > pi * self._least_m**2]:
+            tolerance_m = min(0.2, _TOLERANCE * part.area**0.5)
+            circle = shapely.maximum_inscribed_circle(part, tolerance_m)
+            x, y = circle.coords[0]
+            self._spots.append(
+                (_round_spot(shapely.Point(x, y), min(circle.length, MAX_RADIUS_M)), part)
+            )
+
+    def widest(self) -> Spot | None:
+        """The widest spot that is left, None where all are too narrow."""
+        if not self._spots:
+            return None
+        spot = max(self._spots, key=lambda entry: entry[0].radius_m)[0]
+        return spot if spot.radius_m >= self._least_m else None
+
+    def take(self, spot: Spot, spacing_m: float) -> None:
+        """Leave a spot and what is near it out from now on."""
+        zone = spot.centre.buffer(spot.radius_m + spacing_m, quad_segs=4)
+        touched = [part for _, part in self._spots if shapely.intersects(part, zone)]
+        self._spots = [entry for entry in self._spots if entry[1] not in touched]
+        for part in touched:
+            self._add(shapely.get_parts(shapely.difference(part, zone)))
+
+
+def _round_spot(centre: shapely.Point, outer_m: float) -> Spot:
+    outline = tuple(
+        (
+            centre.x + outer_m * cos(2 * pi * (i + 0.5) / _VERTICES),
+            centre.y + outer_m * sin(2 * pi * (i + 0.5) / _VERTICES),
+        )
+        for i in range(_VERTICES)
+    )
+    return Spot(centre, outer_m * cos(pi / _VERTICES), outline)
+
+
+def _whole_rectangle(part: BaseGeometry) -> Spot | None:
+    """A rectangle of no more than twice the largest circle, with its own centre and half width."""
+    if shapely.get_num_coordinates(part) != 5:
+        return None
+    corners = shapely.get_coordinates(shapely.normalize(part))[:4]
+    sides = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    is_rectangle = abs(part.area - sides[0] * sides[1]) < 1e-3 * part.area
+    if not is_rectangle or max(sides) > 2 * MAX_RADIUS_M or max(sides) > 3.2 * min(sides):
+        return None
+    ring = shapely.get_coordinates(shapely.orient_polygons(part))[:-1]
+    outline = tuple((float(x), float(y)) for x, y in ring.tolist())
+    return Spot(part.centroid, float(min(sides)) / 2, outline)

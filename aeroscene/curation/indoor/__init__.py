@@ -1,0 +1,1 @@
+"""Indoor scenes: one building whose walls and roof bound the flight volume."""

@@ -1,0 +1,1 @@
+"""Kinds of rooms: which furniture stands where, and what lies on it."""

@@ -1,0 +1,28 @@
+"""Layouts that are not ours: read, mapped to our categories, and made flyable.
+
+`neutral`, `aeroscene_json` and `front3d` read one form each into a `NeutralLayout`; `mapping` knows
+whose name for a thing is ours for what; `flyable` adds ground, walls and a start. Importing this
+package loads numpy at most; building a scene loads shapely.
+"""
+
+from aeroscene.layouts.document import (
+    LayoutError,
+    LayoutObject,
+    LayoutRoom,
+    NeutralLayout,
+)
+from aeroscene.layouts.mapping import MappingReport
+from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.reading import pick_layout, read_layout, read_layouts
+
+__all__ = [
+    "LayoutError",
+    "LayoutObject",
+    "LayoutRoom",
+    "MappingReport",
+    "NeutralLayout",
+    "pick_layout",
+    "read_layout",
+    "read_layouts",
+    "read_neutral",
+]

@@ -1,0 +1,68 @@
+"""A layout that is not ours, whatever file it came from: categories in the source's own words.
+
+World frame east, north, up in metres, quaternions `wxyz` box to world, floor at z = 0. Every reader
+ends here, and everything after it (mapping, walls, flight volume) starts here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from aeroscene.scene import Quaternion, SceneError, Vector3
+
+Point2 = tuple[float, float]
+LayoutDomain = Literal["indoor", "outdoor"]
+
+
+class LayoutError(SceneError):
+    """A layout file that breaks a rule; one line naming scene, object and field."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LayoutObject:
+    """One box of a layout."""
+
+    category: str
+    """In the source's words."""
+    p: Vector3
+    """Centre, ENU, m."""
+    q: Quaternion
+    """Unit quaternion wxyz, box to world."""
+    s: Vector3
+    """Full extents along the box's axes, m."""
+    parent: int | None = None
+    """Index of the object that this one stands on or in."""
+    super_category: str = ""
+    """The source's wider category, where it has one."""
+    name: str = ""
+    """What the source calls this very object."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LayoutRoom:
+    """A room's outline, counter-clockwise, not closed, m."""
+
+    name: str
+    polygon: tuple[Point2, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NeutralLayout:
+    """Boxes on a floor: what all sources have in common."""
+
+    scene_id: str
+    source: str
+    """Where it is from, in the source's words."""
+    domain: LayoutDomain
+    floor: tuple[Point2, ...]
+    """Outline, counter-clockwise, not closed, m; empty where the source has no floor."""
+    objects: tuple[LayoutObject, ...]
+    rooms: tuple[LayoutRoom, ...] = ()
+    front: Literal["x", "y"] = "x"
+    """Body axis that points to the front of an object."""
+    attributes: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    """Whatever else the source says, unchecked."""
+    invalid: tuple[str, ...] = ()
+    """What was left out because it broke a rule, one line each."""

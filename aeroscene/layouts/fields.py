@@ -1,0 +1,121 @@
+"""Checks of single fields of a layout: each says which field, what it holds and what is valid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from aeroscene.layouts.document import LayoutError, Point2
+from aeroscene.scene import MAX_EXTENT_M, MIN_SIZE_M, Quaternion, Vector3
+
+RENORMALISE = 1e-3
+"""A quaternion whose norm is this close to one is rounded, not wrong, and is renormalised."""
+MAX_POSITION_M = 10_000.0
+_SHOWN = 60
+"""Characters of a value that an error shows."""
+
+
+def shown(value: object) -> str:
+    """A value as an error shows it: on one line and not endless."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # An integer or a nesting beyond Python's own limits.
+        text = f"a {type(value).__name__} too long to show"
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+
+
+def refuse(field_name: str, value: object, valid: str) -> LayoutError:
+    """The error for a field."""
+    return LayoutError(f"{field_name} is {shown(value)}, valid: {valid}")
+
+
+def mapping(value: object, field_name: str) -> Mapping[str, Any]:
+    """A JSON object."""
+    if not isinstance(value, dict):
+        raise refuse(field_name, value, "a JSON object")
+    return value
+
+
+def need(record: Mapping[str, Any], key: str, prefix: str = "") -> Any:
+    """The value under a key that must be there."""
+    if key not in record:
+        keys = ", ".join(map(str, list(record)[:8])) or "nothing"
+        raise LayoutError(f"{prefix}{key} is missing, valid: an object with {key} (it has {keys})")
+    return record[key]
+
+
+def text(value: object, field_name: str, *, is_empty_valid: bool = False) -> str:
+    """A text, by default not an empty one."""
+    if not isinstance(value, str) or not (value or is_empty_valid):
+        raise refuse(field_name, value, "a text" if is_empty_valid else "a text that is not empty")
+    return value
+
+
+def items(value: object, field_name: str) -> Sequence[Any]:
+    """A JSON list."""
+    if not isinstance(value, list):
+        raise refuse(field_name, value, "a list")
+    return value
+
+
+def numbers(value: object, count: int, field_name: str) -> list[float]:
+    """A list of so many finite numbers."""
+    valid = f"{count} finite numbers"
+    if not isinstance(value, list) or len(value) != count:
+        raise refuse(field_name, value, valid)
+    if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in value):
+        raise refuse(field_name, value, valid)
+    try:
+        floats = [float(v) for v in value]
+    except OverflowError:
+        raise refuse(field_name, value, valid) from None
+    if not all(map(math.isfinite, floats)):
+        raise refuse(field_name, value, valid)
+    return floats
+
+
+def position(value: object, field_name: str) -> Vector3:
+    """A point not absurdly far away, m."""
+    x, y, z = numbers(value, 3, field_name)
+    if max(abs(x), abs(y), abs(z)) > MAX_POSITION_M:
+        raise refuse(field_name, value, f"three numbers within {MAX_POSITION_M:g} m of the origin")
+    return (x, y, z)
+
+
+def size(value: object, field_name: str) -> Vector3:
+    """Extents of a box that has a volume, m."""
+    x, y, z = numbers(value, 3, field_name)
+    if min(x, y, z) < MIN_SIZE_M or max(x, y, z) > MAX_EXTENT_M:
+        valid = f"three extents from {MIN_SIZE_M} to {MAX_EXTENT_M:g} m"
+        raise refuse(field_name, value, valid)
+    return (x, y, z)
+
+
+def quaternion(value: object, field_name: str) -> Quaternion:
+    """A unit quaternion in the order of the source, renormalised where it was only rounded."""
+    a, b, c, d = numbers(value, 4, field_name)
+    norm = math.hypot(a, b, c, d)
+    if abs(norm - 1.0) > RENORMALISE:
+        valid = f"a quaternion of norm 1 within {RENORMALISE:g} (this one has {norm:.6g})"
+        raise refuse(field_name, value, valid)
+    return (a / norm, b / norm, c / norm, d / norm)
+
+
+def polygon(value: object, field_name: str) -> tuple[Point2, ...]:
+    """A simple outline of at least three corners, made counter-clockwise."""
+    from aeroscene.polygon import is_simple, signed_area  # noqa: PLC0415 - only for outlines
+
+    corners: list[Point2] = []
+    for index, corner in enumerate(items(value, field_name)):
+        x, y = numbers(corner, 2, f"{field_name}[{index}]")
+        if max(abs(x), abs(y)) > MAX_POSITION_M:
+            valid = f"two numbers within {MAX_POSITION_M:g} m of the origin"
+            raise refuse(f"{field_name}[{index}]", corner, valid)
+        corners.append((x, y))
+    if len(corners) < 3:
+        raise refuse(field_name, value, "at least 3 corners")
+    outline = corners if signed_area(corners) >= 0 else corners[::-1]
+    if signed_area(outline) <= 0 or not is_simple(outline):
+        raise refuse(field_name, value, "an outline that does not cross itself and holds an area")
+    return tuple(outline)

@@ -1,0 +1,139 @@
+"""A layout as a scene to fly in: a ground, walls about rooms, a start, landing areas.
+
+What we add, because sources hold furniture and outlines only:
+
+- Ground. Outdoors lawn over the floor's outline, indoors a room object for each rectangle of each
+  room. The source's z = 0 becomes the upper face of it.
+- Walls about rooms with openings between neighbours, see `walls`, as high as the tallest object
+  asks, at least 3 m.
+- A roof over all rooms, so that the way from one to the next leads through openings, and a yard
+  about the house with one opening to it: rooms of real furniture are often too full for an Iris.
+- The uppermost 0.25 m of a building is its roof, an object of its own on which a drone may land.
+- The start: the middle of a wide free disc, on a floor where there is somewhere to fly to from
+  there, else in the yard.
+
+Nothing is moved: overlaps of the source stay. Tilted boxes stay tilted.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from aeroscene.landing import derive_interaction_areas
+from aeroscene.layouts.document import LayoutError, NeutralLayout
+from aeroscene.layouts.house import build_house, lay_ground
+from aeroscene.layouts.mapping import MappingReport
+from aeroscene.layouts.placing import place_objects
+from aeroscene.layouts.site import Grounds, Site, survey
+from aeroscene.layouts.start import start_places
+from aeroscene.scene import Scene, SceneDomain, Vector3
+
+SKY_M = 6.0
+"""Free height over the tallest thing outdoors."""
+MAX_TOP_M = 60.0
+"""Top of the flight volume, whatever is taller."""
+AWAY_M = 2.0
+"""Landing nearer to the start than this is no flight."""
+ENOUGH_AREAS = 3
+"""Landing areas away from a start, for more than a small drone, that make it a good one."""
+_OVERHANG_M = 10.0
+"""By how much the flight volume reaches beyond the ground where things stand out over its edge."""
+# Where simulated flights are by default: PX4's home.
+_ORIGIN = (47.397742, 8.545594, 488.0)
+
+
+def map_layout(layout: NeutralLayout) -> MappingReport:
+    """What would become of the objects of a layout, without building the scene.
+
+    Raises:
+        LayoutError: If nothing of it could be used.
+    """
+    try:
+        return survey(layout).report()
+    except LayoutError as error:
+        raise error.within(f"scene {layout.scene_id!r}") from None
+
+
+def make_flyable(layout: NeutralLayout) -> tuple[Scene, MappingReport]:
+    """Build the scene of a layout.
+
+    Raises:
+        LayoutError: If nothing of it could be used, or there is no free place to start from.
+    """
+    try:
+        site = survey(layout)
+        if site.is_indoor:
+            grounds, top_m = build_house(site)
+        else:
+            grounds, top_m = lay_ground(site), site.top_m
+        place_objects(site)
+        return _with_start(site, grounds, round(top_m + SKY_M, 3)), site.report()
+    except LayoutError as error:
+        raise error.within(f"scene {layout.scene_id!r}") from None
+
+
+def _with_start(site: Site, grounds: Grounds, top_m: float) -> Scene:
+    """The scene from the first start from which there is somewhere to fly to, else the best one."""
+    best: tuple[int, Scene] | None = None
+    for regions in grounds:
+        for place, yaw_rad in start_places(site.assembly.objects, regions, site.lift_m):
+            scene = _scene(site, place, yaw_rad, top_m)
+            scene = replace(scene, interaction_areas=derive_interaction_areas(scene))
+            n_away = _count_away(scene)
+            if best is None or n_away > best[0]:
+                best = n_away, scene
+            if n_away >= ENOUGH_AREAS:
+                return scene
+    if best is None:
+        raise LayoutError(
+            "floor has no free place to start from, valid: a disc of 0.5 m radius with nothing "
+            "on or above it"
+        )
+    return best[1]
+
+
+def _count_away(scene: Scene) -> int:
+    """Areas to land on away from the start with more than a small drone."""
+    x, y, _ = scene.start_position_enu_m
+    return sum(
+        area.drone_class != "small"
+        and math.hypot(area.centroid[0] - x, area.centroid[1] - y) >= AWAY_M
+        for area in scene.landing_areas
+    )
+
+
+def _scene(site: Site, place: Vector3, yaw_rad: float, top_m: float) -> Scene:
+    low, high = _extent(site, top_m)
+    has_indoor = any(obj.domain == "indoor" for obj in site.assembly.objects)
+    domain: SceneDomain = "indoor" if site.is_indoor else "mixed" if has_indoor else "outdoor"
+    latitude_deg, longitude_deg, altitude_m = _ORIGIN
+    return Scene(
+        scene_id=site.layout.scene_id,
+        domain=domain,
+        seed=0,
+        extent_min_enu_m=low,
+        extent_max_enu_m=high,
+        start_position_enu_m=place,
+        start_yaw_rad=yaw_rad,
+        latitude_deg=latitude_deg,
+        longitude_deg=longitude_deg,
+        altitude_m=altitude_m,
+        objects=tuple(site.assembly.objects),
+    )
+
+
+def _extent(site: Site, top_m: float) -> tuple[Vector3, Vector3]:
+    """The flight volume: the ground, what reaches a little over its edge, and air above."""
+    grounds = [obj for obj in site.assembly.objects if obj.category in {"lawn", "room"}]
+    ground = np.concatenate([obj.bbox.corners() for obj in grounds])
+    corners = np.concatenate([obj.bbox.corners() for obj in site.assembly.objects])
+    low = np.maximum(corners.min(axis=0), ground.min(axis=0) - _OVERHANG_M)
+    high = np.minimum(corners.max(axis=0), ground.max(axis=0) + _OVERHANG_M)
+    top_m = min(max(top_m, float(corners[:, 2].max())), MAX_TOP_M)
+    return (
+        (round(float(low[0]), 3), round(float(low[1]), 3), 0.0),
+        (round(float(high[0]), 3), round(float(high[1]), 3), round(top_m, 3)),
+    )

@@ -1,0 +1,282 @@
+"""3D-FRONT's own JSON: one file a house, y up, metres.
+
+What its fields mean, as found in the data set's published toolbox (3D-FRONT-ToolBox) and in the
+readers of ATISS and BlenderProc:
+
+- `furniture[]`: `uid` (what children refer to), `jid` (the 3D-FUTURE model), `size` (extents of the
+  model, x, y up, z; older files call it `bbox`), `category` or `title` (often missing: then
+  `model_info.json` of 3D-FUTURE says it by `jid`), `valid` (false: the model is not public, the
+  piece is left out by every reader; missing counts as true here).
+- `mesh[]`: the architecture as triangles: `uid`, `type` (Floor, WallInner, WallOuter, Ceiling,
+  Door, Window, ...), `xyz` and `faces`, both flat lists.
+- `scene.room[]`: `type`, `instanceid`, and `children[]`, each with `ref` (a `uid` of furniture or
+  mesh; others are lights and the like, ignored), `pos`, `rot` (quaternion x, y, z, w), `scale`.
+  Positions are those of the house; the rooms' own `pos` and `rot` are not applied by any reader.
+- A model's origin is the middle of its bottom, its front +z.
+
+The frame becomes ours by X = -x, Y = z, Z = y, a proper rotation, with the origin in the middle of
+the floors. Floors become rooms; walls are built from their outlines, for meshes of walls are open
+shells with door leaves in them. Hierarchy there is none: `parent` is always None.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aeroscene.geometry import rotation_matrix
+from aeroscene.layouts import fields
+from aeroscene.layouts.document import (
+    LayoutError,
+    LayoutObject,
+    LayoutRoom,
+    NeutralLayout,
+    Point2,
+)
+from aeroscene.polygon import signed_area
+from aeroscene.scene import Quaternion, Vector3
+
+if TYPE_CHECKING:
+    import shapely
+
+_CLOSE_M = 0.005
+_SIMPLIFY_M = 0.02
+_LEAST_ROOM_M2 = 0.5
+_MARGIN_M = 0.5
+"""Floor about the furniture of a house without floors."""
+
+ModelInfo = Mapping[str, Mapping[str, Any]]
+
+
+def read_model_info(folder: Path) -> ModelInfo:
+    """3D-FUTURE's `model_info.json` under `model_id`, if it lies in the folder or the one above."""
+    for path in (folder / "model_info.json", folder.parent / "model_info.json"):
+        try:
+            records = json.loads(path.read_bytes())
+        except (OSError, ValueError):
+            continue
+        if isinstance(records, list):
+            entries = [record for record in records if isinstance(record, dict)]
+            return {str(entry.get("model_id")): entry for entry in entries}
+    return {}
+
+
+def front3d_layout(
+    value: object, *, skip_invalid: bool = False, model_info: ModelInfo | None = None
+) -> NeutralLayout:
+    """The layout of a house from its JSON value.
+
+    Raises:
+        LayoutError: Naming scene, object and field.
+    """
+    record = fields.mapping(value, "house")
+    scene_id = str(record.get("uid") or "house")
+    try:
+        return _House(record, skip_invalid, model_info or {}).layout(scene_id)
+    except LayoutError as error:
+        raise error.within(f"scene {scene_id!r}") from None
+
+
+class _House:
+    """The parts of one file while it is read."""
+
+    def __init__(self, record: Mapping[str, Any], skip_invalid: bool, info: ModelInfo) -> None:
+        self._record = record
+        self._skip_invalid = skip_invalid
+        self._info = info
+        self._invalid: list[str] = []
+        self._n_ignored = 0
+
+    def layout(self, scene_id: str) -> NeutralLayout:
+        furniture = self._by_uid("furniture")
+        meshes = self._by_uid("mesh") if "mesh" in self._record else {}
+        scene = fields.mapping(fields.need(self._record, "scene"), "scene")
+        objects: list[LayoutObject] = []
+        rooms: list[LayoutRoom] = []
+        for number, entry in enumerate(fields.items(fields.need(scene, "room"), "scene.room")):
+            room = fields.mapping(entry, f"scene.room[{number}]")
+            name = str(room.get("instanceid") or room.get("type") or f"room {number}")
+            floors: list[np.ndarray] = []
+            children = fields.items(room.get("children") or [], f"scene.room[{number}].children")
+            for index, child in enumerate(children):
+                where = f"object {name}/children[{index}]"
+                self._read_child(child, where, furniture, meshes, objects, floors)
+            outline = _outline(floors)
+            if outline:
+                rooms.append(LayoutRoom(name=name, polygon=outline))
+        return self._centred(scene_id, objects, rooms)
+
+    def _by_uid(self, key: str) -> dict[str, Mapping[str, Any]]:
+        found: dict[str, Mapping[str, Any]] = {}
+        for index, entry in enumerate(fields.items(fields.need(self._record, key), key)):
+            where = f"{key}[{index}]"
+            with _Skip(self, where):
+                record = fields.mapping(entry, where)
+                uid = fields.text(fields.need(record, "uid"), "uid")
+                if uid in found:
+                    raise LayoutError(f"uid {uid!r} is used twice, valid: a uid of its own")
+                found[uid] = record
+        return found
+
+    def _read_child(
+        self,
+        child: object,
+        where: str,
+        furniture: Mapping[str, Mapping[str, Any]],
+        meshes: Mapping[str, Mapping[str, Any]],
+        objects: list[LayoutObject],
+        floors: list[np.ndarray],
+    ) -> None:
+        with _Skip(self, where):
+            record = fields.mapping(child, "the child")
+            ref = fields.text(fields.need(record, "ref"), "ref")
+            if ref in furniture and furniture[ref].get("valid", True):
+                objects.append(self._piece(record, furniture[ref]))
+            elif ref in meshes:
+                if "floor" in str(meshes[ref].get("type", "")).lower():
+                    floors.append(_triangles(record, meshes[ref]))
+            else:
+                self._n_ignored += 1
+
+    def _piece(self, child: Mapping[str, Any], piece: Mapping[str, Any]) -> LayoutObject:
+        info = self._info.get(str(piece.get("jid")), {})
+        title = str(piece.get("title") or "")
+        category = piece.get("category") or title or info.get("category")
+        wider = info.get("super-category") or title.partition("/")[0].title()
+        pos, quat, scale = _pose(child)
+        model_size = fields.numbers(piece.get("size", piece.get("bbox")), 3, "size")
+        scaled = [abs(a * b) for a, b in zip(model_size, scale, strict=True)]
+        x, y, z = fields.size(scaled, "size times scale")
+        up = rotation_matrix(quat) @ (0.0, 0.0, y / 2)
+        centre = (pos[0] + float(up[0]), pos[1] + float(up[1]), pos[2] + float(up[2]))
+        return LayoutObject(
+            category=str(category or wider or "unknown"),
+            super_category=str(wider),
+            p=centre,
+            q=quat,
+            s=(x, z, y),
+            name=str(piece.get("uid")),
+        )
+
+    def _centred(
+        self, scene_id: str, objects: list[LayoutObject], rooms: list[LayoutRoom]
+    ) -> NeutralLayout:
+        """Moved so that the origin is the middle of the floors."""
+        points = [point for room in rooms for point in room.polygon]
+        if not points:
+            points = _corners_about(objects)
+        low, high = np.min(points, axis=0), np.max(points, axis=0)
+        east, north = ((low + high) / 2).tolist()
+        moved = tuple(
+            LayoutRoom(
+                name=room.name,
+                polygon=tuple((round(x - east, 4), round(y - north, 4)) for x, y in room.polygon),
+            )
+            for room in rooms
+        )
+        half = (high - low) / 2
+        floor = () if moved else _rectangle(float(half[0]), float(half[1]))
+        return NeutralLayout(
+            scene_id=scene_id,
+            source="3D-FRONT",
+            domain="indoor",
+            floor=floor,
+            objects=tuple(_moved(obj, east, north) for obj in objects),
+            rooms=moved,
+            front="y",
+            attributes={"ignored_children": self._n_ignored},
+            invalid=tuple(self._invalid),
+        )
+
+
+class _Skip:
+    """Names what is read in its errors and, where asked, notes them instead of raising."""
+
+    def __init__(self, house: _House, where: str) -> None:
+        self._house = house
+        self._where = where
+
+    def __enter__(self) -> None:
+        return
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if not isinstance(error, LayoutError):
+            return False
+        named = error.within(self._where)
+        if not self._house._skip_invalid:
+            raise named from None
+        self._house._invalid.append(str(named))
+        return True
+
+
+def _pose(child: Mapping[str, Any]) -> tuple[Vector3, Quaternion, Sequence[float]]:
+    """Position, attitude and scale of a child, in our frame but for the scale."""
+    x, y, z = fields.position(fields.need(child, "pos"), "pos")
+    qx, qy, qz, qw = fields.quaternion(fields.need(child, "rot"), "rot")
+    scale = fields.numbers(child.get("scale", [1, 1, 1]), 3, "scale")
+    return (-x, z, y), (qw, -qx, qz, qy), scale
+
+
+def _triangles(child: Mapping[str, Any], mesh: Mapping[str, Any]) -> np.ndarray:
+    """Corners of a mesh's triangles seen from above, (n, 3, 2), m."""
+    pos, quat, scale = _pose(child)
+    try:
+        vertices = np.asarray(mesh["xyz"], dtype=float).reshape(-1, 3) * scale
+        faces = np.asarray(mesh["faces"], dtype=np.int64).reshape(-1, 3)
+        corners = vertices[faces]
+    except (KeyError, ValueError, TypeError, IndexError, OverflowError):
+        raise LayoutError(
+            f"xyz and faces of mesh {mesh.get('uid')!r} are no triangles, valid: flat lists of "
+            "numbers, three a vertex, and of vertex numbers, three a face"
+        ) from None
+    if not np.isfinite(corners).all() or np.abs(corners).max(initial=0) > fields.MAX_POSITION_M:
+        raise fields.refuse("xyz", mesh.get("uid"), "finite numbers")
+    ours = np.stack([-corners[..., 0], corners[..., 2], corners[..., 1]], axis=-1)
+    return (ours @ rotation_matrix(quat).T + pos)[..., :2]
+
+
+def _outline(floors: list[np.ndarray]) -> tuple[Point2, ...]:
+    """The outline of a room's floor, its largest part, without holes; empty where it has none."""
+    if not floors:
+        return ()
+    import shapely  # noqa: PLC0415 - heavy, only houses need it
+
+    triangles = [shapely.Polygon(corners) for corners in np.concatenate(floors)]
+    whole = shapely.union_all([t.buffer(_CLOSE_M, join_style="mitre") for t in triangles if t.area])
+    whole = whole.buffer(-_CLOSE_M, join_style="mitre")
+    parts: list[shapely.Polygon] = [
+        part for part in shapely.get_parts(whole) if part.area >= _LEAST_ROOM_M2
+    ]
+    if not parts:
+        return ()
+    largest = max(parts, key=lambda part: part.area)
+    ring = shapely.simplify(shapely.Polygon(largest.exterior), _SIMPLIFY_M).exterior
+    outline = [(round(x, 4), round(y, 4)) for x, y in shapely.get_coordinates(ring)[:-1].tolist()]
+    return tuple(outline if signed_area(outline) > 0 else outline[::-1])
+
+
+def _corners_about(objects: Sequence[LayoutObject]) -> list[Point2]:
+    if not objects:
+        raise LayoutError("scene.room has neither floors nor furniture, valid: one or the other")
+    reach = max(max(obj.s) for obj in objects) / 2 + _MARGIN_M
+    return [(obj.p[0] + d, obj.p[1] + d) for obj in objects for d in (-reach, reach)]
+
+
+def _rectangle(half_x: float, half_y: float) -> tuple[Point2, ...]:
+    return ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))
+
+
+def _moved(obj: LayoutObject, east: float, north: float) -> LayoutObject:
+    x, y, z = obj.p
+    return LayoutObject(
+        category=obj.category,
+        super_category=obj.super_category,
+        p=(round(x - east, 4), round(y - north, 4), round(z, 4)),
+        q=obj.q,
+        s=obj.s,
+        name=obj.name,
+    )

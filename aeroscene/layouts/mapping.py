@@ -1,0 +1,184 @@
+"""From other people's categories to our 70, and a report of what became of every object."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, Literal
+
+from aeroscene.catalogue import by_name
+from aeroscene.layouts.document import LayoutObject
+from aeroscene.layouts.tables import FORMS, SAME, STAND_INS, SUPER_CATEGORIES, WORDS
+from aeroscene.scene import Vector3
+
+Fit = Literal["same", "stand-in", "by word", "by super-category"]
+
+# Detached houses are lower and smaller than blocks; what is smaller still is a garage or a shed.
+_GARAGE_M = (8.0, 3.5)
+_HOUSE_M = (16.0, 8.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """One of our categories for a name of theirs."""
+
+    category: str
+    fit: Fit
+
+
+def match(obj: LayoutObject) -> Match | None:
+    """Our category for an object of a layout, or None where nothing is near."""
+    found = match_name(obj.category)
+    if found is None and obj.super_category in SUPER_CATEGORIES:
+        found = Match(SUPER_CATEGORIES[obj.super_category], "by super-category")
+    if found is not None and found.category == "building":
+        return Match(building_kind(obj.s), found.fit)
+    return found
+
+
+@cache
+def match_name(name: str) -> Match | None:
+    """Our category for a name: by the tables, else by its last word that is known."""
+    tables = _tables()
+    if name in tables:
+        return tables[name]
+    words = _words(name)
+    for end in range(len(words), 0, -1):
+        for start in (end - 2, end - 1):
+            category = _known_words().get(" ".join(words[max(start, 0) : end]))
+            if category is not None:
+                return Match(category, "same" if end - start == len(words) else "by word")
+    return None
+
+
+@cache
+def _known_words() -> Mapping[str, str]:
+    """Our category under each phrase of one or two words that names it."""
+    words = {word: category for category, group in WORDS.items() for word in group}
+    return words | {name.replace("_", " "): name for name in by_name()}
+
+
+@cache
+def _tables() -> Mapping[str, Match]:
+    matches = {
+        name: Match(category, "stand-in") for category, names in STAND_INS.items() for name in names
+    }
+    matches |= {name: Match(category, "same") for category, names in SAME.items() for name in names}
+    return matches
+
+
+def _words(name: str) -> list[str]:
+    """Words of a name in small letters and in the singular: `SM_PalmTrees03` is sm palm tree."""
+    spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    words = re.findall("[a-z]+", spaced.lower())
+    return [word[:-1] if len(word) > 3 and word[-1] == "s" != word[-2] else word for word in words]
+
+
+def form_of(name: str) -> str | None:
+    """The form of our shape for a name of theirs, where one is closer than the others."""
+    return next((form for form, names in FORMS.items() if name in names), None)
+
+
+def building_kind(size_m: Vector3) -> str:
+    """What a building of unknown use is by its size: garage, house, tower or building."""
+    side, height = max(size_m[:2]), size_m[2]
+    if side <= _GARAGE_M[0] and height <= _GARAGE_M[1]:
+        return "garage"
+    if side <= _HOUSE_M[0] and height <= _HOUSE_M[1]:
+        return "house"
+    return "tower" if side <= _HOUSE_M[0] and height > 1.5 * side else "building"
+
+
+@dataclass(frozen=True, slots=True)
+class MappingReport:
+    """What became of the objects of one scene or, added up, of many."""
+
+    n_scenes: int = 0
+    n_objects: int = 0
+    """Of the source, without the invalid ones."""
+    mapped: Mapping[tuple[str, str, Fit], int] = field(default_factory=dict)
+    """Number under the source's category, ours, and how well they fit."""
+    unmapped: Mapping[str, int] = field(default_factory=dict)
+    """Number under a category of the source that nothing of ours is near."""
+    unmapped_first: Mapping[str, str] = field(default_factory=dict)
+    """Where each of them was met first: scene and object."""
+    dropped: Mapping[str, int] = field(default_factory=dict)
+    """Number under the reason for which an object with a category of ours was left out."""
+    invalid: tuple[str, ...] = ()
+    """Objects and scenes that break a rule and were left out, one line each."""
+
+    @property
+    def n_mapped(self) -> int:
+        """Objects that are in our scene."""
+        return sum(self.mapped.values())
+
+    @property
+    def by_category(self) -> Mapping[str, int]:
+        """Number under each of our categories, the most frequent first."""
+        counts: Counter[str] = Counter()
+        for (_, category, _), count in self.mapped.items():
+            counts[category] += count
+        return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
+
+    @property
+    def by_fit(self) -> Mapping[str, int]:
+        """Number under each way in which a category was found."""
+        counts: Counter[str] = Counter()
+        for (_, _, fit), count in self.mapped.items():
+            counts[fit] += count
+        return dict(sorted(counts.items()))
+
+    @property
+    def unmapped_lines(self) -> list[str]:
+        """One line for each category that did not map, naming scene, object and field."""
+        return [
+            f"{place}: {unknown_category(name)}; left out, {self.unmapped[name]} of them"
+            for name, place in sorted(self.unmapped_first.items())
+        ]
+
+    def __add__(self, other: MappingReport) -> MappingReport:
+        return MappingReport(
+            n_scenes=self.n_scenes + other.n_scenes,
+            n_objects=self.n_objects + other.n_objects,
+            mapped=_sum(self.mapped, other.mapped),
+            unmapped=_sum(self.unmapped, other.unmapped),
+            unmapped_first={**other.unmapped_first, **self.unmapped_first},
+            dropped=_sum(self.dropped, other.dropped),
+            invalid=self.invalid + other.invalid,
+        )
+
+    def to_plain(self) -> dict[str, Any]:
+        """The report as plain data for JSON."""
+        names: dict[str, dict[str, Any]] = {}
+        for (name, category, fit), count in sorted(self.mapped.items()):
+            entry = names.setdefault(name, {"count": 0, "fit": fit, "categories": {}})
+            entry["count"] += count
+            entry["categories"][category] = count
+        return {
+            "scenes": self.n_scenes,
+            "objects": self.n_objects,
+            "mapped": self.n_mapped,
+            "mapped_by_category": dict(self.by_category),
+            "mapped_by_fit": dict(self.by_fit),
+            "mapped_by_name": names,
+            "unmapped": dict(sorted(self.unmapped.items())),
+            "unmapped_lines": self.unmapped_lines,
+            "dropped": dict(sorted(self.dropped.items())),
+            "invalid": len(self.invalid),
+            "invalid_lines": list(self.invalid),
+        }
+
+
+def unknown_category(name: str) -> str:
+    """What is wrong with a category that did not map."""
+    return f"category is {name!r}, valid: one that docs/layouts.md lists or a word of ours in it"
+
+
+def _sum(first: Mapping[Any, int], second: Mapping[Any, int]) -> dict[Any, int]:
+    total = dict(first)
+    for key, count in second.items():
+        total[key] = total.get(key, 0) + count
+    return total

@@ -1,0 +1,85 @@
+"""The source's own objects in our scene: under their parents, with what the source calls them."""
+
+from __future__ import annotations
+
+from aeroscene.layouts.document import LayoutObject
+from aeroscene.layouts.house import ROOF_M
+from aeroscene.layouts.mapping import form_of
+from aeroscene.layouts.site import Kept, Site
+from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject
+
+_ROOFED = ("building", "house")
+"""Categories whose upper face becomes a roof of its own."""
+_HANGS_M = 0.5
+"""A lamp that stands on nothing and begins this high hangs from the ceiling."""
+
+
+def place_objects(site: Site) -> None:
+    """Each object under its parent, its nearest kept ancestor, or the room that it stands in."""
+    objects = site.layout.objects
+    rooms = [obj for obj in site.assembly.objects if obj.category == "room"]
+    contained = {obj.parent for obj in objects}
+    ids: dict[int, int] = {}
+    for index, kept in site.kept.items():
+        parent = objects[index].parent
+        while parent is not None and parent not in ids:
+            parent = objects[parent].parent
+        parent_id = _room_of(kept.box, rooms) if parent is None else ids[parent]
+        domain = _domain(site, parent_id)
+        attributes = _attributes(objects[index], kept)
+        if kept.category in _ROOFED and index in contained:
+            attributes["is_enterable"] = True
+        ids[index] = _add(site, kept, domain, parent_id, attributes)
+
+
+def _add(
+    site: Site,
+    kept: Kept,
+    domain: ObjectDomain,
+    parent_id: int | None,
+    attributes: dict[str, AttributeValue],
+) -> int:
+    box = kept.box
+    if kept.category not in _ROOFED or not box.is_upright or box.s[2] < 4 * ROOF_M:
+        return site.assembly.add(kept.category, box, domain, parent_id, attributes)
+    (x, y, z), (depth, width, height) = box.p, box.s
+    body = OrientedBox((x, y, z - ROOF_M / 2), box.q, (depth, width, height - ROOF_M))
+    roof = OrientedBox((x, y, z + (height - ROOF_M) / 2), box.q, (depth, width, ROOF_M))
+    number = site.assembly.add(kept.category, body, domain, parent_id, attributes)
+    site.assembly.add("roof", roof, domain, number, {"form": "flat"})
+    return number
+
+
+def _domain(site: Site, parent_id: int | None) -> ObjectDomain:
+    """Indoors is what a layout of rooms holds, and outdoors what is in a building."""
+    if site.is_indoor:
+        return "indoor"
+    if parent_id is None:
+        return "outdoor"
+    parent = site.assembly.objects[parent_id]
+    return "indoor" if parent.category in _ROOFED else parent.domain
+
+
+def _attributes(obj: LayoutObject, kept: Kept) -> dict[str, AttributeValue]:
+    """What the source calls it, and the form in which ours looks like it."""
+    attributes: dict[str, AttributeValue] = {"source_category": obj.category}
+    if obj.name and obj.name != obj.category:
+        attributes["source_name"] = obj.name
+    form = form_of(obj.category)
+    if kept.category in _ROOFED:
+        form = "plain"
+    elif kept.category == "garage":
+        form = "garage"
+    elif kept.category == "lamp" and obj.parent is None and kept.low_m > _HANGS_M:
+        form = "pendant"
+    if form is not None:
+        attributes["form"] = form
+    return attributes
+
+
+def _room_of(box: OrientedBox, rooms: list[SceneObject]) -> int | None:
+    """The room whose floor is under the middle of a box."""
+    for room in rooms:
+        if all(abs(box.p[i] - room.bbox.p[i]) <= room.bbox.s[i] / 2 for i in range(2)):
+            return room.id
+    return None

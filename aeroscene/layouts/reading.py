@@ -1,0 +1,136 @@
+"""A layout file of any known form, told apart by what is in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from aeroscene.layouts.aeroscene_json import aeroscene_layout
+from aeroscene.layouts.document import LayoutError, NeutralLayout
+from aeroscene.layouts.front3d import front3d_layout, read_model_info
+from aeroscene.layouts.mapping import MappingReport
+from aeroscene.layouts.neutral import neutral_layout, read_neutral
+from aeroscene.layouts.text_file import read_json, source_name
+from aeroscene.scene import Scene
+
+LINE_SUFFIXES = (".jsonl", ".jsonl.gz")
+FILE_SUFFIXES = (".json", ".json.gz", *LINE_SUFFIXES)
+
+Dialect = Literal["aeroscene", "front3d", "neutral"]
+
+DIALECTS: Mapping[Dialect, tuple[frozenset[str], str]] = {
+    "aeroscene": (frozenset({"outdoor_scene"}), "the AeroScene authors' JSON"),
+    "front3d": (frozenset({"furniture", "scene"}), "3D-FRONT's JSON"),
+    "neutral": (frozenset({"floor", "objects"}), "one line of the neutral layouts"),
+}
+"""Keys by which a JSON object is known, and what it is."""
+
+
+def read_layouts(
+    path: str | Path, skip_invalid: bool = False, faults: list[str] | None = None
+) -> Iterator[NeutralLayout]:
+    """All layouts of a file: neutral JSON lines, the AeroScene authors' JSON, or 3D-FRONT's.
+
+    Args:
+        path: The file, plain or gzip.
+        skip_invalid: Leave out what breaks a rule, instead of raising.
+        faults: Takes one line for every scene left out.
+
+    Raises:
+        LayoutError: Naming file, scene, object and field.
+    """
+    path = Path(path)
+    if path.name.endswith(LINE_SUFFIXES):
+        yield from read_neutral(path, skip_invalid, faults)
+        return
+    try:
+        layout = _read_one(read_json(path), path, skip_invalid=skip_invalid)
+    except LayoutError as error:
+        if not skip_invalid:
+            raise
+        if faults is not None:
+            faults.append(str(error))
+        return
+    yield layout
+
+
+def _read_one(value: object, path: Path, *, skip_invalid: bool) -> NeutralLayout:
+    try:
+        match dialect_of(value):
+            case "aeroscene":
+                return aeroscene_layout(value, skip_invalid=skip_invalid)
+            case "front3d":
+                info = read_model_info(path.parent)
+                return front3d_layout(value, skip_invalid=skip_invalid, model_info=info)
+            case "neutral":
+                return neutral_layout(value, skip_invalid=skip_invalid)
+    except LayoutError as error:
+        raise error.within(source_name(path)) from None
+
+
+def dialect_of(value: Any) -> Dialect:
+    """The form of a JSON value.
+
+    Raises:
+        LayoutError: If it is none of the known ones.
+    """
+    keys = value.keys() if isinstance(value, dict) else set()
+    for dialect, (needed, _) in DIALECTS.items():
+        if needed <= keys:
+            return dialect
+    forms = "; ".join(f"{name} ({', '.join(sorted(keys))})" for keys, name in DIALECTS.values())
+    found = ", ".join(map(str, list(keys)[:6])) if keys else "none"
+    raise LayoutError(f"JSON of an unknown form (its keys: {found}), valid: {forms}")
+
+
+def pick_layout(
+    path: str | Path, scene_id: str | None = None, skip_invalid: bool = False
+) -> NeutralLayout:
+    """One layout of a file.
+
+    Args:
+        path: The file.
+        scene_id: Its id, what follows the last slash of it, or its number in the file from 0; the
+            first one where None.
+        skip_invalid: Leave out what breaks a rule, instead of raising.
+
+    Raises:
+        LayoutError: If there is none by that name, or the file breaks a rule.
+    """
+    by_number: NeutralLayout | None = None
+    names: list[str] = []
+    faults: list[str] = []
+    for number, layout in enumerate(read_layouts(path, skip_invalid, faults)):
+        if scene_id is None or layout.scene_id == scene_id:
+            return layout
+        if layout.scene_id.rpartition("/")[2] == scene_id:
+            return layout
+        if scene_id == str(number):
+            by_number = layout
+        names.append(layout.scene_id)
+    if by_number is not None:
+        return by_number
+    where = source_name(Path(path))
+    if not names:
+        raise LayoutError(faults[0] if faults else f"{where} has no scene, valid: at least one")
+    raise LayoutError(
+        f"{where} has no scene {scene_id!r}, valid: a number from 0 to {len(names) - 1} or an id "
+        f"such as {names[0]!r}"
+    )
+
+
+def read_layout(
+    path: str | Path, scene_id: str | None = None, skip_invalid: bool = False
+) -> tuple[Scene, MappingReport]:
+    """One layout of a file as a scene to fly in, with what became of its objects.
+
+    Args and errors as in `pick_layout`; besides, a LayoutError where nothing of it can be used.
+    """
+    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - loads shapely
+
+    layout = pick_layout(path, scene_id, skip_invalid)
+    try:
+        return make_flyable(layout)
+    except LayoutError as error:
+        raise error.within(source_name(Path(path))) from None

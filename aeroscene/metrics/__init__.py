@@ -1,0 +1,1 @@
+"""Figures about scenes: what a corpus holds, how much its scenes differ."""

@@ -1,0 +1,161 @@
+"""How much layouts differ: distance between two of them, and entropy of what stands in them.
+
+The distance from layout A to layout B is the cost of turning one into the other. Each object of a
+layout of n has a share 1/n of it. Shares of a category that both have move from where A has them
+to where B does; what is left over is taken away on one side and put down on the other:
+
+    d(A, B) = min over g of  sum over c of  min(a_c, b_c) W_c(A, gB)  +  (1 - sum over c of min(a_c, b_c))
+
+| symbol | name | unit |
+|---|---|---|
+| a_c, b_c | share of category c among the objects of A, of B | - |
+| W_c | transport distance between the centres of category c | layout radii |
+| g | the eight symmetries of the square: quarter turns and mirror images | - |
+
+Centres are taken relative to their mean in the plane and to their lowest, and divided by the
+layout's radius: the root mean square of their distance from the mean. So the unit is the radius;
+replacing everything costs 1, and a layout that is scaled, shifted, turned by a quarter or mirrored
+is the same layout. W_c is the sliced 1-Wasserstein distance: the mean over four directions in the
+plane of the distance between the quantiles of the projections, times pi/2 so that a mere shift costs
+about its length, plus that of the heights. Between sets, compare only figures of equally many
+layouts: neighbours are nearer where there are more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.scene import Scene
+
+_ANGLES_RAD = np.pi * np.arange(4) / 4
+_DIRECTIONS = np.column_stack([np.cos(_ANGLES_RAD), np.sin(_ANGLES_RAD)])
+_N_QUANTILES = 8
+_SHARES = (np.arange(_N_QUANTILES) + 0.5) / _N_QUANTILES
+_LEAST_RADIUS_M = 1e-3
+"""A layout of one object has no radius."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """What the figures need of a scene: what stands where."""
+
+    name: str
+    categories: tuple[str, ...]
+    centres_m: Float[np.ndarray, "n 3"]
+
+
+def layout_of(scene: Scene) -> Layout:
+    """The layout of a scene of ours."""
+    return Layout(
+        scene.scene_id,
+        tuple(obj.category for obj in scene.objects),
+        np.array([obj.bbox.p for obj in scene.objects]).reshape(-1, 3),
+    )
+
+
+def layout_distances(layouts: Sequence[Layout]) -> Float[np.ndarray, "n n"]:
+    """Distance of every layout from every other, in layout radii; symmetric, zero diagonal."""
+    names = sorted({name for layout in layouts for name in layout.categories})
+    shares = _category_shares(layouts, names)
+    frames = [_in_own_frame(layout.centres_m) for layout in layouts]
+    moved = np.zeros((8, len(layouts), len(layouts)))
+    for column, name in enumerate(names):
+        has = np.flatnonzero(shares[:, column])
+        centres = [frames[i][[category == name for category in layouts[i].categories]] for i in has]
+        share = shares[has, column]
+        rows = np.ix_(range(8), has, has)
+        moved[rows] += np.minimum.outer(share, share) * _transport(centres)
+    kept = sum((np.minimum.outer(column, column) for column in shares.T), np.zeros(moved.shape[1:]))
+    distances = np.maximum(moved.min(axis=0) + 1.0 - kept, 0.0)
+    distances = np.minimum(distances, distances.T)
+    np.fill_diagonal(distances, 0.0)
+    return distances
+
+
+def _category_shares(layouts: Sequence[Layout], names: Sequence[str]) -> np.ndarray:
+    counts = [Counter(layout.categories) for layout in layouts]
+    table = np.array([[count[name] for name in names] for count in counts], dtype=float)
+    return table / np.maximum(table.sum(axis=1, keepdims=True), 1.0)
+
+
+def _in_own_frame(centres_m: np.ndarray) -> np.ndarray:
+    if not len(centres_m):
+        return centres_m
+    mean_xy = centres_m[:, :2].mean(axis=0)
+    moved = centres_m - [*mean_xy, centres_m[:, 2].min()]
+    radius_m = math.sqrt((moved[:, :2] ** 2).sum(axis=1).mean())
+    return moved / max(radius_m, _LEAST_RADIUS_M)
+
+
+def _transport(centres: Sequence[np.ndarray]) -> Float[np.ndarray, "8 n n"]:
+    """Sliced transport distance of each set of points from each other one under the symmetries."""
+    flat = np.array([_quantiles(points[:, :2] @ _DIRECTIONS.T) for points in centres])
+    heights = np.array([_quantiles(points[:, 2:]) for points in centres])
+    upright = _mean_difference(heights, heights)
+    turned = [_under(flat, order, sign) for order, sign in _symmetries()]
+    return np.array([math.pi / 2 * _mean_difference(flat, other) + upright for other in turned])
+
+
+def _quantiles(values: np.ndarray) -> np.ndarray:
+    """(quantiles, columns) of (n, columns)."""
+    return np.quantile(values, _SHARES, axis=0, method="hazen")
+
+
+def _mean_difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    from scipy.spatial.distance import cdist  # noqa: PLC0415 - heavy for who only counts
+
+    n_values = first[0].size
+    flat = first.reshape(len(first), -1), second.reshape(len(second), -1)
+    return cdist(*flat, "cityblock") / n_values
+
+
+def _symmetries() -> list[tuple[np.ndarray, np.ndarray]]:
+    """Of the square: which direction each direction is seen as, and whether from behind."""
+    result = []
+    for mirror in (1.0, -1.0):
+        for quarter in range(4):
+            c, s = round(math.cos(quarter * math.pi / 2)), round(math.sin(quarter * math.pi / 2))
+            turn = np.array([[c, -s], [s, c]]) @ np.diag([mirror, 1.0])
+            # A point projects on u after the turn as it does on turn^T u before it.
+            alike = (_DIRECTIONS @ turn) @ _DIRECTIONS.T
+            order = np.abs(alike).argmax(axis=1)
+            result.append((order, alike[np.arange(4), order] > 0))
+    return result
+
+
+def _under(quantiles: np.ndarray, order: np.ndarray, is_ahead: np.ndarray) -> np.ndarray:
+    """(n, quantiles, directions) of the same points turned."""
+    seen = quantiles[:, :, order]
+    return np.where(is_ahead, seen, -seen[:, ::-1])
+
+
+def nearest(distances: Float[np.ndarray, "n n"]) -> tuple[np.ndarray, np.ndarray]:
+    """Distance of each layout to the nearest other one, and which that is."""
+    others = distances + np.diag(np.full(len(distances), np.inf))
+    index = others.argmin(axis=1)
+    return others[np.arange(len(others)), index], index
+
+
+def mean_nearest_among(
+    distances: Float[np.ndarray, "n n"], count: int, rng: np.random.Generator, n_draws: int = 50
+) -> float:
+    """Mean distance to the nearest other layout among `count` of them, averaged over draws."""
+    means = []
+    for _ in range(n_draws):
+        chosen = rng.choice(len(distances), count, replace=False)
+        means.append(nearest(distances[np.ix_(chosen, chosen)])[0].mean())
+    return float(np.mean(means))
+
+
+def category_entropy_bits(layouts: Sequence[Layout]) -> float:
+    """Shannon entropy of the category of an object drawn from all layouts together."""
+    counts = Counter(name for layout in layouts for name in layout.categories)
+    share = np.array(list(counts.values()), dtype=float)
+    share /= max(share.sum(), 1.0)
+    return float(-(share * np.log2(share)).sum()) + 0.0

@@ -1,0 +1,142 @@
+"""The paper's table of its dataset, and ours in the same rows.
+
+Source: AeroScene, table "Statistics of our dataset".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+from typing import Any, Literal
+
+from aeroscene.catalogue import CATALOGUE, Level, by_name
+from aeroscene.dataset import SceneEntry
+
+Column = Literal["train", "test", "total"]
+COLUMNS: tuple[Column, ...] = ("train", "test", "total")
+TOLERANCE = 0.05
+"""How far an average of the corpus may be from the paper's."""
+
+INCONSISTENCIES = (
+    "160,010 objects in 1,016 scenes are 157 a scene, not 149 (train 151, not 149; test 185, "
+    "not 152)",
+    "42 small, 12 medium and 5 large landing areas add up to 59, not 54",
+    "34 coarse and 112 fine objects add up to 146, not 149",
+)
+"""Where the paper's table disagrees with itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of the table."""
+
+    key: str
+    """What `--json` calls it."""
+    title: str
+    paper: Mapping[Column, float]
+    ours: Mapping[Column, float | None]
+    """None where the corpus has no scene of the split."""
+    is_average: bool
+    """Whether it is an average that should be the paper's, within the tolerance."""
+
+    @property
+    def deviation(self) -> float | None:
+        """Of the total from the paper's, as a share of it."""
+        value = self.ours["total"]
+        return None if value is None else value / self.paper["total"] - 1.0
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the total is within the tolerance."""
+        return self.deviation is not None and abs(self.deviation) <= TOLERANCE
+
+    def to_plain(self) -> dict[str, Any]:
+        """As plain data: total, deviation, then both splits."""
+        splits = {
+            split: {"value": self.ours[split], "paper": self.paper[split]}
+            for split in ("train", "test")
+        }
+        return {
+            "value": self.ours["total"],
+            "paper": self.paper["total"],
+            "deviation": self.deviation,
+            **splits,
+        }
+
+
+_Count = Callable[[SceneEntry], int]
+
+# key, title, the paper's train, test and total, what is counted in a scene
+_AVERAGES: tuple[tuple[str, str, tuple[float, float, float], _Count], ...] = (
+    ("objects_per_scene", "Objects / scene", (149, 152, 149), lambda e: e.n_objects),
+    ("coarse_per_scene", "  coarse", (35, 32, 34), lambda e: e.n_coarse),
+    ("fine_per_scene", "  fine", (111, 114, 112), lambda e: e.n_fine),
+    ("landing_areas_per_scene", "Areas / scene", (55, 53, 54), lambda e: e.n_landing),
+    ("small_areas_per_scene", "  small", (42, 43, 42), lambda e: e.n_small),
+    ("medium_areas_per_scene", "  medium", (11, 13, 12), lambda e: e.n_medium),
+    ("large_areas_per_scene", "  large", (4, 4, 5), lambda e: e.n_large),
+)
+_CATEGORIES: tuple[tuple[str, str, Level, int], ...] = (
+    ("coarse_categories", "Coarse categories", "coarse", 23),
+    ("fine_categories", "Fine categories", "fine", 47),
+)
+
+
+def paper_table(
+    entries: Sequence[SceneEntry], categories: Mapping[int, Collection[str]]
+) -> tuple[Row, ...]:
+    """The rows for these scenes.
+
+    Args:
+        entries: What the manifest says of them.
+        categories: Names of the categories in each scene, under its number.
+    """
+    groups: dict[Column, list[SceneEntry]] = {
+        "train": [entry for entry in entries if entry.split == "train"],
+        "test": [entry for entry in entries if entry.split == "test"],
+        "total": list(entries),
+    }
+    counts = (
+        _row("scenes", "Scenes", (812, 204, 1016), groups, len),
+        _row("objects", "Objects", (122_356, 37_654, 160_010), groups, _n_objects),
+    )
+    averages = (
+        _row(key, title, paper, groups, lambda group, count=count: fmean(map(count, group)), True)
+        for key, title, paper, count in _AVERAGES
+    )
+    appearing = (
+        _row(
+            key, title, (paper,) * 3, groups, lambda g, level=level: _n_names(g, categories, level)
+        )
+        for key, title, level, paper in _CATEGORIES
+    )
+    return (*counts, *averages, *appearing)
+
+
+def _row(
+    key: str,
+    title: str,
+    paper: Sequence[float],
+    groups: Mapping[Column, list[SceneEntry]],
+    value: Callable[[list[SceneEntry]], float],
+    is_average: bool = False,
+) -> Row:
+    ours = {column: value(group) if group else None for column, group in groups.items()}
+    return Row(key, title, dict(zip(COLUMNS, paper, strict=True)), ours, is_average)
+
+
+def _n_objects(entries: Sequence[SceneEntry]) -> int:
+    return sum(entry.n_objects for entry in entries)
+
+
+def _n_names(
+    entries: Sequence[SceneEntry], categories: Mapping[int, Collection[str]], level: Level
+) -> int:
+    names = {name for entry in entries for name in categories[entry.index]}
+    return sum(by_name()[name].level == level for name in names)
+
+
+def missing_categories(names: Collection[str]) -> list[str]:
+    """Categories of the catalogue that are not among these names."""
+    return [category.name for category in CATALOGUE.values() if category.name not in names]

@@ -1,0 +1,27 @@
+"""Which code made a scene: a digest of the sources that decide what is in it."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from pathlib import Path
+
+_NO_PART_OF_A_SCENE = ("dataset", "layouts", "metrics", "provenance", "sources", "validation")
+"""Reads, measures or judges scenes. What is forgotten here only makes scenes anew for nothing."""
+
+
+@cache
+def curation_digest() -> str:
+    """Digest of the sources of this very package."""
+    return sources_digest(Path(__file__).parent)
+
+
+def sources_digest(package: Path) -> str:
+    """Sixteen hexadecimal digits that change with every source that curation depends on."""
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        name = path.relative_to(package)
+        if name.parts[0].removesuffix(".py") not in _NO_PART_OF_A_SCENE:
+            digest.update(name.as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,42 @@
+"""Whether a scene keeps its promises: typed findings, each with the figures that break the rule.
+
+Claims are checked against geometry, not against the code that made them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from aeroscene.scene import Scene
+from aeroscene.shapes import Primitive, scene_primitives
+from aeroscene.solids import colliding
+from aeroscene.validation.access import unreachable
+from aeroscene.validation.boxes import outside, overlaps
+from aeroscene.validation.claims import unlandable
+from aeroscene.validation.findings import Finding, FindingKind
+from aeroscene.validation.support import floating
+
+__all__ = ["Finding", "FindingKind", "validate"]
+
+
+def validate(scene: Scene, primitives: Sequence[Primitive] | None = None) -> tuple[Finding, ...]:
+    """Everything that is wrong with a scene; nothing where it is sound.
+
+    `overlap`: boxes that share an IoU above 0.01 though neither belongs to the other. `floating`:
+    objects without support under their feet. `outside`: boxes beyond the flight volume.
+    `unreachable`: a start or an area that no free way leads to. `unlandable`: areas whose slope,
+    surface, radius, room or clearance is not what they claim.
+
+    Args:
+        scene: The scene.
+        primitives: Its primitives, where the caller has them already.
+    """
+    primitives = scene_primitives(scene) if primitives is None else primitives
+    solids = colliding(primitives)
+    return (
+        *overlaps(scene),
+        *floating(scene, solids),
+        *outside(scene),
+        *unreachable(scene, primitives),
+        *unlandable(scene, solids),
+    )

@@ -1,0 +1,42 @@
+"""Whether the start and every area can be flown to: floods of free space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from aeroscene.areas.needs import area_needs
+from aeroscene.freespace import NoFreeSpaceError, build_distance_field, flood
+from aeroscene.scene import Scene
+from aeroscene.shapes import Primitive
+from aeroscene.validation.findings import Finding
+
+SMALLEST_BALL_M = 0.45
+"""The start must let this one leave."""
+
+
+def unreachable(scene: Scene, primitives: Sequence[Primitive]) -> Iterator[Finding]:
+    """A start that nothing can leave, areas above which no drone of their class can get."""
+    radii = {SMALLEST_BALL_M, *(area_needs(a).flight_radius_m for a in scene.interaction_areas)}
+    field = build_distance_field(scene, primitives=primitives, cap_m=max(radii) + 0.1)
+    for radius_m in sorted(radii):
+        areas = [a for a in scene.interaction_areas if area_needs(a).flight_radius_m == radius_m]
+        try:
+            reach = flood(field, scene.start_position_enu_m, radius_m)
+        except NoFreeSpaceError as error:
+            yield Finding(kind="unreachable", scene_id=scene.scene_id, detail=str(error))
+            continue
+        for area in areas:
+            cell = field.cell(area.centroid)
+            needs = area_needs(area)
+            # The lowest ball above the surface, rounding to cells included.
+            rise_m = max(needs.clearance_m, radius_m + 2 * field.resolution_m)
+            steps = int(rise_m / field.resolution_m)
+            if cell is None or not reach.reaches(cell, steps):
+                yield Finding(
+                    kind="unreachable",
+                    scene_id=scene.scene_id,
+                    object_id=area.object_id,
+                    area_id=area.id,
+                    detail=f"{area.kind} area {area.id} for {area.drone_class} drones: no free way "
+                    f"for a ball of {radius_m} m from the start to the {rise_m:.2f} m above it",
+                )

@@ -1,0 +1,135 @@
+"""What carries each object: the ground, or a solid of another object under its feet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+from jaxtyping import Int
+from shapely.geometry.base import BaseGeometry
+
+from aeroscene.geometry import layer, penetration_depth
+from aeroscene.outlines import outline_of
+from aeroscene.scene import Scene, SceneObject
+from aeroscene.solids import Solids
+from aeroscene.validation.columns import spans
+from aeroscene.validation.findings import Finding
+
+GAP_M = 0.02
+"""Feet nearer than this to what is below stand on it."""
+_FOOT_M = 0.03
+"""Solids that reach down to within this of the lowest one are feet."""
+_MIDDLE_M = 0.02
+"""By how much the middle of the feet may lie outside what bears them."""
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
+    """Objects that stand on nothing and hang on nothing."""
+    descendants = _descendants(scene)
+    for obj in scene.objects:
+        own = np.flatnonzero(solids.object_id == obj.id)
+        bottom_m = float(obj.bbox.corners()[:, 2].min())
+        if bottom_m <= GAP_M or not len(own):
+            continue
+        is_other = ~np.isin(solids.object_id, list(descendants[obj.id]))
+        detail = _Stand(solids, own, is_other, bottom_m).objection()
+        if detail and not (_may_hang(obj) and _touches(solids, own, is_other)):
+            yield Finding(
+                kind="floating",
+                scene_id=scene.scene_id,
+                object_id=obj.id,
+                detail=f"{obj.category} {obj.id} has its feet at {bottom_m:.2f} m, {detail}",
+            )
+
+
+def _descendants(scene: Scene) -> dict[int, set[int]]:
+    """Every object with all that belongs to it, itself included."""
+    family = {obj.id: {obj.id} for obj in scene.objects}
+    for obj in scene.objects:
+        for ancestor in scene.ancestors(obj.id):
+            family[ancestor].add(obj.id)
+    return family
+
+
+def _may_hang(obj: SceneObject) -> bool:
+    """Parts of a building may be held from the side: galleries, canopies, floors."""
+    return obj.is_coarse and obj.parent_id is not None
+
+
+def _touches(solids: Solids, own: Int[np.ndarray, " k"], is_other: np.ndarray) -> bool:
+    """Whether a solid of another object meets one of an object's own, each taken as its box."""
+    quats = np.array([p.quat_wxyz for p in solids.primitives])
+    for i in own:
+        near = solids.near(solids.low_m[i] - GAP_M, solids.high_m[i] + GAP_M)
+        near = near[is_other[near]]
+        depth = penetration_depth(
+            solids.centre_m[i],
+            quats[i],
+            2 * solids.half_m[i],
+            solids.centre_m[near],
+            quats[near],
+            2 * solids.half_m[near],
+        )
+        if np.any(depth > -GAP_M):
+            return True
+    return False
+
+
+class _Stand:
+    """The feet of one object and what may bear them."""
+
+    def __init__(
+        self, solids: Solids, own: Int[np.ndarray, " k"], is_other: np.ndarray, bottom_m: float
+    ) -> None:
+        self._solids = solids
+        self._bottom_m = bottom_m
+        self._feet = own[solids.low_m[own, 2] <= solids.low_m[own, 2].min() + _FOOT_M]
+        low = solids.low_m[self._feet].min(axis=0)
+        high = solids.high_m[self._feet].max(axis=0)
+        self._corners = np.array([(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])])
+        low[2], high[2] = bottom_m - GAP_M, bottom_m + GAP_M
+        near = solids.near(low, high)
+        self._bearers = near[is_other[near]]
+        low[2] = 0.0
+        below = solids.near(low, high)
+        self._below = below[is_other[below]]
+
+    def objection(self) -> str | None:
+        """Why the object does not stand, None if it does."""
+        if self._is_on_one_box():
+            return None
+        feet = shapely.union_all([outline_of(self._solids.points(i)) for i in self._feet])
+        borne = [self._bearing(i, feet) for i in self._bearers]
+        base = shapely.convex_hull(shapely.union_all(borne)) if borne else shapely.Point()
+        if base.is_empty:
+            return f"{self._gap_m(feet):.2f} m above what is below, valid: at most {GAP_M} m"
+        off_m = base.distance(feet.centroid)
+        if off_m <= _MIDDLE_M:
+            return None
+        return (
+            f"with their middle {off_m:.2f} m beside what bears them, valid: at most {_MIDDLE_M} m"
+        )
+
+    def _is_on_one_box(self) -> bool:
+        """The common case, settled without polygons."""
+        s, near = self._solids, self._bearers
+        near = near[s.is_box[near] & s.is_upright[near]]
+        offset = self._corners[None] - s.centre_m[near, None, :2]
+        local = np.abs(offset @ s.rotation[near, :2, :2])
+        return bool((local <= s.half_m[near, None, :2] + 1e-6).all(axis=(1, 2)).any())
+
+    def _bearing(self, index: int, feet: BaseGeometry) -> BaseGeometry:
+        """Where a solid meets the feet at their height."""
+        low_m, high_m = self._bottom_m - GAP_M, self._bottom_m + GAP_M
+        points = layer(self._solids.points(index), _UP, low_m, high_m)
+        return shapely.intersection(outline_of(points), feet)
+
+    def _gap_m(self, feet: BaseGeometry) -> float:
+        """Least height of the corners of the feet above what is below them, or the ground."""
+        points = shapely.get_coordinates(feet)
+        top_m = np.zeros(len(points))
+        for index in self._below:
+            top_m = np.fmax(top_m, spans(self._solids, int(index), points)[:, 1])
+        return float(self._bottom_m - top_m.max())

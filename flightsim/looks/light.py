@@ -1,0 +1,60 @@
+"""Light as one number for each point: 0 in the deepest shade, 1 in full sun.
+
+Both renderers turn it into colour by `light_rgb`. OpenGL has no place for such a number in a mesh,
+but it computes exactly one from a normal, the cosine to the sun: `normals_for_light` gives the
+normal that makes it so. Shade, shadows and lamps thus cost nothing when a picture is drawn.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+SUN_DIRECTION = (0.602, 0.341, -0.722)
+"""Where sunlight goes, ENU, of unit length: an afternoon, 46 degrees high."""
+AMBIENT_RGB = (0.30, 0.33, 0.38)
+"""Light where the number is 0."""
+SUN_RGB = (0.76, 0.71, 0.63)
+"""What is added where it is 1."""
+
+_SKY_SHARE = 0.30
+_SUN_SHARE = 0.90
+_TO_SUN = -np.array(SUN_DIRECTION)
+_ACROSS_SUN = np.cross(_TO_SUN, (0.0, 0.0, 1.0))
+_ACROSS_SUN /= np.linalg.norm(_ACROSS_SUN)
+
+Normals = Float[np.ndarray, "*n 3"]
+Shares = Float[np.ndarray, "*n"]
+
+
+def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
+    """Light on surfaces.
+
+    Args:
+        normals_enu: Outward, of unit length.
+        sun: Share of the sun that is not hidden, 0 to 1.
+        sky: Share of the sky that is not hidden by roofs; under roofs there are lamps.
+    """
+    up = normals_enu[..., 2]
+    from_sky = _SKY_SHARE * (0.5 + 0.5 * up)
+    # Walls differ, so that corners of a room show.
+    from_lamps = 0.47 + 0.10 * up + 0.09 * (normals_enu @ np.array([0.8, -0.6, 0.0]))
+    from_lamps = from_lamps + 0.50 * np.clip(-up, 0.0, 1.0)
+    from_sun = _SUN_SHARE * np.maximum(0.0, normals_enu @ _TO_SUN)
+    return np.clip(sky * from_sky + (1.0 - sky) * from_lamps + sun * from_sun, 0.0, 1.0)
+
+
+def light_rgb(light: Shares) -> Float[np.ndarray, "*n 3"]:
+    """Factors for the colours of surfaces, at most 1."""
+    return np.minimum(1.0, np.array(AMBIENT_RGB) + light[..., None] * np.array(SUN_RGB))
+
+
+def normals_for_light(light: Shares) -> Normals:
+    """Unit normals whose cosine to the sun is the light."""
+    aside = np.sqrt(np.maximum(0.0, 1.0 - light**2))
+    return light[..., None] * _TO_SUN + aside[..., None] * _ACROSS_SUN
+
+
+def is_sunward(normals_enu: Normals) -> np.ndarray:
+    """Whether the sun can reach a face at all, (...,) bool."""
+    return normals_enu @ _TO_SUN > 0.05

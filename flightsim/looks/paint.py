@@ -1,0 +1,48 @@
+"""What a piece of surface is painted with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from aeroscene.shapes import MATERIALS
+
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Paint:
+    """A pattern in a colour, over surfaces of any size; equal paints share a skin."""
+
+    texture: str | None
+    """Name of a pattern; None for plain colour."""
+    rgb: Colour
+    size_m: tuple[float, float] = (1.0, 1.0)
+    """Length and height that one tile covers."""
+    is_fitted: bool = False
+    """One tile covers each face, however large."""
+    is_clear: bool = False
+    """Sunlight goes through, as through glass."""
+
+    def tinted(self, factors: Colour) -> Paint:
+        """The same pattern in another colour."""
+        red, green, blue = (
+            min(1.0, c * f) for c, f in zip(self.rgb, factors, strict=True)
+        )
+        return replace(self, rgb=(red, green, blue))
+
+    def with_texture(self, texture: str, size_m: tuple[float, float]) -> Paint:
+        """Another pattern in the same colour."""
+        return replace(self, texture=texture, size_m=size_m)
+
+
+def material_paint(name: str) -> Paint:
+    """The paint of a material as the catalogue of materials has it."""
+    material = MATERIALS[name]
+    red, green, blue, _ = material.rgba
+    return Paint(
+        material.texture,
+        (red, green, blue),
+        material.texture_size_m,
+        is_fitted=material.texture == "screen",
+        is_clear=name == "glass",
+    )

@@ -1,0 +1,181 @@
+"""Light for every pixel of a fine picture, by rays: soft shadows, sky, and light that bounces.
+
+Each pixel asks the sun (a small disc, so that shadows blur with distance) and some directions of
+its hemisphere: what gets out meets the sky, what ends on something near gets little, on something
+far the light that is about everywhere, out of doors or from lamps in a room. Rays of neighbouring
+pixels differ, and a filter that keeps edges takes the grain away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from flightsim.looks.light import SUN_DIRECTION
+from flightsim.looks.mesh import WorldMesh
+from flightsim.looks.rays import NOTHING, RayScene
+
+_TO_SUN = -np.array(SUN_DIRECTION, dtype=np.float32)
+_SUN_RGB = np.array([1.04, 0.97, 0.85], dtype=np.float32)
+_SUN_SPREAD = 0.012
+"""Radius of the sun's disc, rad: some three times the real one's, for softer edges."""
+_ZENITH_RGB = np.array([0.36, 0.42, 0.52], dtype=np.float32)
+_LEVEL_RGB = np.array([0.52, 0.53, 0.54], dtype=np.float32)
+"""Light that comes from the sky, above and near the horizon."""
+_BOUNCE_RGB = np.array([0.56, 0.53, 0.48], dtype=np.float32)
+_BOUNCE_REACH_M = 1.3
+"""Light that comes off things about as far as this is dimmed to two thirds."""
+_LIFT = 0.78
+"""Exponent that opens the shadows."""
+_N_SKY_RAYS = 5
+_OFF_SURFACE = 1.5e-3
+"""Rays start this far before the surface, in shares of the distance from the eye, ..."""
+_OFF_SURFACE_M = 0.004
+"""... and at least this far, m."""
+_BAND_ROWS = 96
+_DEPTH_TOLERANCE = 0.03
+_STEPS = (1, 2, 4)
+"""Spacing of the filter's taps, pixels."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What rays from the eye meet, one for each pixel."""
+
+    has_surface: Bool[np.ndarray, "h w"]
+    depth_m: Float[np.ndarray, "h w"]
+    rgb: Float[np.ndarray, "h w 3"]
+    """Light on the surface, factors of its colour."""
+    triangle: np.ndarray
+    """(h, w) int; which of the mesh's, or more than it has for the vehicle's."""
+
+
+class PixelLight:
+    """Lights what a mesh and a vehicle in it show to an eye."""
+
+    def __init__(self, mesh: WorldMesh) -> None:
+        self._corners = mesh.corners_enu_m().astype(np.float32)
+        self._normals = mesh.normals_enu[mesh.triangles].astype(np.float32)
+        self._is_clear = mesh.is_clear()
+
+    def light(
+        self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, vehicle_enu_m: np.ndarray
+    ) -> Seen:
+        """Light along rays.
+
+        Args:
+            eye_enu_m: (3,).
+            rays_enu: (h, w, 3), one metre deep.
+            vehicle_enu_m: (t, 3, 3), triangles that move about in the mesh.
+        """
+        rng = np.random.default_rng(0x11)
+        across = np.cross(
+            vehicle_enu_m[:, 1] - vehicle_enu_m[:, 0], vehicle_enu_m[:, 2] - vehicle_enu_m[:, 0]
+        )
+        across = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+        corners = np.concatenate([self._corners, vehicle_enu_m]).astype(np.float32)
+        normals = np.concatenate([self._normals, np.repeat(across[:, None], 3, axis=1)])
+        is_clear = np.concatenate([self._is_clear, np.zeros(len(vehicle_enu_m), dtype=bool)])
+        seen, solid = RayScene(corners), RayScene(corners[~is_clear])
+        shape = rays_enu.shape[:2]
+        depth = np.full(shape, np.inf, dtype=np.float32)
+        triangle = np.full(shape, NOTHING)
+        normal = np.zeros((*shape, 3), dtype=np.float32)
+        rgb = np.zeros((*shape, 3), dtype=np.float32)
+        eye = eye_enu_m.astype(np.float32)
+        for top in range(0, shape[0], _BAND_ROWS):
+            band = slice(top, top + _BAND_ROWS)
+            rays = rays_enu[band].reshape(-1, 3)
+            hits = seen.first_hits(np.broadcast_to(eye, rays.shape), rays)
+            met = np.flatnonzero(hits.triangle != NOTHING)
+            own = hits.triangle[met]
+            weights = np.stack([1 - hits.u - hits.v, hits.u, hits.v], axis=1)[met]
+            facing = np.einsum("nki,nk->ni", normals[own], weights)
+            facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-6)
+            points = eye + hits.distance[met, None] * rays[met]
+            off = np.maximum(_OFF_SURFACE_M, _OFF_SURFACE * hits.distance[met])[:, None]
+            light = _light(solid, points + off * facing, facing, rng)
+            for array, values in ((rgb, light), (normal, facing)):
+                flat = array[band].reshape(-1, 3)
+                flat[met] = values
+            depth[band] = hits.distance.reshape(depth[band].shape)
+            triangle[band] = hits.triangle.reshape(depth[band].shape)
+        light_rgb = _smoothed(rgb, depth, normal) ** _LIFT
+        return Seen(triangle != NOTHING, depth, np.minimum(light_rgb, 1.15), triangle)
+
+
+def _light(
+    solid: RayScene, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
+    """(n, 3): light on points, with the grain of few rays."""
+    n = len(points)
+    spread = rng.standard_normal((n, 3), dtype=np.float32) * _SUN_SPREAD
+    towards = _TO_SUN + spread
+    cosine = normals @ _TO_SUN
+    is_sunny = cosine > 0
+    sunny = np.flatnonzero(is_sunny)
+    sun = np.zeros(n, dtype=np.float32)
+    is_hidden = solid.is_hidden(points[sunny], towards[sunny])
+    sun[sunny] = np.where(is_hidden, 0.0, cosine[sunny])
+    rgb = sun[:, None] * _SUN_RGB
+    turn = rng.random(n, dtype=np.float32)
+    for k in range(_N_SKY_RAYS):
+        rays = _hemisphere(normals, (k + rng.random(n, dtype=np.float32)) / _N_SKY_RAYS, turn, k)
+        hits = solid.first_hits(points, rays)
+        up = np.clip(rays[:, 2:], 0.0, 1.0)
+        sky = _LEVEL_RGB + up * (_ZENITH_RGB - _LEVEL_RGB)
+        near = 1.0 - np.exp(-np.minimum(hits.distance, 50.0) / _BOUNCE_REACH_M)
+        is_free = (hits.triangle == NOTHING)[:, None]
+        rgb += np.where(is_free, sky, near[:, None] * _BOUNCE_RGB) / _N_SKY_RAYS
+    return rgb
+
+
+def _hemisphere(normals: np.ndarray, share: np.ndarray, turn: np.ndarray, k: int) -> np.ndarray:
+    """Directions about normals, many near the normal and few along the surface."""
+    angle = 2 * np.pi * (turn + k * 0.618034)
+    radius = np.sqrt(share)
+    sideways = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    u = np.cross(normals, sideways).astype(np.float32)
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    v = np.cross(normals, u)
+    height = np.sqrt(np.maximum(0.0, 1.0 - share))
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    return x[:, None] * u + y[:, None] * v + height[:, None] * normals
+
+
+def _smoothed(rgb: np.ndarray, depth_m: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Light averaged over neighbours on the same surface; edges of shadows stay near where they are."""
+    known = np.where(np.isfinite(depth_m), depth_m, 1e6)
+    for step in _STEPS:
+        total, weight = rgb.copy(), np.ones(depth_m.shape, dtype=np.float32)
+        for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+            _add_neighbours(total, weight, rgb, known, normals, (down * step, right * step))
+        rgb = total / weight[..., None]
+    return rgb
+
+
+def _add_neighbours(
+    total: np.ndarray,
+    weight: np.ndarray,
+    rgb: np.ndarray,
+    depth_m: np.ndarray,
+    normals: np.ndarray,
+    shift: tuple[int, int],
+) -> None:
+    """Add pixels at a shift and at its opposite, as far as they are of the same surface."""
+    down, right = shift
+    height, width = depth_m.shape
+    here = (slice(0, height - down), slice(max(0, -right), width - max(0, right)))
+    there = (slice(down, height), slice(max(0, right), width + min(0, right)))
+    nearer = np.minimum(depth_m[here], depth_m[there])
+    alike = np.abs(depth_m[here] - depth_m[there]) < _DEPTH_TOLERANCE * nearer
+    alike &= np.einsum("hwi,hwi->hw", normals[here], normals[there]) > 0.9
+    # Grain is small steps of light, a shadow's edge is a large one.
+    step = np.abs(rgb[here] - rgb[there]).sum(axis=2)
+    share = alike * np.exp(-((step / 0.9) ** 2)).astype(np.float32)
+    total[here] += share[..., None] * rgb[there]
+    total[there] += share[..., None] * rgb[here]
+    weight[here] += share
+    weight[there] += share

@@ -1,0 +1,66 @@
+"""Rays against many triangles, by Embree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+NOTHING = -1
+
+
+@dataclass(frozen=True, eq=False)
+class RayHits:
+    """What rays meet first."""
+
+    triangle: Int[np.ndarray, "n"]
+    """`NOTHING` where there is none."""
+    distance: Float[np.ndarray, "n"]
+    """In lengths of the ray's direction; inf where there is nothing."""
+    u: Float[np.ndarray, "n"]
+    """Share of the triangle's second corner at the hit."""
+    v: Float[np.ndarray, "n"]
+    """Share of its third corner."""
+
+
+class RayScene:
+    """Triangles, (t, 3, 3) in m."""
+
+    def __init__(self, triangles_m: np.ndarray) -> None:
+        # Embree loads when somebody casts a ray.
+        from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415
+        from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
+
+        self._scene = EmbreeScene()
+        self._is_empty = not len(triangles_m)
+        if not self._is_empty:
+            # Held: the scene refers to it.
+            self._mesh = TriangleMesh(self._scene, triangles_m.astype(np.float32))
+
+    def is_hidden(self, origins_m: np.ndarray, directions: np.ndarray) -> Bool[np.ndarray, "n"]:
+        """Whether anything stands on each ray."""
+        if self._is_empty or not len(origins_m):
+            return np.zeros(len(origins_m), dtype=bool)
+        hit = self._scene.run(
+            np.ascontiguousarray(origins_m, dtype=np.float32),
+            np.ascontiguousarray(directions, dtype=np.float32),
+            query="OCCLUDED",
+        )
+        return hit != NOTHING
+
+    def first_hits(self, origins_m: np.ndarray, directions: np.ndarray) -> RayHits:
+        """What each ray meets first."""
+        n = len(origins_m)
+        if self._is_empty or not n:
+            empty = np.zeros(n, dtype=np.float32)
+            return RayHits(np.full(n, NOTHING), np.full(n, np.inf), empty, empty)
+        result = self._scene.run(
+            np.ascontiguousarray(origins_m, dtype=np.float32),
+            np.ascontiguousarray(directions, dtype=np.float32),
+            query="INTERSECT",
+            output=True,
+        )
+        triangle = result["primID"]
+        distance = np.where(triangle == NOTHING, np.float32(np.inf), result["tfar"])
+        return RayHits(triangle, distance, result["u"], result["v"])

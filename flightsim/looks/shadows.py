@@ -1,0 +1,170 @@
+"""The sun's shadows on flat faces, exactly, as triangles to lay over them.
+
+Seen from the sun, a solid hides what its outline covers and what lies behind it. So all of it is
+plane geometry in the two coordinates across the sunlight: outlines of the casters, less what of
+them is behind the face's plane, united and cut with the face.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from jaxtyping import Float, Int
+
+from flightsim.looks.light import SUN_DIRECTION
+
+_TO_SUN = -np.array(SUN_DIRECTION)
+_EAST = np.cross((0.0, 0.0, 1.0), _TO_SUN)
+_EAST /= np.linalg.norm(_EAST)
+_ACROSS = np.stack([_EAST, np.cross(_TO_SUN, _EAST)], axis=1)
+"""(3, 2): from ENU to the coordinates across the sunlight, seen from the sun."""
+
+_TOUCH_M = 0.03
+"""A caster that reaches less far before a face stands on it or belongs to it."""
+_LEVEL = 0.9999
+_GROUND_M = 0.35
+"""Level faces up to here are the ground and what is laid on it."""
+_LEAST_AREA_M2 = 0.02
+_WHOLE_SHARE = 0.985
+_LIFT_M = 0.004
+"""Shadows lie this far above their faces: above the face, below paint on roads."""
+
+
+@dataclass(frozen=True, eq=False)
+class Casters:
+    """Convex solids by their corners, each row filled up with repeats."""
+
+    corners_enu_m: Float[np.ndarray, "n k 3"]
+    outlines: np.ndarray
+    """(n,) polygons across the sunlight."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shadows:
+    """What of some faces lies in shadow."""
+
+    is_whole: np.ndarray
+    """(f,) bool: the face is in shadow, but for crumbs."""
+    face: Int[np.ndarray, "t"]
+    """Which face each triangle lies on; none on faces wholly in shadow."""
+    corners_enu_m: Float[np.ndarray, "t 3 3"]
+    """Counter-clockwise from outside."""
+
+
+def casters(solids: list[np.ndarray]) -> Casters:
+    """Prepare solids given by their corners, (k, 3) each."""
+    most = max((len(corners) for corners in solids), default=1)
+    rows = [np.concatenate([c, np.repeat(c[:1], most - len(c), axis=0)]) for c in solids]
+    corners = np.array(rows).reshape(-1, most, 3)
+    return Casters(corners, _outlines(corners @ _ACROSS))
+
+
+def cast(casters_: Casters, faces_enu_m: list[np.ndarray], normals_enu: np.ndarray) -> Shadows:
+    """Shadows on faces that look towards the sun.
+
+    Args:
+        casters_: What throws shadows; faces of casters among the faces are no harm.
+        faces_enu_m: Rings of corners, (k, 3) each, counter-clockwise from outside.
+        normals_enu: (f, 3), outward.
+    """
+    polygons = np.array([shapely.Polygon(ring @ _ACROSS) for ring in faces_enu_m], dtype=object)
+    first = np.array([ring[0] for ring in faces_enu_m]).reshape(-1, 3)
+    offset = np.einsum("fi,fi->f", normals_enu, first)
+    is_ground = (normals_enu[:, 2] > _LEVEL) & (offset < _GROUND_M)
+    ground, other = np.flatnonzero(is_ground), np.flatnonzero(~is_ground)
+    on_ground, ground_shade = _on_ground(casters_, polygons[ground])
+    on_other, other_shade = _on_planes(
+        casters_, polygons[other], normals_enu[other], offset[other]
+    )
+    face = np.concatenate([ground[on_ground], other[on_other]])
+    shade = np.concatenate([ground_shade, other_shade])
+    covered_m2 = np.bincount(face, shapely.area(shade), len(polygons))
+    is_whole = covered_m2 > _WHOLE_SHARE * shapely.area(polygons)
+    is_kept = ~is_whole[face] & (shapely.area(shade) > _LEAST_AREA_M2)
+    piece, triangles = _triangles(shade[is_kept])
+    of_face = face[is_kept][piece]
+    return Shadows(is_whole, of_face, _lifted(triangles, normals_enu[of_face], offset[of_face]))
+
+
+def _on_ground(casters_: Casters, polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Shade on the many level faces near the ground, which all lie under the same union.
+
+    Kerbs and slabs throw none here, and the low end of what stands beside a slab counts as if it
+    stood on it: the difference is a strip as wide as the slab is high.
+
+    Returns:
+        Places in `polygons` and what lies in shade there, in any number of pieces.
+    """
+    stands = casters_.corners_enu_m[..., 2].max(axis=1) > _GROUND_M + _TOUCH_M
+    parts = shapely.get_parts(shapely.union_all(casters_.outlines[stands]))
+    face, part = shapely.STRtree(parts).query(polygons, predicate="intersects")
+    return face, shapely.intersection(polygons[face], parts[part])
+
+
+def _on_planes(
+    casters_: Casters, polygons: np.ndarray, normals_enu: np.ndarray, offset: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Shade on faces anywhere; see `_on_ground`."""
+    face, caster = shapely.STRtree(casters_.outlines).query(polygons, predicate="intersects")
+    ahead_m = np.einsum("pki,pi->pk", casters_.corners_enu_m[caster], normals_enu[face])
+    ahead_m -= offset[face][:, None]
+    is_before = ahead_m.max(axis=1) > _TOUCH_M
+    face, caster, ahead_m = face[is_before], caster[is_before], ahead_m[is_before]
+    outlines = casters_.outlines[caster]
+    is_cut = ahead_m.min(axis=1) < -_TOUCH_M
+    outlines[is_cut] = _before_plane(casters_.corners_enu_m[caster[is_cut]], ahead_m[is_cut])
+    order = np.argsort(face, kind="stable")
+    faces, starts = np.unique(face[order], return_index=True)
+    groups = np.split(outlines[order], starts[1:]) if len(faces) else []
+    united = [group[0] if len(group) == 1 else shapely.union_all(group) for group in groups]
+    return faces, shapely.intersection(polygons[faces], np.array(united, dtype=object))
+
+
+def _outlines(points: np.ndarray) -> np.ndarray:
+    """Convex outlines of rows of points, (n, k, 2)."""
+    return shapely.convex_hull(shapely.linestrings(points))
+
+
+def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
+    """Outlines of what of some solids is before a plane, given their corners' distances.
+
+    The cut goes through a point between each corner before the plane and each behind it.
+    """
+    if not len(corners):
+        return np.zeros(0, dtype=object)
+    across = corners @ _ACROSS
+    is_new = np.ones(ahead_m.shape, dtype=bool)
+    is_new[:, 1:] = (corners[:, 1:] != corners[:, :1]).any(axis=2)
+    is_before, is_behind = is_new & (ahead_m > 0), is_new & (ahead_m <= 0)
+    row, i, j = np.nonzero(is_before[:, :, None] & is_behind[:, None, :])
+    share = ahead_m[row, i] / (ahead_m[row, i] - ahead_m[row, j])
+    cuts = across[row, i] + share[:, None] * (across[row, j] - across[row, i])
+    own_row, own = np.nonzero(is_before)
+    rows = np.concatenate([row, own_row])
+    points = np.concatenate([cuts, across[own_row, own]])
+    order = np.argsort(rows, kind="stable")
+    return shapely.convex_hull(shapely.linestrings(points[order], indices=rows[order]))
+
+
+def _triangles(shade: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles that fill polygons: the polygon's index and corners (t, 3, 2), anticlockwise."""
+    filled = shapely.constrained_delaunay_triangles(shade)
+    parts, index = shapely.get_parts(filled, return_index=True)
+    if not len(parts):
+        return np.zeros(0, dtype=int), np.zeros((0, 3, 2))
+    corners = shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3]
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area2 = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    corners[area2 < 0] = corners[area2 < 0][:, ::-1]
+    is_kept = np.abs(area2) > 1e-6
+    return index[is_kept], corners[is_kept]
+
+
+def _lifted(triangles: np.ndarray, normals: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """Corners across the sunlight back on their faces, (t, 3, 3)."""
+    aside = triangles @ _ACROSS.T
+    depth = offset[:, None] - np.einsum("tki,ti->tk", aside, normals)
+    along = depth / (normals @ _TO_SUN)[:, None]
+    return aside + along[..., None] * _TO_SUN + _LIFT_M * normals[:, None]

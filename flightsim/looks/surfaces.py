@@ -1,0 +1,59 @@
+"""Primitives as surfaces in the world, round ones in the detail that a picture asks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from aeroscene.shapes import Primitive
+from flightsim.looks.tessellation import Surface, box, cylinder, ellipsoid, hull
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Detail:
+    """How much of a world is drawn."""
+
+    slices: int
+    """Sides of round things."""
+    stacks: int
+    """Their bands from pole to pole."""
+    has_light: bool = False
+    """Whether light and shadows are in the skins, for renderers that compute none."""
+
+
+FAST = Detail(slices=14, stacks=8, has_light=True)
+"""What software rendering at camera rate affords."""
+FINE = Detail(slices=40, stacks=24)
+"""For pictures, which are lit pixel by pixel."""
+
+
+def surface_enu(primitive: Primitive, detail: Detail) -> Surface:
+    """The surface of a primitive in the world."""
+    local = _local_surface(primitive, detail)
+    turn = rotation_enu(primitive).T
+    return Surface(
+        local.vertices_m @ turn + primitive.position_enu_m,
+        local.normals @ turn,
+        local.texture_m,
+        local.triangles,
+    )
+
+
+def rotation_enu(primitive: Primitive) -> np.ndarray:
+    """(3, 3): the primitive's axes in the world, as columns."""
+    rotation = np.empty(9)
+    mujoco.mju_quat2Mat(rotation, np.array(primitive.quat_wxyz))
+    return rotation.reshape(3, 3)
+
+
+def _local_surface(primitive: Primitive, detail: Detail) -> Surface:
+    size_m = np.array(primitive.size_m)
+    if primitive.kind == "box":
+        return box(size_m)
+    if primitive.kind == "ellipsoid":
+        return ellipsoid(size_m, detail.slices, detail.stacks)
+    if primitive.kind == "cylinder":
+        return cylinder(float(size_m[0]) / 2, float(size_m[2]), detail.slices)
+    return hull(np.array(primitive.vertices_m))

@@ -1,0 +1,76 @@
+"""Fine pictures: colours by whichever renderer, light by rays, four samples for each pixel."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from flightsim.geom_groups import GeomGroup
+from flightsim.looks.drawing import drawn_mesh
+from flightsim.looks.pixel_light import PixelLight
+from flightsim.looks.surfaces import FINE
+from flightsim.sensors.camera import RgbdFrame, Viewpoint
+from flightsim.sensors.raycast_mesh import geom_triangles
+from flightsim.sensors.sky import HORIZON_RGB, painted_sky
+from flightsim.world import World
+
+SAMPLES = 2
+"""Samples of a pixel along each axis."""
+_HAZE_M = 1400.0
+_MIN_OPACITY = 0.5
+
+
+class FineLight:
+    """The light of a world, for pictures of its own size and four times the pixels."""
+
+    def __init__(self, world: World) -> None:
+        self._light = PixelLight(drawn_mesh(world.scene, world.solids, FINE))
+
+    def frame(
+        self,
+        view: Viewpoint,
+        time_us: int,
+        colours: np.ndarray,
+        depth_m: np.ndarray,
+        vehicle_enu_m: np.ndarray,
+    ) -> RgbdFrame:
+        """Light a picture and bring it to its size.
+
+        Args:
+            view: Where it was taken.
+            time_us: When.
+            colours: (2 h, 2 w, 3), 0 to 1: of the surfaces, in plain white light.
+            depth_m: (2 h, 2 w), inf in the sky.
+            vehicle_enu_m: Triangles of the vehicle, (t, 3, 3).
+        """
+        height, width = depth_m.shape
+        rays = view.rays_enu(width, height)
+        seen = self._light.light(view.position_enu_m, rays, vehicle_enu_m)
+        rgb = colours * seen.rgb
+        haze = (1.0 - np.exp(-np.where(np.isfinite(depth_m), depth_m, 0.0) / _HAZE_M))[..., None]
+        rgb += haze * (np.array(HORIZON_RGB, dtype=np.float32) - rgb)
+        is_sky = np.isinf(depth_m)
+        towards = rays[is_sky]
+        towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)
+        rgb[is_sky] = painted_sky(towards)
+        rgb = np.clip(_squares(rgb).mean(axis=(1, 3)), 0.0, 1.0)
+        nearest = _squares(depth_m[..., None]).min(axis=(1, 3))[..., 0]
+        return view.frame(time_us, (255.0 * rgb + 0.5).astype(np.uint8), nearest)
+
+
+def vehicle_triangles(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+    """What the vehicle looks like, where it is: (t, 3, 3); its spinning discs let light through."""
+    is_shown = (model.geom_group == GeomGroup.VEHICLE_LOOKS) & (
+        model.geom_rgba[:, 3] >= _MIN_OPACITY
+    )
+    parts = [np.zeros((0, 3, 3))]
+    for g in np.flatnonzero(is_shown).tolist():
+        turn = data.geom_xmat[g].reshape(3, 3)
+        parts.append(geom_triangles(model, g) @ turn.T + data.geom_xpos[g])
+    return np.concatenate(parts)
+
+
+def _squares(values: np.ndarray) -> np.ndarray:
+    """Samples of each pixel on axes 1 and 3."""
+    height, width, channels = values.shape
+    return values.reshape(height // SAMPLES, SAMPLES, width // SAMPLES, SAMPLES, channels)

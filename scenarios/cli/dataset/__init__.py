@@ -1,0 +1,48 @@
+"""`aeroscene dataset`: build, count, check and look at the corpus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import tyro
+
+from aeroscene.scene import SceneError
+from scenarios.cli.command_line import fail
+from scenarios.cli.dataset import build, show, stats, validate
+from scenarios.cli.scene_numbers import SceneNumbersError
+from scenarios.dataset.pool import WorkerDiedError
+
+Action = (
+    Annotated[build.BuildCfg, tyro.conf.subcommand("build", prefix_name=False)]
+    | Annotated[stats.StatsCfg, tyro.conf.subcommand("stats", prefix_name=False)]
+    | Annotated[validate.ValidateCfg, tyro.conf.subcommand("validate", prefix_name=False)]
+    | Annotated[show.ShowCfg, tyro.conf.subcommand("show", prefix_name=False)]
+)
+
+_RUN: Mapping[type, Callable[[Any], int]] = {
+    build.BuildCfg: build.run,
+    stats.StatsCfg: stats.run,
+    validate.ValidateCfg: validate.run,
+    show.ShowCfg: show.run,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class DatasetCfg:
+    """Build, count, check and look at the corpus: 1,016 scenes in a folder."""
+
+    action: Action
+
+
+def run(cfg: DatasetCfg) -> int:
+    """Do it; exit status 2 with one line where input, folder or machine do not allow it."""
+    prog = f"aeroscene dataset {type(cfg.action).__module__.rpartition('.')[2]}"
+    try:
+        return _RUN[type(cfg.action)](cfg.action)
+    except (SceneError, SceneNumbersError, WorkerDiedError) as error:
+        fail(prog, str(error))
+    except OSError as error:
+        where = f"file {error.filename!r}: " if error.filename else ""
+        fail(prog, f"{where}{(error.strerror or str(error)).lower()}")

@@ -1,0 +1,100 @@
+"""`aeroscene dataset build`."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from aeroscene.corpus import CORPUS_SIZE
+from aeroscene.provenance import curation_digest
+from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.dataset.options import check_jobs
+from scenarios.cli.progress import progress_bar
+from scenarios.cli.scene_numbers import scene_numbers
+from scenarios.dataset.build import BuildPlan, build, plan_build
+from scenarios.dataset.pool import default_jobs
+
+_PROG = "aeroscene dataset build"
+
+
+@dataclass(frozen=True, kw_only=True)
+class BuildCfg:
+    """Make the corpus: the same scenes, byte for byte, whenever and with however many processes.
+
+    Scenes that are in the folder already, made by the same sources, are kept; so a build that was
+    stopped goes on where it was. Those that other sources made are made again.
+    """
+
+    out: Path = Path("corpus")
+    """Folder to build in; it is made where there is none."""
+    scenes: str = f"0:{CORPUS_SIZE}"
+    """Numbers of scenes: A:B without B, single ones, joined by commas."""
+    jobs: int = field(default_factory=default_jobs)
+    """Processes; the default is the number of cores."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: folder, scenes, made, kept, bytes, seconds, sources."""
+
+
+def run(cfg: BuildCfg) -> int:
+    """Build and say what was done."""
+    check_jobs(cfg.jobs)
+    # An end from outside is taken as Ctrl-C: nothing stays half-written.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    plan = plan_build(cfg.out, scene_numbers(cfg.scenes))
+    _announce(plan)
+    start_s = time.perf_counter()
+    try:
+        with progress_bar("making scenes", len(plan.to_make)) as advance:
+            n_bytes = build(plan, cfg.jobs, lambda _: advance())
+    except KeyboardInterrupt:
+        sys.stderr.write(f"{_PROG}: stopped; the same command goes on from here\n")
+        raise
+    seconds = time.perf_counter() - start_s
+    _report(cfg, plan, n_bytes, seconds)
+    return EXIT_DONE
+
+
+def _announce(plan: BuildPlan) -> None:
+    if plan.outdated:
+        sys.stderr.write(
+            f"{_PROG}: {len(plan.outdated)} scenes in {plan.folder} were made by other sources: "
+            "they are made again\n"
+        )
+    if plan.foreign:
+        sys.stderr.write(
+            f"{_PROG}: {len(plan.foreign)} scenes in {plan.folder} that were not asked for were "
+            "made by other sources: they stay; a build without --scenes makes them again\n"
+        )
+
+
+def _report(cfg: BuildCfg, plan: BuildPlan, n_bytes: int, seconds: float) -> None:
+    n_made, n_kept = len(plan.to_make), len(plan.kept)
+    if cfg.json:
+        report = {
+            "folder": str(cfg.out),
+            "scenes": n_made + n_kept,
+            "made": n_made,
+            "kept": n_kept,
+            "bytes": n_bytes,
+            "seconds": round(seconds, 3),
+            "sources": curation_digest(),
+        }
+        print(json.dumps(report))
+        return
+    rate = f", {n_made / seconds:.1f} a second" if n_made else ""
+    print(
+        f"{cfg.out}: {n_made + n_kept} scenes, {n_bytes / 1e6:.1f} MB. {n_made} made in "
+        f"{_clock(seconds)}{rate}, {n_kept} were there."
+    )
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(seconds, 60)
+    return f"{minutes:.0f} min {rest:.0f} s" if minutes else f"{rest:.1f} s"

@@ -1,0 +1,111 @@
+"""`aeroscene dataset show`."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import tyro
+
+from aeroscene.dataset import Dataset, DatasetError, open_dataset
+from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.dataset.options import check_jobs, select_scenes
+from scenarios.cli.progress import progress_bar
+from scenarios.dataset.pool import default_jobs
+
+_LARGEST_SHEET = 200
+_SAMPLE = 12
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShowCfg:
+    """Draw a contact sheet of scenes, or open one of them in rerun's viewer.
+
+    Outdoor and mixed scenes are seen from above one corner, indoor ones with the roof cut away.
+    """
+
+    folder: tyro.conf.Positional[Path] = Path("corpus")
+    """Folder of the corpus."""
+    scenes: str = ""
+    """Which scenes: A:B without B, single ones, joined by commas; by default twelve, spread."""
+    out: Path = Path("sheet.png")
+    """PNG file to write."""
+    columns: int = 4
+    """Pictures side by side."""
+    width: int = 480
+    """Of one picture, pixels; its height is three quarters of it."""
+    jobs: int = field(default_factory=default_jobs)
+    """Processes; the default is the number of cores."""
+    viewer: Literal["off", "auto", "native", "web"] = "off"
+    """Open the first of the scenes in rerun instead: in a window, as a page on loopback, or auto,
+    in a window where there is a display."""
+
+
+def run(cfg: ShowCfg) -> int:
+    """Draw or open."""
+    dataset = _choose(cfg)
+    if cfg.viewer != "off":
+        return _view(dataset, cfg.viewer)
+    _check(cfg, dataset)
+    from scenarios.dataset.sheet import draw_sheet  # noqa: PLC0415 - OpenCV
+
+    with progress_bar("drawing", len(dataset.entries)) as advance:
+        draw_sheet(dataset, cfg.out, cfg.columns, cfg.width, cfg.jobs, advance)
+    print(f"{cfg.out}: {len(dataset.entries)} scenes")
+    return EXIT_DONE
+
+
+def _choose(cfg: ShowCfg) -> Dataset:
+    dataset = open_dataset(cfg.folder)
+    if cfg.scenes:
+        return select_scenes(dataset, cfg.scenes)
+    # One after another of every domain: the corpus takes the domains in turn.
+    step = max(1, len(dataset.entries) // _SAMPLE)
+    step += step % 3 == 0 and step > 1
+    return dataset.select([e.index for e in dataset.entries[::step][:_SAMPLE]])
+
+
+def _check(cfg: ShowCfg, dataset: Dataset) -> None:
+    check_jobs(cfg.jobs)
+    limits = (("columns", cfg.columns, 1, 50), ("width", cfg.width, 80, 1920))
+    for name, value, least, most in limits:
+        if not least <= value <= most:
+            raise DatasetError(f"{name} {value} is out of range, valid: {least} to {most}")
+    if cfg.out.suffix != ".png":
+        raise DatasetError(f"out {str(cfg.out)!r} is no .png file, valid: NAME.png")
+    if len(dataset.entries) > _LARGEST_SHEET:
+        raise DatasetError(
+            f"scenes {cfg.scenes!r} are {len(dataset.entries)} scenes, "
+            f"valid: at most {_LARGEST_SHEET} on a sheet"
+        )
+
+
+def _view(dataset: Dataset, viewer: Literal["auto", "native", "web"]) -> int:
+    # rerun: only where something is opened in it.
+    from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
+    from scenarios.recording.scene_file import write_scene_recording  # noqa: PLC0415
+    from scenarios.viewer import Viewer, ViewerError, has_display  # noqa: PLC0415
+
+    # An end from outside must end the viewer too.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    kind = viewer
+    if kind == "auto":
+        kind = "native" if has_display() else "web"
+    scene = dataset.read(dataset.entries[0])
+    with tempfile.TemporaryDirectory(prefix="aeroscene-") as folder:
+        path = Path(folder) / f"{scene.scene_id}.rrd"
+        write_scene_recording(scene, path)
+        try:
+            with Viewer(kind, path) as opened:
+                if opened.url is not None:
+                    print(f"{scene.scene_id} is shown at {opened.url}\nCtrl-C ends it.", flush=True)
+                opened.wait()
+        except KeyboardInterrupt:
+            sys.stderr.write("\n")
+        except (ViewerError, RerunMissingError) as error:
+            raise DatasetError(str(error)) from None
+    return EXIT_DONE

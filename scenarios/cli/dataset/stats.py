@@ -1,0 +1,175 @@
+"""`aeroscene dataset stats`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tyro
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from aeroscene.dataset import DatasetError, open_dataset
+from aeroscene.metrics.diversity import Layout
+from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
+from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.dataset.options import check_jobs, select_scenes
+from scenarios.cli.progress import progress_bar
+from scenarios.dataset.pool import default_jobs
+from scenarios.dataset.stats import Diversity, Statistics, statistics
+
+_CATEGORY_COLUMNS = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatsCfg:
+    """Count what the corpus holds, in the rows of the paper's table and beside its figures.
+
+    Then domains, categories and diversity. The unit of layout distance is the layout's radius: the
+    root mean square distance of its objects from their mean, seen from above.
+    """
+
+    folder: tyro.conf.Positional[Path] = Path("corpus")
+    """Folder of the corpus."""
+    beside: tuple[Path, ...] = ()
+    """Neutral layout files (.jsonl or .jsonl.gz) whose diversity stands beside the corpus's."""
+    scenes: str = ""
+    """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
+    jobs: int = field(default_factory=default_jobs)
+    """Processes; the default is the number of cores."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: a key for each row of the table with value, paper, deviation, train
+    and test; then domains, categories, missing_categories, diversity, paper_inconsistencies."""
+
+
+def run(cfg: StatsCfg) -> int:
+    """Count and print."""
+    check_jobs(cfg.jobs)
+    dataset = select_scenes(open_dataset(cfg.folder), cfg.scenes)
+    beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
+    with progress_bar("reading scenes", len(dataset.entries)) as advance:
+        found = statistics(dataset, beside, cfg.jobs, advance)
+    if cfg.json:
+        print(json.dumps(found.to_plain()))
+    else:
+        _print(Console(), found)
+    return EXIT_DONE
+
+
+def _set_name(path: Path) -> str:
+    return path.name.removesuffix(".gz").removesuffix(".jsonl")
+
+
+def _read_layouts(path: Path) -> Sequence[Layout]:
+    from aeroscene.layouts.neutral import read_neutral  # noqa: PLC0415 - only where it is asked for
+
+    layouts = [
+        Layout(
+            found.scene_id,
+            tuple(obj.category for obj in found.objects),
+            np.array([obj.p for obj in found.objects], dtype=float).reshape(-1, 3),
+        )
+        for found in read_neutral(path)
+    ]
+    if not layouts:
+        raise DatasetError(f"layout file {str(path)!r} holds no layout, valid: one a line")
+    return layouts
+
+
+def _print(console: Console, found: Statistics) -> None:
+    console.print(_paper_table(found.rows))
+    console.print("The paper's table disagrees with itself:")
+    for text in INCONSISTENCIES:
+        console.print(f"  {text}", style="dim", soft_wrap=True)
+    console.print()
+    n_scenes = sum(found.domains.values())
+    shares = (f"{name} {count} ({count / n_scenes:.0%})" for name, count in found.domains.items())
+    console.print(f"[bold]Domains[/]  {', '.join(shares)}")
+    console.print()
+    console.print(_category_table(found.categories))
+    if found.missing:
+        console.print(f"[bold red]None of[/]  {', '.join(found.missing)}")
+    console.print()
+    console.print(_diversity_table(found.diversity))
+    corpus = found.diversity[0]
+    if corpus.closest is not None:
+        console.print(f"Most alike in the corpus: {' and '.join(corpus.closest)}")
+    console.print(
+        "entropy: of the category of an object, bits. nearest: distance to the nearest other "
+        "layout of the set, mean and least, in layout radii; among as many as the smallest set "
+        f"has, {corpus.n_compared}, since neighbours are nearer where there are more.",
+        style="dim",
+    )
+
+
+def _table(title: str) -> Table:
+    return Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 0, 0, 1),
+    )
+
+
+def _paper_table(rows: Sequence[Row]) -> Table:
+    table = _table("The corpus beside the paper's dataset")
+    table.add_column("", no_wrap=True)
+    for heading in ("train", "paper", "test", "paper", "total", "paper", "off by"):
+        table.add_column(heading, justify="right", style="dim" if heading == "paper" else None)
+    for row in rows:
+        cells: list[str] = []
+        for column, paper in row.paper.items():
+            cells += [_figure(row.ours[column], row.is_average), f"{paper:,.0f}"]
+        table.add_row(row.title, *cells, _deviation(row))
+    return table
+
+
+def _figure(value: float | None, is_average: bool) -> str:
+    if value is None:
+        return "-"
+    return f"{value:,.1f}" if is_average else f"{value:,.0f}"
+
+
+def _deviation(row: Row) -> str:
+    if row.deviation is None or not row.is_average:
+        return ""
+    style = "green" if row.is_met else "bold red"
+    return f"[{style}]{row.deviation:+.1%}[/]"
+
+
+def _category_table(categories: Mapping[str, int]) -> Table:
+    table = _table("Objects of each category")
+    table.show_header = False
+    for _ in range(_CATEGORY_COLUMNS):
+        table.add_column(no_wrap=True)
+        table.add_column(justify="right")
+    cells = [(name, f"{count:,}") for name, count in categories.items()]
+    n_rows = -(-len(cells) // _CATEGORY_COLUMNS)
+    for number in range(n_rows):
+        table.add_row(*(text for cell in cells[number::n_rows] for text in cell))
+    return table
+
+
+def _diversity_table(sets: Sequence[Diversity]) -> Table:
+    table = _table("Diversity")
+    table.add_column("", no_wrap=True)
+    among = f"among {sets[0].n_compared}"
+    for heading in ("layouts", "categories", "entropy", "nearest", "least", among):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for one in sets:
+        distances = (one.nearest_mean, one.nearest_least, one.nearest_mean_compared)
+        table.add_row(
+            one.name,
+            f"{one.n_layouts:,}",
+            str(one.n_categories),
+            f"{one.entropy_bits:.2f}",
+            *("-" if value is None else f"{value:.3f}" for value in distances),
+        )
+    return table

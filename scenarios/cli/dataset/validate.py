@@ -1,0 +1,113 @@
+"""`aeroscene dataset validate`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from aeroscene.dataset import Dataset, DatasetError, open_dataset
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
+from scenarios.cli.dataset.options import check_jobs, select_scenes
+from scenarios.cli.progress import progress_bar
+from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
+from scenarios.dataset.pool import default_jobs
+from scenarios.dataset.validate import Report, first_of_each_kind, validate_all
+
+_EXAMPLES = 5
+"""Findings of each kind, failed drops and unreadable files that are shown."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ValidateCfg:
+    """Check every scene of the corpus against its own rules.
+
+    overlap: boxes that share an IoU above 0.01 though neither carries the other. floating: nothing
+    below or beside it to hold it. outside: beyond the flight volume. unreachable: a start or an
+    area that no drone of its class gets to. unlandable: an area that is not what it claims.
+
+    Exit status 0 if all is well, 1 with findings or too many bad drops, 2 for files that cannot be
+    read.
+    """
+
+    folder: tyro.conf.Positional[Path] = Path("corpus")
+    """Folder of the corpus."""
+    drops: int = 0
+    """Also let an unpowered Iris fall from 0.3 m on this many random landing areas: it must come
+    to rest on them, level within their slope and 2 degrees."""
+    seed: int = 0
+    """Decides which areas it falls on, and its headings."""
+    scenes: str = ""
+    """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
+    skip_invalid: bool = False
+    """Go on after a file that cannot be read, name it and count it."""
+    jobs: int = field(default_factory=default_jobs)
+    """Processes; the default is the number of cores."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: scenes, findings by kind, details, invalid, and drops if asked for."""
+
+
+def run(cfg: ValidateCfg) -> int:
+    """Check everything and print what was found."""
+    check_jobs(cfg.jobs)
+    for name, value in (("drops", cfg.drops), ("seed", cfg.seed)):
+        if value < 0:
+            raise DatasetError(f"{name} {value} is negative, valid: 0 or more")
+    dataset = select_scenes(open_dataset(cfg.folder), cfg.scenes)
+    with progress_bar("checking scenes", len(dataset.entries)) as advance:
+        report = validate_all(dataset, cfg.jobs, advance, skip_invalid=cfg.skip_invalid)
+    drops = _drop(cfg, report.readable) if cfg.drops else None
+    if cfg.json:
+        extra = {} if drops is None else {"drops": drops.to_plain()}
+        print(json.dumps({**report.to_plain(), **extra}))
+    else:
+        _print(Console(), report, drops)
+    is_good = not report.findings and (drops is None or drops.share >= LEAST_SHARE)
+    return EXIT_DONE if is_good else EXIT_NEGATIVE
+
+
+def _drop(cfg: ValidateCfg, dataset: Dataset) -> DropReport:
+    n_drops = min(cfg.drops, sum(entry.n_landing for entry in dataset.entries))
+    with progress_bar("dropping", n_drops, "drops") as advance:
+        return drop_all(dataset, cfg.drops, cfg.seed, cfg.jobs, advance)
+
+
+def _print(console: Console, report: Report, drops: DropReport | None) -> None:
+    for line in report.invalid[:_EXAMPLES]:
+        console.print(f"[bold red]unreadable[/]: {escape(line)}", soft_wrap=True)
+    if report.invalid:
+        console.print(f"{len(report.invalid)} scenes could not be read and were left out")
+    table = Table("findings", title=f"{report.n_scenes:,} scenes", title_justify="left")
+    table.add_column("count", justify="right")
+    table.add_column("in scenes", justify="right")
+    for kind, count in report.counts().items():
+        scenes = {finding.scene_id for finding in report.findings if finding.kind == kind}
+        style = "bold red" if count else "green"
+        table.add_row(kind, f"[{style}]{count:,}[/]", f"{len(scenes):,}")
+    console.print(table)
+    for found in first_of_each_kind(report.findings, _EXAMPLES):
+        where = [found.scene_id]
+        where += [] if found.object_id is None else [f"object {found.object_id}"]
+        where += [] if found.area_id is None else [f"area {found.area_id}"]
+        line = f"{found.kind}: {', '.join(where)}: {found.detail}"
+        console.print(escape(line), soft_wrap=True)
+    if drops is not None:
+        _print_drops(console, drops)
+
+
+def _print_drops(console: Console, report: DropReport) -> None:
+    style = "green" if report.share >= LEAST_SHARE else "bold red"
+    n_good = len(report.drops) - len(report.failed)
+    console.print(
+        f"Drops: {n_good:,} of {len(report.drops):,} came to rest on their areas, "
+        f"[{style}]{report.share:.1%}[/] (at least {LEAST_SHARE:.0%})"
+    )
+    for drop in report.failed[:_EXAMPLES]:
+        where = f"{drop.scene_id}, {drop.drone_class} area {drop.area_id}"
+        console.print(f"drop: {where}: {', '.join(drop.faults)}", soft_wrap=True)

@@ -1,0 +1,165 @@
+"""`aeroscene layouts`: what a file of other people's layouts would become; its conversion."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from aeroscene.layouts.document import LayoutError, NeutralLayout
+from aeroscene.layouts.mapping import MappingReport
+from aeroscene.layouts.reading import read_layouts
+from aeroscene.scene import SceneError
+from aeroscene.scene_io import write_scene
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
+
+_SHOWN = 20
+"""Lines of a list that the table shows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayoutsCfg:
+    """Say how a file of layouts maps to our categories, and convert it to scenes.
+
+    Reads JSON lines of neutral layouts, the AeroScene authors' JSON and 3D-FRONT's own, plain or
+    gzip. Exit status 0 if everything is valid, 1 if something was skipped as invalid.
+    """
+
+    file: tyro.conf.Positional[Path]
+    """The file of layouts."""
+    out: Path | None = None
+    """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
+    skip_invalid: bool = False
+    """Leave out objects and scenes that break a rule, name and count them, and go on."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: scenes, objects, mapped, unmapped, dropped, invalid, written."""
+
+
+def run(cfg: LayoutsCfg) -> int:
+    """Report, and convert where asked.
+
+    Raises:
+        SceneError: If the file breaks a rule and nothing is to be skipped.
+    """
+    faults: list[str] = []
+    total = MappingReport()
+    written: list[str] = []
+    if cfg.out is not None:
+        _make_folder(cfg.out)
+    for layout in _with_progress(cfg, faults):
+        try:
+            report = _take(layout, cfg, written)
+        except SceneError as error:
+            if not cfg.skip_invalid:
+                raise error.within(f"layout file {str(cfg.file)!r}") from None
+            faults.append(str(error))
+            continue
+        total += report
+    total += MappingReport(invalid=tuple(faults))
+    if cfg.json:
+        print(json.dumps(total.to_plain() | {"written": written}))
+    else:
+        _print_report(total, written, cfg)
+    return EXIT_NEGATIVE if total.invalid else EXIT_DONE
+
+
+def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout]:
+    """The layouts of the file, with a bar while they are converted."""
+    layouts = read_layouts(cfg.file, cfg.skip_invalid, faults)
+    if cfg.out is None:
+        yield from layouts
+        return
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        yield from progress.track(list(layouts), description="converting")
+
+
+def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: list[str]) -> MappingReport:
+    # shapely: not before the command line is known to be right.
+    from aeroscene.layouts.flyable import make_flyable, map_layout  # noqa: PLC0415
+
+    if cfg.out is None:
+        return map_layout(layout)
+    scene, report = make_flyable(layout)
+    path = cfg.out / f"{file_name(scene.scene_id)}.json"
+    with _named_failures(path):
+        write_scene(scene, path)
+    written.append(path.name)
+    return report
+
+
+def file_name(scene_id: str) -> str:
+    """A scene's id as a name of a file: letters, digits, dots, dashes and underscores."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "-", scene_id).strip(".-") or "scene"
+
+
+def _make_folder(folder: Path) -> None:
+    with _named_failures(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+
+
+@contextmanager
+def _named_failures(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        reason = (error.strerror or type(error).__name__).lower()
+        raise LayoutError(
+            f"out {str(path)!r} cannot be written ({reason}), valid: a folder to write to"
+        ) from None
+
+
+def _print_report(report: MappingReport, written: list[str], cfg: LayoutsCfg) -> None:
+    console = Console()
+    console.print(
+        f"[bold]{cfg.file.name}[/]: {report.n_scenes} scenes, {report.n_objects} objects, "
+        f"{report.n_mapped} mapped, {sum(report.unmapped.values())} unmapped, "
+        f"{sum(report.dropped.values())} dropped, {len(report.invalid)} invalid"
+    )
+    if report.by_fit:
+        fits = ", ".join(f"{count} {fit}" for fit, count in report.by_fit.items())
+        console.print(f"How they were mapped: {fits}")
+        console.print(_categories_table(report))
+    _print_counts(console, "unmapped", report.unmapped)
+    _print_counts(console, "dropped", report.dropped)
+    _warn("unmapped", report.unmapped_lines)
+    _warn("invalid", report.invalid)
+    if cfg.out is not None:
+        console.print(f"{len(written)} scenes written to {cfg.out}", soft_wrap=True)
+
+
+def _warn(kind: str, lines: Sequence[str]) -> None:
+    for line in lines[:_SHOWN]:
+        sys.stderr.write(f"aeroscene layouts: {kind}: {line}\n")
+    if len(lines) > _SHOWN:
+        sys.stderr.write(f"aeroscene layouts: {kind}: and {len(lines) - _SHOWN} more\n")
+
+
+def _categories_table(report: MappingReport) -> Table:
+    table = Table("our category", "objects", "from the source's (* stand-in)")
+    for category, count in report.by_category.items():
+        names = [
+            f"{name} {n}{'*' if fit == 'stand-in' else ''}"
+            for (name, ours, fit), n in sorted(report.mapped.items(), key=lambda item: -item[1])
+            if ours == category
+        ]
+        more = f", and {len(names) - 6} more" if len(names) > 6 else ""
+        table.add_row(category, str(count), ", ".join(names[:6]) + more)
+    return table
+
+
+def _print_counts(console: Console, title: str, counts: Mapping[str, int]) -> None:
+    if counts:
+        ranked = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+        listed = ", ".join(f"{name} {count}" for name, count in ranked[:_SHOWN])
+        more = f", and {len(ranked) - _SHOWN} more" if len(ranked) > _SHOWN else ""
+        console.print(f"{title}: {listed}{more}")

@@ -1,0 +1,32 @@
+"""Ranges of scene numbers, as a user writes them."""
+
+from __future__ import annotations
+
+import re
+
+from aeroscene.corpus import CORPUS_SIZE
+
+_PART = re.compile("([0-9]{1,6})(?::([0-9]{1,6}))?")
+
+
+class SceneNumbersError(ValueError):
+    """A range that names no scene of the corpus."""
+
+
+def scene_numbers(text: str) -> tuple[int, ...]:
+    """Numbers in ascending order: "0:10" is 0 to 9, "42" itself, commas join.
+
+    Raises:
+        SceneNumbersError: If a part is malformed, empty or reaches beyond the corpus.
+    """
+    numbers: set[int] = set()
+    for part in text.split(","):
+        match = _PART.fullmatch(part)
+        first, end = (int(match[1]), int(match[2] or int(match[1]) + 1)) if match else (0, 0)
+        if not first < end <= CORPUS_SIZE:
+            raise SceneNumbersError(
+                f"scenes {part!r} is no range of scenes, valid: A:B, A up to and without B, or "
+                f"single numbers, from 0 to {CORPUS_SIZE - 1}, joined by commas"
+            )
+        numbers.update(range(first, end))
+    return tuple(sorted(numbers))

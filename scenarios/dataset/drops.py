@@ -1,0 +1,161 @@
+"""Drops: a vehicle without power falls on landing areas of the corpus; does it come to rest there?
+
+This asks the physics what `validate` asks the geometry. An Iris, rotors off, falls from 0.3 m above
+an area's centroid, turned by a random yaw. At rest it must stand over the area's polygon, at its
+height, and no steeper than the area's slope and two degrees.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.scene import InteractionArea
+from scenarios.dataset.pool import run_all
+
+if TYPE_CHECKING:
+    from scenarios.dataset.falling import Fall
+
+VEHICLE = "iris"
+TILT_MARGIN_RAD = math.radians(2.0)
+HEIGHT_TOLERANCE_M = 0.05
+"""Of the soles above the area's plane: legs that give, surfaces that are not quite flat."""
+LEAST_SHARE = 0.99
+"""Of the drops that must come to rest on their areas."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Drop:
+    """One fall on one area, judged."""
+
+    scene_id: str
+    area_id: int
+    drone_class: str
+    faults: tuple[str, ...]
+    """What is wrong with how it ended, in words; nothing if it stands as it should."""
+
+    def to_plain(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "scene": self.scene_id,
+            "area": self.area_id,
+            "drone_class": self.drone_class,
+            "faults": list(self.faults),
+        }
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DropReport:
+    """How all of them ended."""
+
+    drops: tuple[Drop, ...]
+
+    @property
+    def failed(self) -> tuple[Drop, ...]:
+        """Those that did not come to rest on their areas."""
+        return tuple(drop for drop in self.drops if drop.faults)
+
+    @property
+    def share(self) -> float:
+        """Of those that did; 1 where nothing was dropped."""
+        return 1.0 - len(self.failed) / max(len(self.drops), 1)
+
+    def to_plain(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "count": len(self.drops),
+            "share": self.share,
+            "target": LEAST_SHARE,
+            "failed": [drop.to_plain() for drop in self.failed],
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """Drops in one scene."""
+
+    entry: SceneEntry
+    drops: tuple[tuple[int, float], ...]
+    """Place in the scene's list of landing areas, and yaw in rad, of each."""
+
+
+def drop_all(
+    dataset: Dataset, count: int, seed: int, jobs: int, on_drops: Callable[[int], None]
+) -> DropReport:
+    """Drop a vehicle on landing areas of all scenes, each area as likely as any other.
+
+    Args:
+        dataset: The scenes.
+        count: Drops; fewer where there are fewer areas.
+        seed: Decides areas and yaws.
+        jobs: Processes.
+        on_drops: Told after each scene how many drops were made in it.
+
+    Raises:
+        SceneError: If a scene cannot be read.
+        WorldError: If the vehicle cannot stand at a scene's start.
+    """
+    drops: list[Drop] = []
+    tasks = _draw(dataset.entries, count, np.random.default_rng(seed))
+    with closing(run_all(partial(_drop_in_scene, dataset.folder), tasks, jobs)) as results:
+        for made in results:
+            drops += made
+            on_drops(len(made))
+    return DropReport(drops=tuple(drops))
+
+
+def _draw(entries: Sequence[SceneEntry], count: int, rng: np.random.Generator) -> list[_Task]:
+    ends = np.cumsum([0, *(entry.n_landing for entry in entries)])
+    total = int(ends[-1])
+    chosen = np.sort(rng.choice(total, min(count, total), replace=False))
+    yaws_rad = rng.uniform(-math.pi, math.pi, len(chosen))
+    drawn: dict[int, list[tuple[int, float]]] = defaultdict(list)
+    for number, yaw_rad in zip(chosen.tolist(), yaws_rad.tolist(), strict=True):
+        scene = int(np.searchsorted(ends, number, side="right")) - 1
+        drawn[scene].append((number - int(ends[scene]), yaw_rad))
+    return [_Task(entries[scene], tuple(drops)) for scene, drops in drawn.items()]
+
+
+def _drop_in_scene(folder: Path, task: _Task) -> list[Drop]:
+    # MuJoCo: only in processes that drop.
+    from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
+    from scenarios.dataset.falling import FallingVehicle  # noqa: PLC0415
+
+    scene = Dataset(folder, (task.entry,)).read(task.entry)
+    vehicle = FallingVehicle(scene, airframe_by_name(VEHICLE))
+    drops = []
+    for number, yaw_rad in task.drops:
+        area = scene.landing_areas[number]
+        fall = vehicle.fall(area, yaw_rad)
+        drops.append(
+            Drop(
+                scene_id=scene.scene_id,
+                area_id=area.id,
+                drone_class=area.drone_class,
+                faults=tuple(_faults(fall, area)),
+            )
+        )
+    return drops
+
+
+def _faults(fall: Fall, area: InteractionArea) -> list[str]:
+    faults = []
+    if not fall.rested:
+        faults.append("does not come to rest")
+    if not fall.inside_m >= 0:
+        faults.append(f"rests {-fall.inside_m:.2f} m outside the area")
+    if not abs(fall.height_m) <= HEIGHT_TOLERANCE_M:
+        faults.append(f"rests {fall.height_m:+.2f} m from the area's plane")
+    if not fall.tilt_rad <= area.slope_rad + TILT_MARGIN_RAD:
+        tilt_deg, slope_deg = math.degrees(fall.tilt_rad), math.degrees(area.slope_rad)
+        faults.append(f"tilts {tilt_deg:.1f} degrees on a slope of {slope_deg:.1f}")
+    return faults

@@ -1,0 +1,91 @@
+"""A vehicle without power in a compiled scene, let go above a landing area."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from aeroscene.polygon import distance_inside
+from aeroscene.scene import InteractionArea, Scene
+from flightsim.vehicles.airframe import Airframe
+from flightsim.world import build_world
+
+HEIGHT_M = 0.3
+"""Of the soles above the centroid at the start of the fall."""
+LONGEST_S = 5.0
+_LOOK_S = 0.05
+_REST_S = 0.3
+"""Time for which it must hardly move to be at rest."""
+_REST_SPEED_MPS = 0.01
+_REST_RATE_RADPS = 0.05
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Fall:
+    """Where a vehicle was when it had come to rest, or when time was up."""
+
+    rested: bool
+    inside_m: float
+    """Of the vehicle's centre within the area's border seen from above; negative outside."""
+    height_m: float
+    """Of the soles above the area's plane."""
+    tilt_rad: float
+
+
+class FallingVehicle:
+    """One scene and one vehicle, compiled once for many falls."""
+
+    def __init__(self, scene: Scene, airframe: Airframe) -> None:
+        """Compile the scene.
+
+        Raises:
+            WorldError: If the vehicle cannot stand at the scene's start.
+        """
+        self._airframe = airframe
+        self._model = build_world(scene, airframe).model
+        self._data = mujoco.MjData(self._model)
+
+    def fall(self, area: InteractionArea, yaw_rad: float) -> Fall:
+        """Let go above the area's centroid, wait until nothing moves."""
+        data = self._data
+        mujoco.mj_resetData(self._model, data)
+        data.qpos[:3] = area.centroid
+        data.qpos[2] += HEIGHT_M + self._airframe.leg_length_m
+        data.qpos[3:7] = (math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2))
+        rested = self._wait_for_rest()
+        east, north, up = data.qpos[:3].tolist()
+        plane_up, slope_rad = _plane_at(area, east, north)
+        _, x, y, _ = data.qpos[3:7].tolist()
+        return Fall(
+            rested=rested,
+            inside_m=distance_inside([(px, py) for px, py, _ in area.polygon], east, north),
+            height_m=(up - plane_up) * math.cos(slope_rad) - self._airframe.leg_length_m,
+            tilt_rad=math.acos(max(-1.0, 1.0 - 2.0 * (x * x + y * y))),
+        )
+
+    def _wait_for_rest(self) -> bool:
+        n_steps = round(_LOOK_S / self._model.opt.timestep)
+        still_s = 0.0
+        while self._data.time < LONGEST_S:
+            mujoco.mj_step(self._model, self._data, nstep=n_steps)
+            speed_mps, rate_radps = (np.abs(v).max() for v in np.split(self._data.qvel[:6], 2))
+            is_still = speed_mps < _REST_SPEED_MPS and rate_radps < _REST_RATE_RADPS
+            # Also at the top of a bounce it hardly moves, but not for long.
+            still_s = still_s + _LOOK_S if is_still else 0.0
+            if still_s >= _REST_S:
+                return True
+        return False
+
+
+def _plane_at(area: InteractionArea, east: float, north: float) -> tuple[float, float]:
+    """Height of the polygon's plane at a place, m, and the plane's slope, rad."""
+    corners = np.array(area.polygon) - area.centroid
+    east_slope, north_slope, rise = np.linalg.lstsq(
+        np.column_stack([corners[:, :2], np.ones(len(corners))]), corners[:, 2]
+    )[0].tolist()
+    x, y, z = area.centroid
+    up = z + rise + east_slope * (east - x) + north_slope * (north - y)
+    return up, math.atan(math.hypot(east_slope, north_slope))

@@ -1,0 +1,136 @@
+"""Contact sheets: a picture of each scene, with what the manifest says of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import UInt8
+
+from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.files import replacing
+from aeroscene.scene import Scene
+from flightsim.sensors.camera import open_camera_renderer
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import World, build_world
+from scenarios.dataset.framing import frame_points
+from scenarios.dataset.pool import run_all
+
+Picture = UInt8[np.ndarray, "height width 3"]
+
+ASPECT = 4 / 3
+_FOV_RAD = math.radians(40.0)
+_AZIMUTH_RAD = math.radians(-118.0)
+_ELEVATION_RAD = math.radians(36.0)
+_INDOOR_ELEVATION_RAD = math.radians(58.0)
+_CUT_M = 2.6
+"""Indoors, what begins above this height is left out: ceilings, roofs, upper storeys."""
+
+_PAPER_RGB, _INK_RGB, _PALE_RGB = (250, 250, 248), (28, 32, 38), (112, 118, 126)
+_GAP_PX = 10
+_CAPTION_PX = 46
+_FONT = cv2.FONT_HERSHEY_SIMPLEX
+
+
+def draw_sheet(
+    dataset: Dataset,
+    out: Path,
+    columns: int,
+    width: int,
+    jobs: int,
+    on_scene: Callable[[], None],
+) -> None:
+    """Draw every scene of a dataset into one PNG file.
+
+    Args:
+        dataset: The scenes.
+        out: File to write, whole or not at all.
+        columns: Pictures side by side.
+        width: Of one picture, pixels.
+        jobs: Processes.
+        on_scene: Called after each picture.
+
+    Raises:
+        SceneError: If a scene cannot be read.
+        OSError: If the file cannot be written.
+    """
+    cells: list[Picture] = []
+    draw = partial(_draw_cell, dataset.folder, width)
+    with closing(run_all(draw, dataset.entries, jobs)) as results:
+        for cell in results:
+            cells.append(cell)
+            on_scene()
+    is_encoded, png = cv2.imencode(".png", cv2.cvtColor(_tile(cells, columns), cv2.COLOR_RGB2BGR))
+    assert is_encoded
+    with replacing(out) as file:
+        file.write(png.tobytes())
+
+
+def _draw_cell(folder: Path, width: int, entry: SceneEntry) -> Picture:
+    scene = Dataset(folder, (entry,)).read(entry)
+    return np.vstack([draw_scene(scene, width), _caption(entry, width)])
+
+
+def draw_scene(scene: Scene, width: int) -> Picture:
+    """A scene from above one corner; indoors without what is overhead."""
+    height = round(width / ASPECT)
+    world = build_world(scene, airframe_by_name("iris"), vehicle=False)
+    is_indoor = scene.domain == "indoor"
+    if is_indoor:
+        world = _cut(world)
+    eye, target = frame_points(
+        _outline(scene, _CUT_M if is_indoor else math.inf),
+        azimuth_rad=_AZIMUTH_RAD,
+        elevation_rad=_INDOOR_ELEVATION_RAD if is_indoor else _ELEVATION_RAD,
+        vertical_fov_rad=_FOV_RAD,
+        aspect=ASPECT,
+    )
+    with closing(open_camera_renderer(world, width, height)) as renderer:
+        return renderer.render_view(world.new_data(), eye, target, _FOV_RAD, quality="fine").rgb
+
+
+def _cut(world: World) -> World:
+    low = world.scene.extent_min_enu_m[2] + _CUT_M
+    kept = (s for s in world.solids if s.position_enu_m[2] - s.size_m[2] / 2 < low)
+    return replace(world, solids=tuple(kept))
+
+
+def _outline(scene: Scene, height_m: float) -> np.ndarray:
+    """Corners of all boxes, none higher than the height above the scene's floor."""
+    corners = np.concatenate([obj.bbox.corners() for obj in scene.objects])
+    top = scene.extent_min_enu_m[2] + height_m
+    return np.minimum(corners, [np.inf, np.inf, top])
+
+
+def _caption(entry: SceneEntry, width: int) -> Picture:
+    strip = np.full((_CAPTION_PX, width, 3), _PAPER_RGB, dtype=np.uint8)
+    areas = f"{entry.n_small} small, {entry.n_medium} medium, {entry.n_large} large areas"
+    _write(strip, f"{entry.index:04d} {entry.domain}", 18, 0.52, _INK_RGB)
+    _write(strip, f"{entry.n_coarse} + {entry.n_fine} objects, {areas}", 37, 0.40, _PALE_RGB)
+    return strip
+
+
+def _write(
+    picture: Picture, text: str, baseline: int, scale: float, rgb: tuple[int, int, int]
+) -> None:
+    cv2.putText(picture, text, (2, baseline), _FONT, scale, rgb, 1, cv2.LINE_AA)
+
+
+def _tile(cells: Sequence[Picture], columns: int) -> Picture:
+    """Pictures of equal size row by row, gaps between them."""
+    height, width, _ = cells[0].shape
+    columns = min(columns, len(cells))
+    rows = -(-len(cells) // columns)
+    size = (rows * (height + _GAP_PX) + _GAP_PX, columns * (width + _GAP_PX) + _GAP_PX, 3)
+    sheet = np.full(size, _PAPER_RGB, dtype=np.uint8)
+    for number, cell in enumerate(cells):
+        row, column = divmod(number, columns)
+        top, left = _GAP_PX + row * (height + _GAP_PX), _GAP_PX + column * (width + _GAP_PX)
+        sheet[top : top + height, left : left + width] = cell
+    return sheet

@@ -1,0 +1,151 @@
+"""What the corpus holds and how much its scenes differ, beside other layouts."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from aeroscene.catalogue import CATALOGUE
+from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.metrics.diversity import (
+    Layout,
+    category_entropy_bits,
+    layout_distances,
+    layout_of,
+    mean_nearest_among,
+    nearest,
+)
+from aeroscene.metrics.paper_table import INCONSISTENCIES, Row, missing_categories, paper_table
+from scenarios.dataset.pool import run_all
+
+_DRAWS_SEED = 0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Diversity:
+    """How much the layouts of one set differ."""
+
+    name: str
+    n_layouts: int
+    n_categories: int
+    entropy_bits: float
+    """Of the category of an object drawn from the whole set."""
+    nearest_mean: float | None
+    """Distance of a layout to the nearest other one, in layout radii; None for a single layout."""
+    nearest_least: float | None
+    closest: tuple[str, str] | None
+    """The two layouts that are most alike."""
+    n_compared: int
+    """Layouts in the draws of the next figure: as many as the smallest set has."""
+    nearest_mean_compared: float | None
+    """Mean distance to the nearest among that many, so that sets of different size compare."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Statistics:
+    """Everything that `dataset stats` says."""
+
+    rows: tuple[Row, ...]
+    domains: Mapping[str, int]
+    """Scenes of each domain."""
+    categories: Mapping[str, int]
+    """Objects of each category, all 70."""
+    scenes_with: Mapping[str, int]
+    """Scenes in which each category appears."""
+    missing: tuple[str, ...]
+    diversity: tuple[Diversity, ...]
+    """Of the corpus, then of each set beside it."""
+
+    def to_plain(self) -> dict[str, Any]:
+        """As plain data, a key for each row of the paper's table first."""
+        n_scenes = sum(self.domains.values())
+        return {
+            **{row.key: row.to_plain() for row in self.rows},
+            "domains": {
+                name: {"scenes": count, "share": count / n_scenes}
+                for name, count in self.domains.items()
+            },
+            "categories": {
+                name: {"objects": count, "scenes": self.scenes_with[name]}
+                for name, count in self.categories.items()
+            },
+            "missing_categories": list(self.missing),
+            "diversity": [asdict(diversity) for diversity in self.diversity],
+            "paper_inconsistencies": list(INCONSISTENCIES),
+        }
+
+
+def statistics(
+    dataset: Dataset,
+    beside: Mapping[str, Sequence[Layout]],
+    jobs: int,
+    on_scene: Callable[[], None],
+) -> Statistics:
+    """Read every scene and count.
+
+    Args:
+        dataset: The corpus or a part of it, at least one scene.
+        beside: Other sets of layouts under their names.
+        jobs: Processes.
+        on_scene: Called after each scene that is read.
+
+    Raises:
+        SceneError: If a scene cannot be read.
+    """
+    layouts: list[Layout] = []
+    read = partial(_read_layout, dataset.folder)
+    with closing(run_all(read, dataset.entries, jobs)) as results:
+        for layout in results:
+            layouts.append(layout)
+            on_scene()
+    counts = Counter(name for layout in layouts for name in layout.categories)
+    names = [set(layout.categories) for layout in layouts]
+    indices = [entry.index for entry in dataset.entries]
+    return Statistics(
+        rows=paper_table(dataset.entries, dict(zip(indices, names, strict=True))),
+        domains=dict(sorted(Counter(entry.domain for entry in dataset.entries).items())),
+        categories={c.name: counts[c.name] for c in CATALOGUE.values()},
+        scenes_with={c.name: sum(c.name in s for s in names) for c in CATALOGUE.values()},
+        missing=tuple(missing_categories(counts)),
+        diversity=_compare({"corpus": layouts, **beside}),
+    )
+
+
+def _read_layout(folder: Path, entry: SceneEntry) -> Layout:
+    return layout_of(Dataset(folder, (entry,)).read(entry))
+
+
+def _compare(sets: Mapping[str, Sequence[Layout]]) -> tuple[Diversity, ...]:
+    n_compared = min(map(len, sets.values()))
+    return tuple(_diversity(name, layouts, n_compared) for name, layouts in sets.items())
+
+
+def _diversity(name: str, layouts: Sequence[Layout], n_compared: int) -> Diversity:
+    is_pair = len(layouts) > 1
+    nearest_m, index = np.full(1, np.nan), np.zeros(1, dtype=int)
+    compared = None
+    if is_pair:
+        distances = layout_distances(layouts)
+        nearest_m, index = nearest(distances)
+    if n_compared > 1:
+        rng = np.random.default_rng(_DRAWS_SEED)
+        compared = mean_nearest_among(distances, n_compared, rng)
+    first = int(nearest_m.argmin())
+    return Diversity(
+        name=name,
+        n_layouts=len(layouts),
+        n_categories=len({name for layout in layouts for name in layout.categories}),
+        entropy_bits=category_entropy_bits(layouts),
+        nearest_mean=float(nearest_m.mean()) if is_pair else None,
+        nearest_least=float(nearest_m.min()) if is_pair else None,
+        closest=(layouts[first].name, layouts[int(index[first])].name) if is_pair else None,
+        n_compared=n_compared,
+        nearest_mean_compared=compared,
+    )

@@ -1,0 +1,96 @@
+"""Every scene of the corpus against its own rules, on every core."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, get_args
+
+from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.scene import SceneError
+from aeroscene.validation import Finding, FindingKind, validate
+from scenarios.dataset.pool import run_all
+
+KINDS: tuple[FindingKind, ...] = get_args(FindingKind)
+"""Kinds of findings, in the order in which they are told."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Report:
+    """What was found."""
+
+    readable: Dataset
+    """The scenes that could be read."""
+    findings: tuple[Finding, ...]
+    invalid: tuple[str, ...]
+    """A line for each scene that could not be read."""
+
+    @property
+    def n_scenes(self) -> int:
+        """Scenes that were checked."""
+        return len(self.readable.entries)
+
+    def counts(self) -> dict[str, int]:
+        """Findings of each kind."""
+        counts = Counter(finding.kind for finding in self.findings)
+        return {kind: counts[kind] for kind in KINDS}
+
+    def to_plain(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "scenes": self.n_scenes,
+            "findings": self.counts(),
+            "details": [asdict(finding) for finding in self.findings],
+            "invalid": list(self.invalid),
+        }
+
+
+def validate_all(
+    dataset: Dataset, jobs: int, on_scene: Callable[[], None], *, skip_invalid: bool
+) -> Report:
+    """Read and check every scene.
+
+    Args:
+        dataset: The scenes.
+        jobs: Processes.
+        on_scene: Called after each scene.
+        skip_invalid: Go on after a scene that cannot be read.
+
+    Raises:
+        SceneError: The first scene that cannot be read, unless it is to be skipped.
+    """
+    findings: list[Finding] = []
+    invalid: list[str] = []
+    readable: set[int] = set()
+    check = partial(_check, dataset.folder)
+    with closing(run_all(check, dataset.entries, jobs)) as results:
+        for entry, found in zip(dataset.entries, results, strict=True):
+            on_scene()
+            if not isinstance(found, SceneError):
+                findings += found
+                readable.add(entry.index)
+            elif skip_invalid:
+                invalid.append(str(found))
+            else:
+                raise found
+    return Report(
+        readable=dataset.select(readable), findings=tuple(findings), invalid=tuple(invalid)
+    )
+
+
+def _check(folder: Path, entry: SceneEntry) -> tuple[Finding, ...] | SceneError:
+    try:
+        scene = Dataset(folder, (entry,)).read(entry)
+    except SceneError as error:
+        return error
+    return validate(scene)
+
+
+def first_of_each_kind(findings: tuple[Finding, ...], count: int) -> Iterator[Finding]:
+    """The first findings of each kind, as examples."""
+    for kind in KINDS:
+        yield from [finding for finding in findings if finding.kind == kind][:count]

@@ -1,0 +1,22 @@
+"""A scene alone as a recording, to look at without a flight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import rerun as rr
+
+from aeroscene.scene import Scene
+from aeroscene.shapes import scene_primitives
+from scenarios.recording import layout
+from scenarios.recording.blueprint import scene_blueprint
+from scenarios.recording.scene import log_scene
+
+
+def write_scene_recording(scene: Scene, path: Path) -> None:
+    """Write an .rrd file that shows the scene and its interaction areas."""
+    stream = rr.RecordingStream(layout.APPLICATION_ID)
+    stream.set_sinks(rr.FileSink(path), default_blueprint=scene_blueprint(scene))
+    log_scene(stream, scene, scene_primitives(scene))
+    stream.flush()
+    stream.disconnect()

@@ -1,0 +1,34 @@
+"""Layouts that are not ours are flown by our own pilot, from take-off to the landing."""
+
+from __future__ import annotations
+
+import pytest
+
+from scenarios.sitl import Sitl, SitlCfg
+from scenarios.testbench import TestbenchCfg
+from tests.aeroscene.layouts.samples import (
+    authors_scene,
+    block,
+    front3d_house,
+    house,
+    write_json,
+    write_lines,
+)
+
+FILES = {
+    "house": lambda folder: f"{write_lines(folder / 'l.jsonl', block(), house())}#1",
+    "block": lambda folder: f"{write_lines(folder / 'l.jsonl', block(), house())}#block-1",
+    "3D-FRONT": lambda folder: str(write_json(folder / "h.json", front3d_house())),
+    "authors": lambda folder: str(write_json(folder / "a.json.gz", authors_scene())),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_layout_is_flown_and_landed_in(tmp_path, name):
+    vehicle = "hummingbird" if name == "house" else "iris"
+    bench = TestbenchCfg(scene=FILES[name](tmp_path), vehicle=vehicle, speed="max", instance=79)
+    with Sitl(SitlCfg(bench=bench, demo=True)) as sitl:
+        sitl.run(lambda: False)
+        result = sitl.finish()
+    assert result.success, result.reason
+    assert result.contacts_before_touchdown == 0

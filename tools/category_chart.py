@@ -1,0 +1,112 @@
+"""One picture of every category: three variants each, small, middling and large."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from framing import fit_view
+from labels import label
+from rich.progress import track
+
+from aeroscene.catalogue import CATALOGUE, Category
+from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.shapes import Primitive, object_primitives
+from flightsim.sensors.camera import Quality, open_camera_renderer
+from flightsim.vehicles.catalogue import AIRFRAMES
+from flightsim.world import build_world
+
+_CELL_PX = (236, 178)
+_COLUMNS = 7
+_FOV_DEG = 24.0
+_SHARES = (0.2, 0.5, 0.8)
+"""Where in the range of sizes the variants lie."""
+_MOST_M = 18.0
+"""A road of 120 m would be a line in its picture."""
+
+
+def category_chart(quality: Quality) -> np.ndarray:
+    """All categories as rgb (h, w, 3) uint8, coarse first, each with its name."""
+    cells = [
+        label(_cell(category, quality), f"{category.name}", size_px=15)
+        for category in track(list(CATALOGUE.values()), description="categories")
+    ]
+    width, height = _CELL_PX
+    cells += [np.full((height, width, 3), 255, np.uint8)] * (-len(cells) % _COLUMNS)
+    rows = [np.hstack(cells[i : i + _COLUMNS]) for i in range(0, len(cells), _COLUMNS)]
+    return np.vstack(rows)
+
+
+def _cell(category: Category, quality: Quality) -> np.ndarray:
+    primitives, corners_enu_m = [], []
+    for obj in _variants(category):
+        primitives += object_primitives(obj)
+        corners_enu_m.append(obj.bbox.corners())
+    world = build_world(_stage(), AIRFRAMES["iris"], vehicle=False, extra=(*_floor(), *primitives))
+    width, height = _CELL_PX
+    eye, target = fit_view(
+        np.concatenate(corners_enu_m),
+        azimuth_deg=-32.0,
+        elevation_deg=24.0,
+        vertical_fov_deg=_FOV_DEG,
+        aspect=width / height,
+        margin=1.12,
+    )
+    renderer = open_camera_renderer(world, width, height)
+    frame = renderer.render_view(world.new_data(), eye, target, math.radians(_FOV_DEG), quality)
+    renderer.close()
+    return frame.rgb
+
+
+def _variants(category: Category) -> Iterator[SceneObject]:
+    """Three objects side by side, the smallest on the left."""
+    ranges = (category.length_m, category.width_m, category.height_m)
+    sizes = [
+        tuple(min(low + share * (high - low), max(low, _MOST_M)) for low, high in ranges)
+        for share in _SHARES
+    ]
+    gap_m = 0.25 * max(max(size[:2]) for size in sizes)
+    y = 0.0
+    for index, (length, width, height) in enumerate(sizes):
+        y += width / 2
+        yield SceneObject(
+            id=index,
+            scene_id="chart",
+            parent_id=None,
+            category_id=category.id,
+            bbox=OrientedBox((0.0, y, height / 2), (1.0, 0.0, 0.0, 0.0), (length, width, height)),
+            domain="outdoor",
+            attributes={},
+        )
+        y += width / 2 + gap_m
+
+
+def _floor() -> tuple[Primitive, ...]:
+    return (
+        Primitive(
+            kind="box",
+            position_enu_m=(0.0, 0.0, -0.05),
+            quat_wxyz=(1.0, 0.0, 0.0, 0.0),
+            size_m=(400.0, 400.0, 0.1002),
+            material="plastic_white",
+            object_id=0,
+            collides=False,
+        ),
+    )
+
+
+def _stage() -> Scene:
+    return Scene(
+        scene_id="chart",
+        domain="outdoor",
+        seed=0,
+        extent_min_enu_m=(-40.0, -40.0, 0.0),
+        extent_max_enu_m=(40.0, 40.0, 40.0),
+        start_position_enu_m=(0.0, 0.0, 0.0),
+        start_yaw_rad=0.0,
+        latitude_deg=47.4,
+        longitude_deg=8.5,
+        altitude_m=488.0,
+        objects=(),
+    )
