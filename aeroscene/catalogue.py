@@ -71,7 +71,7 @@ _COARSE: tuple[_Row, ...] = (
     ("road", (4, 120), (4, 12), (0.02, 0.15), _STREET, False, "asphalt"),
     ("sidewalk", (2, 120), (1, 8), (0.05, 0.25), _STREET, True, "paving"),
     ("lawn", (2, 60), (2, 60), (0.02, 0.3), _STREET, True, "grass"),
-    ("parking_lot", (5, 40), (5, 40), (0.02, 0.15), _STREET, True, "asphalt"),
+    ("parking_lot", (5, 60), (5, 60), (0.02, 0.15), _STREET, True, "asphalt"),
     ("plaza", (5, 60), (5, 60), (0.02, 0.25), _STREET, True, "paving"),
     ("fence", (0.05, 0.3), (1, 60), (0.8, 2.4), _STREET, False, "metal"),
     ("stairs", (1, 6), (1, 8), (0.3, 4), ("ground", "floor"), False, "concrete"),

@@ -44,24 +44,37 @@ def read_neutral(
     Raises:
         LayoutError: Naming file, line, scene, object and field.
     """
-    path = Path(path)
+    for layout in read_each(Path(path), skip_invalid=skip_invalid):
+        if isinstance(layout, NeutralLayout):
+            yield layout
+        elif not skip_invalid:
+            raise layout
+        elif faults is not None:
+            faults.append(str(layout))
+
+
+def read_each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | LayoutError]:
+    """Every line of a file that is not blank: its scene, or what is wrong with it.
+
+    Raises:
+        LayoutError: If the file itself cannot be read.
+    """
     where = source_name(path)
     seen: set[str] = set()
     for number, line, fault in text_lines(path):
+        if fault is not None:
+            yield fault
+            continue
         try:
-            if fault is not None:
-                raise fault
             record = parse_json(line, where, number)
-            try:
-                layout = neutral_layout(record, skip_invalid=skip_invalid)
-                _check_new(layout.scene_id, seen)
-            except LayoutError as error:
-                raise error.within(f"{where} line {number}") from None
         except LayoutError as error:
-            if not skip_invalid:
-                raise
-            if faults is not None:
-                faults.append(str(error))
+            yield error
+            continue
+        try:
+            layout = neutral_layout(record, skip_invalid=skip_invalid)
+            _check_new(layout.scene_id, seen)
+        except LayoutError as error:
+            yield LayoutError(f"{where} line {number}: {error}")
             continue
         seen.add(layout.scene_id)
         yield layout

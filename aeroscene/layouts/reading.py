@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -10,12 +11,11 @@ from aeroscene.layouts.aeroscene_json import aeroscene_layout
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.front3d import front3d_layout, read_model_info
 from aeroscene.layouts.mapping import MappingReport
-from aeroscene.layouts.neutral import neutral_layout, read_neutral
+from aeroscene.layouts.neutral import neutral_layout, read_each, read_neutral
 from aeroscene.layouts.text_file import read_json, source_name
 from aeroscene.scene import Scene
 
 LINE_SUFFIXES = (".jsonl", ".jsonl.gz")
-FILE_SUFFIXES = (".json", ".json.gz", *LINE_SUFFIXES)
 
 Dialect = Literal["aeroscene", "front3d", "neutral"]
 
@@ -87,7 +87,7 @@ def dialect_of(value: Any) -> Dialect:
 def pick_layout(
     path: str | Path, scene_id: str | None = None, skip_invalid: bool = False
 ) -> NeutralLayout:
-    """One layout of a file.
+    """One layout of a file; faults of other lines of it do not matter.
 
     Args:
         path: The file.
@@ -98,26 +98,43 @@ def pick_layout(
     Raises:
         LayoutError: If there is none by that name, or the file breaks a rule.
     """
-    by_number: NeutralLayout | None = None
-    names: list[str] = []
-    faults: list[str] = []
-    for number, layout in enumerate(read_layouts(path, skip_invalid, faults)):
-        if scene_id is None or layout.scene_id == scene_id:
-            return layout
-        if layout.scene_id.rpartition("/")[2] == scene_id:
-            return layout
-        if scene_id == str(number):
-            by_number = layout
-        names.append(layout.scene_id)
-    if by_number is not None:
-        return by_number
-    where = source_name(Path(path))
+    path = Path(path)
+    found: list[NeutralLayout | LayoutError] = []
+    for entry in _each(path, skip_invalid=skip_invalid):
+        if scene_id is None or (isinstance(entry, NeutralLayout) and _is_called(entry, scene_id)):
+            return _unless_fault(entry)
+        found.append(entry)
+    if scene_id is not None and re.fullmatch("[0-9]{1,9}", scene_id) and int(scene_id) < len(found):
+        return _unless_fault(found[int(scene_id)])
+    for entry in found:
+        # Nobody can say whether the scene that cannot be read was the one that is asked for.
+        if isinstance(entry, LayoutError):
+            raise entry
+    where = source_name(path)
+    names = [entry.scene_id for entry in found if isinstance(entry, NeutralLayout)]
     if not names:
-        raise LayoutError(faults[0] if faults else f"{where} has no scene, valid: at least one")
+        raise LayoutError(f"{where} has no scene, valid: at least one")
     raise LayoutError(
         f"{where} has no scene {scene_id!r}, valid: a number from 0 to {len(names) - 1} or an id "
         f"such as {names[0]!r}"
     )
+
+
+def _each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | LayoutError]:
+    if path.name.endswith(LINE_SUFFIXES):
+        yield from read_each(path, skip_invalid=skip_invalid)
+    else:
+        yield _read_one(read_json(path), path, skip_invalid=skip_invalid)
+
+
+def _is_called(layout: NeutralLayout, scene_id: str) -> bool:
+    return scene_id in {layout.scene_id, layout.scene_id.rpartition("/")[2]}
+
+
+def _unless_fault(entry: NeutralLayout | LayoutError) -> NeutralLayout:
+    if isinstance(entry, LayoutError):
+        raise entry
+    return entry
 
 
 def read_layout(

@@ -48,7 +48,9 @@ def table(look: Look) -> list[Part]:
 def coffee_table(look: Look) -> list[Part]:
     """A low top on two panels, round on a drum, or on legs with a board between them."""
     x, y, z = look.size_m
-    form, wood = look.choice("form", FORMS["coffee_table"]), look.choice("wood", WOODS)
+    is_square = max(x, y) <= 1.15 * min(x, y)
+    form = look.choice("form", FORMS["coffee_table"], () if is_square else ("panels", "legs"))
+    wood = look.choice("wood", WOODS)
     under = z - 0.04
     top = block(centred(x), centred(y), (under, z), wood)
     if form == "panels":

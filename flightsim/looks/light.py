@@ -46,7 +46,8 @@ def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
 
 def light_rgb(light: Shares) -> Float[np.ndarray, "*n 3"]:
     """Factors for the colours of surfaces, at most 1."""
-    return np.minimum(1.0, np.array(AMBIENT_RGB) + light[..., None] * np.array(SUN_RGB))
+    ambient, sun = np.array(AMBIENT_RGB, light.dtype), np.array(SUN_RGB, light.dtype)
+    return np.minimum(1.0, ambient + light[..., None] * sun)
 
 
 def normals_for_light(light: Shares) -> Normals:

@@ -24,7 +24,10 @@ _SUN_SPREAD = 0.012
 _ZENITH_RGB = np.array([0.36, 0.42, 0.52], dtype=np.float32)
 _LEVEL_RGB = np.array([0.52, 0.53, 0.54], dtype=np.float32)
 """Light that comes from the sky, above and near the horizon."""
-_BOUNCE_RGB = np.array([0.56, 0.53, 0.48], dtype=np.float32)
+_LAMP_RGB = np.array([1.22, 1.16, 1.04], dtype=np.float32)
+"""Light that comes from ceilings, which have lamps all over."""
+_LEAST_CEILING = 0.85
+_BOUNCE_RGB = np.array([0.58, 0.55, 0.50], dtype=np.float32)
 _BOUNCE_REACH_M = 1.3
 """Light that comes off things about as far as this is dimmed to two thirds."""
 _LIFT = 0.78
@@ -59,6 +62,8 @@ class PixelLight:
         self._corners = mesh.corners_enu_m().astype(np.float32)
         self._normals = mesh.normals_enu[mesh.triangles].astype(np.float32)
         self._is_clear = mesh.is_clear()
+        is_ceiling = np.array([paint.texture == "ceiling" for paint in mesh.paints], dtype=bool)
+        self._is_lamp = is_ceiling[mesh.triangle_paint]
 
     def light(
         self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, vehicle_enu_m: np.ndarray
@@ -78,7 +83,9 @@ class PixelLight:
         corners = np.concatenate([self._corners, vehicle_enu_m]).astype(np.float32)
         normals = np.concatenate([self._normals, np.repeat(across[:, None], 3, axis=1)])
         is_clear = np.concatenate([self._is_clear, np.zeros(len(vehicle_enu_m), dtype=bool)])
-        seen, solid = RayScene(corners), RayScene(corners[~is_clear])
+        is_lamp = np.concatenate([self._is_lamp, np.zeros(len(vehicle_enu_m), dtype=bool)])
+        seen = RayScene(corners)
+        solid = _Surroundings(RayScene(corners[~is_clear]), is_lamp[~is_clear])
         shape = rays_enu.shape[:2]
         depth = np.full(shape, np.inf, dtype=np.float32)
         triangle = np.full(shape, NOTHING)
@@ -97,6 +104,7 @@ class PixelLight:
             points = eye + hits.distance[met, None] * rays[met]
             off = np.maximum(_OFF_SURFACE_M, _OFF_SURFACE * hits.distance[met])[:, None]
             light = _light(solid, points + off * facing, facing, rng)
+            light[is_lamp[own]] = np.maximum(light[is_lamp[own]], _LEAST_CEILING)
             for array, values in ((rgb, light), (normal, facing)):
                 flat = array[band].reshape(-1, 3)
                 flat[met] = values
@@ -106,8 +114,17 @@ class PixelLight:
         return Seen(triangle != NOTHING, depth, np.minimum(light_rgb, 1.15), triangle)
 
 
+@dataclass(frozen=True, eq=False)
+class _Surroundings:
+    """What light comes from or is stopped by."""
+
+    rays: RayScene
+    is_lamp: np.ndarray
+    """(t,) bool."""
+
+
 def _light(
-    solid: RayScene, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
+    around: _Surroundings, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
     """(n, 3): light on points, with the grain of few rays."""
     n = len(points)
@@ -117,32 +134,38 @@ def _light(
     is_sunny = cosine > 0
     sunny = np.flatnonzero(is_sunny)
     sun = np.zeros(n, dtype=np.float32)
-    is_hidden = solid.is_hidden(points[sunny], towards[sunny])
+    is_hidden = around.rays.is_hidden(points[sunny], towards[sunny])
     sun[sunny] = np.where(is_hidden, 0.0, cosine[sunny])
     rgb = sun[:, None] * _SUN_RGB
     turn = rng.random(n, dtype=np.float32)
+    u, v = _tangents(normals)
     for k in range(_N_SKY_RAYS):
-        rays = _hemisphere(normals, (k + rng.random(n, dtype=np.float32)) / _N_SKY_RAYS, turn, k)
-        hits = solid.first_hits(points, rays)
+        share = (k + rng.random(n, dtype=np.float32)) / _N_SKY_RAYS
+        angle = 2 * np.pi * (turn + k * 0.618034)
+        x, y = np.sqrt(share) * np.cos(angle), np.sqrt(share) * np.sin(angle)
+        height = np.sqrt(1.0 - share)
+        rays = x[:, None] * u + y[:, None] * v + height[:, None] * normals
+        hits = around.rays.first_hits(points, rays)
         up = np.clip(rays[:, 2:], 0.0, 1.0)
         sky = _LEVEL_RGB + up * (_ZENITH_RGB - _LEVEL_RGB)
         near = 1.0 - np.exp(-np.minimum(hits.distance, 50.0) / _BOUNCE_REACH_M)
+        from_things = near[:, None] * _BOUNCE_RGB
+        from_things[around.is_lamp[hits.triangle]] = _LAMP_RGB
         is_free = (hits.triangle == NOTHING)[:, None]
-        rgb += np.where(is_free, sky, near[:, None] * _BOUNCE_RGB) / _N_SKY_RAYS
+        rgb += np.where(is_free, sky, from_things) / _N_SKY_RAYS
     return rgb
 
 
-def _hemisphere(normals: np.ndarray, share: np.ndarray, turn: np.ndarray, k: int) -> np.ndarray:
-    """Directions about normals, many near the normal and few along the surface."""
-    angle = 2 * np.pi * (turn + k * 0.618034)
-    radius = np.sqrt(share)
-    sideways = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    u = np.cross(normals, sideways).astype(np.float32)
-    u /= np.linalg.norm(u, axis=1, keepdims=True)
-    v = np.cross(normals, u)
-    height = np.sqrt(np.maximum(0.0, 1.0 - share))
-    x, y = radius * np.cos(angle), radius * np.sin(angle)
-    return x[:, None] * u + y[:, None] * v + height[:, None] * normals
+def _tangents(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit vectors across each normal and each other."""
+    x, y, z = normals.T
+    # Continuous but for straight down (Duff and others 2017, "Building an orthonormal basis").
+    sign = np.where(z >= 0, np.float32(1), np.float32(-1))
+    a = -1 / (sign + z)
+    b = x * y * a
+    u = np.stack([1 + sign * x * x * a, sign * b, -sign * x], axis=1)
+    v = np.stack([b, sign + y * y * a, -y], axis=1)
+    return u, v
 
 
 def _smoothed(rgb: np.ndarray, depth_m: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -23,6 +23,12 @@ class RayHits:
     v: Float[np.ndarray, "n"]
     """Share of its third corner."""
 
+    def within(self, far: float) -> RayHits:
+        """Only what is met nearer than a distance."""
+        is_far = self.distance > far
+        triangle = np.where(is_far, NOTHING, self.triangle)
+        return RayHits(triangle, np.where(is_far, np.inf, self.distance), self.u, self.v)
+
 
 class RayScene:
     """Triangles, (t, 3, 3) in m."""

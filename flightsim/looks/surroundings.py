@@ -23,7 +23,7 @@ _STRIPS_M = (34.0, 46.0, 60.0, 85.0, 130.0, 220.0, 400.0)
 """Depths of the fields from the yard outwards; the last is repeated to the end of sight."""
 _N_TEXTURED = 4
 """Fields further out are seen so flat that nothing of a texture is left."""
-_HAZE_M = 450.0
+_HAZE_M = 800.0
 _HEDGE_M = 1.4
 _FIELDS: tuple[Paint, ...] = (
     Paint("meadow", (0.40, 0.55, 0.26), (24.0, 24.0)),

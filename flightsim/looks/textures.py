@@ -20,8 +20,8 @@ from flightsim.looks.patterns.canvas import Canvas, Pattern
 Colour = tuple[float, float, float]
 
 TILE_PIXELS = 128
-FACADE_PIXELS = 256
-"""A facade's tile shows four windows, and is looked at from nearer than its size."""
+LARGE_TILE_PIXELS = 256
+"""For a facade's tile, which shows four windows, and a lawn's, whose repetition would show."""
 
 PATTERNS: Mapping[str, Pattern] = MappingProxyType(
     {
@@ -82,7 +82,9 @@ PATTERNS: Mapping[str, Pattern] = MappingProxyType(
 )
 """Every pattern by the name that materials use."""
 
-_FACADES = frozenset(name for name in PATTERNS if PATTERNS[name].__module__ == facades.__name__)
+_LARGE = frozenset(
+    {"grass", *(name for name in PATTERNS if PATTERNS[name].__module__ == facades.__name__)}
+)
 
 
 def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
@@ -100,7 +102,7 @@ def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
 @functools.cache
 def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray]:
     """A pattern in the two colours between which all others lie."""
-    n_pixels = FACADE_PIXELS if texture in _FACADES else TILE_PIXELS
+    n_pixels = LARGE_TILE_PIXELS if texture in _LARGE else TILE_PIXELS
     canvas = Canvas(n_pixels, zlib.crc32(texture.encode()))
     black = PATTERNS[texture](canvas, np.zeros(3, dtype=np.float32))
     canvas.rewind()

@@ -177,7 +177,7 @@ class _Stage:
 
     def vehicle_enu_m(self) -> np.ndarray:
         """Triangles of the vehicle where it is."""
-        return vehicle_triangles(self._model, self.poses.data)
+        return vehicle_triangles(self._model, self.poses.data)[0]
 
     def object_ids(self, geom_object_id: np.ndarray) -> np.ndarray:
         """Object id by what MuJoCo drew as colour in the last picture: 0 sky, else index + 1."""

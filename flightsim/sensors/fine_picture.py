@@ -16,8 +16,10 @@ from flightsim.world import World
 
 SAMPLES = 2
 """Samples of a pixel along each axis."""
-_HAZE_M = 1400.0
+_HAZE_M = 2500.0
 _MIN_OPACITY = 0.5
+_ONE_SURFACE = 1.1
+"""Samples whose depths differ by less than this factor are taken to lie on one surface."""
 
 
 class FineLight:
@@ -54,20 +56,35 @@ class FineLight:
         towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)
         rgb[is_sky] = painted_sky(towards)
         rgb = np.clip(_squares(rgb).mean(axis=(1, 3)), 0.0, 1.0)
-        nearest = _squares(depth_m[..., None]).min(axis=(1, 3))[..., 0]
-        return view.frame(time_us, (255.0 * rgb + 0.5).astype(np.uint8), nearest)
+        return view.frame(time_us, (255.0 * rgb + 0.5).astype(np.uint8), _pixel_depth(depth_m))
 
 
-def vehicle_triangles(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-    """What the vehicle looks like, where it is: (t, 3, 3); its spinning discs let light through."""
+def vehicle_triangles(
+    model: mujoco.MjModel, data: mujoco.MjData
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the vehicle looks like, where it is; its spinning discs let light through.
+
+    Returns:
+        Triangles (t, 3, 3), ENU, and their colours (t, 3), 0 to 1.
+    """
     is_shown = (model.geom_group == GeomGroup.VEHICLE_LOOKS) & (
         model.geom_rgba[:, 3] >= _MIN_OPACITY
     )
-    parts = [np.zeros((0, 3, 3))]
+    parts, colours = [np.zeros((0, 3, 3))], [np.zeros((0, 3))]
     for g in np.flatnonzero(is_shown).tolist():
         turn = data.geom_xmat[g].reshape(3, 3)
         parts.append(geom_triangles(model, g) @ turn.T + data.geom_xpos[g])
-    return np.concatenate(parts)
+        colours.append(np.tile(model.geom_rgba[g, :3], (len(parts[-1]), 1)))
+    return np.concatenate(parts), np.concatenate(colours)
+
+
+def _pixel_depth(depth_m: np.ndarray) -> np.ndarray:
+    """Depth in the middle of pixels from their samples': exact on planes, the nearest at edges."""
+    samples = _squares(depth_m[..., None])
+    nearest, farthest = samples.min(axis=(1, 3)), samples.max(axis=(1, 3))
+    # The inverse of depth is linear in the picture of a plane.
+    middle = 1.0 / (1.0 / samples).mean(axis=(1, 3))
+    return np.where(farthest < _ONE_SURFACE * nearest, middle, nearest)[..., 0]
 
 
 def _squares(values: np.ndarray) -> np.ndarray:

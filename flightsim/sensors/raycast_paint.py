@@ -7,8 +7,8 @@ as large as the picture's, which is what keeps far walls from sparkling.
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float
 
+from flightsim.looks.light import SUN_DIRECTION
 from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.paint import Paint
 from flightsim.looks.rays import NOTHING, RayHits, RayScene
@@ -25,45 +25,47 @@ class PaintedMesh:
 
     def __init__(self, mesh: WorldMesh) -> None:
         self._scene = RayScene(mesh.corners_enu_m())
-        self._mesh = mesh
-        self._tiles = mesh.texture_tiles.astype(np.float32)
+        self._paint = mesh.triangle_paint
+        light = np.clip(mesh.normals_enu @ -np.array(SUN_DIRECTION), 0.0, 1.0)
+        at_vertices = np.column_stack([mesh.texture_tiles, light]).astype(np.float32)
+        first, second, third = (at_vertices[mesh.triangles[:, k]] for k in range(3))
+        self._at_first, self._to_second, self._to_third = first, second - first, third - first
         pictures = [_picture(paint) for paint in mesh.paints]
         sizes = [pictures, [_shrunk(p) for p in pictures], [coarser(p, len(p)) for p in pictures]]
         flat = [picture for level in sizes for picture in level]
-        counts = np.array([picture.shape[0] for picture in flat])
-        starts = np.cumsum([0, *counts**2])[:-1]
+        counts = np.array([picture.shape[0] for picture in flat], dtype=np.int32)
+        starts = np.cumsum([0, *counts**2], dtype=np.int32)[:-1]
         self._n_across = counts.reshape(3, -1)
         self._start = starts.reshape(3, -1)
-        self._pixels = np.concatenate([picture.reshape(-1, 3) for picture in flat])
+        pixels = np.concatenate([picture.reshape(-1, 3) for picture in flat])
+        self._pixels = pixels.astype(np.float32) / 255
         height_m = np.array([paint.size_m[1] for paint in mesh.paints])
-        self._pixel_m = height_m / self._n_across[0]
+        self._pixel_m = (height_m / self._n_across[0]).astype(np.float32)
 
     def hits(self, eye_enu_m: np.ndarray, rays_enu: np.ndarray) -> RayHits:
         """What rays from a point meet; rays (n, 3)."""
         eyes = np.broadcast_to(eye_enu_m.astype(np.float32), rays_enu.shape)
         return self._scene.first_hits(eyes, rays_enu)
 
-    def at_hits(
-        self, hits: RayHits, values: Float[np.ndarray, "v k"]
-    ) -> tuple[np.ndarray, Float[np.ndarray, "m k"]]:
-        """Which rays met something, (m,), and what is given at vertices, there."""
+    def colours(self, hits: RayHits, focal_px: float) -> tuple[np.ndarray, ...]:
+        """Which rays met something, (m,); its colour there, 0 to 1 (m, 3); and its light (m,)."""
         met = np.flatnonzero(hits.triangle != NOTHING)
-        corners = self._mesh.triangles[hits.triangle[met]]
-        u, v = hits.u[met, None], hits.v[met, None]
-        first = values[corners[:, 0]]
-        return met, first + u * (values[corners[:, 1]] - first) + v * (values[corners[:, 2]] - first)
-
-    def rgb(self, hits: RayHits, focal_px: float) -> Float[np.ndarray, "m 3"]:
-        """Colours, 0 to 1, of the surfaces at the rays that met something."""
-        met, tiles = self.at_hits(hits, self._tiles)
-        paint = self._mesh.triangle_paint[hits.triangle[met]]
+        triangle = hits.triangle[met]
+        values = self._at_first[triangle]
+        values += hits.u[met, None] * self._to_second[triangle]
+        values += hits.v[met, None] * self._to_third[triangle]
+        u, v, light = values.T
+        paint = self._paint[triangle]
         covered = hits.distance[met] / focal_px / self._pixel_m[paint]
         level = (covered > _FULL_UP_TO).astype(np.int32) + (covered > _COARSE_UP_TO)
         n = self._n_across[level, paint]
-        column = np.minimum(((tiles[:, 0] % 1.0) * n).astype(np.int32), n - 1)
+        column = ((u - np.floor(u)) * n).astype(np.int32)
         # The top row comes first, and v grows upwards.
-        row = np.minimum((((1.0 - tiles[:, 1]) % 1.0) * n).astype(np.int32), n - 1)
-        return self._pixels[self._start[level, paint] + row * n + column].astype(np.float32) / 255
+        row = ((np.ceil(v) - v) * n).astype(np.int32)
+        np.minimum(column, n - 1, out=column)
+        np.minimum(row, n - 1, out=row)
+        pixel = self._start[level, paint] + row * n + column
+        return met, self._pixels[pixel], light
 
 
 def _picture(paint: Paint) -> np.ndarray:

@@ -245,15 +245,19 @@ def test_culling_changes_no_pixel_of_a_view(block):
     np.testing.assert_allclose(culled.depth_m, whole.depth_m, rtol=2e-5)
 
 
-def test_fine_pictures_have_shadows(yard):
-    gl = open_or_skip(yard, 160, 120, "gl")
-    # Behind the wall, where the afternoon sun does not reach.
-    data, eye, target = yard.new_data(), (18.0, -6.0, 8.0), (8.0, 0.0, 0.0)
-    fast = gl.render_view(data, eye, target, quality="fast").rgb.astype(float)
-    fine = gl.render_view(data, eye, target, quality="fine").rgb.astype(float)
-    gl.close()
-    darker = (fast - fine).mean(axis=2) > 30
-    assert 0.02 < darker.mean() < 0.6
+@pytest.mark.parametrize("quality", ["fast", "fine"])
+def test_the_wall_throws_its_shadow_on_the_ground(renderer, yard, quality):
+    # Beyond the wall, whose shadow is 6.7 m deep there: the sun is in the west-south-west.
+    eye, target = (22.0, -6.0, 12.0), (12.0, 0.0, 0.0)
+    frame = renderer.render_view(yard.new_data(), eye, target, quality=quality)
+    points, bright = points_enu(frame), frame.rgb.astype(float).mean(axis=2)
+    is_ground = np.abs(points[..., 2]) < 0.01
+    depth_m = points[..., 0] - (WALL_X_M + 1.0)
+    shade, sun = (bright[is_ground & near] for near in (depth_m < 5.0, depth_m > 8.0))
+    assert min(len(shade), len(sun)) > 500
+    assert np.median(shade) < 0.75 * np.median(sun)
+    # No acne: hardly a pixel in the sun is as dark as the shade.
+    assert np.quantile(sun, 0.02) > np.median(shade)
 
 
 @pytest.mark.parametrize(

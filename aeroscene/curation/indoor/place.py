@@ -18,7 +18,7 @@ from aeroscene.curation.start import PAD_M, NoStartError
 _PAD_M = (1.8, 1.8, 0.06)
 """Size of the pads in halls and on galleries."""
 _WIDE_M2 = 70.0
-"""A zone of this area or more takes two steps in each round."""
+"""A zone of this area or more takes more than one step in each round."""
 _ROUNDS = 7
 """How often the list of features is gone through."""
 FEATURED_M2 = 48.0
@@ -83,7 +83,7 @@ class IndoorPlace:
         while growing:
             for item in tuple(growing):
                 zone, growth = item
-                for _ in range(2 if zone.area >= _WIDE_M2 else 1):
+                for _ in range(_steps(zone)):
                     if next(growth, self) is self:
                         growing.remove(item)
                         break
@@ -96,6 +96,13 @@ class IndoorPlace:
                 for space, sides in zip(self.building.spaces, self.building.sides, strict=True)
             ]
         return self._interiors
+
+
+def _steps(zone: Zone) -> int:
+    """Steps of furnishing a round: halls tell most of what a building is."""
+    if zone.area < _WIDE_M2:
+        return 1
+    return 3 if zone.role == "hall" else 2
 
 
 def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:

@@ -50,13 +50,13 @@ def soil(canvas: Canvas, rgb: np.ndarray) -> Picture:
 
 def grass(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Blades, clumps, dry spots and a few daisies."""
-    blades = canvas.noise((128, 48), (96, 32))
-    clumps = canvas.noise(6, 14)
-    picture = shade(rgb, 0.99 + 0.17 * blades + 0.10 * clumps)
-    dry = np.clip(canvas.noise(5, 22) - 0.55, 0, 0.6)
-    picture = picture + 0.30 * dry[..., None] * np.array([1.0, 0.75, 0.25])
-    edge, tone = canvas.cells(20)
-    return mix((tone > 0.978) & (edge > 0.26), np.array([0.93, 0.93, 0.86]), picture)
+    blades = canvas.noise((256, 110), (200, 80))
+    clumps = canvas.noise(3, 7, 17)
+    picture = shade(rgb, 0.99 + 0.17 * blades + 0.11 * clumps)
+    dry = np.clip(canvas.noise(4, 11) - 0.7, 0, 0.6)
+    picture = picture + 0.22 * dry[..., None] * np.array([1.0, 0.75, 0.25], np.float32)
+    daisies = (canvas.noise(110) > 2.3) & (canvas.noise(5) > 0.4)
+    return mix(daisies, np.array([0.93, 0.93, 0.86]), picture)
 
 
 def meadow(canvas: Canvas, rgb: np.ndarray) -> Picture:

@@ -67,6 +67,17 @@ def test_errors_name_the_file_first(tmp_path):
     assert str(caught.value).startswith(f"layout file {str(path)!r}: scene 'made-up/house-1': ")
 
 
+def test_a_fault_matters_only_in_the_scene_that_is_asked_for(tmp_path):
+    broken = house()
+    del broken["objects"][0]["q"]
+    path = write_lines(tmp_path / "a.jsonl", broken, block())
+    assert pick_layout(path, "block-1").scene_id == pick_layout(path, "1").scene_id
+    for scene_id in (None, "0", "house-1", "xyzzy"):
+        with pytest.raises(LayoutError, match=r"line 1: scene 'made-up/house-1': object 0"):
+            pick_layout(path, scene_id)
+    assert pick_layout(path, "0", skip_invalid=True).scene_id == "made-up/house-1"
+
+
 def test_skipping_a_whole_file_leaves_a_fault(tmp_path):
     path = tmp_path / "a.json"
     path.write_text('{"outdoor_scene": [')
