@@ -29,7 +29,8 @@ class TestbenchCfg:
     """What to simulate, and how."""
 
     scene: str = "42"
-    """Scene of the dataset by number, or a scene JSON file."""
+    """Scene of the dataset by number, a scene file (.json, .json.gz), or one of a file of layouts
+    (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
     vehicle: str = "iris"
     """Airframe: iris, iris-rotors or hummingbird."""
     seed: int = 0

@@ -1,76 +1,132 @@
-"""Draw the picture of the README: a scene with a vehicle in flight, by our own renderer.
+"""Draw a picture of a scene by our own renderer.
 
-python tools/draw_scene.py --scene 42 --out docs/images/scene-42.png
+python tools/draw_scene.py --scene 42 --view overview --out /tmp/scene-42.png
+python tools/draw_scene.py --scene 44 --view overview --cut-height-m 2.6 --areas --out /tmp/plan.png
+
+The picture of the README, which shows a vehicle in flight:
+
+python tools/draw_scene.py --scene 42 --view chase --out docs/images/scene-42.png
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import cv2
 import mujoco
+import numpy as np
 import tyro
+from area_overlay import with_areas
+from cutting import cut_at
+from framing import Point
+from PIL import Image
+from views import Preset, View, choose_view
 
 from aeroscene.sources import open_scene
-from flightsim.sensors.camera import open_camera_renderer
+from flightsim.sensors.camera import Quality, RgbdFrame, open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
-from flightsim.world import build_world
+from flightsim.world import World, build_world
+
+_TRIAL_PX = (96, 64)
+_JPEG_QUALITY = 85
+_CHASE_FROM_M = (-1.75, -0.95, 0.75)
+_CHASE_TO_M = (6.0, 0.0, -1.3)
+"""Eye and target in the vehicle's level frame: forwards, left, up."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrawCfg:
-    """Draw a scene with a vehicle in flight."""
+    """Draw a scene."""
 
     out: Path
-    """PNG file to write."""
+    """PNG or JPEG file to write."""
     scene: str = "42"
     """Scene number or file."""
-    vehicle: str = "iris"
-    """Airframe."""
-    position_enu_m: tuple[float, float, float] = (0.0, 0.0, 8.0)
-    """Where the vehicle flies."""
-    yaw_deg: float = 0.0
-    """Its heading, counter-clockwise from east."""
-    eye_offset_m: tuple[float, float, float] = (-1.6, -0.9, 0.7)
-    """From the vehicle to the eye, in the vehicle's level frame."""
-    look_ahead_m: tuple[float, float, float] = (6.0, 0.0, -1.2)
-    """From the vehicle to the point in the picture's middle, in the same frame."""
-    size_px: tuple[int, int] = (1280, 640)
+    view: Preset = "overview"
+    """Where from: all of it, from above, from the street, from a vehicle forward or down, from
+    inside a room, or behind a vehicle in flight."""
+    eye_enu_m: Point | None = None
+    """Look from here instead; needs a target."""
+    target_enu_m: Point | None = None
+    """What is in the middle of the picture, with an eye."""
+    cut_height_m: float | None = None
+    """Take away what is above this height."""
+    areas: bool = False
+    """Draw landing areas (small blue, medium green, large orange) and perching areas (violet)."""
+    size_px: tuple[int, int] = (1280, 720)
     """Width and height."""
+    quality: Quality = "fine"
+    """"fast" is what on-board cameras see."""
+    vehicle: str = "iris"
+    """Airframe of the chase view."""
 
 
 def draw(cfg: DrawCfg) -> None:
     """Render and write the picture."""
-    world = build_world(open_scene(cfg.scene), airframe_by_name(cfg.vehicle))
+    frame, rgb = picture(cfg)
+    del frame
+    save(rgb, cfg.out)
+
+
+def picture(cfg: DrawCfg) -> tuple[RgbdFrame, np.ndarray]:
+    """The frame, and its picture with what is to be drawn over it."""
+    has_vehicle = cfg.view == "chase" and cfg.eye_enu_m is None
+    scene = open_scene(cfg.scene)
+    world = build_world(scene, airframe_by_name(cfg.vehicle), vehicle=has_vehicle)
+    if cfg.cut_height_m is not None:
+        world = replace(world, solids=cut_at(world.solids, cfg.cut_height_m))
     data = world.new_data()
-    yaw = math.radians(cfg.yaw_deg)
-    data.qpos[:3] = cfg.position_enu_m
+    view = _view(cfg, world)
+    if has_vehicle:
+        view = _fly(world, data, view)
+    renderer = open_camera_renderer(world, *cfg.size_px)
+    frame = renderer.render_view(
+        data, view.eye_enu_m, view.target_enu_m, math.radians(view.fov_deg), cfg.quality
+    )
+    renderer.close()
+    if not cfg.areas:
+        return frame, frame.rgb
+    highest_m = math.inf if cfg.cut_height_m is None else cfg.cut_height_m
+    areas = [area for area in scene.interaction_areas if area.centroid[2] <= highest_m]
+    return frame, with_areas(frame, areas)
+
+
+def save(rgb: np.ndarray, path: Path) -> None:
+    """Write a picture in the format of its name."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    options = {} if path.suffix == ".png" else {"quality": _JPEG_QUALITY, "progressive": True}
+    Image.fromarray(rgb).save(path, optimize=True, **options)
+
+
+def _view(cfg: DrawCfg, world: World) -> View:
+    if cfg.eye_enu_m is not None and cfg.target_enu_m is not None:
+        return View(cfg.eye_enu_m, cfg.target_enu_m, 55.0)
+    trial = open_camera_renderer(world, *_TRIAL_PX)
+    view = choose_view(world, cfg.view, cfg.size_px[0] / cfg.size_px[1], trial)
+    trial.close()
+    return view
+
+
+def _fly(world: World, data: mujoco.MjData, view: View) -> View:
+    """Put the vehicle into the view, flying where it looks, and the eye behind it."""
+    x, y, _ = np.subtract(view.target_enu_m, view.eye_enu_m).tolist()
+    yaw = math.atan2(y, x)
     # Nose a little down, as in forward flight.
     pitch = math.radians(8.0)
+    data.qpos[:3] = view.eye_enu_m
     turn = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
     dip = (math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0)
     mujoco.mju_mulQuat(data.qpos[3:7], turn, dip)
     mujoco.mj_forward(world.model, data)
 
-    def place(offset_m: tuple[float, float, float]) -> tuple[float, float, float]:
-        x, y, z = offset_m
-        east = cfg.position_enu_m[0] + x * math.cos(yaw) - y * math.sin(yaw)
-        north = cfg.position_enu_m[1] + x * math.sin(yaw) + y * math.cos(yaw)
-        return (east, north, cfg.position_enu_m[2] + z)
+    def place(offset_m: Point) -> Point:
+        ahead, left, up = offset_m
+        east = view.eye_enu_m[0] + ahead * math.cos(yaw) - left * math.sin(yaw)
+        north = view.eye_enu_m[1] + ahead * math.sin(yaw) + left * math.cos(yaw)
+        return (east, north, view.eye_enu_m[2] + up)
 
-    renderer = open_camera_renderer(world, *cfg.size_px)
-    frame = renderer.render_view(
-        data,
-        place(cfg.eye_offset_m),
-        place(cfg.look_ahead_m),
-        vertical_fov_rad=math.radians(50.0),
-        quality="fine",
-    )
-    renderer.close()
-    cfg.out.parent.mkdir(parents=True, exist_ok=True)
-    cv2.imwrite(str(cfg.out), cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2BGR))
+    return View(place(_CHASE_FROM_M), place(_CHASE_TO_M), 50.0)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """3D-FRONT's own JSON: one file a house, y up, metres.
 
 What its fields mean, as found in the data set's published toolbox (3D-FRONT-ToolBox) and in the
-readers of ATISS and BlenderProc:
+reader of ATISS:
 
 - `furniture[]`: `uid` (what children refer to), `jid` (the 3D-FUTURE model), `size` (extents of the
   model, x, y up, z; older files call it `bbox`), `category` or `title` (often missing: then

@@ -4,7 +4,7 @@ The distance from layout A to layout B is the cost of turning one into the other
 layout of n has a share 1/n of it. Shares of a category that both have move from where A has them
 to where B does; what is left over is taken away on one side and put down on the other:
 
-    d(A, B) = min over g of  sum over c of  min(a_c, b_c) W_c(A, gB)  +  (1 - sum over c of min(a_c, b_c))
+    d(A, B) = 1 - sum over c of min(a_c, b_c) + min over g of sum over c of min(a_c, b_c) W_c(A, gB)
 
 | symbol | name | unit |
 |---|---|---|
@@ -16,16 +16,16 @@ Centres are taken relative to their mean in the plane and to their lowest, and d
 layout's radius: the root mean square of their distance from the mean. So the unit is the radius;
 replacing everything costs 1, and a layout that is scaled, shifted, turned by a quarter or mirrored
 is the same layout. W_c is the sliced 1-Wasserstein distance: the mean over four directions in the
-plane of the distance between the quantiles of the projections, times pi/2 so that a mere shift costs
-about its length, plus that of the heights. Between sets, compare only figures of equally many
-layouts: neighbours are nearer where there are more.
+plane of the distance between the quantiles of the projections, times pi/2 so that a mere shift
+costs about its length, plus that of the heights. Between sets, compare only figures of equally
+many layouts: neighbours are nearer where there are more.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,18 +59,33 @@ def layout_of(scene: Scene) -> Layout:
     )
 
 
-def layout_distances(layouts: Sequence[Layout]) -> Float[np.ndarray, "n n"]:
-    """Distance of every layout from every other, in layout radii; symmetric, zero diagonal."""
-    names = sorted({name for layout in layouts for name in layout.categories})
+def category_names(layouts: Sequence[Layout]) -> list[str]:
+    """Names of all categories that appear."""
+    return sorted({name for layout in layouts for name in layout.categories})
+
+
+def layout_distances(
+    layouts: Sequence[Layout], on_category: Callable[[], object] = lambda: None
+) -> Float[np.ndarray, "n n"]:
+    """Distance of every layout from every other, in layout radii; symmetric, zero diagonal.
+
+    Args:
+        layouts: Layouts of one set; 1,016 of 150 objects take about ten seconds.
+        on_category: Called after each of `category_names`.
+    """
+    names = category_names(layouts)
     shares = _category_shares(layouts, names)
     frames = [_in_own_frame(layout.centres_m) for layout in layouts]
     moved = np.zeros((8, len(layouts), len(layouts)))
     for column, name in enumerate(names):
         has = np.flatnonzero(shares[:, column])
-        centres = [frames[i][[category == name for category in layouts[i].categories]] for i in has]
+        centres = [
+            frames[i][[category == name for category in layouts[i].categories]]
+            for i in has.tolist()
+        ]
         share = shares[has, column]
-        rows = np.ix_(range(8), has, has)
-        moved[rows] += np.minimum.outer(share, share) * _transport(centres)
+        moved[:, has[:, None], has] += np.minimum.outer(share, share) * _transport(centres)
+        on_category()
     kept = sum((np.minimum.outer(column, column) for column in shares.T), np.zeros(moved.shape[1:]))
     distances = np.maximum(moved.min(axis=0) + 1.0 - kept, 0.0)
     distances = np.minimum(distances, distances.T)

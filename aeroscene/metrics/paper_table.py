@@ -19,8 +19,7 @@ TOLERANCE = 0.05
 """How far an average of the corpus may be from the paper's."""
 
 INCONSISTENCIES = (
-    "160,010 objects in 1,016 scenes are 157 a scene, not 149 (train 151, not 149; test 185, "
-    "not 152)",
+    "160,010 objects in 1,016 scenes are 157 a scene, not 149 (train 151, test 185, not 152)",
     "42 small, 12 medium and 5 large landing areas add up to 59, not 54",
     "34 coarse and 112 fine objects add up to 146, not 149",
 )
@@ -122,7 +121,9 @@ def _row(
     value: Callable[[list[SceneEntry]], float],
     is_average: bool = False,
 ) -> Row:
-    ours = {column: value(group) if group else None for column, group in groups.items()}
+    ours: dict[Column, float | None] = {
+        column: value(group) if group else None for column, group in groups.items()
+    }
     return Row(key, title, dict(zip(COLUMNS, paper, strict=True)), ours, is_average)
 
 

@@ -15,6 +15,7 @@ from scenarios.cli import (
     dataset,
     doctor,
     export,
+    layouts,
     replay,
 )
 from scenarios.cli.command_line import EXIT_INTERRUPTED, fail, parse
@@ -28,6 +29,7 @@ Command = (
     | Annotated[bench.BenchCfg, tyro.conf.subcommand("bench")]
     | Annotated[compile.CompileCfg, tyro.conf.subcommand("compile")]
     | Annotated[export.ExportCfg, tyro.conf.subcommand("export")]
+    | Annotated[layouts.LayoutsCfg, tyro.conf.subcommand("layouts")]
 )
 
 _RUN: Mapping[type, Callable[[Any], int]] = {
@@ -37,6 +39,7 @@ _RUN: Mapping[type, Callable[[Any], int]] = {
     bench.BenchCfg: bench.run,
     compile.CompileCfg: compile.run,
     export.ExportCfg: export.run,
+    layouts.LayoutsCfg: layouts.run,
 }
 
 

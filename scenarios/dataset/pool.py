@@ -12,7 +12,7 @@ import os
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -36,7 +36,9 @@ def default_jobs() -> int:
     return os.cpu_count() or 1
 
 
-def run_all(function: Callable[[_T], _R], items: Sequence[_T], jobs: int) -> Iterator[_R]:
+def run_all(
+    function: Callable[[_T], _R], items: Sequence[_T], jobs: int
+) -> Generator[_R, None, None]:
     """Results of a function for each item, in order; leaving the iterator ends the processes.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from contextlib import AbstractContextManager, closing
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from aeroscene.dataset import Dataset, SceneEntry
 from aeroscene.metrics.diversity import (
     Layout,
     category_entropy_bits,
+    category_names,
     layout_distances,
     layout_of,
     mean_nearest_among,
@@ -24,6 +25,9 @@ from aeroscene.metrics.diversity import (
 )
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row, missing_categories, paper_table
 from scenarios.dataset.pool import run_all
+
+Bar = Callable[[str, int, str], AbstractContextManager[Callable[[], object]]]
+"""Opens a progress bar: title, how many, of what; gives what to call after each."""
 
 _DRAWS_SEED = 0
 
@@ -86,7 +90,7 @@ def statistics(
     dataset: Dataset,
     beside: Mapping[str, Sequence[Layout]],
     jobs: int,
-    on_scene: Callable[[], None],
+    bar: Bar,
 ) -> Statistics:
     """Read every scene and count.
 
@@ -94,17 +98,20 @@ def statistics(
         dataset: The corpus or a part of it, at least one scene.
         beside: Other sets of layouts under their names.
         jobs: Processes.
-        on_scene: Called after each scene that is read.
+        bar: Opens a bar for each of the parts that take long.
 
     Raises:
         SceneError: If a scene cannot be read.
     """
     layouts: list[Layout] = []
     read = partial(_read_layout, dataset.folder)
-    with closing(run_all(read, dataset.entries, jobs)) as results:
+    with (
+        bar("reading scenes", len(dataset.entries), "scenes") as advance,
+        closing(run_all(read, dataset.entries, jobs)) as results,
+    ):
         for layout in results:
             layouts.append(layout)
-            on_scene()
+            advance()
     counts = Counter(name for layout in layouts for name in layout.categories)
     names = [set(layout.categories) for layout in layouts]
     indices = [entry.index for entry in dataset.entries]
@@ -114,7 +121,7 @@ def statistics(
         categories={c.name: counts[c.name] for c in CATALOGUE.values()},
         scenes_with={c.name: sum(c.name in s for s in names) for c in CATALOGUE.values()},
         missing=tuple(missing_categories(counts)),
-        diversity=_compare({"corpus": layouts, **beside}),
+        diversity=_compare({"corpus": layouts, **beside}, bar),
     )
 
 
@@ -122,30 +129,33 @@ def _read_layout(folder: Path, entry: SceneEntry) -> Layout:
     return layout_of(Dataset(folder, (entry,)).read(entry))
 
 
-def _compare(sets: Mapping[str, Sequence[Layout]]) -> tuple[Diversity, ...]:
+def _compare(sets: Mapping[str, Sequence[Layout]], bar: Bar) -> tuple[Diversity, ...]:
     n_compared = min(map(len, sets.values()))
-    return tuple(_diversity(name, layouts, n_compared) for name, layouts in sets.items())
+    n_steps = sum(len(category_names(layouts)) for layouts in sets.values())
+    with bar("comparing layouts", n_steps, "categories") as advance:
+        return tuple(
+            _diversity(name, layouts, layout_distances(layouts, advance), n_compared)
+            for name, layouts in sets.items()
+        )
 
 
-def _diversity(name: str, layouts: Sequence[Layout], n_compared: int) -> Diversity:
-    is_pair = len(layouts) > 1
-    nearest_m, index = np.full(1, np.nan), np.zeros(1, dtype=int)
-    compared = None
-    if is_pair:
-        distances = layout_distances(layouts)
-        nearest_m, index = nearest(distances)
-    if n_compared > 1:
-        rng = np.random.default_rng(_DRAWS_SEED)
-        compared = mean_nearest_among(distances, n_compared, rng)
-    first = int(nearest_m.argmin())
+def _diversity(
+    name: str, layouts: Sequence[Layout], distances: np.ndarray, n_compared: int
+) -> Diversity:
+    nearest_radii, index = nearest(distances)
+    first = int(nearest_radii.argmin())
+    is_alone = len(layouts) == 1
+    rng = np.random.default_rng(_DRAWS_SEED)
     return Diversity(
         name=name,
         n_layouts=len(layouts),
-        n_categories=len({name for layout in layouts for name in layout.categories}),
+        n_categories=len(category_names(layouts)),
         entropy_bits=category_entropy_bits(layouts),
-        nearest_mean=float(nearest_m.mean()) if is_pair else None,
-        nearest_least=float(nearest_m.min()) if is_pair else None,
-        closest=(layouts[first].name, layouts[int(index[first])].name) if is_pair else None,
+        nearest_mean=None if is_alone else float(nearest_radii.mean()),
+        nearest_least=None if is_alone else float(nearest_radii.min()),
+        closest=None if is_alone else (layouts[first].name, layouts[int(index[first])].name),
         n_compared=n_compared,
-        nearest_mean_compared=compared,
+        nearest_mean_compared=(
+            None if n_compared == 1 else mean_nearest_among(distances, n_compared, rng)
+        ),
     )

@@ -52,8 +52,7 @@ def run(cfg: StatsCfg) -> int:
     check_jobs(cfg.jobs)
     dataset = select_scenes(open_dataset(cfg.folder), cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
-    with progress_bar("reading scenes", len(dataset.entries)) as advance:
-        found = statistics(dataset, beside, cfg.jobs, advance)
+    found = statistics(dataset, beside, cfg.jobs, progress_bar)
     if cfg.json:
         print(json.dumps(found.to_plain()))
     else:

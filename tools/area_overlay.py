@@ -1,0 +1,74 @@
+"""Landing and perching areas drawn into a picture, where nothing hides them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import cv2
+import numpy as np
+
+from aeroscene.scene import InteractionArea
+from flightsim.sensors.camera import RgbdFrame
+
+_RGB = {"small": (64, 150, 255), "medium": (60, 214, 110), "large": (255, 168, 40)}
+_PERCHING_RGB = (226, 90, 226)
+_FILL = 0.45
+_IN_FRONT_M = 0.25
+"""An area that lies this far behind what the picture shows is still drawn: grass, thin decor."""
+_NEAR_M = 0.1
+
+
+def with_areas(frame: RgbdFrame, areas: Iterable[InteractionArea]) -> np.ndarray:
+    """The frame's picture with each area in the colour of its class and an outline."""
+    rgb = frame.rgb.copy()
+    for area in areas:
+        colour = _PERCHING_RGB if area.kind == "perching" else _RGB[area.drone_class]
+        corners_px, depth_m = _projected(frame, np.array(area.polygon))
+        if depth_m.min() < _NEAR_M:
+            continue
+        _draw(rgb, frame, corners_px, np.array(area.polygon), colour)
+    return rgb
+
+
+def _projected(frame: RgbdFrame, points_enu_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    local = (points_enu_m - frame.position_enu_m) @ frame.rotation_enu_from_optical
+    depth_m = local[:, 2]
+    nearest = np.maximum(depth_m, 1e-6)
+    u = frame.fx * local[:, 0] / nearest + frame.cx
+    v = frame.fy * local[:, 1] / nearest + frame.cy
+    return np.stack([u, v], axis=1), depth_m
+
+
+def _draw(
+    rgb: np.ndarray,
+    frame: RgbdFrame,
+    corners_px: np.ndarray,
+    polygon_enu_m: np.ndarray,
+    colour: tuple[int, int, int],
+) -> None:
+    height, width = frame.depth_m.shape
+    inside, edge = (np.zeros((height, width), np.uint8) for _ in range(2))
+    if np.abs(corners_px).max() > 1e5:
+        return
+    ring = np.round(corners_px * 16).astype(np.int32)
+    cv2.fillPoly(inside, [ring], 255, cv2.LINE_AA, shift=4)
+    cv2.polylines(edge, [ring], isClosed=True, color=255, thickness=2, lineType=cv2.LINE_AA, shift=4)
+    visible = _is_visible(frame, polygon_enu_m)
+    for mask, share in ((inside, _FILL), (edge, 1.0)):
+        blend = (mask / 255 * share * visible)[..., None]
+        rgb[:] = (rgb * (1 - blend) + np.array(colour) * blend + 0.5).astype(np.uint8)
+
+
+def _is_visible(frame: RgbdFrame, polygon_enu_m: np.ndarray) -> np.ndarray:
+    """(h, w) bool: whether the polygon's plane is not behind what the picture shows."""
+    middle = polygon_enu_m.mean(axis=0)
+    _, _, axes = np.linalg.svd(polygon_enu_m - middle)
+    normal = axes[2]
+    height, width = frame.depth_m.shape
+    x = (np.arange(width) - frame.cx) / frame.fx
+    y = (np.arange(height)[:, None] - frame.cy) / frame.fy
+    right, down, forward = frame.rotation_enu_from_optical.T @ normal
+    slope = x * right + y * down + forward
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth_m = ((middle - frame.position_enu_m) @ normal) / slope
+    return depth_m < frame.depth_m + _IN_FRONT_M

@@ -1,0 +1,34 @@
+"""What is above a height taken away, to look into a building from above."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from aeroscene.shapes import Primitive
+
+_LEAST_M = 0.02
+
+
+def cut_at(solids: Iterable[Primitive], height_m: float) -> tuple[Primitive, ...]:
+    """Solids below a height; upright boxes are cut there, others go where their middle is."""
+    kept = []
+    for solid in solids:
+        x, y, z = solid.position_enu_m
+        length, width, rise = solid.size_m
+        low = z - rise / 2
+        if solid.kind == "box" and _is_upright(solid):
+            top = min(height_m, low + rise)
+            if top - low > _LEAST_M:
+                middle = (x, y, (low + top) / 2)
+                kept.append(
+                    replace(solid, position_enu_m=middle, size_m=(length, width, top - low))
+                )
+        elif z < height_m:
+            kept.append(solid)
+    return tuple(kept)
+
+
+def _is_upright(solid: Primitive) -> bool:
+    _, x, y, _ = solid.quat_wxyz
+    return abs(x) + abs(y) < 1e-6

@@ -1,0 +1,148 @@
+"""Where to look at a scene from: presets that suit any scene."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from framing import Point, as_point, fit_view
+
+from aeroscene.scene import Scene
+from flightsim.sensors.camera import CameraRenderer, RgbdFrame
+from flightsim.world import World
+
+Preset = Literal["overview", "top", "street", "forward", "down", "inside", "chase"]
+
+# The sun stands in the south-west: from there faces are lit, and shadows fall to the right.
+_OVERVIEW_AZIMUTH_DEG = -118.0
+_OVERVIEW_ELEVATION_DEG = 31.0
+_STREET_EYE_M = 2.6
+_FLIGHT_M = 7.0
+_INSIDE_EYE_M = 1.9
+_TRIAL_YAWS = 24
+
+
+@dataclass(frozen=True)
+class View:
+    """A picture to take."""
+
+    eye_enu_m: Point
+    target_enu_m: Point
+    fov_deg: float
+
+
+def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRenderer) -> View:
+    """The view of a scene for a preset.
+
+    Args:
+        world: Of the scene, with what shall be seen among its solids.
+        preset: Kind of view.
+        aspect: Width by height of the picture.
+        trial: A small renderer of the world, for trying directions.
+    """
+    scene = world.scene
+    if preset in ("overview", "top"):
+        elevation = 89.9 if preset == "top" else _OVERVIEW_ELEVATION_DEG
+        azimuth = -90.0 if preset == "top" else _OVERVIEW_AZIMUTH_DEG
+        eye, target = fit_view(
+            _built_points(world),
+            azimuth_deg=azimuth,
+            elevation_deg=elevation,
+            vertical_fov_deg=38.0,
+            aspect=aspect,
+        )
+        return View(eye, target, 38.0)
+    if preset == "down":
+        eye = _above(scene.start_position_enu_m, _hover_m(scene))
+        return View(eye, (eye[0], eye[1] + 1e-3, eye[2] - 1.0), 62.0)
+    if preset == "inside":
+        return _best_view(world, trial, _inside_eyes(scene), dip=0.14, fov_deg=68.0)
+    rise = _STREET_EYE_M if preset == "street" else _hover_m(scene)
+    eyes = [_above(scene.start_position_enu_m, rise)]
+    if preset == "street":
+        eyes += _street_eyes(scene)
+    return _best_view(world, trial, eyes, dip=0.06 if preset == "street" else 0.2, fov_deg=62.0)
+
+
+def _hover_m(scene: Scene) -> float:
+    room_m = scene.extent_max_enu_m[2] - scene.start_position_enu_m[2]
+    return min(_FLIGHT_M, 0.5 * room_m) if scene.domain == "indoor" else _FLIGHT_M
+
+
+def _above(point: Point, rise_m: float) -> Point:
+    return (point[0], point[1], point[2] + rise_m)
+
+
+def _built_points(world: World) -> np.ndarray:
+    """Corners of what stands in the scene."""
+    shown = {solid.object_id for solid in world.solids}
+    boxes = [obj.bbox.corners() for obj in world.scene.objects if obj.id in shown]
+    points = np.concatenate(boxes)
+    top = max(s.position_enu_m[2] + s.size_m[2] / 2 for s in world.solids)
+    points[:, 2] = np.minimum(points[:, 2], top)
+    return points
+
+
+def _street_eyes(scene: Scene) -> list[Point]:
+    """Places above roads, walks and squares."""
+    kinds = ("road", "sidewalk", "plaza", "parking_lot")
+    grounds = [obj for obj in scene.objects if obj.category in kinds]
+    eyes = []
+    for ground in grounds:
+        x_axis = np.array([math.cos(ground.bbox.yaw_rad), math.sin(ground.bbox.yaw_rad), 0.0])
+        for share in (-0.45, 0.0, 0.45):
+            middle = np.array(ground.bbox.p) + share * ground.bbox.s[0] * x_axis
+            eyes.append(_above(as_point(middle), _STREET_EYE_M))
+    return eyes
+
+
+def _inside_eyes(scene: Scene) -> list[Point]:
+    """Places in rooms, towards their corners; above the start where there are none."""
+    rooms = sorted(
+        (obj for obj in scene.objects if obj.category == "room"),
+        key=lambda room: -room.bbox.s[0] * room.bbox.s[1],
+    )
+    eyes = []
+    for room in rooms[:8]:
+        floor_m = room.bbox.p[2] - room.bbox.s[2] / 2
+        turn = room.bbox.yaw_rad
+        for x, y in ((-0.4, -0.4), (0.4, -0.4), (-0.4, 0.4), (0.4, 0.4)):
+            along, across = x * room.bbox.s[0], y * room.bbox.s[1]
+            east = room.bbox.p[0] + along * math.cos(turn) - across * math.sin(turn)
+            north = room.bbox.p[1] + along * math.sin(turn) + across * math.cos(turn)
+            eyes.append((east, north, floor_m + _INSIDE_EYE_M))
+    return eyes or [_above(scene.start_position_enu_m, _INSIDE_EYE_M)]
+
+
+def _best_view(
+    world: World, trial: CameraRenderer, eyes: list[Point], *, dip: float, fov_deg: float
+) -> View:
+    """The eye and direction that show most."""
+    data = world.new_data()
+    best, best_score = None, -math.inf
+    n_yaws = max(8, _TRIAL_YAWS // max(1, len(eyes) // 8))
+    for eye in eyes:
+        for k in range(n_yaws):
+            yaw = 2 * math.pi * k / n_yaws
+            target = (eye[0] + math.cos(yaw), eye[1] + math.sin(yaw), eye[2] - dip)
+            frame = trial.render_view(data, eye, target, math.radians(fov_deg))
+            score = _interest(frame)
+            if score > best_score:
+                best, best_score = View(eye, target, fov_deg), score
+    assert best is not None
+    return best
+
+
+def _interest(frame: RgbdFrame) -> float:
+    """Many edges, depth at many distances, nothing right before the lens, not all sky."""
+    grey = frame.rgb.astype(float).mean(axis=2)
+    edges = np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean()
+    seen = frame.depth_m[np.isfinite(frame.depth_m)]
+    if len(seen) < 0.3 * frame.depth_m.size:
+        return -1.0
+    too_near = float((seen < 1.6).mean())
+    built = float(((seen > 2.0) & (seen < 45.0)).mean())
+    spread = float(np.log(np.quantile(seen, 0.9) / max(0.3, np.quantile(seen, 0.1))))
+    return edges / 12 + 1.5 * built + 0.5 * spread - 6.0 * too_near
