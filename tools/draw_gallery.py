@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/gallery.md, all of them or some.
+"""Draw docs/gallery.md and its pictures, all of them or some.
 
 python tools/draw_gallery.py
 python tools/draw_gallery.py --only categories --out /tmp/chart
@@ -6,20 +6,34 @@ python tools/draw_gallery.py --only categories --out /tmp/chart
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+import cv2
 import numpy as np
 import tyro
 from category_chart import category_chart
-from PIL import Image
+from draw_scene import DrawCfg, picture, save
+from gallery_page import Shown, write_page
+from gallery_scenes import KINDS, choose_scenes
+from labels import label
+from rich.console import Console
+from views import choose_view
 
-from flightsim.sensors.camera import Quality
+from aeroscene.sources import open_scene
+from flightsim.sensors.camera import Quality, RgbdFrame, open_camera_renderer
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import build_world
 
-_JPEG_QUALITY = 85
+_PLACE_PX = (832, 468)
+_ONBOARD_PX = (320, 240)
+_MOST_BYTES = 2_500_000
+_FAR_M = 40.0
 
-Section = Literal["categories"]
+Section = Literal["places", "onboard", "areas", "categories"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,20 +42,119 @@ class GalleryCfg:
 
     out: Path = Path("docs/images/gallery")
     """Folder for the pictures."""
+    page: Path = Path("docs/gallery.md")
+    """The page that shows them; written when all sections are drawn."""
     only: tuple[Section, ...] = ()
     """Sections to draw; all of them when none is named."""
+    scenes: tuple[int, int] = (0, 90)
+    """Range of scene numbers to choose from."""
     quality: Quality = "fine"
-    """"fast" draws a draft in seconds."""
+    """"fast" draws a draft."""
 
 
 def draw(cfg: GalleryCfg) -> None:
-    """Draw and write the pictures."""
-    cfg.out.mkdir(parents=True, exist_ok=True)
-    _save(category_chart(cfg.quality), cfg.out / "categories.jpg")
+    """Draw and write the pictures, and the page if they are all there."""
+    console = Console(stderr=True)
+    sections = cfg.only or ("places", "onboard", "areas", "categories")
+    needs_scenes = bool(set(sections) - {"categories"})
+    chosen = choose_scenes(range(*cfg.scenes)) if needs_scenes else {}
+    shown: list[Shown] = []
+    makers: dict[Section, Callable[[GalleryCfg, dict[str, str]], list[Shown]]] = {
+        "places": _places,
+        "onboard": _onboard,
+        "areas": _areas,
+        "categories": _categories,
+    }
+    for section in sections:
+        console.print(f"drawing {section}")
+        shown += makers[section](cfg, chosen)
+    n_bytes = sum((cfg.out / item.file).stat().st_size for item in shown)
+    console.print(f"{len(shown)} pictures, {n_bytes / 1e6:.2f} MB")
+    if n_bytes > _MOST_BYTES:
+        raise SystemExit(f"the pictures are {n_bytes} bytes, valid: at most {_MOST_BYTES}")
+    if not cfg.only:
+        write_page(cfg.page, cfg.out, shown)
 
 
-def _save(rgb: np.ndarray, path: Path) -> None:
-    Image.fromarray(rgb).save(path, quality=_JPEG_QUALITY, optimize=True, progressive=True)
+def _places(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+    shown = []
+    for kind in KINDS:
+        file = f"{kind.name}.jpg"
+        _, rgb = picture(
+            DrawCfg(
+                out=cfg.out / file,
+                scene=chosen[kind.name],
+                view=kind.view,
+                cut_height_m=kind.cut_height_m,
+                size_px=_PLACE_PX,
+                quality=cfg.quality,
+            )
+        )
+        save(rgb, cfg.out / file)
+        shown.append(Shown("places", file, kind.title, kind.text, chosen[kind.name]))
+    return shown
+
+
+def _onboard(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+    """What the cameras of an Iris give: colour and depth, forward and down, at 320 x 240."""
+    shown = []
+    for name in ("urban", "waterfront", "office"):
+        file = f"onboard-{name}.jpg"
+        save(_onboard_strip(chosen[name]), cfg.out / file)
+        shown.append(Shown("onboard", file, f"On board, {name}", "", chosen[name]))
+    return shown
+
+
+def _onboard_strip(number: str) -> np.ndarray:
+    scene = open_scene(number)
+    world = build_world(scene, airframe_by_name("iris"))
+    renderer = open_camera_renderer(world, *_ONBOARD_PX)
+    view = choose_view(world, "forward", _ONBOARD_PX[0] / _ONBOARD_PX[1], renderer)
+    x, y, _ = np.subtract(view.target_enu_m, view.eye_enu_m).tolist()
+    yaw = math.atan2(y, x)
+    data = world.new_data()
+    data.qpos[:3] = view.eye_enu_m
+    data.qpos[3:7] = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+    tiles = []
+    for camera in ("forward", "down"):
+        frame = renderer.render(data, camera, 0)
+        tiles += [label(frame.rgb, camera, size_px=13), _depth_rgb(frame)]
+    renderer.close()
+    return np.hstack(tiles)
+
+
+def _depth_rgb(frame: RgbdFrame) -> np.ndarray:
+    """Depth in colours, near red and far blue; black where there is nothing."""
+    near = np.clip(1.0 - np.log1p(frame.depth_m) / math.log1p(_FAR_M), 0.0, 1.0)
+    bgr = cv2.applyColorMap((255 * near).astype(np.uint8), cv2.COLORMAP_TURBO)
+    bgr[~np.isfinite(frame.depth_m)] = 0
+    return np.ascontiguousarray(bgr[..., ::-1])
+
+
+def _areas(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+    shown = []
+    for name, cut_height_m in (("urban", None), ("apartments", 2.5)):
+        file = f"areas-{name}.jpg"
+        _, rgb = picture(
+            DrawCfg(
+                out=cfg.out / file,
+                scene=chosen[name],
+                view="overview",
+                cut_height_m=cut_height_m,
+                areas=True,
+                size_px=_PLACE_PX,
+                quality=cfg.quality,
+            )
+        )
+        save(rgb, cfg.out / file)
+        shown.append(Shown("areas", file, f"Areas, {name}", "", chosen[name]))
+    return shown
+
+
+def _categories(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+    del chosen
+    save(category_chart(cfg.quality), cfg.out / "categories.jpg")
+    return [Shown("categories", "categories.jpg", "All 70 categories", "", None)]
 
 
 if __name__ == "__main__":

@@ -44,8 +44,8 @@ class DrawCfg:
     scene: str = "42"
     """Scene number or file."""
     view: Preset = "overview"
-    """Where from: all of it, from above, from the street, from a vehicle forward or down, from
-    inside a room, or behind a vehicle in flight."""
+    """Where from: all of it, straight above, low over its edge, the street, a vehicle's forward or
+    down camera, inside a room, or behind a vehicle in flight."""
     eye_enu_m: Point | None = None
     """Look from here instead; needs a target."""
     target_enu_m: Point | None = None

@@ -13,7 +13,7 @@ from aeroscene.scene import Scene
 from flightsim.sensors.camera import CameraRenderer, RgbdFrame
 from flightsim.world import World
 
-Preset = Literal["overview", "top", "street", "forward", "down", "inside", "chase"]
+Preset = Literal["overview", "top", "aerial", "street", "forward", "down", "inside", "chase"]
 
 # The sun stands in the south-west: from there faces are lit, and shadows fall to the right.
 _OVERVIEW_AZIMUTH_DEG = -118.0
@@ -57,13 +57,17 @@ def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRender
     if preset == "down":
         eye = _above(scene.start_position_enu_m, _hover_m(scene))
         return View(eye, (eye[0], eye[1] + 1e-3, eye[2] - 1.0), 62.0)
+    if preset == "aerial":
+        return _best(world, trial, _aerial_views(world))
     if preset == "inside":
-        return _best_view(world, trial, _inside_eyes(scene), dip=0.14, fov_deg=68.0)
+        eyes = _inside_eyes(scene)
+        return _best(world, trial, _all_round(eyes, dip=0.14, fov_deg=68.0))
     rise = _STREET_EYE_M if preset == "street" else _hover_m(scene)
     eyes = [_above(scene.start_position_enu_m, rise)]
     if preset == "street":
         eyes += _street_eyes(scene)
-    return _best_view(world, trial, eyes, dip=0.06 if preset == "street" else 0.2, fov_deg=62.0)
+    dip = 0.06 if preset == "street" else 0.2
+    return _best(world, trial, _all_round(eyes, dip=dip, fov_deg=62.0))
 
 
 def _hover_m(scene: Scene) -> float:
@@ -116,33 +120,66 @@ def _inside_eyes(scene: Scene) -> list[Point]:
     return eyes or [_above(scene.start_position_enu_m, _INSIDE_EYE_M)]
 
 
-def _best_view(
-    world: World, trial: CameraRenderer, eyes: list[Point], *, dip: float, fov_deg: float
-) -> View:
-    """The eye and direction that show most."""
-    data = world.new_data()
-    best, best_score = None, -math.inf
+def _aerial_views(world: World) -> list[View]:
+    """From the sunny side, over the edge of the scene, onto its middle."""
+    points = _built_points(world)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    views = []
+    for azimuth_deg in range(-170, -40, 10):
+        azimuth = math.radians(azimuth_deg)
+        reach = np.array([math.cos(azimuth), math.sin(azimuth)]) * half[:2].mean()
+        for height_m in (11.0, 17.0):
+            eye = (middle[0] + reach[0], middle[1] + reach[1], height_m)
+            target = (middle[0] + 0.12 * reach[0], middle[1] + 0.12 * reach[1], 1.5)
+            views.append(View(eye, target, 58.0))
+    return views
+
+
+def _all_round(eyes: list[Point], *, dip: float, fov_deg: float) -> list[View]:
+    """Every eye in many directions, looking a little down."""
     n_yaws = max(8, _TRIAL_YAWS // max(1, len(eyes) // 8))
-    for eye in eyes:
-        for k in range(n_yaws):
-            yaw = 2 * math.pi * k / n_yaws
-            target = (eye[0] + math.cos(yaw), eye[1] + math.sin(yaw), eye[2] - dip)
-            frame = trial.render_view(data, eye, target, math.radians(fov_deg))
-            score = _interest(frame)
-            if score > best_score:
-                best, best_score = View(eye, target, fov_deg), score
-    assert best is not None
-    return best
+    yaws = [2 * math.pi * k / n_yaws for k in range(n_yaws)]
+    return [
+        View(eye, (eye[0] + math.cos(yaw), eye[1] + math.sin(yaw), eye[2] - dip), fov_deg)
+        for eye in eyes
+        for yaw in yaws
+    ]
 
 
-def _interest(frame: RgbdFrame) -> float:
-    """Many edges, depth at many distances, nothing right before the lens, not all sky."""
+def _best(world: World, trial: CameraRenderer, views: list[View]) -> View:
+    """The view that shows most."""
+    data = world.new_data()
+
+    def interest(view: View) -> float:
+        fov_rad = math.radians(view.fov_deg)
+        frame = trial.render_view(data, view.eye_enu_m, view.target_enu_m, fov_rad)
+        return _interest(frame, world.scene)
+
+    return max(views, key=interest)
+
+
+def _interest(frame: RgbdFrame, scene: Scene) -> float:
+    """Much of the scene at many distances, many edges, nothing right before the lens."""
     grey = frame.rgb.astype(float).mean(axis=2)
     edges = np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean()
     seen = frame.depth_m[np.isfinite(frame.depth_m)]
     if len(seen) < 0.3 * frame.depth_m.size:
         return -1.0
-    too_near = float((seen < 1.6).mean())
-    built = float(((seen > 2.0) & (seen < 45.0)).mean())
+    too_near = float((seen < 2.2).mean())
+    built = _share_of_scene(frame, scene)
     spread = float(np.log(np.quantile(seen, 0.9) / max(0.3, np.quantile(seen, 0.1))))
-    return edges / 12 + 1.5 * built + 0.5 * spread - 6.0 * too_near
+    return edges / 12 + 3.0 * built + 0.6 * spread - 6.0 * too_near
+
+
+def _share_of_scene(frame: RgbdFrame, scene: Scene) -> float:
+    """Share of the picture in which something of the scene stands, rather than ground or sky."""
+    height, width = frame.depth_m.shape
+    u, v = np.meshgrid(np.arange(width), np.arange(height))
+    depth_m = np.where(np.isfinite(frame.depth_m), frame.depth_m, 1e5)
+    x, y = (u - frame.cx) / frame.fx * depth_m, (v - frame.cy) / frame.fy * depth_m
+    local = np.stack([x, y, depth_m], axis=-1)
+    points = local @ frame.rotation_enu_from_optical.T + np.array(frame.position_enu_m)
+    low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
+    is_inside = ((points > low) & (points < high)).all(axis=-1)
+    return float((is_inside & (points[..., 2] > 0.3)).mean())

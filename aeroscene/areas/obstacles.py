@@ -17,6 +17,8 @@ from aeroscene.solids import Solids
 
 _ROUND = 12
 """Corners of a circle's outline."""
+_GRID_M = 1e-6
+"""Outlines are united on this grid: edges that lie on each other but for rounding confuse GEOS."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +42,8 @@ class Obstructions:
         touching = self.outlines[shapely.intersects(self.outlines, outline)]
         if not len(touching):
             return outline
-        return shapely.difference(outline, shapely.union_all(touching))
+        taken = shapely.union_all(touching, grid_size=_GRID_M)
+        return shapely.difference(outline, taken, grid_size=_GRID_M)
 
     def distance_m(self, point: shapely.Point, above_m: float) -> float:
         """From a point to the nearest that rises above a height; infinite where none does."""

@@ -8,11 +8,13 @@ from itertools import product
 
 from aeroscene.catalogue import category_id
 from aeroscene.curation.frame import Frame
-from aeroscene.geometry import quat_from_yaw
+from aeroscene.geometry import iou, quat_from_yaw
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject, Vector3
 
-TOUCH_M = 0.005
+TOUCH_M = 0.001
 """Overlaps below this count as touching."""
+MAX_IOU = 0.01
+"""Of two boxes neither of which is the other's parent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +113,8 @@ class Builder:
             size: Full extents, m.
             base: Height of the underside, m.
             turn: Heading relative to the frame.
-            parent: What carries or contains the object; overlaps with its line are no fault.
+            parent: What carries or contains the object: the two may overlap. With the parent's
+                own line it may share as little as two strangers may.
             within: Object whose outline must hold this one's.
             margin: Distance to keep from everything else, m.
             domain: Indoor or outdoor; the parent's by default.
@@ -139,6 +142,8 @@ class Builder:
             domain=domain,
             attributes=attributes or {},
         )
+        if any(_share_too_much(obj, self.objects[i]) for i in line if i != obj.parent_id):
+            return None
         self.objects.append(obj)
         if obj.is_coarse:
             self.n_coarse += 1
@@ -189,6 +194,11 @@ def _occupant(spot: Frame, size: Vector3, base: float, margin: float, object_id:
         math.hypot(half_x, half_y),
         object_id,
     )
+
+
+def _share_too_much(first: SceneObject, second: SceneObject) -> bool:
+    volumes = sorted((math.prod(first.bbox.s), math.prod(second.bbox.s)))
+    return volumes[0] > MAX_IOU * volumes[1] and iou(first.bbox, second.bbox) > MAX_IOU
 
 
 def _is_inside(spot: Frame, size: Vector3, outer: Placed) -> bool:

@@ -12,12 +12,12 @@ from aeroscene.scene import Scene
 from aeroscene.validation.findings import Finding
 
 MAX_IOU = 0.01
-"""Of two boxes neither of which belongs to the other."""
+"""Of two boxes neither of which is the other's parent."""
 OUTSIDE_TOLERANCE_M = 0.01
 
 
 def overlaps(scene: Scene) -> Iterator[Finding]:
-    """Pairs of boxes that share volume, parents and what they carry or contain left out."""
+    """Pairs of boxes that share volume and are not parent and child."""
     objects = scene.objects
     for first, second in _candidates(scene).tolist():
         a, b = objects[first], objects[second]
@@ -33,7 +33,7 @@ def overlaps(scene: Scene) -> Iterator[Finding]:
 
 
 def _candidates(scene: Scene) -> Int[np.ndarray, "pairs 2"]:
-    """Pairs that may overlap by enough: near, like in size, not of one line."""
+    """Pairs that may overlap by enough: near, like in size, not parent and child."""
     if not scene.objects:
         return np.empty((0, 2), dtype=int)
     p, q, s = _boxes(scene)
@@ -45,10 +45,13 @@ def _candidates(scene: Scene) -> Int[np.ndarray, "pairs 2"]:
     # Two volumes so unlike share too little even where one holds the other.
     ratio = volume[first] / volume[second]
     pairs = np.stack([first, second], axis=1)[near & (ratio > MAX_IOU) & (ratio < 1 / MAX_IOU)]
-    lines = [{*scene.ancestors(obj.id), obj.id} for obj in scene.objects]
-    ids = [obj.id for obj in scene.objects]
-    is_apart = [ids[i] not in lines[j] and ids[j] not in lines[i] for i, j in pairs.tolist()]
-    a, b = pairs[np.array(is_apart, dtype=bool)].T
+    ids = np.array([obj.id for obj in scene.objects])
+    # -1 is no object's id.
+    parents = np.array([-1 if obj.parent_id is None else obj.parent_id for obj in scene.objects])
+    is_family = (parents[pairs[:, 1]] == ids[pairs[:, 0]]) | (
+        parents[pairs[:, 0]] == ids[pairs[:, 1]]
+    )
+    a, b = pairs[~is_family].T
     depth = penetration_depth(p[a], q[a], s[a], p[b], q[b], s[b])
     return np.stack([a, b], axis=1)[depth > 0]
 

@@ -32,6 +32,8 @@ _BOUNCE_REACH_M = 1.3
 """Light that comes off things about as far as this is dimmed to two thirds."""
 _LIFT = 0.78
 """Exponent that opens the shadows."""
+_SHOULDER, _BRIGHTEST = 0.78, 1.02
+"""Light above the shoulder is squeezed below the brightest."""
 _N_SKY_RAYS = 5
 _OFF_SURFACE = 1.5e-3
 """Rays start this far before the surface, in shares of the distance from the eye, ..."""
@@ -90,7 +92,7 @@ class PixelLight:
         depth = np.full(shape, np.inf, dtype=np.float32)
         triangle = np.full(shape, NOTHING)
         normal = np.zeros((*shape, 3), dtype=np.float32)
-        rgb = np.zeros((*shape, 3), dtype=np.float32)
+        rgb, sun = np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32)
         eye = eye_enu_m.astype(np.float32)
         for top in range(0, shape[0], _BAND_ROWS):
             band = slice(top, top + _BAND_ROWS)
@@ -103,15 +105,20 @@ class PixelLight:
             facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-6)
             points = eye + hits.distance[met, None] * rays[met]
             off = np.maximum(_OFF_SURFACE_M, _OFF_SURFACE * hits.distance[met])[:, None]
-            light = _light(solid, points + off * facing, facing, rng)
+            starts = points + off * facing
+            light = _scattered(solid, starts, facing, rng)
             light[is_lamp[own]] = np.maximum(light[is_lamp[own]], _LEAST_CEILING)
-            for array, values in ((rgb, light), (normal, facing)):
-                flat = array[band].reshape(-1, 3)
-                flat[met] = values
+            for array, values in (
+                (rgb, light),
+                (normal, facing),
+                (sun[..., None], _direct(solid, starts, facing, rng)[:, None]),
+            ):
+                array[band].reshape(len(rays), -1)[met] = values
             depth[band] = hits.distance.reshape(depth[band].shape)
             triangle[band] = hits.triangle.reshape(depth[band].shape)
-        light_rgb = _smoothed(rgb, depth, normal) ** _LIFT
-        return Seen(triangle != NOTHING, depth, np.minimum(light_rgb, 1.15), triangle)
+        same = _Neighbours(depth, normal)
+        light_rgb = same.averaged(rgb, _STEPS) + same.averaged(sun[..., None], (1,)) * _SUN_RGB
+        return Seen(triangle != NOTHING, depth, _exposed(light_rgb), triangle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,20 +130,25 @@ class _Surroundings:
     """(t,) bool."""
 
 
-def _light(
+def _direct(
     around: _Surroundings, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
-    """(n, 3): light on points, with the grain of few rays."""
-    n = len(points)
-    spread = rng.standard_normal((n, 3), dtype=np.float32) * _SUN_SPREAD
-    towards = _TO_SUN + spread
+    """(n,): sun on points, by one ray each to somewhere on its disc."""
     cosine = normals @ _TO_SUN
-    is_sunny = cosine > 0
-    sunny = np.flatnonzero(is_sunny)
-    sun = np.zeros(n, dtype=np.float32)
-    is_hidden = around.rays.is_hidden(points[sunny], towards[sunny])
-    sun[sunny] = np.where(is_hidden, 0.0, cosine[sunny])
-    rgb = sun[:, None] * _SUN_RGB
+    ahead = np.flatnonzero(cosine > 0)
+    spread = rng.standard_normal((len(ahead), 3), dtype=np.float32) * _SUN_SPREAD
+    sun = np.zeros(len(points), dtype=np.float32)
+    is_hidden = around.rays.is_hidden(points[ahead], _TO_SUN + spread)
+    sun[ahead] = np.where(is_hidden, 0.0, cosine[ahead])
+    return sun
+
+
+def _scattered(
+    around: _Surroundings, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
+    """(n, 3): light on points from everywhere but the sun, with the grain of few rays."""
+    n = len(points)
+    rgb = np.zeros((n, 3), dtype=np.float32)
     turn = rng.random(n, dtype=np.float32)
     u, v = _tangents(normals)
     for k in range(_N_SKY_RAYS):
@@ -168,37 +180,44 @@ def _tangents(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return u, v
 
 
-def _smoothed(rgb: np.ndarray, depth_m: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Light averaged over neighbours on the same surface; edges of shadows stay near where they are."""
-    known = np.where(np.isfinite(depth_m), depth_m, 1e6)
-    for step in _STEPS:
-        total, weight = rgb.copy(), np.ones(depth_m.shape, dtype=np.float32)
-        for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
-            _add_neighbours(total, weight, rgb, known, normals, (down * step, right * step))
-        rgb = total / weight[..., None]
-    return rgb
+def _exposed(light_rgb: np.ndarray) -> np.ndarray:
+    """Shadows opened, and white held back from glaring."""
+    lifted = light_rgb**_LIFT
+    over = np.maximum(0.0, lifted - _SHOULDER)
+    room = _BRIGHTEST - _SHOULDER
+    return np.minimum(lifted, _SHOULDER) + room * (1.0 - np.exp(-over / room))
 
 
-def _add_neighbours(
-    total: np.ndarray,
-    weight: np.ndarray,
-    rgb: np.ndarray,
-    depth_m: np.ndarray,
-    normals: np.ndarray,
-    shift: tuple[int, int],
-) -> None:
-    """Add pixels at a shift and at its opposite, as far as they are of the same surface."""
-    down, right = shift
-    height, width = depth_m.shape
-    here = (slice(0, height - down), slice(max(0, -right), width - max(0, right)))
-    there = (slice(down, height), slice(max(0, right), width + min(0, right)))
-    nearer = np.minimum(depth_m[here], depth_m[there])
-    alike = np.abs(depth_m[here] - depth_m[there]) < _DEPTH_TOLERANCE * nearer
-    alike &= np.einsum("hwi,hwi->hw", normals[here], normals[there]) > 0.9
-    # Grain is small steps of light, a shadow's edge is a large one.
-    step = np.abs(rgb[here] - rgb[there]).sum(axis=2)
-    share = alike * np.exp(-((step / 0.9) ** 2)).astype(np.float32)
-    total[here] += share[..., None] * rgb[there]
-    total[there] += share[..., None] * rgb[here]
-    weight[here] += share
-    weight[there] += share
+class _Neighbours:
+    """Averages over neighbouring pixels that show the same surface."""
+
+    def __init__(self, depth_m: np.ndarray, normals: np.ndarray) -> None:
+        self._depth_m = np.where(np.isfinite(depth_m), depth_m, 1e6)
+        self._normals = normals
+
+    def averaged(self, light: np.ndarray, steps: tuple[int, ...]) -> np.ndarray:
+        """Light, (h, w, c), without grain; each step widens the average."""
+        for step in steps:
+            total = light.copy()
+            weight = np.ones(light.shape[:2], dtype=np.float32)
+            for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+                self._add(total, weight, light, down * step, right * step)
+            light = total / weight[..., None]
+        return light
+
+    def _add(
+        self, total: np.ndarray, weight: np.ndarray, light: np.ndarray, down: int, right: int
+    ) -> None:
+        """Add pixels at a shift and at its opposite."""
+        height, width = weight.shape
+        here = (slice(0, height - down), slice(max(0, -right), width - max(0, right)))
+        there = (slice(down, height), slice(max(0, right), width + min(0, right)))
+        depth_m, normals = self._depth_m, self._normals
+        nearer = np.minimum(depth_m[here], depth_m[there])
+        alike = np.abs(depth_m[here] - depth_m[there]) < _DEPTH_TOLERANCE * nearer
+        alike &= np.einsum("hwi,hwi->hw", normals[here], normals[there]) > 0.9
+        share = alike[..., None].astype(np.float32)
+        total[here] += share * light[there]
+        total[there] += share * light[here]
+        weight[here] += share[..., 0]
+        weight[there] += share[..., 0]

@@ -83,8 +83,9 @@ def _pixel_depth(depth_m: np.ndarray) -> np.ndarray:
     samples = _squares(depth_m[..., None])
     nearest, farthest = samples.min(axis=(1, 3)), samples.max(axis=(1, 3))
     # The inverse of depth is linear in the picture of a plane.
-    middle = 1.0 / (1.0 / samples).mean(axis=(1, 3))
-    return np.where(farthest < _ONE_SURFACE * nearest, middle, nearest)[..., 0]
+    inverse = (1.0 / samples).mean(axis=(1, 3))
+    is_one = farthest < _ONE_SURFACE * nearest
+    return np.where(is_one, 1.0 / np.where(is_one, inverse, 1.0), nearest)[..., 0]
 
 
 def _squares(values: np.ndarray) -> np.ndarray:

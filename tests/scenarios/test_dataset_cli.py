@@ -124,6 +124,10 @@ def test_scenes_of_other_sources_are_made_again_and_said_so(corpus, capsys):
     assert "they stay" in stay
     assert contents(corpus)["corpus-0001.json.gz"] == before["corpus-0001.json.gz"]
     assert [e.sources == "0" for e in open_dataset(corpus).entries] == [True, False, True]
+    status, _, err = run(capsys, "stats", corpus, "--jobs", 1)
+    assert status == 0
+    assert err.startswith("aeroscene dataset: 2 of 3 scenes in ")
+    assert err.count("\n") == 1
 
 
 def wait_for_a_scene(process, folder):

@@ -71,7 +71,7 @@ THEMES: tuple[Theme, ...] = (
             upper=("lounge", "library"),
             is_tall=False,
             rear=("bedroom", "bedroom", "office"),
-            rear_chance=0.85,
+            rear_chance=0.65,
         ),
         features=("garden", "pond", "pavilion", "podium", "screen", "kiosk"),
     ),

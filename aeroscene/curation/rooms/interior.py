@@ -53,6 +53,12 @@ class Interior:
             "colour": draw.one_of(FABRIC_COLOURS),
         }
 
+        # Corners bear things too, so no table is round.
+        self._forms = {
+            "table": draw.one_of(("legs", "trestle", "pedestal")),
+            "coffee_table": draw.one_of(("panels", "legs")),
+        }
+
     @property
     def area(self) -> float:
         """Of the floor, m2."""
@@ -304,6 +310,8 @@ class Interior:
         attributes: dict[str, AttributeValue] | None = None,
     ) -> Placed | None:
         look = {**self._style, **(attributes or {})} if name in _STYLED else attributes
+        if name in self._forms:
+            look = {"form": self._forms[name], **(look or {})}
         placed = self._builder.place(
             name,
             frame,

@@ -8,7 +8,7 @@ from itertools import islice
 from aeroscene.curation.rooms.interior import Interior
 from aeroscene.scene import Vector3
 
-_ROUNDS = 14
+_ROUNDS = 30
 _FREE_SIZES: dict[str, Vector3] = {
     "table": (0.95, 1.3, 0.74),
     "coffee_table": (0.9, 1.1, 0.45),
@@ -18,6 +18,7 @@ _FREE_SIZES: dict[str, Vector3] = {
     "pallet": (1.25, 1.15, 0.7),
     "landing_pad": (1.6, 1.6, 0.06),
     "planter": (0.8, 1.8, 0.9),
+    "bench": (0.45, 1.8, 0.45),
 }
 """Sizes of what stands freely: wide enough for a small drone where it is level."""
 _SEATED = {"table": "chair", "coffee_table": "armchair"}
@@ -32,7 +33,7 @@ _HOME: _Accents = (
     ("book", "cup", "plate", "cutlery"),
 )
 _GOODS: _Accents = (("pallet", "crate"), ("crate", "barrel", "shelf", "box"), ("box",))
-_SPORT: _Accents = (("landing_pad", "crate"), ("bench", "chair", "bin", "barrel"), ("box", "book"))
+_SPORT: _Accents = (("landing_pad", "crate", "bench"), ("bench", "chair", "bin", "barrel"), ("box", "book"))
 _ACCENTS: dict[str, _Accents] = {
     **dict.fromkeys(("office", "open_office", "meeting", "classroom", "library"), _WORK),
     **dict.fromkeys(("living", "bedroom", "kitchen", "dining", "lounge"), _HOME),
@@ -52,7 +53,7 @@ def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
     for number in range(_ROUNDS):
         if free and number % 2 == 0:
             name = draw.one_of(free)
-            stand = room.anywhere(name, _FREE_SIZES[name], keep=0.75)
+            stand = room.anywhere(name, _FREE_SIZES[name], keep=max(0.4, 0.8 - 0.03 * number))
             if name in _SEATED:
                 room.seats(stand, 2, _SEATED[name])
             yield

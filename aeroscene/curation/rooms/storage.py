@@ -7,6 +7,9 @@ from math import pi
 
 from aeroscene.curation.builder import Placed
 from aeroscene.curation.rooms.interior import Interior
+from aeroscene.scene import AttributeValue
+
+_RACK: dict[str, AttributeValue] = {"form": "rack"}
 
 
 def furnish_store(room: Interior) -> Iterator[None]:
@@ -31,11 +34,11 @@ def furnish_store(room: Interior) -> Iterator[None]:
 
 def _rack(room: Interior, u: float, v: float, turn: float) -> list[Placed]:
     """Two shelves back to back."""
-    size = (0.5, 2.0, 2.2)
+    size, form = (0.5, 2.0, 2.2), _RACK
     shift_u, shift_v = (0.26, 0.0) if turn == 0.0 else (0.0, 0.26)
     pair = (
-        room.put("shelf", u + shift_u, v + shift_v, size, turn=turn),
-        room.put("shelf", u - shift_u, v - shift_v, size, turn=turn + pi),
+        room.put("shelf", u + shift_u, v + shift_v, size, turn, attributes=form),
+        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, attributes=form),
     )
     return [shelf for shelf in pair if shelf]
 
@@ -118,8 +121,8 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
     for number, (u, v) in enumerate(room.spots(*pitch, 1.9)):
         size = (0.45, 2.0, 1.7)
         shift_u, shift_v = (0.24, 0.0) if turn == 0.0 else (0.0, 0.24)
-        room.put("shelf", u + shift_u, v + shift_v, size, turn=turn)
-        room.put("shelf", u - shift_u, v - shift_v, size, turn=turn + pi)
+        room.put("shelf", u + shift_u, v + shift_v, size, turn, attributes=_RACK)
+        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, attributes=_RACK)
         yield
         if number % 2:
             room.anywhere("pallet", (1.25, 1.15, draw.between(0.6, 1.0)), keep=0.6)

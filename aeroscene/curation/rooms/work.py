@@ -7,6 +7,7 @@ from math import pi
 
 from aeroscene.curation.builder import Placed
 from aeroscene.curation.rooms.interior import Interior
+from aeroscene.scene import AttributeValue
 
 
 def furnish_office(room: Interior) -> Iterator[None]:
@@ -30,6 +31,7 @@ def furnish_office(room: Interior) -> Iterator[None]:
     yield
 
 
+_BOOKCASE: dict[str, AttributeValue] = {"form": "bookcase"}
 _ENDS = ("left", "right")
 
 
@@ -155,8 +157,8 @@ def furnish_library(room: Interior) -> Iterator[None]:
     spots = room.spots(2.6, 2.0, 1.6)
     for index in range(0, min(len(spots), 10), 2):
         for u, v in spots[index : index + 2]:
-            room.put("shelf", u + 0.21, v, size)
-            room.put("shelf", u - 0.21, v, size, turn=pi)
+            room.put("shelf", u + 0.21, v, size, attributes=_BOOKCASE)
+            room.put("shelf", u - 0.21, v, size, turn=pi, attributes=_BOOKCASE)
         yield
     for _ in range(3):
         table = room.anywhere("table", (1.1, 1.8, 0.74), keep=0.8)

@@ -93,15 +93,15 @@ def sand(canvas: Canvas, rgb: np.ndarray) -> Picture:
 
 def leaves(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Foliage: lit leaves over dark gaps between twigs."""
-    edge, tone = canvas.cells(15)
-    small_edge, small_tone = canvas.cells(30)
+    edge, tone = canvas.cells(20)
+    small_edge, small_tone = canvas.cells(40)
     clumps = canvas.noise(4, 8)
-    lit = 0.45 + 0.75 * tone + 0.25 * clumps
-    lit = lit * np.clip(0.35 + 2.6 * edge, 0.35, 1.0) * (0.78 + 0.4 * small_tone)
-    gap = (small_edge < 0.05) & (clumps < 0.35)
-    picture = shade(rgb, np.clip(np.where(gap, 0.42 * lit, lit), 0.22, 1.75))
+    lit = 0.62 + 0.62 * tone + 0.25 * clumps
+    lit = lit * np.clip(0.55 + 2.2 * edge, 0.55, 1.0) * (0.82 + 0.45 * small_tone)
+    gap = (small_edge < 0.04) & (clumps < 0.2)
+    picture = shade(rgb, np.clip(np.where(gap, 0.55 * lit, lit), 0.40, 1.75))
     # Leaves in the sun are yellower.
-    return picture + np.clip(lit - 1.05, 0, 0.5)[..., None] * np.array([0.20, 0.17, 0.0])
+    return picture + np.clip(lit - 1.0, 0, 0.5)[..., None] * np.array([0.22, 0.19, 0.0])
 
 
 def bark(canvas: Canvas, rgb: np.ndarray) -> Picture:

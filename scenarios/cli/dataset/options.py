@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from aeroscene.dataset import Dataset, DatasetError
+import sys
+from pathlib import Path
+
+from aeroscene.dataset import Dataset, DatasetError, open_dataset
+from aeroscene.provenance import curation_digest
 from scenarios.cli.scene_numbers import scene_numbers
 
 MAX_JOBS = 512
@@ -18,15 +22,28 @@ def check_jobs(jobs: int) -> None:
         raise DatasetError(f"jobs {jobs} is out of range, valid: 1 to {MAX_JOBS} processes")
 
 
-def select_scenes(dataset: Dataset, scenes: str) -> Dataset:
-    """The part of a dataset that a user names; everything for an empty text.
+def open_scenes(folder: Path, scenes: str) -> Dataset:
+    """The part of a folder that a user names, all of it for an empty text.
+
+    Says on standard error when it does not hold what the code that runs would make.
 
     Raises:
         SceneNumbersError: If the text names no scenes.
-        DatasetError: If a scene that is named is not in the folder.
+        DatasetError: If there is no dataset, or a scene that is named is not in it.
     """
-    if not scenes:
-        return dataset
+    dataset = open_dataset(folder)
+    if scenes:
+        dataset = _select(dataset, scenes)
+    n_foreign = sum(entry.sources != curation_digest() for entry in dataset.entries)
+    if n_foreign:
+        sys.stderr.write(
+            f"aeroscene dataset: {n_foreign} of {len(dataset.entries)} scenes in {folder} were "
+            "made by other sources than these; aeroscene dataset build makes them again\n"
+        )
+    return dataset
+
+
+def _select(dataset: Dataset, scenes: str) -> Dataset:
     wanted = scene_numbers(scenes)
     present = {entry.index for entry in dataset.entries}
     missing = [number for number in wanted if number not in present]

@@ -11,9 +11,9 @@ from typing import Literal
 
 import tyro
 
-from aeroscene.dataset import Dataset, DatasetError, open_dataset
+from aeroscene.dataset import Dataset, DatasetError
 from scenarios.cli.command_line import EXIT_DONE
-from scenarios.cli.dataset.options import check_jobs, select_scenes
+from scenarios.cli.dataset.options import check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
 
@@ -60,9 +60,9 @@ def run(cfg: ShowCfg) -> int:
 
 
 def _choose(cfg: ShowCfg) -> Dataset:
-    dataset = open_dataset(cfg.folder)
+    dataset = open_scenes(cfg.folder, cfg.scenes)
     if cfg.scenes:
-        return select_scenes(dataset, cfg.scenes)
+        return dataset
     # One after another of every domain: the corpus takes the domains in turn.
     step = max(1, len(dataset.entries) // _SAMPLE)
     step += step % 3 == 0 and step > 1

@@ -14,11 +14,11 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from aeroscene.dataset import DatasetError, open_dataset
+from aeroscene.dataset import DatasetError
 from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
 from scenarios.cli.command_line import EXIT_DONE
-from scenarios.cli.dataset.options import check_jobs, select_scenes
+from scenarios.cli.dataset.options import check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.stats import Diversity, Statistics, statistics
@@ -50,7 +50,7 @@ class StatsCfg:
 def run(cfg: StatsCfg) -> int:
     """Count and print."""
     check_jobs(cfg.jobs)
-    dataset = select_scenes(open_dataset(cfg.folder), cfg.scenes)
+    dataset = open_scenes(cfg.folder, cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
     found = statistics(dataset, beside, cfg.jobs, progress_bar)
     if cfg.json:

@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from aeroscene.dataset import Dataset, DatasetError, open_dataset
+from aeroscene.dataset import Dataset, DatasetError
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
-from scenarios.cli.dataset.options import check_jobs, select_scenes
+from scenarios.cli.dataset.options import check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
 from scenarios.dataset.pool import default_jobs
@@ -59,7 +59,7 @@ def run(cfg: ValidateCfg) -> int:
     for name, value in (("drops", cfg.drops), ("seed", cfg.seed)):
         if value < 0:
             raise DatasetError(f"{name} {value} is negative, valid: 0 or more")
-    dataset = select_scenes(open_dataset(cfg.folder), cfg.scenes)
+    dataset = open_scenes(cfg.folder, cfg.scenes)
     with progress_bar("checking scenes", len(dataset.entries)) as advance:
         report = validate_all(dataset, cfg.jobs, advance, skip_invalid=cfg.skip_invalid)
     drops = _drop(cfg, report.readable) if cfg.drops else None
