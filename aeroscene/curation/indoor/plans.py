@@ -21,7 +21,7 @@ CORRIDOR_M = 3.25
 """Between the middles of a corridor's walls: 3.1 m clear."""
 START_M = 6.4
 """Side of the square in the middle of the first hall that stays free around the start."""
-_DENSE = frozenset(("racks", "aisles", "checkout", "classroom", "library", "open_office"))
+_DENSE = frozenset(("racks", "aisles", "checkout", "classroom", "library", "open_office", "stand"))
 """Kinds of zones that rows of furniture fill."""
 _OPEN_M = 5.6
 """Side of the square in a wide room that stays free for a large drone."""

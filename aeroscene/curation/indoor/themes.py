@@ -129,7 +129,7 @@ THEMES: tuple[Theme, ...] = (
             upper=("lounge",),
             is_tall=True,
         ),
-        features=("stall", "podium", "kiosk", "stall", "pavilion", "garden"),
+        features=("stall", "stall", "kiosk", "stall", "podium", "stall", "pavilion", "garden"),
     ),
     Theme(
         name="station",

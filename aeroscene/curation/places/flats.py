@@ -23,6 +23,8 @@ from aeroscene.shapes.materials import WALL_COLOURS
 
 _STOREY_M = 3.2
 _BAY_M = 3.0
+_TOWER_M = 9.0
+"""Side of a tower."""
 _BALCONY_M = (2.2, 3.6, 0.2)
 _BEARING_M = 0.12
 """How far a balcony reaches into the wall that carries it."""
@@ -79,6 +81,10 @@ class Flats:
         deep = min(_BAY_M * draw.count(3, 4), max(6.0, round(depth - 5.5, 2)))
         setback = min(draw.between(3.0, 5.0), max(0.5, depth - deep - 0.5))
         u = draw.between(-0.5, 0.5) * max(0.0, width - length - 2)
+        if deep >= _TOWER_M and draw.chance(0.3):
+            self._raise_tower(u, setback + _TOWER_M / 2)
+            self._court_v = setback + _TOWER_M
+            return
         self._mass(u, setback + deep / 2, deep, length, draw.count(3, 5))
         self._court_v = setback + deep
 
@@ -88,15 +94,18 @@ class Flats:
         width, depth = ground.parcel.width, ground.parcel.depth
         if depth - self._court_v < 15.0:
             return
-        side = 3 * _BAY_M
-        v = depth - 1.5 - side / 2
-        u = draw.between(-0.5, 0.5) * (width - side - 5)
+        v = depth - 1.5 - _TOWER_M / 2
+        u = draw.between(-0.5, 0.5) * (width - _TOWER_M - 5)
         if draw.chance(0.5):
-            attributes: dict[str, AttributeValue] = {"colour": draw.one_of(WALL_COLOURS)}
-            size = (side, side, draw.between(16, 21))
-            ground.erect("tower", u, v, size, attributes=attributes)
+            self._raise_tower(u, v)
         else:
-            self._mass(u, v, side, side + _BAY_M, draw.count(2, 4))
+            self._mass(u, v, _TOWER_M, _TOWER_M + _BAY_M, draw.count(2, 4))
+
+    def _raise_tower(self, u: float, v: float) -> None:
+        draw = self.ground.draw
+        attributes: dict[str, AttributeValue] = {"colour": draw.one_of(WALL_COLOURS)}
+        size = (_TOWER_M, _TOWER_M, draw.between(16, 21))
+        self.ground.erect("tower", u, v, size, attributes=attributes)
 
     def _mass(self, u: float, v: float, deep: float, length: float, storeys: int) -> None:
         ground, draw = self.ground, self.ground.draw

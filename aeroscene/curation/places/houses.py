@@ -77,17 +77,20 @@ class Houses:
     _rooms: list[RoomSpace] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """Houses first, then drives, terraces, garages, fences and sheds."""
+        """Houses first, then drives to garages, terraces, fences and sheds."""
         ground = self.ground
         ground.cover("lawn", {"form": "plain"})
         self._plots = self._part()
         for index, plot in enumerate(self._plots):
             self._raise_house(plot, is_furnished=self.is_furnished and index == 0)
             yield
-        for step in (self._pave_drive, self._lay_terrace, self._raise_garage):
-            for plot in self._plots:
-                step(plot)
-                yield
+        for plot in self._plots:
+            self._pave_drive(plot)
+            self._raise_garage(plot)
+            yield
+        for plot in self._plots:
+            self._lay_terrace(plot)
+            yield
         yield from self._fence()
         for plot in self._plots:
             self._raise_shed(plot)
@@ -165,7 +168,7 @@ class Houses:
             return
         attributes: dict[str, AttributeValue] = {"form": "garage"}
         plot.garage = ground.erect(
-            "garage", plot.drive_u, start + 3.2, (5.8, 3.1, 2.7), attributes=attributes
+            "garage", plot.drive_u, start + 3.35, (5.8, 3.1, 2.7), attributes=attributes
         )
 
     def _lay_terrace(self, plot: _Plot) -> None:

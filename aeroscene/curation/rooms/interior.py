@@ -264,13 +264,20 @@ class Interior:
         reach_v = bearer.size[1] / 2 - max(size[:2]) / 2 - 0.02
         return self._lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size, turn)
 
-    def spots(self, pitch_u: float, pitch_v: float, rim: float) -> list[tuple[float, float]]:
-        """Places of a regular grid about the room's middle, row by row, `rim` from the walls."""
+    def spots(
+        self, pitch_u: float, pitch_v: float, rim: float, *, is_tight: bool = False
+    ) -> list[tuple[float, float]]:
+        """Places of a regular grid, row by row, at least a pitch apart and `rim` from the walls.
+
+        A tight grid keeps to the pitch about the room's middle, any other fills the room.
+        """
         x, y, _ = self.room.size
-        n_u = max(0, int((x - 2 * rim) // pitch_u) + 1) if x > 2 * rim else 0
-        n_v = max(0, int((y - 2 * rim) // pitch_v) + 1) if y > 2 * rim else 0
+        rows = (_spread(length - 2 * rim, pitch) for length, pitch in ((x, pitch_u), (y, pitch_v)))
+        (n_u, step_u), (n_v, step_v) = rows
+        if is_tight:
+            step_u, step_v = pitch_u, pitch_v
         return [
-            ((i - (n_u - 1) / 2) * pitch_u, (j - (n_v - 1) / 2) * pitch_v)
+            ((i - (n_u - 1) / 2) * step_u, (j - (n_v - 1) / 2) * step_v)
             for i in range(n_u)
             for j in range(n_v)
         ]
@@ -328,3 +335,11 @@ class Interior:
         if placed and name in _BEARERS:
             self.bearers.append(placed)
         return placed
+
+
+def _spread(length: float, pitch: float) -> tuple[int, float]:
+    """How many points at least a pitch apart fit on a length, and how far apart they then are."""
+    if length < 0:
+        return (0, 0.0)
+    count = int(length // pitch) + 1
+    return (count, length / (count - 1) if count > 1 else 0.0)

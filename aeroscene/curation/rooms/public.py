@@ -164,15 +164,15 @@ def furnish_court(room: Interior) -> Iterator[None]:
     room.against(draw.one_of(sides), "sign", (0.25, 2.2, 3.2))
     room.against(draw.one_of(sides), "bin")
     yield
-    for _ in range(4):
-        room.lined(draw.one_of(sides), "chair", 4, gap=0.15)
+    for _ in range(6):
+        room.lined(draw.one_of(sides), "chair", 5, gap=0.15)
         yield
 
 
 def furnish_stand(room: Interior) -> Iterator[None]:
     """Rows of seats that look over the edge of a gallery."""
     x, y, _ = room.room.size
-    for u, v in room.spots(1.3, 2.2, 1.6)[:14]:
+    for u, v in room.spots(1.3, 2.2, 1.4)[:20]:
         room.put("bench", u, v, (0.45, 1.9, 0.85), turn=0.0 if y >= x else pi / 2)
         yield
     room.against(room.some_side(), "counter")
@@ -183,7 +183,7 @@ def furnish_stand(room: Interior) -> Iterator[None]:
 def furnish_concourse(room: Interior) -> Iterator[None]:
     """Benches back to back, departure boards, bins, planters, ticket machines."""
     draw = room.draw
-    for u, v in room.spots(5.0, 4.2, 2.6)[:6]:
+    for u, v in room.spots(5.0, 4.2, 2.1)[:8]:
         size = (0.6, 2.0, 0.85)
         room.put("bench", u + 0.33, v, size)
         room.put("bench", u - 0.33, v, size, turn=pi)

@@ -33,7 +33,11 @@ _HOME: _Accents = (
     ("book", "cup", "plate", "cutlery"),
 )
 _GOODS: _Accents = (("pallet", "crate"), ("crate", "barrel", "shelf", "box"), ("box",))
-_SPORT: _Accents = (("landing_pad", "crate", "bench"), ("bench", "chair", "bin", "barrel"), ("box", "book"))
+_SPORT: _Accents = (
+    ("landing_pad", "crate", "bench"),
+    ("bench", "chair", "bin", "barrel"),
+    ("box", "book"),
+)
 _ACCENTS: dict[str, _Accents] = {
     **dict.fromkeys(("office", "open_office", "meeting", "classroom", "library"), _WORK),
     **dict.fromkeys(("living", "bedroom", "kitchen", "dining", "lounge"), _HOME),

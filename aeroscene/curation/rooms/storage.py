@@ -49,7 +49,7 @@ def furnish_racks(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
     pitch = (3.6, 2.1) if turn == 0.0 else (2.1, 3.6)
-    for number, (u, v) in enumerate(room.spots(*pitch, 1.7)):
+    for number, (u, v) in enumerate(room.spots(*pitch, 1.7, is_tight=True)):
         for shelf in _rack(room, u, v, turn):
             if draw.chance(0.4):
                 room.on(shelf, "box", 0.0, draw.between(-0.9, 0.9))
@@ -118,7 +118,7 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
     pitch = (3.2, 2.05) if turn == 0.0 else (2.05, 3.2)
-    for number, (u, v) in enumerate(room.spots(*pitch, 1.9)):
+    for number, (u, v) in enumerate(room.spots(*pitch, 1.9, is_tight=True)):
         size = (0.45, 2.0, 1.7)
         shift_u, shift_v = (0.24, 0.0) if turn == 0.0 else (0.0, 0.24)
         room.put("shelf", u + shift_u, v + shift_v, size, turn, attributes=_RACK)

@@ -132,7 +132,7 @@ def furnish_classroom(room: Interior) -> Iterator[None]:
     room.against("back", "cabinet", (0.4, 1.8, 1.0))
     yield
     size = (0.85, 1.4, 0.74)
-    spots = [(u, v) for u, v in room.spots(2.3, 2.3, 1.4) if u > -x / 2 + 3.0]
+    spots = [(u, v) for u, v in room.spots(2.3, 2.3, 1.4, is_tight=True) if u > -x / 2 + 3.0]
     for u, v in spots[:12]:
         table = room.put("table", u, v, size, turn=pi)
         if table:
@@ -154,7 +154,7 @@ def furnish_library(room: Interior) -> Iterator[None]:
     """Rows of shelves back to back, reading tables, armchairs with lamps."""
     draw = room.draw
     size = (0.4, 1.8, 2.1)
-    spots = room.spots(2.6, 2.0, 1.6)
+    spots = room.spots(2.6, 2.0, 1.6, is_tight=True)
     for index in range(0, min(len(spots), 10), 2):
         for u, v in spots[index : index + 2]:
             room.put("shelf", u + 0.21, v, size, attributes=_BOOKCASE)
