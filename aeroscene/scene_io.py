@@ -8,9 +8,7 @@ that ends with `.gz` compresses the file, again to equal bytes for equal scenes.
 from __future__ import annotations
 
 import gzip
-import os
 import re
-import tempfile
 import zlib
 from pathlib import Path
 from typing import NoReturn
@@ -18,6 +16,7 @@ from typing import NoReturn
 import msgspec
 import numpy as np
 
+from aeroscene.files import replacing
 from aeroscene.geometry import box_corners
 from aeroscene.scene import (
     AttributeValue,
@@ -296,15 +295,10 @@ def write_scene(scene: Scene, path: str | Path) -> None:
     """
     path = Path(path)
     data = scene_to_json(scene)
-    if path.suffix == ".gz":
-        # Without a time stamp, so that equal scenes give equal files.
-        data = gzip.compress(data, mtime=0)
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(descriptor, "wb") as file:
+    with replacing(path) as file:
+        if path.suffix == ".gz":
+            # Without a name and a time, so that equal scenes give equal files on every system.
+            with gzip.GzipFile(filename="", mode="wb", fileobj=file, mtime=0) as packed:
+                packed.write(data)
+        else:
             file.write(data)
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise

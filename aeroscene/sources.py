@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import os
 import re
@@ -10,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from aeroscene.corpus import CORPUS_SIZE
+from aeroscene.provenance import curation_digest
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene_io import FORMAT, read_scene, write_scene
 
@@ -115,14 +115,5 @@ def _cache_folder() -> Path:
     from platformdirs import user_cache_dir  # noqa: PLC0415 - only where the cache is used
 
     root = os.environ.get("AEROSCENE_CACHE_DIR") or user_cache_dir("aeroscene")
-    return Path(root) / "scenes" / _source_digest()
+    return Path(root) / "scenes" / curation_digest()
 
-
-@cache
-def _source_digest() -> str:
-    digest = hashlib.sha256()
-    package = Path(__file__).parent
-    for path in sorted(package.rglob("*.py")):
-        digest.update(path.relative_to(package).as_posix().encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]

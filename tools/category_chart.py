@@ -47,7 +47,7 @@ def _cell(category: Category, quality: Quality) -> np.ndarray:
     width, height = _CELL_PX
     eye, target = fit_view(
         np.concatenate(corners_enu_m),
-        azimuth_deg=-32.0,
+        azimuth_deg=-148.0,
         elevation_deg=24.0,
         vertical_fov_deg=_FOV_DEG,
         aspect=width / height,
@@ -60,7 +60,7 @@ def _cell(category: Category, quality: Quality) -> np.ndarray:
 
 
 def _variants(category: Category) -> Iterator[SceneObject]:
-    """Three objects side by side, the smallest on the left."""
+    """Three objects side by side, the smallest on the left, their fronts to the sun."""
     ranges = (category.length_m, category.width_m, category.height_m)
     sizes = [
         tuple(min(low + share * (high - low), max(low, _MOST_M)) for low, high in ranges)
@@ -69,17 +69,17 @@ def _variants(category: Category) -> Iterator[SceneObject]:
     gap_m = 0.25 * max(max(size[:2]) for size in sizes)
     y = 0.0
     for index, (length, width, height) in enumerate(sizes):
-        y += width / 2
+        y -= width / 2
         yield SceneObject(
             id=index,
             scene_id="chart",
             parent_id=None,
             category_id=category.id,
-            bbox=OrientedBox((0.0, y, height / 2), (1.0, 0.0, 0.0, 0.0), (length, width, height)),
+            bbox=OrientedBox((0.0, y, height / 2), (0.0, 0.0, 0.0, 1.0), (length, width, height)),
             domain="outdoor",
             attributes={},
         )
-        y += width / 2 + gap_m
+        y -= width / 2 + gap_m
 
 
 def _floor() -> tuple[Primitive, ...]:
@@ -88,8 +88,8 @@ def _floor() -> tuple[Primitive, ...]:
             kind="box",
             position_enu_m=(0.0, 0.0, -0.05),
             quat_wxyz=(1.0, 0.0, 0.0, 0.0),
-            size_m=(400.0, 400.0, 0.1002),
-            material="plastic_white",
+            size_m=(400.0, 400.0, 0.101),
+            material="plaster_white",
             object_id=0,
             collides=False,
         ),

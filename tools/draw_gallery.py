@@ -124,8 +124,10 @@ def _onboard_strip(number: str) -> np.ndarray:
 
 
 def _depth_rgb(frame: RgbdFrame) -> np.ndarray:
-    """Depth in colours, near red and far blue; black where there is nothing."""
-    near = np.clip(1.0 - np.log1p(frame.depth_m) / math.log1p(_FAR_M), 0.0, 1.0)
+    """Depth in colours, the nearest red and the farthest blue; black where there is nothing."""
+    far_m = min(_FAR_M, float(np.quantile(frame.depth_m[np.isfinite(frame.depth_m)], 0.97)))
+    low, high = math.log(float(frame.depth_m.min())), math.log(far_m)
+    near = np.clip((high - np.log(frame.depth_m)) / max(0.05, high - low), 0.0, 1.0)
     bgr = cv2.applyColorMap((255 * near).astype(np.uint8), cv2.COLORMAP_TURBO)
     bgr[~np.isfinite(frame.depth_m)] = 0
     return np.ascontiguousarray(bgr[..., ::-1])

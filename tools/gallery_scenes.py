@@ -90,7 +90,7 @@ KINDS: tuple[PlaceKind, ...] = (
         text="A mixed scene: the drone can leave the street through a door or a window.",
         domain="mixed",
         signs={"room": 1, "tree": 0.1, "car": 0.2, "desk": 0.3},
-        view="street",
+        view="aerial",
     ),
     PlaceKind(
         name="office",

@@ -22,6 +22,7 @@ _STREET_EYE_M = 2.6
 _FLIGHT_M = 7.0
 _INSIDE_EYE_M = 1.9
 _TRIAL_YAWS = 24
+_NEAR_M, _NEAR_IN_AIR_M = 2.4, 17.0
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRender
         eye = _above(scene.start_position_enu_m, _hover_m(scene))
         return View(eye, (eye[0], eye[1] + 1e-3, eye[2] - 1.0), 62.0)
     if preset == "aerial":
-        return _best(world, trial, _aerial_views(world))
+        return _best(world, trial, _aerial_views(world), _NEAR_IN_AIR_M)
     if preset == "inside":
         eyes = _inside_eyes(scene)
         return _best(world, trial, _all_round(eyes, dip=0.14, fov_deg=68.0))
@@ -129,10 +130,10 @@ def _aerial_views(world: World) -> list[View]:
     for azimuth_deg in range(-170, -40, 10):
         azimuth = math.radians(azimuth_deg)
         reach = np.array([math.cos(azimuth), math.sin(azimuth)]) * half[:2].mean()
-        for height_m in (11.0, 17.0):
-            eye = (middle[0] + reach[0], middle[1] + reach[1], height_m)
-            target = (middle[0] + 0.12 * reach[0], middle[1] + 0.12 * reach[1], 1.5)
-            views.append(View(eye, target, 58.0))
+        for height_m, share in ((13.0, 1.0), (19.0, 1.15), (24.0, 1.3)):
+            east, north = middle[:2] + share * reach
+            target = (middle[0] + 0.1 * reach[0], middle[1] + 0.1 * reach[1], 1.5)
+            views.append(View((east, north, height_m), target, 52.0))
     return views
 
 
@@ -147,26 +148,28 @@ def _all_round(eyes: list[Point], *, dip: float, fov_deg: float) -> list[View]:
     ]
 
 
-def _best(world: World, trial: CameraRenderer, views: list[View]) -> View:
-    """The view that shows most."""
+def _best(
+    world: World, trial: CameraRenderer, views: list[View], near_m: float = _NEAR_M
+) -> View:
+    """The view that shows most, with little nearer than a distance."""
     data = world.new_data()
 
     def interest(view: View) -> float:
         fov_rad = math.radians(view.fov_deg)
         frame = trial.render_view(data, view.eye_enu_m, view.target_enu_m, fov_rad)
-        return _interest(frame, world.scene)
+        return _interest(frame, world.scene, near_m)
 
     return max(views, key=interest)
 
 
-def _interest(frame: RgbdFrame, scene: Scene) -> float:
+def _interest(frame: RgbdFrame, scene: Scene, near_m: float) -> float:
     """Much of the scene at many distances, many edges, nothing right before the lens."""
     grey = frame.rgb.astype(float).mean(axis=2)
     edges = np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean()
     seen = frame.depth_m[np.isfinite(frame.depth_m)]
     if len(seen) < 0.3 * frame.depth_m.size:
         return -1.0
-    too_near = float((seen < 2.2).mean())
+    too_near = float((seen < near_m).mean())
     built = _share_of_scene(frame, scene)
     spread = float(np.log(np.quantile(seen, 0.9) / max(0.3, np.quantile(seen, 0.1))))
     return edges / 12 + 3.0 * built + 0.6 * spread - 6.0 * too_near

@@ -26,6 +26,7 @@ _LARGE_FACE_M2 = 1.2
 _LEAST_CASTER_M = 0.25
 _LEAST_CASTER_WIDTH_M = 0.04
 _OFF_SURFACE_M = 0.02
+_LAMP_LIGHT = 0.9
 _ROOF_M2 = 6.0
 _UNDER_ROOF_M = 0.25
 """Whether a face is indoors is asked this far before it."""
@@ -61,6 +62,7 @@ def lit(mesh: WorldMesh, solids: Sequence[Primitive]) -> WorldMesh:
     sun[is_of_exact] = 1.0
     sun[np.isin(face_of, whole)] = 0.0
     light = surface_light(normals, sun, sky) * _mottling(mesh)
+    light[mesh.triangles[mesh.is_lamp()]] = _LAMP_LIGHT
     base = replace(mesh, normals_enu=normals_for_light(light))
     return base.with_overlay(_overlay(mesh, exact, shadows.face, shadows.corners_enu_m, sky))
 

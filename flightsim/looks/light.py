@@ -39,7 +39,7 @@ def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
     from_sky = _SKY_SHARE * (0.5 + 0.5 * up)
     # Walls differ, so that corners of a room show.
     from_lamps = 0.47 + 0.10 * up + 0.09 * (normals_enu @ np.array([0.8, -0.6, 0.0]))
-    from_lamps = from_lamps + 0.50 * np.clip(-up, 0.0, 1.0)
+    from_lamps = from_lamps + 0.20 * np.clip(-up, 0.0, 1.0)
     from_sun = _SUN_SHARE * np.maximum(0.0, normals_enu @ _TO_SUN)
     return np.clip(sky * from_sky + (1.0 - sky) * from_lamps + sun * from_sun, 0.0, 1.0)
 

@@ -48,6 +48,10 @@ class WorldMesh:
         """Whether sunlight goes through each triangle."""
         return np.array([paint.is_clear for paint in self.paints], dtype=bool)[self.triangle_paint]
 
+    def is_lamp(self) -> Bool[np.ndarray, "t"]:
+        """Whether each triangle gives light."""
+        return np.array([paint.is_lamp for paint in self.paints], dtype=bool)[self.triangle_paint]
+
     def with_overlay(self, other: WorldMesh) -> WorldMesh:
         """This mesh and another of the same paints."""
         first = len(self.vertices_enu_m)
@@ -117,7 +121,8 @@ class MeshBuilder:
                 row[:] = False
                 row[list(piece.faces)] = True
         corners = corners.reshape(*shape, 3)
-        is_shown &= (corners[..., 2] > _ON_GROUND_M).any(axis=2)
+        faces_down = directions.reshape(*shape, 3)[:, :, 0, 2] < -0.5
+        is_shown &= ~faces_down | (corners[..., 2] > _ON_GROUND_M).any(axis=2)
         paint = np.array([self.paint(piece.paint) for piece in pieces])
         self.add_quads(
             corners[is_shown],

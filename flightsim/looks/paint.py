@@ -22,6 +22,8 @@ class Paint:
     """One tile covers each face, however large."""
     is_clear: bool = False
     """Sunlight goes through, as through glass."""
+    is_lamp: bool = False
+    """Bright by itself, or so full of lamps that it counts as one."""
 
     def tinted(self, factors: Colour) -> Paint:
         """The same pattern in another colour."""
@@ -45,4 +47,5 @@ def material_paint(name: str) -> Paint:
         material.texture_size_m,
         is_fitted=material.texture == "screen",
         is_clear=name == "glass",
+        is_lamp=name == "ceiling" or name.startswith("light_"),
     )

@@ -25,8 +25,8 @@ _ZENITH_RGB = np.array([0.36, 0.42, 0.52], dtype=np.float32)
 _LEVEL_RGB = np.array([0.52, 0.53, 0.54], dtype=np.float32)
 """Light that comes from the sky, above and near the horizon."""
 _LAMP_RGB = np.array([1.22, 1.16, 1.04], dtype=np.float32)
-"""Light that comes from ceilings, which have lamps all over."""
-_LEAST_CEILING = 0.85
+"""Light that comes from lamps, and from ceilings, which have them all over."""
+_LEAST_ON_LAMPS = 0.9
 _BOUNCE_RGB = np.array([0.58, 0.55, 0.50], dtype=np.float32)
 _BOUNCE_REACH_M = 1.3
 """Light that comes off things about as far as this is dimmed to two thirds."""
@@ -64,8 +64,7 @@ class PixelLight:
         self._corners = mesh.corners_enu_m().astype(np.float32)
         self._normals = mesh.normals_enu[mesh.triangles].astype(np.float32)
         self._is_clear = mesh.is_clear()
-        is_ceiling = np.array([paint.texture == "ceiling" for paint in mesh.paints], dtype=bool)
-        self._is_lamp = is_ceiling[mesh.triangle_paint]
+        self._is_lamp = mesh.is_lamp()
 
     def light(
         self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, vehicle_enu_m: np.ndarray
@@ -107,7 +106,7 @@ class PixelLight:
             off = np.maximum(_OFF_SURFACE_M, _OFF_SURFACE * hits.distance[met])[:, None]
             starts = points + off * facing
             light = _scattered(solid, starts, facing, rng)
-            light[is_lamp[own]] = np.maximum(light[is_lamp[own]], _LEAST_CEILING)
+            light[is_lamp[own]] = np.maximum(light[is_lamp[own]], _LEAST_ON_LAMPS)
             for array, values in (
                 (rgb, light),
                 (normal, facing),

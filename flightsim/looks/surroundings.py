@@ -13,7 +13,7 @@ import numpy as np
 from aeroscene.scene import Scene
 from flightsim.looks.mesh import MeshBuilder
 from flightsim.looks.paint import Paint, material_paint
-from flightsim.sensors.sky import HORIZON_RGB
+from flightsim.sensors.sky import FAR_LAND_RGB
 
 GROUND_MATERIAL = "grass"
 
@@ -23,7 +23,7 @@ _STRIPS_M = (34.0, 46.0, 60.0, 85.0, 130.0, 220.0, 400.0)
 """Depths of the fields from the yard outwards; the last is repeated to the end of sight."""
 _N_TEXTURED = 4
 """Fields further out are seen so flat that nothing of a texture is left."""
-_HAZE_M = 800.0
+_HAZE_M = 500.0
 _HEDGE_M = 1.4
 _FIELDS: tuple[Paint, ...] = (
     Paint("meadow", (0.40, 0.55, 0.26), (24.0, 24.0)),
@@ -97,7 +97,7 @@ def _field(quad: np.ndarray, field: Paint, ring: int, middle: np.ndarray) -> lis
         # Few colours, few skins.
         haze = round(4 * (1.0 - math.exp(-distance_m / _HAZE_M))) / 4
         red, green, blue = (
-            (1 - haze) * c + haze * h for c, h in zip(field.rgb, HORIZON_RGB, strict=True)
+            (1 - haze) * c + haze * h for c, h in zip(field.rgb, FAR_LAND_RGB, strict=True)
         )
         return [(quad, Paint(None, (red, green, blue)))]
     inward = quad.mean(axis=0) - quad

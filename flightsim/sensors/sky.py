@@ -14,14 +14,16 @@ from flightsim.looks.light import SUN_DIRECTION
 
 HORIZON_RGB = (0.80, 0.87, 0.93)
 ZENITH_RGB = (0.26, 0.47, 0.80)
+FAR_LAND_RGB = (0.60, 0.70, 0.66)
+"""What land fades to in the distance."""
 
 _HORIZON = np.array(HORIZON_RGB, dtype=np.float32)
 _ZENITH = np.array(ZENITH_RGB, dtype=np.float32)
 _TO_SUN = -np.array(SUN_DIRECTION, dtype=np.float32)
 _SUN_RADIUS_RAD = 0.022
 """Larger than the real one's, so that a small picture shows it."""
-_FAR_LAND_RGB = np.array([0.66, 0.74, 0.70], dtype=np.float32)
-_NEAR_LAND_RGB = np.array([0.61, 0.67, 0.55], dtype=np.float32)
+_FAR_LAND = np.array(FAR_LAND_RGB, dtype=np.float32)
+_NEAR_LAND = np.array([0.58, 0.66, 0.55], dtype=np.float32)
 _HILL_RGB = np.array([0.60, 0.70, 0.79], dtype=np.float32)
 _WOOD_RGB = np.array([0.47, 0.58, 0.54], dtype=np.float32)
 _CLOUD_RGB = np.array([0.98, 0.98, 0.99], dtype=np.float32)
@@ -88,7 +90,7 @@ def _with_land(rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> 
         is_below = np.clip((height - z) / 0.002, 0.0, 1.0)[:, None]
         rgb = rgb + is_below * (colour - rgb)
     is_land = np.clip(0.5 - z / 0.003, 0.0, 1.0)[:, None]
-    land = _FAR_LAND_RGB + np.clip(-z / 0.10, 0.0, 1.0)[:, None] * (_NEAR_LAND_RGB - _FAR_LAND_RGB)
+    land = _FAR_LAND + np.clip(-z / 0.10, 0.0, 1.0)[:, None] * (_NEAR_LAND - _FAR_LAND)
     return rgb + is_land * (land - rgb)
 
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.dataset import Dataset, DatasetError, SceneEntry
 from aeroscene.scene import InteractionArea
 from scenarios.dataset.pool import run_all
 
@@ -101,8 +101,7 @@ def drop_all(
         on_drops: Told after each scene how many drops were made in it.
 
     Raises:
-        SceneError: If a scene cannot be read.
-        WorldError: If the vehicle cannot stand at a scene's start.
+        SceneError: If a scene cannot be read, or the vehicle cannot stand at its start.
     """
     drops: list[Drop] = []
     tasks = _draw(dataset.entries, count, np.random.default_rng(seed))
@@ -128,10 +127,14 @@ def _draw(entries: Sequence[SceneEntry], count: int, rng: np.random.Generator) -
 def _drop_in_scene(folder: Path, task: _Task) -> list[Drop]:
     # MuJoCo: only in processes that drop.
     from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
+    from flightsim.world import WorldError  # noqa: PLC0415
     from scenarios.dataset.falling import FallingVehicle  # noqa: PLC0415
 
     scene = Dataset(folder, (task.entry,)).read(task.entry)
-    vehicle = FallingVehicle(scene, airframe_by_name(VEHICLE))
+    try:
+        vehicle = FallingVehicle(scene, airframe_by_name(VEHICLE))
+    except WorldError as error:
+        raise DatasetError(f"scene {scene.scene_id!r}: {error}") from None
     drops = []
     for number, yaw_rad in task.drops:
         area = scene.landing_areas[number]

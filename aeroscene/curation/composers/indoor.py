@@ -11,7 +11,8 @@ from aeroscene.curation.builder import Builder
 from aeroscene.curation.composition import Composition
 from aeroscene.curation.draw import Draw
 from aeroscene.curation.frame import Frame
-from aeroscene.curation.indoor.building import ROOF_M, FloorPlan, raise_building
+from aeroscene.curation.indoor.building import ROOF_M, raise_building
+from aeroscene.curation.indoor.floor_plan import FloorPlan
 from aeroscene.curation.indoor.place import IndoorPlace
 from aeroscene.curation.indoor.themes import FINISHES, TALL_M, THEMES, Theme
 from aeroscene.shapes.materials import WALL_COLOURS

@@ -40,8 +40,8 @@ def _garden(room: Interior) -> Placed | None:
     lawn = _tucked(room, "lawn", size)
     if lawn:
         half = (size[0] / 2 - 0.8, size[1] / 2 - 0.8)
-        room.upon(lawn, "bush", half[0] * 0.8, -half[1] * 0.8, (1.2, 1.2, 1.3))
-        room.upon(lawn, "bush", -half[0] * 0.8, half[1] * 0.8, (1.0, 1.0, 1.6))
+        room.lie(lawn, "bush", half[0] * 0.8, -half[1] * 0.8, (1.2, 1.2, 1.3))
+        room.lie(lawn, "bush", -half[0] * 0.8, half[1] * 0.8, (1.0, 1.0, 1.6))
     return lawn
 
 
@@ -94,7 +94,7 @@ def _stall(room: Interior) -> Placed | None:
     stage = _tucked(room, "deck", (3.0, width, 0.16))
     if stage:
         colour = room.draw.one_of(("sky", "sage", "ochre", "rose", "slate"))
-        room.upon(stage, "wall", -1.4, 0.0, (0.12, width - 0.1, 2.5), {"colour": colour})
+        room.lie(stage, "wall", -1.4, 0.0, (0.12, width - 0.1, 2.5), attributes={"colour": colour})
     return stage
 
 
@@ -104,7 +104,7 @@ def _container(room: Interior) -> Placed | None:
     turn = pi / 2 if room.draw.chance(0.8) else 0.0
     box = room.against(side, "container", size, turn, _painted(room))
     if box and room.room.size[2] > 7.0 and room.draw.chance(0.3):
-        room.upon(box, "container", 0.0, 0.0, size, _painted(room))
+        room.lie(box, "container", 0.0, 0.0, size, _painted(room))
     return box
 
 

@@ -8,8 +8,9 @@ from itertools import cycle, islice
 
 from aeroscene.curation.builder import Builder, Placed
 from aeroscene.curation.draw import Draw
-from aeroscene.curation.indoor.building import PAD_RISE_M, Building
+from aeroscene.curation.indoor.building import PAD_RISE_M
 from aeroscene.curation.indoor.features import FEATURES, suits
+from aeroscene.curation.indoor.floor_plan import Building
 from aeroscene.curation.indoor.zones import Zone
 from aeroscene.curation.interiors import FURNISHINGS, Interior
 from aeroscene.curation.rooms.rest import furnish_rest
@@ -109,7 +110,7 @@ def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:
     """What makes the kind, a pad where drones come and go, then whatever else fits."""
     own = FURNISHINGS[zone.kind](interior)
     yield from islice(own, 2)
-    if zone.role in {"hall", "gallery"}:
+    if zone.role in {"hall", "gallery"} and interior.draw.chance(0.6):
         interior.anywhere("landing_pad", _PAD_M, keep=0.6)
         yield
     yield from own

@@ -127,7 +127,7 @@ class _Storey:
 
 
 def _wide_open(zone: Zone) -> float:
-    least = 12.0 if zone.kind in _DENSE else 7.5
+    least = 10.5 if zone.kind in _DENSE else 7.5
     is_wide = min(zone.size) >= 7.5 and max(zone.size) >= least and zone.area >= 75.0
     return _OPEN_M if is_wide else 0.0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from aeroscene.curation.rooms.interior import Interior
+from aeroscene.curation.rooms.tables import lay, seats
 
 
 def furnish_living(room: Interior) -> Iterator[None]:
@@ -22,14 +23,14 @@ def furnish_living(room: Interior) -> Iterator[None]:
     room.against("back", "armchair")
     yield
     dining = room.anywhere("table", (0.95, 1.8, 0.74), keep=0.8)
-    chairs = room.seats(dining, 4)
+    chairs = seats(room, dining, 4)
     yield
     room.against(other, "shelf")
     room.against(side, "plant")
     yield
     room.on(table, "book", 0.1, 0.5)
     room.on(table, "cup", -0.2, -0.6)
-    room.lay(dining, chairs[2:4])
+    lay(room, dining, chairs[2:4])
     yield
     room.against(room.some_side(), "shelf")
     room.against(room.some_side(), "armchair")
@@ -80,9 +81,9 @@ def furnish_kitchen(room: Interior) -> Iterator[None]:
         room.beside(counter, "fridge", 0.0, -sign * (at + 0.35), 0.0, fridge)
     yield
     table = room.anywhere("table", (0.95, draw.between(1.7, 2.1), 0.74), keep=0.75)
-    chairs = room.seats(table, 4)
+    chairs = seats(room, table, 4)
     yield
-    room.lay(table, chairs[2:4])
+    lay(room, table, chairs[2:4])
     yield
     room.on(counter, draw.one_of(("plate", "box")), 0.0, 0.6)
     room.on(counter, "cup", 0.0, -0.5)
@@ -97,13 +98,13 @@ def furnish_dining(room: Interior) -> Iterator[None]:
     draw = room.draw
     turn = 0.0 if draw.chance(0.5) else 1.5707963267948966
     table = room.anywhere("table", (1.1, draw.between(2.0, 2.6), 0.75), keep=0.85, turn=turn)
-    chairs = room.seats(table, 6)
+    chairs = seats(room, table, 6)
     yield
-    room.lay(table, chairs[:2])
+    lay(room, table, chairs[:2])
     yield
     cabinet = room.against(room.some_side(), "cabinet")
     room.on(cabinet, "lamp", 0.0, 0.7)
     yield
-    room.lay(table, chairs[2:3])
+    lay(room, table, chairs[2:3])
     room.against(room.some_side(), "plant")
     yield

@@ -16,8 +16,6 @@ from aeroscene.shapes.materials import FABRIC_COLOURS
 _GAP_M = 0.03
 """Between furniture and the wall behind it."""
 _TRIES = 6
-_SEAT_PITCH_M = 0.75
-"""Between the middles of chairs side by side."""
 
 SIDES = ("front", "back", "left", "right")
 # Turn of the wall's frame in the room: v leads from the wall into the room.
@@ -205,52 +203,6 @@ class Interior:
         u = -(anchor.size[0] / 2 + gap + size[0] / 2)
         return self._stand(name, anchor.frame, u, 0.0, size, 0.0)
 
-    def seats(self, table: Placed | None, count: int, name: str = "chair") -> list[Placed]:
-        """Chairs along the long sides of a table, facing it."""
-        if table is None:
-            return []
-        x, y, _ = table.size
-        found: list[Placed] = []
-        per_side = max(1, int(y // _SEAT_PITCH_M))
-        for index in range(min(count, 2 * per_side)):
-            sign = 1 if index % 2 else -1
-            size = self.draw.size_of(name)
-            v = (index // 2 - (per_side - 1) / 2) * _SEAT_PITCH_M
-            turn = pi if sign > 0 else 0.0
-            chair = self.beside(table, name, sign * (x / 2 + size[0] / 2 + 0.08), v, turn, size)
-            if chair:
-                found.append(chair)
-        return found
-
-    def lay(self, table: Placed | None, chairs: Sequence[Placed]) -> None:
-        """A plate with a cup and cutlery before each chair of a table."""
-        if table is None:
-            return
-        x = table.size[0] / 2
-        for chair in chairs:
-            u, v = table.frame.local(chair.frame.x, chair.frame.y)
-            sign = 1.0 if u > 0 else -1.0
-            for name, inward, across in (
-                ("plate", 0.17, 0.0),
-                ("cutlery", 0.17, 0.22),
-                ("cup", 0.36, -0.2),
-            ):
-                size = self.draw.size_of(name)
-                turn = pi if sign > 0 else 0.0
-                self._lie(table, name, sign * (x - inward), v + sign * across, size, turn)
-
-    def upon(
-        self,
-        bearer: Placed,
-        name: str,
-        u: float,
-        v: float,
-        size: Vector3,
-        attributes: dict[str, AttributeValue] | None = None,
-    ) -> Placed | None:
-        """Stand something of a given size on top of a structure, at a place in its frame."""
-        return self._lie(bearer, name, u, v, size, 0.0, attributes)
-
     def on(
         self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
     ) -> Placed | None:
@@ -262,7 +214,7 @@ class Interior:
             return None
         reach_u = bearer.size[0] / 2 - max(size[:2]) / 2 - 0.02
         reach_v = bearer.size[1] / 2 - max(size[:2]) / 2 - 0.02
-        return self._lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size, turn)
+        return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size, turn)
 
     def spots(
         self, pitch_u: float, pitch_v: float, rim: float, *, is_tight: bool = False
@@ -282,16 +234,17 @@ class Interior:
             for j in range(n_v)
         ]
 
-    def _lie(
+    def lie(
         self,
         bearer: Placed,
         name: str,
         u: float,
         v: float,
         size: Vector3,
-        turn: float,
+        turn: float = 0.0,
         attributes: dict[str, AttributeValue] | None = None,
     ) -> Placed | None:
+        """Lay something of a given size on top of something, at a place in its frame."""
         return self._builder.place(
             name,
             bearer.frame,
@@ -316,6 +269,8 @@ class Interior:
         margin: float = 0.02,
         attributes: dict[str, AttributeValue] | None = None,
     ) -> Placed | None:
+        if self.floor + size[2] > self.room.top:
+            return None
         look = {**self._style, **(attributes or {})} if name in _STYLED else attributes
         if name in self._forms:
             look = {"form": self._forms[name], **(look or {})}

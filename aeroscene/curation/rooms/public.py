@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import pi
 
 from aeroscene.curation.rooms.interior import Interior
+from aeroscene.curation.rooms.tables import lay, seats
 
 
 def furnish_cafe(room: Interior) -> Iterator[None]:
@@ -18,9 +19,9 @@ def furnish_cafe(room: Interior) -> Iterator[None]:
     yield
     for number in range(8 if room.area > 60 else 3):
         table = room.anywhere("table", (0.95, 1.8 if number % 2 == 0 else 0.95, 0.74), keep=0.8)
-        chairs = room.seats(table, 2 + 2 * (number % 2 == 0))
+        chairs = seats(room, table, 2 + 2 * (number % 2 == 0))
         if number % 2 == 0:
-            room.lay(table, chairs[2:3])
+            lay(room, table, chairs[2:3])
         yield
     room.against(side, "fridge")
     room.against("back", "plant")
@@ -64,15 +65,15 @@ def furnish_lounge(room: Interior) -> Iterator[None]:
     draw = room.draw
     for _ in range(4 if room.area > 80 else 2):
         table = room.anywhere("coffee_table", (0.9, 1.2, 0.45), keep=1.2)
-        room.seats(table, 2, "armchair")
+        seats(room, table, 2, "armchair")
         yield
     sofa = room.against(room.some_side(), "sofa")
     room.in_front(sofa, "coffee_table", gap=0.45)
     yield
     for _ in range(3 if room.area > 80 else 1):
         table = room.anywhere("table", (0.95, 1.8, 0.75), keep=0.9)
-        chairs = room.seats(table, 4)
-        room.lay(table, chairs[:1])
+        chairs = seats(room, table, 4)
+        lay(room, table, chairs[:1])
         yield
     room.lined(room.some_side(), "shelf", 2)
     yield
@@ -104,8 +105,8 @@ def furnish_garden(room: Interior) -> Iterator[None]:
         yield
     for _ in range(2):
         table = room.anywhere("table", (0.9, 1.2, 0.74), keep=0.9)
-        chairs = room.seats(table, 2)
-        room.lay(table, chairs[:1])
+        chairs = seats(room, table, 2)
+        lay(room, table, chairs[:1])
         yield
     for _ in range(4):
         room.against(room.some_side(), draw.one_of(("bush", "plant", "planter", "barrel")))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import islice
 
 from aeroscene.curation.rooms.interior import Interior
+from aeroscene.curation.rooms.tables import seats
 from aeroscene.scene import Vector3
 
 _ROUNDS = 30
@@ -59,7 +60,7 @@ def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
             name = draw.one_of(free)
             stand = room.anywhere(name, _FREE_SIZES[name], keep=max(0.4, 0.8 - 0.03 * number))
             if name in _SEATED:
-                room.seats(stand, 2, _SEATED[name])
+                seats(room, stand, 2, _SEATED[name])
             yield
         room.against(room.some_side(), draw.one_of(lining))
         yield

@@ -7,6 +7,7 @@ from math import pi
 
 from aeroscene.curation.builder import Placed
 from aeroscene.curation.rooms.interior import Interior
+from aeroscene.curation.rooms.tables import lay, seats
 from aeroscene.scene import AttributeValue
 
 _RACK: dict[str, AttributeValue] = {"form": "rack"}
@@ -54,6 +55,8 @@ def furnish_racks(room: Interior) -> Iterator[None]:
             if draw.chance(0.4):
                 room.on(shelf, "box", 0.0, draw.between(-0.9, 0.9))
         yield
+        if number < 4:
+            continue
         _pallet(room)
         yield
         if number % 2:
@@ -171,8 +174,8 @@ def furnish_checkout(room: Interior) -> Iterator[None]:
         yield
     for _ in range(3):
         table = room.anywhere("table", (0.95, 1.8, 0.74), keep=0.9)
-        chairs = room.seats(table, 4)
-        room.lay(table, chairs[2:3])
+        chairs = seats(room, table, 4)
+        lay(room, table, chairs[2:3])
         yield
     for _ in range(5):
         room.against(room.some_side(), draw.one_of(("plant", "bin", "sign", "bench", "box")))
@@ -196,7 +199,7 @@ def furnish_booths(room: Interior) -> Iterator[None]:
         yield
     for _ in range(4):
         table = room.anywhere("table", (0.9, 0.9, 0.76), keep=0.8)
-        room.seats(table, 2)
+        seats(room, table, 2)
         yield
     for _ in range(6):
         room.anywhere(draw.one_of(("plant", "sign", "planter", "bin")), keep=0.8)

@@ -7,6 +7,7 @@ from math import pi
 
 from aeroscene.curation.builder import Placed
 from aeroscene.curation.rooms.interior import Interior
+from aeroscene.curation.rooms.tables import seats
 from aeroscene.scene import AttributeValue
 
 
@@ -24,7 +25,7 @@ def furnish_office(room: Interior) -> Iterator[None]:
     room.against(draw.one_of(("left", "right")), draw.one_of(("shelf", "cabinet")))
     yield
     table = room.anywhere("table", (0.9, 0.9, 0.74), keep=0.7)
-    room.seats(table, 2)
+    seats(room, table, 2)
     yield
     room.against(room.some_side(), draw.one_of(("plant", "bin")))
     room.against(room.some_side(), "cabinet")
@@ -70,7 +71,7 @@ def furnish_open_office(room: Interior) -> Iterator[None]:
         room.against(room.some_side(), draw.one_of(("plant", "shelf", "bin")))
     yield
     table = room.anywhere("coffee_table", (0.85, 1.1, 0.42), keep=1.0)
-    room.seats(table, 2, "armchair")
+    seats(room, table, 2, "armchair")
     yield
     for index in order[6:]:
         u, v = spots[index]
@@ -87,7 +88,7 @@ def furnish_meeting(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     turn = pi / 2 if x > y else 0.0
     table = room.put("table", 0.0, 0.0, size, turn=turn) or room.anywhere("table", size, keep=0.9)
-    room.seats(table, draw.count(4, 6))
+    seats(room, table, draw.count(4, 6))
     yield
     cabinet = room.against(room.some_side(), "cabinet")
     room.on(cabinet, "television", 0.0, 0.0)
@@ -162,7 +163,7 @@ def furnish_library(room: Interior) -> Iterator[None]:
         yield
     for _ in range(3):
         table = room.anywhere("table", (1.1, 1.8, 0.74), keep=0.8)
-        room.seats(table, 4)
+        seats(room, table, 4)
         room.on(table, "book", 0.3, 0.8)
         yield
     for _ in range(2):

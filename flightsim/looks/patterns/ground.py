@@ -80,9 +80,9 @@ def water(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Ripples that catch the sky."""
     swell = canvas.noise((5, 9), (9, 16))
     ripples = canvas.noise((16, 34), (30, 64))
-    crest = np.clip(0.6 * swell + 0.8 * ripples - 0.5, 0, 1.2)
-    picture = shade(rgb, 0.92 + 0.15 * swell + 0.12 * ripples)
-    return picture + 0.26 * crest[..., None] * np.array([0.75, 0.9, 1.0])
+    crest = np.clip(0.6 * swell + 0.8 * ripples - 0.6, 0, 1.2)
+    picture = shade(rgb, 0.95 + 0.12 * swell + 0.11 * ripples)
+    return picture + 0.17 * crest[..., None] * np.array([0.75, 0.9, 1.0])
 
 
 def sand(canvas: Canvas, rgb: np.ndarray) -> Picture:
