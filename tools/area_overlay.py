@@ -52,7 +52,7 @@ def _draw(
         return
     ring = np.round(corners_px * 16).astype(np.int32)
     cv2.fillPoly(inside, [ring], 255, cv2.LINE_AA, shift=4)
-    cv2.polylines(edge, [ring], isClosed=True, color=255, thickness=2, lineType=cv2.LINE_AA, shift=4)
+    cv2.polylines(edge, [ring], True, 255, 2, cv2.LINE_AA, shift=4)
     visible = _is_visible(frame, polygon_enu_m)
     for mask, share in ((inside, _FILL), (edge, 1.0)):
         blend = (mask / 255 * share * visible)[..., None]

@@ -15,13 +15,15 @@ any other scene. Every texture is made by seeded code in `flightsim/looks/`, non
 _SECTIONS = {
     "places": """## Places
 
-Fine pictures: each pixel is lit by rays to the sun and the sky, so shadows are soft and corners dark.
+Fine pictures: each pixel is lit by rays to the sun and the sky, so shadows are soft and corners
+dark.
 """,
     "onboard": """## On board
 
 What a camera of the vehicle gives at 320 x 240, without a graphics card and in some ten
 milliseconds: forward in colour and depth, then down. Shadows, shade and lamps are in the skins, so
-they cost nothing when a frame is drawn; depth is in colours from the nearest (red) to the farthest (blue).
+they cost nothing when a frame is drawn; depth is in colours from the nearest (red) to the farthest
+(blue).
 """,
     "areas": """## Landing and perching areas
 

@@ -1,4 +1,4 @@
-"""Which scenes the gallery shows: for each kind of place the one with most of what it is known by."""
+"""Which scenes the gallery shows: for each kind of place the one with most of what marks it."""
 
 from __future__ import annotations
 

@@ -148,9 +148,7 @@ def _all_round(eyes: list[Point], *, dip: float, fov_deg: float) -> list[View]:
     ]
 
 
-def _best(
-    world: World, trial: CameraRenderer, views: list[View], near_m: float = _NEAR_M
-) -> View:
+def _best(world: World, trial: CameraRenderer, views: list[View], near_m: float = _NEAR_M) -> View:
     """The view that shows most, with little nearer than a distance."""
     data = world.new_data()
 

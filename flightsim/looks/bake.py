@@ -21,9 +21,9 @@ from flightsim.looks.shadows import cast, casters
 from flightsim.looks.surfaces import rotation_enu
 from flightsim.looks.tessellation import unit_box
 
-_LARGE_FACE_M2 = 1.2
+_LARGE_FACE_M2 = 4.0
 """Shadows on larger faces have edges; smaller ones are in shade or not, corner by corner."""
-_LEAST_CASTER_M = 0.25
+_LEAST_CASTER_M = 0.5
 _LEAST_CASTER_WIDTH_M = 0.04
 _OFF_SURFACE_M = 0.02
 _LAMP_LIGHT = 0.9
@@ -53,8 +53,12 @@ def lit(mesh: WorldMesh, solids: Sequence[Primitive]) -> WorldMesh:
     is_exact = (areas_m2 > _LARGE_FACE_M2) & is_sunward(face_normals)
     is_shown = ~np.array([paint.is_clear for paint in mesh.paints], dtype=bool)[mesh.face_paint]
     exact = np.flatnonzero(is_exact & is_shown)
+    corners = np.concatenate([rings[f] for f in exact])
     shadows = cast(
-        casters(_casters(solids)), [mesh.vertices_enu_m[rings[f]] for f in exact], face_normals[exact]
+        casters(_casters(solids)),
+        mesh.vertices_enu_m[corners],
+        np.repeat(np.arange(len(exact)), mesh.face_count[exact]),
+        face_normals[exact],
     )
     sun = _sun_at_vertices(mesh, face_of, middles)
     is_of_exact = np.isin(face_of, exact)
@@ -85,15 +89,16 @@ def _rings(mesh: WorldMesh) -> list[np.ndarray]:
 
 def _middles_and_areas(
     mesh: WorldMesh, rings: list[np.ndarray]
-) -> tuple[Float[np.ndarray, "f 3"], Float[np.ndarray, "f"]]:
+) -> tuple[Float[np.ndarray, "f 3"], Float[np.ndarray, " f"]]:
     """Centres of flat faces, by their corners, and their areas."""
     n_faces = len(rings)
     face = np.repeat(np.arange(n_faces), mesh.face_count)
     members = np.concatenate(rings) if rings else np.zeros(0, dtype=int)
     points = mesh.vertices_enu_m[members]
-    middles = np.stack(
-        [np.bincount(face, points[:, k], n_faces) for k in range(3)], axis=1
-    ) / np.maximum(mesh.face_count, 1)[:, None]
+    middles = (
+        np.stack([np.bincount(face, points[:, k], n_faces) for k in range(3)], axis=1)
+        / np.maximum(mesh.face_count, 1)[:, None]
+    )
     following = members + 1
     is_last = np.append(face[1:] != face[:-1], True)[: len(members)]
     following[is_last] = mesh.face_first[face[is_last]]
@@ -154,7 +159,7 @@ def _casters(solids: Sequence[Primitive]) -> list[np.ndarray]:
         for solid in solids
         if max(solid.size_m) >= _LEAST_CASTER_M
         and sorted(solid.size_m)[1] >= _LEAST_CASTER_WIDTH_M
-        and sorted(solid.size_m)[0] > 0.011
+        and min(solid.size_m) > 0.011
         and solid.material != "glass"
     ]
 

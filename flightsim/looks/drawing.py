@@ -17,7 +17,6 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.shapes import Primitive
 from flightsim.geom_groups import GeomGroup
-from flightsim.looks.bake import lit
 from flightsim.looks.light import AMBIENT_RGB, SUN_DIRECTION, SUN_RGB
 from flightsim.looks.mesh import MeshBuilder, WorldMesh, add_solids
 from flightsim.looks.paint import Paint
@@ -82,6 +81,9 @@ def add_looks(
     """
     mesh = drawn_mesh(scene, primitives, detail)
     if detail.has_light:
+        # Polygons and rays load when somebody draws.
+        from flightsim.looks.bake import lit  # noqa: PLC0415
+
         mesh = lit(mesh, primitives)
     materials: dict[Paint, str] = {}
     for index, skin in enumerate(skins(mesh)):

@@ -7,9 +7,8 @@ the same. Nothing here moves a surface.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from aeroscene.shapes import Primitive
 from aeroscene.shapes.materials import FACADE_BAY_M
@@ -66,8 +65,10 @@ def dress(primitive: Primitive, category: str | None) -> Iterator[Piece]:
         yield Piece(primitive, paint.tinted(tint))
     elif paint.texture == "paint" and category == "container":
         yield Piece(primitive, paint.with_texture("container", (2.0, 2.6)))
-    elif primitive.kind == "box" and category in _BOXES:
-        yield from _BOXES[category](primitive, paint)
+    elif primitive.kind == "box" and category in ("floor", "roof"):
+        yield from _slab(primitive, paint)
+    elif primitive.kind == "box" and category == "wall":
+        yield from _room_wall(primitive, paint)
     else:
         yield Piece(primitive, paint)
 
@@ -102,9 +103,7 @@ def _shifted(primitive: Primitive, size_m: tuple[float, float, float], up_m: flo
     """A panel of another size, further up or down the wall (its local y)."""
     w, x, y, z = primitive.quat_wxyz
     up = (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x))
-    east, north, height = (
-        p + up_m * d for p, d in zip(primitive.position_enu_m, up, strict=True)
-    )
+    east, north, height = (p + up_m * d for p, d in zip(primitive.position_enu_m, up, strict=True))
     return replace(primitive, size_m=size_m, position_enu_m=(east, north, height))
 
 
@@ -127,8 +126,3 @@ def _room_wall(primitive: Primitive, paint: Paint) -> Iterator[Piece]:
     # One tile from floor to ceiling.
     fitted = paint.with_texture(finish, (1.8, primitive.size_m[2]))
     yield Piece(primitive, fitted)
-
-
-_BOXES: Mapping[str, object] = MappingProxyType(
-    {"floor": _slab, "roof": _slab, "wall": _room_wall}
-)

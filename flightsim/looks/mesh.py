@@ -28,27 +28,27 @@ class WorldMesh:
     """In tiles of the paint, v up."""
     triangles: Int[np.ndarray, "t 3"]
     """Corners counter-clockwise seen from outside."""
-    triangle_paint: Int[np.ndarray, "t"]
-    face_first: Int[np.ndarray, "f"]
+    triangle_paint: Int[np.ndarray, " t"]
+    face_first: Int[np.ndarray, " f"]
     """Where the ring of corners of a flat face starts among the vertices."""
-    face_count: Int[np.ndarray, "f"]
-    face_paint: Int[np.ndarray, "f"]
+    face_count: Int[np.ndarray, " f"]
+    face_paint: Int[np.ndarray, " f"]
 
     def corners_enu_m(self) -> Float[np.ndarray, "t 3 3"]:
         """The three corners of each triangle."""
         return self.vertices_enu_m[self.triangles]
 
-    def vertex_paint(self) -> Int[np.ndarray, "v"]:
+    def vertex_paint(self) -> Int[np.ndarray, " v"]:
         """The paint of each vertex."""
         paint = np.zeros(len(self.vertices_enu_m), dtype=np.int32)
         paint[self.triangles] = self.triangle_paint[:, None]
         return paint
 
-    def is_clear(self) -> Bool[np.ndarray, "t"]:
+    def is_clear(self) -> Bool[np.ndarray, " t"]:
         """Whether sunlight goes through each triangle."""
         return np.array([paint.is_clear for paint in self.paints], dtype=bool)[self.triangle_paint]
 
-    def is_lamp(self) -> Bool[np.ndarray, "t"]:
+    def is_lamp(self) -> Bool[np.ndarray, " t"]:
         """Whether each triangle gives light."""
         return np.array([paint.is_lamp for paint in self.paints], dtype=bool)[self.triangle_paint]
 

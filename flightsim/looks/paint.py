@@ -27,9 +27,7 @@ class Paint:
 
     def tinted(self, factors: Colour) -> Paint:
         """The same pattern in another colour."""
-        red, green, blue = (
-            min(1.0, c * f) for c, f in zip(self.rgb, factors, strict=True)
-        )
+        red, green, blue = (min(1.0, c * f) for c, f in zip(self.rgb, factors, strict=True))
         return replace(self, rgb=(red, green, blue))
 
     def with_texture(self, texture: str, size_m: tuple[float, float]) -> Paint:

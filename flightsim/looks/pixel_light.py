@@ -66,9 +66,7 @@ class PixelLight:
         self._is_clear = mesh.is_clear()
         self._is_lamp = mesh.is_lamp()
 
-    def light(
-        self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, vehicle_enu_m: np.ndarray
-    ) -> Seen:
+    def light(self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, vehicle_enu_m: np.ndarray) -> Seen:
         """Light along rays.
 
         Args:

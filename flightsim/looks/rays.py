@@ -14,13 +14,13 @@ NOTHING = -1
 class RayHits:
     """What rays meet first."""
 
-    triangle: Int[np.ndarray, "n"]
+    triangle: Int[np.ndarray, " n"]
     """`NOTHING` where there is none."""
-    distance: Float[np.ndarray, "n"]
+    distance: Float[np.ndarray, " n"]
     """In lengths of the ray's direction; inf where there is nothing."""
-    u: Float[np.ndarray, "n"]
+    u: Float[np.ndarray, " n"]
     """Share of the triangle's second corner at the hit."""
-    v: Float[np.ndarray, "n"]
+    v: Float[np.ndarray, " n"]
     """Share of its third corner."""
 
     def within(self, far: float) -> RayHits:
@@ -44,7 +44,7 @@ class RayScene:
             # Held: the scene refers to it.
             self._mesh = TriangleMesh(self._scene, triangles_m.astype(np.float32))
 
-    def is_hidden(self, origins_m: np.ndarray, directions: np.ndarray) -> Bool[np.ndarray, "n"]:
+    def is_hidden(self, origins_m: np.ndarray, directions: np.ndarray) -> Bool[np.ndarray, " n"]:
         """Whether anything stands on each ray."""
         if self._is_empty or not len(origins_m):
             return np.zeros(len(origins_m), dtype=bool)

@@ -47,7 +47,7 @@ class Shadows:
 
     is_whole: np.ndarray
     """(f,) bool: the face is in shadow, but for crumbs."""
-    face: Int[np.ndarray, "t"]
+    face: Int[np.ndarray, " t"]
     """Which face each triangle lies on; none on faces wholly in shadow."""
     corners_enu_m: Float[np.ndarray, "t 3 3"]
     """Counter-clockwise from outside."""
@@ -61,23 +61,28 @@ def casters(solids: list[np.ndarray]) -> Casters:
     return Casters(corners, _outlines(corners @ _ACROSS))
 
 
-def cast(casters_: Casters, faces_enu_m: list[np.ndarray], normals_enu: np.ndarray) -> Shadows:
+def cast(
+    casters_: Casters,
+    corners_enu_m: Float[np.ndarray, "c 3"],
+    face_of_corner: Int[np.ndarray, " c"],
+    normals_enu: Float[np.ndarray, "f 3"],
+) -> Shadows:
     """Shadows on faces that look towards the sun.
 
     Args:
         casters_: What throws shadows; faces of casters among the faces are no harm.
-        faces_enu_m: Rings of corners, (k, 3) each, counter-clockwise from outside.
-        normals_enu: (f, 3), outward.
+        corners_enu_m: Of the faces, ring by ring, counter-clockwise from outside.
+        face_of_corner: 0 to f - 1, ascending.
+        normals_enu: Outward.
     """
-    polygons = np.array([shapely.Polygon(ring @ _ACROSS) for ring in faces_enu_m], dtype=object)
-    first = np.array([ring[0] for ring in faces_enu_m]).reshape(-1, 3)
-    offset = np.einsum("fi,fi->f", normals_enu, first)
+    rings = shapely.linearrings(corners_enu_m @ _ACROSS, indices=face_of_corner)
+    polygons = np.asarray(shapely.polygons(rings))
+    _, first = np.unique(face_of_corner, return_index=True)
+    offset = np.einsum("fi,fi->f", normals_enu, corners_enu_m[first])
     is_ground = (normals_enu[:, 2] > _LEVEL) & (offset < _GROUND_M)
     ground, other = np.flatnonzero(is_ground), np.flatnonzero(~is_ground)
     on_ground, ground_shade = _on_ground(casters_, polygons[ground])
-    on_other, other_shade = _on_planes(
-        casters_, polygons[other], normals_enu[other], offset[other]
-    )
+    on_other, other_shade = _on_planes(casters_, polygons[other], normals_enu[other], offset[other])
     face = np.concatenate([ground[on_ground], other[on_other]])
     shade = np.concatenate([ground_shade, other_shade])
     covered_m2 = np.bincount(face, shapely.area(shade), len(polygons))
@@ -124,7 +129,7 @@ def _on_planes(
 
 def _outlines(points: np.ndarray) -> np.ndarray:
     """Convex outlines of rows of points, (n, k, 2)."""
-    return shapely.convex_hull(shapely.linestrings(points))
+    return np.asarray(shapely.convex_hull(shapely.linestrings(points)))
 
 
 def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
@@ -145,7 +150,7 @@ def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
     rows = np.concatenate([row, own_row])
     points = np.concatenate([cuts, across[own_row, own]])
     order = np.argsort(rows, kind="stable")
-    return shapely.convex_hull(shapely.linestrings(points[order], indices=rows[order]))
+    return np.asarray(shapely.convex_hull(shapely.linestrings(points[order], indices=rows[order])))
 
 
 def _triangles(shade: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

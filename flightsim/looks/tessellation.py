@@ -15,7 +15,6 @@ from jaxtyping import Float, Int
 
 from flightsim.looks.hull import face_axes, hull_faces
 
-
 N_BOX_FACES = 6
 
 

@@ -87,8 +87,9 @@ _LARGE = frozenset(
 )
 
 
+@functools.lru_cache(maxsize=512)
 def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
-    """Picture of one tile, top row first.
+    """Picture of one tile, top row first; read-only, since it is kept for the next world.
 
     Args:
         texture: Name of the pattern; a name without a pattern gets plaster's.
@@ -96,7 +97,9 @@ def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
     """
     black, white = _in_black_and_white(texture if texture in PATTERNS else "plaster")
     picture = black + np.asarray(rgb, dtype=np.float32) * (white - black)
-    return np.clip(255.0 * picture + 0.5, 0, 255).astype(np.uint8)
+    tile_rgb = np.clip(255.0 * picture + 0.5, 0, 255).astype(np.uint8)
+    tile_rgb.setflags(write=False)
+    return tile_rgb
 
 
 @functools.cache

@@ -11,7 +11,6 @@ import mujoco
 import numpy as np
 
 
-
 class GlUnavailableError(RuntimeError):
     """No OpenGL context can be made here."""
 

@@ -59,9 +59,7 @@ class FineLight:
         return view.frame(time_us, (255.0 * rgb + 0.5).astype(np.uint8), _pixel_depth(depth_m))
 
 
-def vehicle_triangles(
-    model: mujoco.MjModel, data: mujoco.MjData
-) -> tuple[np.ndarray, np.ndarray]:
+def vehicle_triangles(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, np.ndarray]:
     """What the vehicle looks like, where it is; its spinning discs let light through.
 
     Returns:

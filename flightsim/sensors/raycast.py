@@ -86,7 +86,10 @@ class RaycastCameraRenderer:
             return self._frame(view, time_us, self._cast(view, has_vehicle=True))
         if self._fine is None:
             mesh = drawn_mesh(self._world.scene, self._world.solids, FINE)
-            self._fine = (_Stage(mesh, _far_m(self._world.model), is_lit=False), FineLight(self._world))
+            self._fine = (
+                _Stage(mesh, _far_m(self._world.model), is_lit=False),
+                FineLight(self._world),
+            )
         stage, light = self._fine
         width, height = SAMPLES * self._width, SAMPLES * self._height
         picture = stage.cast(view, width, height)

@@ -32,7 +32,7 @@ _CLOUD_SHADE_RGB = np.array([0.74, 0.79, 0.86], dtype=np.float32)
 _HIGHEST_LAND = 0.08
 """Sine of the elevation below which there may be hills."""
 
-# The table is a stereographic picture of the sky about the zenith, the horizon a circle of radius 1.
+# The table is a stereographic picture of the sky about the zenith; the horizon has radius 1.
 _TABLE_PIXELS = 540
 _TABLE_REACH = 1.12
 _LATTICE = 64

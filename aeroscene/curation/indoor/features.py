@@ -104,7 +104,7 @@ def _container(room: Interior) -> Placed | None:
     turn = pi / 2 if room.draw.chance(0.8) else 0.0
     box = room.against(side, "container", size, turn, _painted(room))
     if box and room.room.size[2] > 7.0 and room.draw.chance(0.3):
-        room.lie(box, "container", 0.0, 0.0, size, _painted(room))
+        room.lie(box, "container", 0.0, 0.0, size, attributes=_painted(room))
     return box
 
 

@@ -63,9 +63,7 @@ class Canvas:
         """
         return self._remembered(lambda: self._cells(n_across))
 
-    def courses(
-        self, rows: int, columns: int, shift: float = 0.5
-    ) -> tuple[Plane, Plane, Plane]:
+    def courses(self, rows: int, columns: int, shift: float = 0.5) -> tuple[Plane, Plane, Plane]:
         """Blocks in courses, each second one shifted, as in brickwork.
 
         Returns:

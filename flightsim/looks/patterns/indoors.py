@@ -80,7 +80,9 @@ def paint(canvas: Canvas, rgb: np.ndarray) -> Picture:
     seam = (np.abs(canvas.u - 0.5) < 0.007) | (up < 0.012)
     edge = (np.abs(canvas.u - 0.515) < 0.006) | (np.abs(up - 0.02) < 0.007)
     picture = shade(rgb, sheen) + 0.05 * np.clip(sheen - 0.96, 0, 1)[..., None]
-    dust = 0.16 * np.clip(0.28 - up, 0, 1)[..., None] * np.clip(1 + canvas.noise(24), 0, 2)[..., None]
+    dust = (
+        0.16 * np.clip(0.28 - up, 0, 1)[..., None] * np.clip(1 + canvas.noise(24), 0, 2)[..., None]
+    )
     picture = picture * (1 - dust) + dust * np.array([0.55, 0.50, 0.43])
     scratch = np.abs(canvas.noise((4, 24))) < 0.012
     picture = mix(scratch, 0.8 * picture + 0.12, picture)
@@ -121,9 +123,7 @@ def solar(canvas: Canvas, rgb: np.ndarray) -> Picture:
     across, up = (canvas.u * n) % 1, (canvas.v * n) % 1
     is_busbar = (across < 0.07) | (up < 0.07)
     is_frame = (np.minimum(canvas.u, canvas.v) < 0.02) | (np.maximum(canvas.u, canvas.v) > 0.98)
-    tone = 1 + 0.08 * canvas.normal(n, n)[
-        (canvas.v * n).astype(int), (canvas.u * n).astype(int)
-    ]
+    tone = 1 + 0.08 * canvas.normal(n, n)[(canvas.v * n).astype(int), (canvas.u * n).astype(int)]
     cells = mix(is_busbar, rgb + 0.24, shade(rgb, tone * (0.85 + 0.3 * canvas.v)))
     return mix(is_frame, np.full(3, 0.78), cells)
 
