@@ -260,6 +260,83 @@ def test_the_wall_throws_its_shadow_on_the_ground(renderer, yard, quality):
     assert np.quantile(sun, 0.02) > np.median(shade)
 
 
+def test_looks_leave_depth_as_it_is(renderer, yard):
+    data, eye, target = yard.new_data(), (-6.0, -5.0, 6.0), (5.0, 1.0, 2.0)
+    fast, fine = (renderer.render_view(data, eye, target, quality=q) for q in ("fast", "fine"))
+    mujoco.mj_forward(yard.model, data)
+    hit = np.zeros(1, np.int32)
+    groups = np.array([1, 1, 1, 0, 0, 0], np.uint8)
+    away_m = {"fast": [], "fine": []}
+    rng = np.random.default_rng(1)
+    for u, v in zip(rng.integers(0, 160, 250), rng.integers(0, 120, 250), strict=True):
+        ray = fast.rotation_enu_from_optical @ (
+            (u - fast.cx) / fast.fx,
+            (v - fast.cy) / fast.fy,
+            1.0,
+        )
+        length = np.linalg.norm(ray)
+        distance_m = mujoco.mj_ray(yard.model, data, eye, ray / length, groups, 1, -1, hit)
+        if 0 < distance_m < 60:
+            for name, frame in (("fast", fast), ("fine", fine)):
+                away_m[name].append(abs(frame.depth_m[v, u] - distance_m / length))
+    for distances_m in away_m.values():
+        assert len(distances_m) > 150
+        # Shadows lie 4 mm above their surfaces; pixels at edges may show the other side.
+        assert np.median(distances_m) < 0.006
+        assert np.quantile(distances_m, 0.9) < 0.03
+
+
+@pytest.fixture(scope="module")
+def facade():
+    """A wall of five bays by three storeys that looks west, into the sun."""
+    panel = solid(
+        "box",
+        (9.98, 0.0, 4.8),
+        (15.0, 9.6, 0.02),
+        material="facade_sand",
+        quat=(0.5, 0.5, -0.5, -0.5),
+        collides=False,
+    )
+    core = solid("box", (12.0, 0.0, 5.0), (4.0, 16.0, 10.0), material="plaster_sand")
+    return build_world(empty_scene(), IRIS, extra=(core, panel))
+
+
+@pytest.mark.parametrize("backend", ["gl", "raycast"])
+def test_facade_shows_the_edges_of_its_windows(facade, backend):
+    opened = open_or_skip(facade, 320, 240, backend)
+    frame = opened.render_view(facade.new_data(), (-2.0, 0.0, 4.9), (10.0, 0.0, 4.9))
+    opened.close()
+    # A line across the windows of the second storey, 12 m away.
+    line = frame.rgb[120].astype(float).mean(axis=1)
+    north_m = -(np.arange(320) - frame.cx) / frame.fx * 11.97
+    is_panel = np.abs(north_m) < 7.4
+    np.testing.assert_allclose(frame.depth_m[120, is_panel], 11.97, atol=0.02)
+
+    def around(middle_m):
+        return line[np.abs(north_m - middle_m) < 0.3]
+
+    darkest_pier = min(np.median(around(y)) for y in (-4.5, -1.5, 1.5, 4.5))
+    assert all(around(y).min() < darkest_pier - 30 for y in (-6, -3, 0, 3, 6))
+    assert (np.abs(np.diff(line[is_panel])) > 25).sum() >= 2 * 5
+
+
+def test_block_has_texture_nearly_everywhere(block):
+    gl = open_or_skip(block, 320, 240, "gl")
+    data = block.new_data()
+    data.qpos[2] += 3.0
+    grey = gl.render(data, "forward", 0).rgb.astype(float).mean(axis=2)
+    depth_m = gl.render(data, "forward", 0).depth_m
+    gl.close()
+    shares = []
+    for top in range(0, 240, 24):
+        for left in range(0, 320, 32):
+            patch = (slice(top, top + 24), slice(left, left + 32))
+            if np.isfinite(depth_m[patch]).all() and depth_m[patch].max() < 25:
+                shares.append(grey[patch].std() > 2.0)
+    assert len(shares) > 10
+    assert np.mean(shares) > 0.9
+
+
 @pytest.mark.parametrize(
     ("size", "backend", "message"),
     [

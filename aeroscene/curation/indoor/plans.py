@@ -23,6 +23,8 @@ START_M = 6.4
 """Side of the square in the middle of the first hall that stays free around the start."""
 _DENSE = frozenset(("racks", "aisles", "checkout", "classroom", "library", "open_office", "stand"))
 """Kinds of zones that rows of furniture fill."""
+_SNUG = frozenset(("living", "dining", "bedroom", "meeting", "office"))
+"""Kinds of rooms that look empty with a free middle."""
 _OPEN_M = 5.6
 """Side of the square in a wide room that stays free for a large drone."""
 
@@ -127,6 +129,8 @@ class _Storey:
 
 
 def _wide_open(zone: Zone) -> float:
+    if zone.kind in _SNUG:
+        return 0.0
     least = 10.5 if zone.kind in _DENSE else 7.5
     is_wide = min(zone.size) >= 7.5 and max(zone.size) >= least and zone.area >= 75.0
     return _OPEN_M if is_wide else 0.0

@@ -59,11 +59,6 @@ class Zone:
         return (self.x1 - self.x0, self.y1 - self.y0)
 
     @property
-    def middle(self) -> tuple[float, float]:
-        """Centre of the rectangle."""
-        return ((self.x0 + self.x1) / 2, (self.y0 + self.y1) / 2)
-
-    @property
     def area(self) -> float:
         """In square metres."""
         return self.size[0] * self.size[1]

@@ -17,6 +17,8 @@ _GAP_M = 0.03
 """Between furniture and the wall behind it."""
 _TRIES = 6
 
+_INDOOR_SIZES: dict[str, Vector3] = {"bin": (0.42, 0.42, 0.8), "sign": (0.2, 1.3, 2.3)}
+
 SIDES = ("front", "back", "left", "right")
 # Turn of the wall's frame in the room: v leads from the wall into the room.
 _WALLS = {"front": QUARTER, "back": -QUARTER, "left": pi, "right": 0.0}
@@ -55,7 +57,12 @@ class Interior:
         self._forms = {
             "table": draw.one_of(("legs", "trestle", "pedestal")),
             "coffee_table": draw.one_of(("panels", "legs")),
+            "sign": "board",
         }
+
+    def _size_of(self, name: str) -> Vector3:
+        """A size; of what streets have larger, the one that suits rooms."""
+        return _INDOOR_SIZES.get(name) or self.draw.size_of(name)
 
     @property
     def area(self) -> float:
@@ -90,7 +97,7 @@ class Interior:
 
         Where the side has no wall or no space, another wall takes it.
         """
-        size = size or self.draw.size_of(name)
+        size = size or self._size_of(name)
         others = [self.sides[i] for i in self.draw.shuffled(range(len(self.sides)))]
         for wall in (*(s for s in others if s == side), *(s for s in others if s != side)):
             placed = self._against(wall, name, size, turn, attributes)
@@ -124,7 +131,7 @@ class Interior:
         self, side: str, name: str, count: int, size: Vector3 | None = None, gap: float = 0.05
     ) -> list[Placed]:
         """Stand several of a size side by side along a wall, beginning anywhere."""
-        size = size or self.draw.size_of(name)
+        size = size or self._size_of(name)
         first = self.against(side, name, size)
         row = [first] if first else []
         for sign in (-1.0, 1.0):
@@ -146,7 +153,7 @@ class Interior:
         attributes: dict[str, AttributeValue] | None = None,
     ) -> Placed | None:
         """Stand something freely in the room, `keep` from everything."""
-        size = size or self.draw.size_of(name)
+        size = size or self._size_of(name)
         x, y, _ = self.room.size
         across, along = (size[0], size[1]) if abs(turn) % pi < 0.1 else (size[1], size[0])
         reach_u, reach_v = x / 2 - across / 2 - keep, y / 2 - along / 2 - keep
@@ -170,7 +177,7 @@ class Interior:
         attributes: dict[str, AttributeValue] | None = None,
     ) -> Placed | None:
         """Stand something at a place of the room, from its middle."""
-        size = size or self.draw.size_of(name)
+        size = size or self._size_of(name)
         return self._stand(name, self.room.frame, u, v, size, turn, keep, attributes)
 
     def beside(
@@ -183,7 +190,7 @@ class Interior:
         size: Vector3 | None = None,
     ) -> Placed | None:
         """Stand something at a place in another object's frame."""
-        return self._stand(name, anchor.frame, u, v, size or self.draw.size_of(name), turn)
+        return self._stand(name, anchor.frame, u, v, size or self._size_of(name), turn)
 
     def in_front(
         self, anchor: Placed | None, name: str, gap: float = 0.06, v: float = 0.0
@@ -191,7 +198,7 @@ class Interior:
         """Stand something before an object's front, facing it."""
         if anchor is None:
             return None
-        size = self.draw.size_of(name)
+        size = self._size_of(name)
         u = anchor.size[0] / 2 + gap + size[0] / 2
         return self._stand(name, anchor.frame, u, v, size, pi)
 
@@ -199,7 +206,7 @@ class Interior:
         """Stand something behind an object, facing its back."""
         if anchor is None:
             return None
-        size = self.draw.size_of(name)
+        size = self._size_of(name)
         u = -(anchor.size[0] / 2 + gap + size[0] / 2)
         return self._stand(name, anchor.frame, u, 0.0, size, 0.0)
 
@@ -209,7 +216,7 @@ class Interior:
         """Lay something on top of an object, at fractions of its half extents."""
         if bearer is None:
             return None
-        size = self.draw.size_of(name)
+        size = self._size_of(name)
         if size[0] > bearer.size[0] - 0.04 or size[1] > bearer.size[1] - 0.04:
             return None
         reach_u = bearer.size[0] / 2 - max(size[:2]) / 2 - 0.02

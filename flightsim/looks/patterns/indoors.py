@@ -103,7 +103,9 @@ def plastic(canvas: Canvas, rgb: np.ndarray) -> Picture:
     rib = np.where((canvas.v * 4) % 1 < 0.05, 0.80, 1.0)
     rim = (canvas.u < 0.02) | (canvas.v < 0.02)
     brightness = (1 + 0.03 * canvas.noise(8) + 0.045 * canvas.noise(96)) * rib
-    return mix(rim, 0.82 * rgb + 0.04, shade(rgb, brightness) + 0.012 * (1 - rgb) * rib[..., None])
+    # Dust shows on black.
+    dust = np.clip(0.02 + 0.02 * canvas.noise(12, 64), 0.0, 0.06)
+    return mix(rim, 0.82 * rgb + 0.06, mix(dust, np.ones(3), shade(rgb, brightness)))
 
 
 def glass(canvas: Canvas, rgb: np.ndarray) -> Picture:

@@ -1,0 +1,53 @@
+import numpy as np
+
+from flightsim.looks.light import SUN_DIRECTION
+from flightsim.sensors.sky import painted_sky, sky_rgb
+
+TO_SUN = -np.array(SUN_DIRECTION)
+
+
+def directions(n=4000):
+    rays = np.random.default_rng(3).standard_normal((n, 3))
+    rays[:, 2] = np.abs(rays[:, 2])
+    return rays / np.linalg.norm(rays, axis=1, keepdims=True)
+
+
+def test_sun_is_the_brightest_and_stands_where_light_comes_from():
+    sky = painted_sky(directions()).sum(axis=1)
+    sun = painted_sky(TO_SUN[None]).sum()
+    assert sun > 2.85
+    assert sun >= sky.max()
+
+
+def test_sky_is_blue_with_clouds_in_it():
+    rays = directions()
+    # But for the sun and its glow.
+    rgb = painted_sky(rays[(rays[:, 2] > 0.3) & (rays @ TO_SUN < 0.9)])
+    assert (rgb[:, 2] >= rgb[:, 0] - 0.02).all()
+    is_cloud = rgb[:, 0] > 0.7
+    assert 0.02 < is_cloud.mean() < 0.5
+
+
+def test_hills_close_the_horizon_and_land_lies_below():
+    azimuth = np.linspace(0, 2 * np.pi, 721)
+    level = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+
+    def at(height):
+        return painted_sky(np.column_stack([level, np.full(len(level), height)]))
+
+    assert (at(0.008).sum(axis=1) < at(0.2).sum(axis=1).mean()).all()
+    np.testing.assert_allclose(at(0.01)[0], at(0.01)[-1], atol=1e-3)
+    below = at(-0.05)
+    assert (below[:, 1] > below[:, 2]).all()
+
+
+def test_table_is_the_painted_sky_for_rays_of_any_length():
+    rays = directions()
+    exact = (255 * painted_sky(rays)).astype(int)
+    quick = sky_rgb((7.3 * rays).astype(np.float32)).astype(int)
+    assert np.median(np.abs(exact - quick)) <= 1
+    assert np.quantile(np.abs(exact - quick), 0.98) < 12
+
+
+def test_straight_down_is_some_colour_too():
+    assert sky_rgb(np.array([[0.0, 0.0, -1.0]])).shape == (1, 3)
