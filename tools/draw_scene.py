@@ -5,7 +5,7 @@ python tools/draw_scene.py --scene 44 --view overview --cut-height-m 2.6 --areas
 
 The picture of the README, which shows a vehicle in flight:
 
-python tools/draw_scene.py --scene 42 --view chase --out docs/images/scene-42.png
+python tools/draw_scene.py --scene 42 --view chase --size-px 1120 560 --out docs/images/scene-42.png
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from PIL import Image
 from views import Preset, View, choose_view
 
 from aeroscene.sources import open_scene
-from flightsim.sensors.camera import Quality, RgbdFrame, open_camera_renderer
+from flightsim.sensors.camera import Quality, RgbdFrame, look_at, open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 
 _TRIAL_PX = (96, 64)
 _JPEG_QUALITY = 85
-_CHASE_FROM_M = (-1.75, -0.95, 0.75)
-_CHASE_TO_M = (6.0, 0.0, -1.3)
-"""Eye and target in the vehicle's level frame: forwards, left, up."""
+_CHASED_M = (-0.5, 0.2, 1.7)
+"""Where the vehicle is in the picture: right, down and forward of the eye."""
+_CHASED_YAW_RAD = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +79,7 @@ def picture(cfg: DrawCfg) -> tuple[RgbdFrame, np.ndarray]:
     data = world.new_data()
     view = _view(cfg, world)
     if has_vehicle:
-        view = _fly(world, data, view)
+        _fly(world, data, view)
     renderer = open_camera_renderer(world, *cfg.size_px)
     frame = renderer.render_view(
         data, view.eye_enu_m, view.target_enu_m, math.radians(view.fov_deg), cfg.quality
@@ -108,25 +108,18 @@ def _view(cfg: DrawCfg, world: World) -> View:
     return view
 
 
-def _fly(world: World, data: mujoco.MjData, view: View) -> View:
-    """Put the vehicle into the view, flying where it looks, and the eye behind it."""
-    x, y, _ = np.subtract(view.target_enu_m, view.eye_enu_m).tolist()
-    yaw = math.atan2(y, x)
+def _fly(world: World, data: mujoco.MjData, view: View) -> None:
+    """Put the vehicle into the view, close before the eye, flying where it looks."""
+    looks = look_at(view.eye_enu_m, view.target_enu_m, math.radians(view.fov_deg))
+    data.qpos[:3] = looks.position_enu_m + looks.rotation_enu_from_optical @ _CHASED_M
+    x, y, _ = looks.rotation_enu_from_optical[:, 2].tolist()
+    yaw = math.atan2(y, x) + _CHASED_YAW_RAD
     # Nose a little down, as in forward flight.
     pitch = math.radians(8.0)
-    data.qpos[:3] = view.eye_enu_m
     turn = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
     dip = (math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0)
     mujoco.mju_mulQuat(data.qpos[3:7], turn, dip)
     mujoco.mj_forward(world.model, data)
-
-    def place(offset_m: Point) -> Point:
-        ahead, left, up = offset_m
-        east = view.eye_enu_m[0] + ahead * math.cos(yaw) - left * math.sin(yaw)
-        north = view.eye_enu_m[1] + ahead * math.sin(yaw) + left * math.cos(yaw)
-        return (east, north, view.eye_enu_m[2] + up)
-
-    return View(place(_CHASE_FROM_M), place(_CHASE_TO_M), 50.0)
 
 
 if __name__ == "__main__":

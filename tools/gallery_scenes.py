@@ -106,7 +106,7 @@ KINDS: tuple[PlaceKind, ...] = (
         title="Apartments",
         text="Flats with beds, kitchens and sofas, cut open likewise.",
         domain="indoor",
-        signs={"bed": 3, "sofa": 1, "stove": 2, "fridge": 2},
+        signs={"bed": 3, "sofa": 1, "stove": 2, "fridge": 2, "shelf": -0.5, "crate": -1},
         view="overview",
         cut_height_m=2.5,
     ),

@@ -22,7 +22,10 @@ _STREET_EYE_M = 2.6
 _FLIGHT_M = 7.0
 _INSIDE_EYE_M = 1.9
 _TRIAL_YAWS = 24
-_NEAR_M, _NEAR_IN_AIR_M = 2.4, 17.0
+_NEAR_M, _NEAR_CHASED_M, _NEAR_IN_AIR_M = 2.4, 9.0, 17.0
+_HIGH = ((13.0, 1.0), (19.0, 1.15), (24.0, 1.3))
+_LOW = ((8.0, 0.75), (9.0, 0.95), (12.0, 1.1))
+"""Heights of eyes in m, and their distances from the middle in halves of the scene."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,9 @@ def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRender
         eye = _above(scene.start_position_enu_m, _hover_m(scene))
         return View(eye, (eye[0], eye[1] + 1e-3, eye[2] - 1.0), 62.0)
     if preset == "aerial":
-        return _best(world, trial, _aerial_views(world), _NEAR_IN_AIR_M)
+        return _best(world, trial, _aerial_views(world, _HIGH, 1.5), _NEAR_IN_AIR_M)
+    if preset == "chase":
+        return _best(world, trial, _aerial_views(world, _LOW, 6.0), _NEAR_CHASED_M)
     if preset == "inside":
         eyes = _inside_eyes(scene)
         return _best(world, trial, _all_round(eyes, dip=0.14, fov_deg=68.0))
@@ -121,7 +126,9 @@ def _inside_eyes(scene: Scene) -> list[Point]:
     return eyes or [_above(scene.start_position_enu_m, _INSIDE_EYE_M)]
 
 
-def _aerial_views(world: World) -> list[View]:
+def _aerial_views(
+    world: World, stands: tuple[tuple[float, float], ...], target_m: float
+) -> list[View]:
     """From the sunny side, over the edge of the scene, onto its middle."""
     points = _built_points(world)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -130,9 +137,9 @@ def _aerial_views(world: World) -> list[View]:
     for azimuth_deg in range(-170, -40, 10):
         azimuth = math.radians(azimuth_deg)
         reach = np.array([math.cos(azimuth), math.sin(azimuth)]) * half[:2].mean()
-        for height_m, share in ((13.0, 1.0), (19.0, 1.15), (24.0, 1.3)):
+        for height_m, share in stands:
             east, north = middle[:2] + share * reach
-            target = (middle[0] + 0.1 * reach[0], middle[1] + 0.1 * reach[1], 1.5)
+            target = (middle[0] + 0.1 * reach[0], middle[1] + 0.1 * reach[1], target_m)
             views.append(View((east, north, height_m), target, 52.0))
     return views
 

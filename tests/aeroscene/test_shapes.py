@@ -214,7 +214,7 @@ MOST_PARTS = {
     "tower": 18,
     "bridge": 27,
     "stairs": 18,
-    "parking_lot": 50,
+    "parking_lot": 60,
     "road": 24,
     "truck": 14,
     "shelf": 14,
