@@ -22,13 +22,16 @@ class Spot:
 
     centre: shapely.Point
     radius_m: float
+    """Of the circle inside the outline."""
+    free_m: float
+    """Of a free circle about the centre, at least as wide."""
     outline: tuple[tuple[float, float], ...]
 
     def cut(self, radius_m: float) -> Spot:
         """The same place with a radius of no more than this."""
         if radius_m >= self.radius_m:
             return self
-        return _round_spot(self.centre, radius_m / cos(pi / _VERTICES))
+        return _round_spot(self.centre, min(radius_m / cos(pi / _VERTICES), self.free_m))
 
 
 class FreeOutline:
@@ -82,7 +85,7 @@ def _round_spot(centre: shapely.Point, outer_m: float) -> Spot:
         )
         for i in range(_VERTICES)
     )
-    return Spot(centre, outer_m * cos(pi / _VERTICES), outline)
+    return Spot(centre, outer_m * cos(pi / _VERTICES), outer_m, outline)
 
 
 def _whole_rectangle(part: BaseGeometry) -> Spot | None:
@@ -96,4 +99,5 @@ def _whole_rectangle(part: BaseGeometry) -> Spot | None:
         return None
     ring = shapely.get_coordinates(shapely.orient_polygons(part))[:-1]
     outline = tuple((float(x), float(y)) for x, y in ring.tolist())
-    return Spot(part.centroid, float(min(sides)) / 2, outline)
+    half_m = float(min(sides)) / 2
+    return Spot(part.centroid, half_m, half_m, outline)

@@ -30,7 +30,7 @@ _COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": comp
 _N_COARSE = (32.8, 6.0)
 _N_FINE = (113.0, 22.0)
 """Mean and spread of the numbers of objects at which a scene is full."""
-_N_AREAS = ((42.6, 8.0), (11.6, 2.5), (5.7, 1.2), (20.0, 5.0))
+_N_AREAS = ((42.95, 8.0), (11.9, 2.5), (5.45, 1.2), (20.0, 5.0))
 """Mean and spread of the most areas that a scene keeps: small, medium, large, perching.
 
 Scenes that have less to offer keep all; the averages come out at the paper's.
