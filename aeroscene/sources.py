@@ -116,4 +116,3 @@ def _cache_folder() -> Path:
 
     root = os.environ.get("AEROSCENE_CACHE_DIR") or user_cache_dir("aeroscene")
     return Path(root) / "scenes" / curation_digest()
-

@@ -14,7 +14,13 @@ PAD_M = 2.6
 FREE_RADIUS_M = 3.6
 """Half the side of the square that stays free around the pad."""
 FREE_HEIGHT_M = 60.0
+_OPEN_RADII_M = (11.0, 9.0, 7.0, 5.0)
+"""Half the side of a square of air above the pad that stays free, the first that is: scripts of
+SDKs take off and fly some 10 m to a side without looking."""
+_OPEN_ABOVE_M = 3.5
+"""Lowest height of that air above the pad."""
 _GRID_M = 1.5
+_MAX_SPOTS = 16
 _KERB_M = 0.16
 """Kerbs and paths beside the pad are no obstacle."""
 _GROUNDS = ("lawn", "plaza", "parking_lot")
@@ -40,8 +46,8 @@ def place_start(builder: Builder, draw: Draw, site_half: tuple[float, float]) ->
             for u, v in _grid(ground)
             if _is_open(builder, ground, u, v, site_half)
         ]
-        for index in draw.shuffled(range(len(spots)))[:8]:
-            ground, u, v = spots[index]
+        drawn = [spots[index] for index in draw.shuffled(range(len(spots)))[:_MAX_SPOTS]]
+        for ground, u, v in sorted(drawn, key=lambda spot: -_openness_m(builder, *spot)):
             pad = _pad(builder, ground, u, v)
             if pad:
                 return pad
@@ -80,6 +86,15 @@ def _is_open(
     return builder.is_free(frame, u, v, (side, side, FREE_HEIGHT_M), base)
 
 
+def _openness_m(builder: Builder, ground: SceneObject, u: float, v: float) -> float:
+    """Half the side of the widest free square of air above a spot."""
+    frame, base = _frame(ground), _top(ground) + _OPEN_ABOVE_M
+    for radius_m in _OPEN_RADII_M:
+        if builder.is_free(frame, u, v, (2 * radius_m, 2 * radius_m, FREE_HEIGHT_M), base):
+            return radius_m
+    return FREE_RADIUS_M
+
+
 def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | None:
     bearer = Placed(
         ground.id,
@@ -89,6 +104,7 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
         _top(ground) - ground.bbox.s[2],
         "outdoor",
     )
+    open_m = _openness_m(builder, ground, u, v)
     pad = builder.place(
         "landing_pad",
         bearer.frame,
@@ -101,8 +117,9 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
         attributes={"is_start": True},
     )
     if pad:
-        side = 2 * FREE_RADIUS_M
-        builder.reserve(pad.frame, 0, 0, (side, side, FREE_HEIGHT_M), pad.top)
+        for radius_m, base in ((FREE_RADIUS_M, pad.top), (open_m, bearer.top + _OPEN_ABOVE_M)):
+            size = (2 * radius_m, 2 * radius_m, FREE_HEIGHT_M)
+            builder.reserve(pad.frame, 0, 0, size, base)
     return pad
 
 

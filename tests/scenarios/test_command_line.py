@@ -23,7 +23,7 @@ def fails_with(capsys, *args):
         ),
         (
             ["--scene", "1016"],
-            "scene '1016' is unknown, valid: a number from 0 to 1015 or the path of a .json file",
+            "scene '1016' is unknown, valid: a number from 0 to 1015, FILE.json or FILE.jsonl#ID",
         ),
         (
             ["--scene", "absent.json"],
