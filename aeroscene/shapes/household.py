@@ -12,9 +12,14 @@ from aeroscene.shapes.solids import about, cone, inwards, leaning, paint
 
 
 def lamp(look: Look) -> list[Part]:
-    """A shade on a stem and a foot: a drum, a globe or a cone."""
+    """A shade on a stem and a foot: a drum, a globe or a cone; pinned, a pendant on its cord."""
     x, y, z = look.size_m
-    form, wide = look.set_choice("form", FORMS["lamp"]), min(x, y)
+    form = look.set_choice("form", (*FORMS["lamp"], "pendant"), FORMS["lamp"])
+    wide = min(x, y)
+    if form == "pendant":
+        shade = min(0.4, 0.6 * z)
+        cord = cylinder((0, 0, (z + shade) / 2), min(0.02, 0.2 * wide), z - shade, "dark_metal")
+        return [cord, cylinder((0, 0, shade / 2), wide, shade, "light_warm")]
     shade = min(0.3, 0.42 * z) if form != "globe" else min(wide, 0.5 * z)
     low = z - shade
     foot = look.set_choice("foot", ("dark_metal", "ceramic", "metal"))

@@ -70,12 +70,20 @@ def traffic_light(look: Look) -> list[Part]:
 
 
 def sign(look: Look) -> list[Part]:
-    """A plate on a post, a round traffic sign, or a board between two posts."""
+    """A plate on a post, a round traffic sign, a board between two posts; pinned, a flat panel."""
     x, y, z = look.size_m
-    form = look.choice("form", FORMS["sign"] if y > 0.9 else FORMS["sign"][:2])
+    drawn = FORMS["sign"] if y > 0.9 else FORMS["sign"][:2]
+    form = look.choice("form", (*FORMS["sign"], "panel"), drawn)
     thick, post = min(0.04, x), min(0.08, x)
     colour = "paint_" + look.choice("colour", PAINT_COLOURS)
     back = -thick / 2
+    if form == "panel":
+        rim = min(0.06, 0.1 * y, 0.1 * z)
+        inner = (centred(y - 2 * rim), (rim, z - rim))
+        return [
+            block(centred(x), centred(y), (0, z), "dark_wood"),
+            paint((x / 2, x / 2 + 0.004), *inner, colour),
+        ]
     if form == "round":
         wide = min(y, 0.8)
         middle = z - wide / 2

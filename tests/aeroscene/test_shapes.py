@@ -417,3 +417,16 @@ def test_openings_of_a_facade_let_a_drone_through_and_partitions_meet_piers(leng
     assert all(low > -length / 2 and high < length / 2 for low, high in openings)
     for border in bay_borders(length):
         assert all(not low - 0.1 < border < high + 0.1 for low, high in openings)
+
+
+@pytest.mark.parametrize(
+    ("category", "form", "size_m"),
+    [("sign", "panel", (0.04, 0.8, 0.6)), ("lamp", "pendant", (0.4, 0.4, 0.9))],
+)
+def test_forms_that_hang_are_drawn_only_where_pinned(category, form, size_m):
+    hanging = object_parts(category, Look(size_m, {"form": form}, 1))
+    top = max(part.position_m[2] + part.size_m[2] / 2 for part in hanging)
+    assert top == pytest.approx(size_m[2], abs=0.01)
+    assert all(part.position_m[2] - part.size_m[2] / 2 >= -1e-9 for part in hanging)
+    for variant in range(40):
+        assert object_parts(category, Look(size_m, {}, variant)) != hanging
