@@ -15,13 +15,13 @@ from typing import Literal
 import cv2
 import numpy as np
 import tyro
-from category_chart import category_chart
 from draw_scene import DrawCfg, picture, save
-from gallery_page import Shown, write_page
-from gallery_scenes import KINDS, choose_scenes
-from labels import label
+from drawing.category_chart import category_chart
+from drawing.gallery_page import Shown, write_page
+from drawing.gallery_scenes import KINDS, choose_scenes
+from drawing.labels import label
+from drawing.views import choose_view
 from rich.console import Console
-from views import choose_view
 
 from aeroscene.sources import open_scene
 from flightsim.sensors.camera import Quality, RgbdFrame, open_camera_renderer

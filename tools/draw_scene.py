@@ -17,13 +17,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import tyro
-from area_overlay import with_areas
-from cutting import cut_at
-from framing import Point
+from drawing.area_overlay import with_areas
+from drawing.views import Preset, View, choose_view
 from PIL import Image
-from views import Preset, View, choose_view
 
+from aeroscene.scene import Vector3
 from aeroscene.sources import open_scene
+from flightsim.looks.cutting import cut_at
 from flightsim.sensors.camera import Quality, RgbdFrame, look_at, open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
@@ -46,9 +46,9 @@ class DrawCfg:
     view: Preset = "overview"
     """Where from: all of it, straight above, low over its edge, the street, a vehicle's forward or
     down camera, inside a room, or behind a vehicle in flight."""
-    eye_enu_m: Point | None = None
+    eye_enu_m: Vector3 | None = None
     """Look from here instead; needs a target."""
-    target_enu_m: Point | None = None
+    target_enu_m: Vector3 | None = None
     """What is in the middle of the picture, with an eye."""
     cut_height_m: float | None = None
     """Take away what is above this height."""

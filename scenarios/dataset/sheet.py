@@ -16,10 +16,11 @@ from jaxtyping import UInt8
 from aeroscene.dataset import Dataset, SceneEntry
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
+from flightsim.looks.cutting import cut_at
+from flightsim.looks.framing import frame_points
 from flightsim.sensors.camera import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
-from flightsim.world import World, build_world
-from scenarios.dataset.framing import frame_points
+from flightsim.world import build_world
 from scenarios.dataset.pool import run_all
 
 Picture = UInt8[np.ndarray, "height width 3"]
@@ -85,7 +86,8 @@ def draw_scene(scene: Scene, width: int) -> Picture:
     world = build_world(scene, airframe_by_name("iris"), vehicle=False)
     is_indoor = scene.domain == "indoor"
     if is_indoor:
-        world = _cut(world)
+        cut_m = scene.extent_min_enu_m[2] + _CUT_M
+        world = replace(world, solids=cut_at(world.solids, cut_m))
     eye, target = frame_points(
         _outline(scene, _CUT_M if is_indoor else math.inf),
         azimuth_rad=_AZIMUTH_RAD,
@@ -96,12 +98,6 @@ def draw_scene(scene: Scene, width: int) -> Picture:
     with closing(open_camera_renderer(world, _OVER * width, _OVER * height)) as renderer:
         large = renderer.render_view(world.new_data(), eye, target, _FOV_RAD).rgb
     return cv2.resize(large, (width, height), interpolation=cv2.INTER_AREA)
-
-
-def _cut(world: World) -> World:
-    low = world.scene.extent_min_enu_m[2] + _CUT_M
-    kept = (s for s in world.solids if s.position_enu_m[2] - s.size_m[2] / 2 < low)
-    return replace(world, solids=tuple(kept))
 
 
 def _outline(scene: Scene, height_m: float) -> np.ndarray:

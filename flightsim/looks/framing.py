@@ -11,7 +11,8 @@ from flightsim.sensors.camera import look_at
 
 Point = tuple[float, float, float]
 
-_MARGIN = 1.04
+MARGIN = 1.04
+"""Room around the points, 1 for none."""
 _LEAST_DISTANCE_M = 1.0
 """From the eye to what is nearest."""
 
@@ -23,6 +24,7 @@ def frame_points(
     elevation_rad: float,
     vertical_fov_rad: float,
     aspect: float,
+    margin: float = MARGIN,
 ) -> tuple[Point, Point]:
     """Eye and target of the nearest view that holds all points, in the middle of the picture.
 
@@ -36,13 +38,14 @@ def frame_points(
         elevation_rad: How high it stands over the horizon, below pi/2.
         vertical_fov_rad: Of the picture.
         aspect: Width over height of the picture.
+        margin: Room around the points, 1 for none.
     """
     level = math.cos(elevation_rad)
     towards_eye = np.array(
         [level * math.cos(azimuth_rad), level * math.sin(azimuth_rad), math.sin(elevation_rad)]
     )
     axes = look_at(_point(towards_eye), (0.0, 0.0, 0.0), 1.0).rotation_enu_from_optical
-    tangents = math.tan(vertical_fov_rad / 2) / _MARGIN * np.array([aspect, 1.0])
+    tangents = math.tan(vertical_fov_rad / 2) / margin * np.array([aspect, 1.0])
     origin = points_enu_m.mean(axis=0)
     local = (points_enu_m - origin) @ axes
     across, beyond = local[:, :2], local[:, 2:]

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from rich.progress import track
-from views import Preset
 
 from aeroscene.scene import Scene
 from aeroscene.sources import open_scene
+from drawing.views import Preset
 
 
 @dataclass(frozen=True, kw_only=True)

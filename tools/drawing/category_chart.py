@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from framing import fit_view
-from labels import label
 from rich.progress import track
 
 from aeroscene.catalogue import CATALOGUE, Category
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.shapes import Primitive, object_primitives
+from drawing.labels import label
+from flightsim.looks.framing import frame_points
 from flightsim.sensors.camera import Quality, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
@@ -45,11 +45,11 @@ def _cell(category: Category, quality: Quality) -> np.ndarray:
         corners_enu_m.append(obj.bbox.corners())
     world = build_world(_stage(), AIRFRAMES["iris"], vehicle=False, extra=(*_floor(), *primitives))
     width, height = _CELL_PX
-    eye, target = fit_view(
+    eye, target = frame_points(
         np.concatenate(corners_enu_m),
-        azimuth_deg=-148.0,
-        elevation_deg=24.0,
-        vertical_fov_deg=_FOV_DEG,
+        azimuth_rad=math.radians(-148.0),
+        elevation_rad=math.radians(24.0),
+        vertical_fov_rad=math.radians(_FOV_DEG),
         aspect=width / height,
         margin=1.12,
     )

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from framing import Point, as_point, fit_view
 
-from aeroscene.scene import Scene
+from aeroscene.scene import Scene, Vector3
+from flightsim.looks.framing import frame_points
 from flightsim.sensors.camera import CameraRenderer, RgbdFrame
 from flightsim.world import World
 
@@ -32,8 +32,8 @@ _LOW = ((8.0, 0.75), (9.0, 0.95), (12.0, 1.1))
 class View:
     """A picture to take."""
 
-    eye_enu_m: Point
-    target_enu_m: Point
+    eye_enu_m: Vector3
+    target_enu_m: Vector3
     fov_deg: float
 
 
@@ -50,11 +50,11 @@ def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRender
     if preset in ("overview", "top"):
         elevation = 89.9 if preset == "top" else _OVERVIEW_ELEVATION_DEG
         azimuth = -90.0 if preset == "top" else _OVERVIEW_AZIMUTH_DEG
-        eye, target = fit_view(
+        eye, target = frame_points(
             _built_points(world),
-            azimuth_deg=azimuth,
-            elevation_deg=elevation,
-            vertical_fov_deg=38.0,
+            azimuth_rad=math.radians(azimuth),
+            elevation_rad=math.radians(elevation),
+            vertical_fov_rad=math.radians(38.0),
             aspect=aspect,
         )
         return View(eye, target, 38.0)
@@ -81,7 +81,7 @@ def _hover_m(scene: Scene) -> float:
     return min(_FLIGHT_M, 0.5 * room_m) if scene.domain == "indoor" else _FLIGHT_M
 
 
-def _above(point: Point, rise_m: float) -> Point:
+def _above(point: Vector3, rise_m: float) -> Vector3:
     return (point[0], point[1], point[2] + rise_m)
 
 
@@ -95,7 +95,7 @@ def _built_points(world: World) -> np.ndarray:
     return points
 
 
-def _street_eyes(scene: Scene) -> list[Point]:
+def _street_eyes(scene: Scene) -> list[Vector3]:
     """Places above roads, walks and squares."""
     kinds = ("road", "sidewalk", "plaza", "parking_lot")
     grounds = [obj for obj in scene.objects if obj.category in kinds]
@@ -104,11 +104,11 @@ def _street_eyes(scene: Scene) -> list[Point]:
         x_axis = np.array([math.cos(ground.bbox.yaw_rad), math.sin(ground.bbox.yaw_rad), 0.0])
         for share in (-0.45, 0.0, 0.45):
             middle = np.array(ground.bbox.p) + share * ground.bbox.s[0] * x_axis
-            eyes.append(_above(as_point(middle), _STREET_EYE_M))
+            eyes.append(_above(_point(middle), _STREET_EYE_M))
     return eyes
 
 
-def _inside_eyes(scene: Scene) -> list[Point]:
+def _inside_eyes(scene: Scene) -> list[Vector3]:
     """Places in rooms, towards their corners; above the start where there are none."""
     rooms = sorted(
         (obj for obj in scene.objects if obj.category == "room"),
@@ -144,7 +144,7 @@ def _aerial_views(
     return views
 
 
-def _all_round(eyes: list[Point], *, dip: float, fov_deg: float) -> list[View]:
+def _all_round(eyes: list[Vector3], *, dip: float, fov_deg: float) -> list[View]:
     """Every eye in many directions, looking a little down."""
     n_yaws = max(8, _TRIAL_YAWS // max(1, len(eyes) // 8))
     yaws = [2 * math.pi * k / n_yaws for k in range(n_yaws)]
@@ -191,3 +191,8 @@ def _share_of_scene(frame: RgbdFrame, scene: Scene) -> float:
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     is_inside = ((points > low) & (points < high)).all(axis=-1)
     return float((is_inside & (points[..., 2] > 0.3)).mean())
+
+
+def _point(values: np.ndarray) -> Vector3:
+    x, y, z = values.tolist()
+    return (x, y, z)

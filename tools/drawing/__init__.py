@@ -1,0 +1,1 @@
+"""What the drawing tools share: views, areas, labels, charts, the gallery's page."""
