@@ -137,11 +137,12 @@ def _is_pad(scene: Scene, candidate: Candidate) -> bool:
 
 
 def _perch_faces(scene: Scene, faces: Sequence[Face], landed: AbstractSet[Face]) -> list[Face]:
-    """One face, the highest that is no place to land, of each object where it is high enough.
+    """Faces that are no place to land and high enough: all of something coarse, else the highest.
 
     A fine object that bears a landing area bears no perch beside it.
     """
     landed_ids = {face.object_id for face in landed}
+    ledges: list[Face] = []
     highest: dict[int, Face] = {}
     for face in faces:
         obj = scene.object_by_id[face.object_id]
@@ -152,9 +153,11 @@ def _perch_faces(scene: Scene, faces: Sequence[Face], landed: AbstractSet[Face])
         foot_m = obj.bbox.p[2] - obj.bbox.s[2] / 2
         if z - foot_m < PERCH_HEIGHT_M:
             continue
-        if obj.id not in highest or z > _middle(highest[obj.id])[2]:
+        if obj.is_coarse:
+            ledges.append(face)
+        elif obj.id not in highest or z > _middle(highest[obj.id])[2]:
             highest[obj.id] = face
-    return list(highest.values())
+    return [*ledges, *highest.values()]
 
 
 def _middle(face: Face) -> tuple[float, float, float]:
@@ -165,11 +168,11 @@ def _middle(face: Face) -> tuple[float, float, float]:
 def _perching(
     scene: Scene, finder: AreaFinder, faces: Sequence[Face], limits: AreaLimits | None
 ) -> list[Candidate]:
-    order = {face.object_id: number for number, face in enumerate(faces)}
+    order = {face: number for number, face in enumerate(faces)}
     found = spread(
         [_middle(face) for face in faces],
         scene.start_position_enu_m,
         None if limits is None else limits.perching,
         lambda index: finder.perching(faces[index]),
     )
-    return sorted(found, key=lambda candidate: order[candidate.face.object_id])
+    return sorted(found, key=lambda candidate: order[candidate.face])

@@ -30,6 +30,8 @@ PERCH_CUT_M = 0.5
 """Largest radius of a perching area."""
 LEDGE_M = 0.7
 """A face of something large is a place to perch where its widest circle is smaller than this."""
+LEDGE_GAP_M = 0.35
+"""Between a perch on something large and its walls: a drone comes down beside them."""
 _INNER_M = 5e-4
 """Taken off a radius, so that rounding never takes it beyond its face."""
 
@@ -90,8 +92,14 @@ class AreaFinder:
         if outline.is_empty:
             return None
         near = self._near(face, outline, needs).below(needs.clearance_m)
-        spot = FreeOutline(near.taken_from(outline), needs.surface_radius_m + _INNER_M).widest()
-        if spot is None or (self._is_coarse(face) and spot.radius_m > LEDGE_M):
+        is_coarse = self._is_coarse(face)
+        free = (
+            near.cleared_from(outline, LEGS_M, LEDGE_GAP_M)
+            if is_coarse
+            else near.taken_from(outline)
+        )
+        spot = FreeOutline(free, needs.surface_radius_m + _INNER_M).widest()
+        if spot is None or (is_coarse and spot.radius_m > LEDGE_M):
             return None
         spot = spot.cut(PERCH_CUT_M)
         if near.distance_m(spot.centre, LEGS_M) < needs.body_radius_m:

@@ -39,16 +39,27 @@ class Obstructions:
 
     def taken_from(self, outline: BaseGeometry) -> BaseGeometry:
         """What is left of an outline."""
-        touching = self.outlines[shapely.intersects(self.outlines, outline)]
-        if not len(touching):
-            return outline
-        taken = shapely.union_all(touching, grid_size=_GRID_M)
-        return shapely.difference(outline, taken, grid_size=_GRID_M)
+        return _without(outline, self.outlines)
+
+    def cleared_from(
+        self, outline: BaseGeometry, above_m: float, distance_m: float
+    ) -> BaseGeometry:
+        """What is left at a distance from all that rises above a height."""
+        walls = shapely.buffer(self.outlines[self.top_m > above_m], distance_m)
+        return _without(outline, np.concatenate([self.outlines, walls]))
 
     def distance_m(self, point: shapely.Point, above_m: float) -> float:
         """From a point to the nearest that rises above a height; infinite where none does."""
         outlines = self.outlines[self.top_m > above_m]
         return float(shapely.distance(outlines, point).min(initial=np.inf))
+
+
+def _without(outline: BaseGeometry, taken: np.ndarray) -> BaseGeometry:
+    touching = taken[shapely.intersects(taken, outline)]
+    if not len(touching):
+        return outline
+    united = shapely.union_all(touching, grid_size=_GRID_M)
+    return shapely.difference(outline, united, grid_size=_GRID_M)
 
 
 class Obstacles:

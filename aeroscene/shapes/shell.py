@@ -97,9 +97,10 @@ def enterable_warehouse(look: Look) -> list[Part]:
 
 
 def floor(look: Look) -> list[Part]:
-    """The slab of one storey."""
+    """The slab of one storey: raw or polished concrete, or stone."""
     x, y, z = look.size_m
-    return [block(centred(x), centred(y), (0, z), "concrete")]
+    material = look.choice("finish", ("concrete", "dark_concrete", "stone"))
+    return [block(centred(x), centred(y), (0, z), material)]
 
 
 def room(look: Look) -> list[Part]:

@@ -37,6 +37,7 @@ class Flats:
 
     ground: Ground
     _masses: list[Placed] = field(default_factory=list)
+    """With a plain wall for balconies to hang on."""
     _roofs: list[Placed] = field(default_factory=list)
     _roof_deck: Placed | None = None
     _balconies: list[Placed] = field(default_factory=list)
@@ -99,7 +100,8 @@ class Flats:
         if draw.chance(0.5):
             self._raise_tower(u, v)
         else:
-            self._mass(u, v, _TOWER_M, _TOWER_M + _BAY_M, draw.count(2, 4))
+            form = draw.one_of(("ledges", "ledges", "plain"))
+            self._mass(u, v, _TOWER_M, _TOWER_M + _BAY_M, draw.count(2, 4), form)
 
     def _raise_tower(self, u: float, v: float) -> None:
         draw = self.ground.draw
@@ -107,18 +109,21 @@ class Flats:
         size = (_TOWER_M, _TOWER_M, draw.between(16, 21))
         self.ground.erect("tower", u, v, size, attributes=attributes)
 
-    def _mass(self, u: float, v: float, deep: float, length: float, storeys: int) -> None:
+    def _mass(
+        self, u: float, v: float, deep: float, length: float, storeys: int, form: str = "plain"
+    ) -> None:
         ground, draw = self.ground, self.ground.draw
         attributes: dict[str, AttributeValue] = {
             "colour": draw.one_of((*WALL_COLOURS, "brick")),
             "storeys": storeys,
-            "form": "plain",
+            "form": form,
         }
         size = (deep, length, round(storeys * _STOREY_M, 2))
         mass = ground.erect("building", u, v, size, attributes=attributes)
         if mass is None:
             return
-        self._masses.append(mass)
+        if form == "plain":
+            self._masses.append(mass)
         roof = add_flat_roof(ground.builder, mass)
         if roof:
             self._roofs.append(roof)
