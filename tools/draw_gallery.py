@@ -1,7 +1,7 @@
 """Draw docs/gallery.md and its pictures, all of them or some.
 
 python tools/draw_gallery.py
-python tools/draw_gallery.py --only categories --out /tmp/chart
+python tools/draw_gallery.py --only categories --out chart
 """
 
 from __future__ import annotations

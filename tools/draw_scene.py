@@ -1,7 +1,7 @@
 """Draw a picture of a scene by our own renderer.
 
-python tools/draw_scene.py --scene 42 --view overview --out /tmp/scene-42.png
-python tools/draw_scene.py --scene 44 --view overview --cut-height-m 2.6 --areas --out /tmp/plan.png
+python tools/draw_scene.py --scene 42 --view overview --out scene-42.png
+python tools/draw_scene.py --scene 44 --view overview --cut-height-m 2.6 --areas --out plan.png
 
 The picture of the README, which shows a vehicle in flight:
 
