@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float
 
 from aeroscene.scene import Vector3
 from aeroscene.shapes import Primitive
-from aeroscene.solids import Solids, colliding, hull_faces
+from aeroscene.solids import colliding, hull_faces
 
 _TOUCH_M = 1e-6
 """A face on the border between two cells occupies only the cell behind it."""
@@ -60,12 +60,6 @@ def voxelise(primitives: Iterable[Primitive], grid: Grid) -> Bool[np.ndarray, "n
         if block is not None:
             _add(occupied, primitive, solids.rotation[index], block, grid)
     return occupied
-
-
-def bounds(primitive: Primitive) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
-    """Lower and upper corner of a solid's bounding box along the axes, ENU, m."""
-    solids = Solids([primitive])
-    return solids.low_m[0], solids.high_m[0]
 
 
 def _add(

@@ -7,6 +7,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from aeroscene.shapes import Primitive
+from aeroscene.solids import Solids
 
 
 def holds(primitive: Primitive, points_enu_m: np.ndarray, grow_m: float = 0.0) -> np.ndarray:
@@ -31,3 +32,9 @@ def any_holds(primitives: list[Primitive], points_enu_m: np.ndarray) -> np.ndarr
         if primitive.collides:
             taken |= holds(primitive, points_enu_m)
     return taken
+
+
+def bounds(primitive: Primitive) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corner of a solid's bounding box along the axes, ENU, m."""
+    solids = Solids([primitive])
+    return solids.low_m[0], solids.high_m[0]

@@ -27,8 +27,8 @@ from aeroscene.geometry import penetration_depth
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.shapes import scene_primitives
 from aeroscene.shapes.facade import WALL_M
-from aeroscene.voxels import bounds
 from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.solids import bounds
 
 SAMPLE = (5, 11, 26, 44)
 """Indoor scenes: a hall, offices, a school of two storeys, apartments."""

@@ -26,8 +26,7 @@ from aeroscene.shapes.facade import (
 from aeroscene.shapes.look import Look
 from aeroscene.shapes.roofs import ROOF_SLAB_M
 from aeroscene.shapes.terrain import mound_top
-from aeroscene.voxels import bounds
-from tests.aeroscene.solids import any_holds
+from tests.aeroscene.solids import any_holds, bounds
 
 SLACK_M = 0.021
 FRACTIONS = st.tuples(*[st.floats(0.0, 1.0)] * 3)

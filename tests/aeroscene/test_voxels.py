@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from aeroscene.geometry import quat_from_yaw
 from aeroscene.shapes import Primitive
-from aeroscene.voxels import Grid, bounds, voxelise
-from tests.aeroscene.solids import holds
+from aeroscene.voxels import Grid, voxelise
+from tests.aeroscene.solids import bounds, holds
 
 GRID = Grid((-2.875, -2.875, -2.875), 0.25, (24, 24, 24))
 WEDGE = (

@@ -15,7 +15,7 @@ from aeroscene.layouts.mapping import building_kind, form_of, match, match_name
 from aeroscene.layouts.tables import FORMS, SAME, STAND_INS, SUPER_CATEGORIES, WORDS
 from aeroscene.scene import OrientedBox, SceneObject
 from aeroscene.shapes import object_primitives
-from aeroscene.voxels import bounds
+from tests.aeroscene.solids import bounds
 
 TARGETS = sorted({*SAME, *STAND_INS, *SUPER_CATEGORIES.values(), *WORDS, "garage", "tower"})
 sizes = st.tuples(*[st.floats(0.004, 6.0)] * 3)
