@@ -48,7 +48,7 @@ def write_usd(world: World, folder: Path) -> Path:
     except ImportError:
         raise ExportError(
             "to 'usd' needs usd-core, which is not installed; "
-            "valid: mjcf, glb, or usd after pip install 'aeroscene[usd]'"
+            "valid: mjcf, glb, or usd after pip install usd-core"
         ) from None
     name = f"{world.scene.scene_id}.usdc"
     with staged(folder) as stage_folder:

@@ -22,7 +22,7 @@ class ExportCfg:
     """Write a scene as MJCF, GLB or USD, with its vehicle, landing areas and labels.
 
     mjcf opens in MuJoCo, glb in glTF viewers and game engines (looks and hierarchy, no physics),
-    usd in Isaac Sim 5 and everything that reads USD (pip install 'aeroscene[usd]').
+    usd in Isaac Sim 5 and everything that reads USD (pip install usd-core).
     """
 
     to: Literal["mjcf", "glb", "usd"]

@@ -108,6 +108,6 @@ def test_the_same_world_gives_the_same_stage(world, usd_path, tmp_path):
 
 def test_without_usd_core_the_error_says_what_to_install(world, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pxr", None)
-    with pytest.raises(ExportError, match=r"pip install 'aeroscene\[usd\]'"):
+    with pytest.raises(ExportError, match=r"pip install usd-core"):
         write_usd(world, tmp_path)
     assert list(tmp_path.iterdir()) == []
