@@ -6,7 +6,24 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
-_NO_PART_OF_A_SCENE = ("dataset", "layouts", "metrics", "provenance", "sources", "validation")
+_NO_PART_OF_A_SCENE = (
+    "checkpoints",
+    "dataset",
+    "diffusion",
+    "feasibility",
+    "generation",
+    "guidance",
+    "layouts",
+    "metrics",
+    "model",
+    "provenance",
+    "shipped",
+    "skeleton",
+    "sources",
+    "tokens",
+    "training",
+    "validation",
+)
 """Reads, measures or judges scenes. What is forgotten here only makes scenes anew for nothing."""
 
 

@@ -13,15 +13,12 @@ from aeroscene.curation.composers import compose_indoor, compose_mixed, compose_
 from aeroscene.curation.composition import Composition, fill
 from aeroscene.curation.start import start_yaw
 from aeroscene.landing import AreaLimits, derive_interaction_areas
+from aeroscene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 from aeroscene.scene import Scene
 
-# The geodetic origin that PX4's simulations use (Zurich), so that scripts written for it fit.
-_LATITUDE_DEG = 47.397742
-_LONGITUDE_DEG = 8.545594
-_ALTITUDE_M = 488.0
 _SEED_SPACE = 2026
 """Entropy of the corpus beside the scene's number."""
-_HEADROOM_M = 10.0
+HEADROOM_M = 10.0
 """Flight volume above the highest thing, where the sky is open."""
 
 _COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": compose_indoor}
@@ -78,7 +75,7 @@ def _finish(builder: Builder, composition: Composition, pad: Placed, index: int)
     x, y, ceiling = composition.extent_max_enu_m
     top = max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in builder.objects)
     if domain != "indoor":
-        ceiling = float(max(ceiling, ceil(top + _HEADROOM_M)))
+        ceiling = float(max(ceiling, ceil(top + HEADROOM_M)))
     return Scene(
         scene_id=builder.scene_id,
         domain=domain,
@@ -87,8 +84,8 @@ def _finish(builder: Builder, composition: Composition, pad: Placed, index: int)
         extent_max_enu_m=(x, y, ceiling),
         start_position_enu_m=(round(pad.frame.x, 4), round(pad.frame.y, 4), round(pad.top, 4)),
         start_yaw_rad=round(start_yaw(pad), 6),
-        latitude_deg=_LATITUDE_DEG,
-        longitude_deg=_LONGITUDE_DEG,
-        altitude_m=_ALTITUDE_M,
+        latitude_deg=LATITUDE_DEG,
+        longitude_deg=LONGITUDE_DEG,
+        altitude_m=ALTITUDE_M,
         objects=tuple(builder.objects),
     )

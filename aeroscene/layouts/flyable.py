@@ -29,6 +29,7 @@ from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.placing import place_objects
 from aeroscene.layouts.site import Grounds, Site, survey
 from aeroscene.layouts.start import start_places
+from aeroscene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 from aeroscene.scene import Scene, SceneDomain, Vector3
 
 SKY_M = 6.0
@@ -41,8 +42,6 @@ ENOUGH_AREAS = 3
 """Landing areas away from a start, for more than a small drone, that make it a good one."""
 _OVERHANG_M = 10.0
 """By how much the flight volume reaches beyond the ground where things stand out over its edge."""
-# Where simulated flights are by default: PX4's home.
-_ORIGIN = (47.397742, 8.545594, 488.0)
 
 
 def map_layout(layout: NeutralLayout) -> MappingReport:
@@ -109,7 +108,6 @@ def _scene(site: Site, place: Vector3, yaw_rad: float, top_m: float) -> Scene:
     low, high = _extent(site, top_m)
     has_indoor = any(obj.domain == "indoor" for obj in site.assembly.objects)
     domain: SceneDomain = "indoor" if site.is_indoor else "mixed" if has_indoor else "outdoor"
-    latitude_deg, longitude_deg, altitude_m = _ORIGIN
     return Scene(
         scene_id=site.layout.scene_id,
         domain=domain,
@@ -118,9 +116,9 @@ def _scene(site: Site, place: Vector3, yaw_rad: float, top_m: float) -> Scene:
         extent_max_enu_m=high,
         start_position_enu_m=place,
         start_yaw_rad=yaw_rad,
-        latitude_deg=latitude_deg,
-        longitude_deg=longitude_deg,
-        altitude_m=altitude_m,
+        latitude_deg=LATITUDE_DEG,
+        longitude_deg=LONGITUDE_DEG,
+        altitude_m=ALTITUDE_M,
         objects=tuple(site.assembly.objects),
     )
 

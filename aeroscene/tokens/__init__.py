@@ -1,0 +1,1 @@
+"""Scenes as tokens: kinds, skeletons, geometry as channels, and back."""
