@@ -10,7 +10,7 @@ from aeroscene.curation.curate import HEADROOM_M
 from aeroscene.geometry import quat_from_yaw
 from aeroscene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 from aeroscene.scene import MIN_SIZE_M, AttributeValue, OrientedBox, Scene, SceneObject
-from aeroscene.tokens.channels import Geometry
+from aeroscene.tokens.channels import Geometry, site_growth
 from aeroscene.tokens.kinds import OPENINGS, Vocabulary
 from aeroscene.tokens.skeleton import Skeleton
 
@@ -96,7 +96,8 @@ def _extent(
     skeleton: Skeleton, geometry: Geometry
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """The site's outline; up to the roof indoors, some way above everything outdoors."""
-    half_x, half_y = np.round(geometry.size_m[0, :2] / 2, 2).tolist()
+    growth = site_growth(float(geometry.yaw_rad[0]))
+    half_x, half_y = np.round(geometry.size_m[0, :2] * growth / 2, 2).tolist()
     top = float(np.max(geometry.center_enu_m[1:, 2] + geometry.size_m[1:, 2] / 2, initial=0.0))
     if skeleton.domain != "indoor":
         top = max(_OPEN_SKY_M, math.ceil(top + HEADROOM_M))

@@ -4,7 +4,7 @@
 |---|---|---|
 | 0, 1 | place along the parent's axes over the free play there: +-1 touches its border | - |
 | 2 | height of the underside above the parent's, over the parent's height (below a site: m) | - |
-| 3, 4 | cosine and sine of the yaw relative to the parent | - |
+| 3, 4 | cosine and sine of the yaw relative to the parent; of four times the yaw of a site | - |
 | 5, 6, 7 | log of the extents, or of their ratio to the parent's, whichever varies less | - |
 | 8 to 14 | `OPENINGS`, m; offsets over half the length of the wall | m |
 
@@ -15,13 +15,14 @@ supports from 74% to 7% at less training.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene
-from aeroscene.tokens.kinds import OPENINGS, Vocabulary
+from aeroscene.tokens.kinds import OPENINGS, Vocabulary, site_yaw
 from aeroscene.tokens.skeleton import Skeleton, token_order
 
 N_CHANNELS = 8 + len(OPENINGS)
@@ -43,7 +44,7 @@ SITE_HEIGHT_M = 1.0
 
 @dataclass(frozen=True)
 class Geometry:
-    """World geometry of a skeleton's tokens, the site first."""
+    """World geometry of a skeleton's tokens, the site first: its ground plan and air above."""
 
     center_enu_m: Float[np.ndarray, "n 3"]
     yaw_rad: Float[np.ndarray, " n"]
@@ -56,14 +57,21 @@ def geometry_of(scene: Scene) -> Geometry:
     """World geometry of a scene in the order of its skeleton."""
     order = token_order(scene)
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
+    yaw = site_yaw(scene)
+    plan = (high - low) / (site_growth(yaw), site_growth(yaw), 1.0)
     boxes = [obj.bbox for obj in order]
     openings = [[obj.attributes.get(name, np.nan) for name in OPENINGS] for obj in order]
     return Geometry(
         np.array([(low + high) / 2, *(box.p for box in boxes)]),
-        np.array([0.0, *(box.yaw_rad for box in boxes)]),
-        np.array([high - low, *(box.s for box in boxes)]),
+        np.array([yaw, *(box.yaw_rad for box in boxes)]),
+        np.array([plan, *(box.s for box in boxes)]),
         np.array([[np.nan] * len(OPENINGS), *openings], dtype=float),
     )
+
+
+def site_growth(yaw_rad: float) -> float:
+    """By what the flight volume, which is never turned, is wider than the ground plan in it."""
+    return abs(math.cos(yaw_rad)) + abs(math.sin(yaw_rad))
 
 
 def reach_along_parent(
@@ -104,6 +112,7 @@ def channels_of(
     log_size = np.log(g.size_m)
     channels = np.column_stack([place, height, cos, sin, log_size, openings])
     channels[0, :3] = 0.0
+    channels[0, HEADING] = np.cos(4 * g.yaw_rad[0]), np.sin(4 * g.yaw_rad[0])
     return channels, log_size - np.log(along)
 
 

@@ -75,6 +75,7 @@ class TreeDecoder:
         mean, spread = self._mean[kind], self._spread[kind]
         values = torch.where(is_free, x0 * spread + mean, mean)
         relative = self._heading(values[..., HEADING], self._is_aligned[kind])
+        relative = torch.where((batch.depth == 0)[..., None], _site_heading(values), relative)
         tree = _Tree(batch, values, relative, self._is_relative[kind])
         center, heading, size, play = tree.place()
         openings = values[..., OPENING].clone()
@@ -152,6 +153,13 @@ class _Tree:
         lift = torch.where(self._batch.stands_on_top, parent_size[..., 2], lift)
         place = self._values[..., PLACE] * play
         return torch.cat([place, (low + lift + sz / 2)[..., None]], dim=-1), play
+
+
+def _site_heading(values: Tensor) -> Tensor:
+    """Of a ground plan, whose channels have four times its yaw."""
+    cos, sin = values[..., HEADING].unbind(-1)
+    yaw = torch.atan2(sin, cos) / 4
+    return torch.stack([yaw.cos(), yaw.sin()], dim=-1)
 
 
 def _turn(vector: Tensor, heading: Tensor) -> Tensor:

@@ -14,7 +14,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import msgspec
 import numpy as np
@@ -44,6 +44,7 @@ _SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra
 _ATTACHED_M = 0.011
 """Undersides nearer than this to a height are at it."""
 _ALIGNED_RAD = math.radians(0.5)
+_QUARTER_RAD = math.pi / 2
 _USUAL_SHARE = 0.25
 """A height above the parent's underside is usual where this share of the pairs keeps it."""
 _NO_LIFT = math.nan
@@ -133,13 +134,20 @@ class Vocabulary:
         """Usual height of an underside above the parent's, NaN where there is none."""
         return self.lifts_m.get((category, parent), _NO_LIFT)
 
-    def kind_of(self, obj: SceneObject, parent: SceneObject | None) -> int:
+    def kind_of(
+        self, obj: SceneObject, parent: SceneObject | None, site_yaw_rad: float = 0.0
+    ) -> int:
         """Number of the kind that an object is of.
+
+        Args:
+            obj: The object.
+            parent: Its parent; None is the site.
+            site_yaw_rad: Heading of the site, see `site_yaw`.
 
         Raises:
             KeyError: If the corpus had no such object.
         """
-        return self.number[_kind(obj, parent, self.lifts_m)]
+        return self.number[_kind(_Placed(obj, parent, site_yaw_rad), self.lifts_m)]
 
     def to_json(self) -> str:
         """The vocabulary as text."""
@@ -161,11 +169,11 @@ class Vocabulary:
 
 def count_kinds(scenes: Iterable[Scene]) -> Vocabulary:
     """The vocabulary of a corpus."""
-    pairs = [pair for scene in scenes for pair in _with_parents(scene)]
-    lifts_m = _usual_lifts(pairs)
+    placed = [each for scene in scenes for each in _placed(scene)]
+    lifts_m = _usual_lifts(placed)
     looks: defaultdict[Kind, Counter[str]] = defaultdict(Counter)
-    for obj, parent in pairs:
-        looks[_kind(obj, parent, lifts_m)][_looks(obj)] += 1
+    for each in placed:
+        looks[_kind(each, lifts_m)][_looks(each.obj)] += 1
     kinds = sorted(looks)
     sites = (_site(domain) for domain in DOMAINS)
     return Vocabulary(
@@ -179,9 +187,57 @@ def _site(domain: SceneDomain) -> Kind:
     return Kind(_SITE, "outdoor", "lift", is_aligned=True, attributes=(("domain", domain),))
 
 
-def _with_parents(scene: Scene) -> list[tuple[SceneObject, SceneObject | None]]:
-    by_id = scene.object_by_id
-    return [(o, None if o.parent_id is None else by_id[o.parent_id]) for o in scene.objects]
+class _Placed(NamedTuple):
+    """An object with what it is attached to."""
+
+    obj: SceneObject
+    parent: SceneObject | None
+    site_yaw_rad: float
+
+    @property
+    def category(self) -> str:
+        """Of the parent."""
+        return _SITE if self.parent is None else self.parent.category
+
+    @property
+    def rise_m(self) -> float:
+        """Height of the underside above the parent's."""
+        return underside_m(self.obj) - underside_m(self.parent)
+
+    @property
+    def is_on_top(self) -> bool:
+        """Whether it stands on the upper face of its parent."""
+        parent = self.parent
+        if parent is None:
+            return False
+        return abs(underside_m(self.obj) - underside_m(parent) - parent.bbox.s[2]) < _ATTACHED_M
+
+    @property
+    def is_aligned(self) -> bool:
+        """Whether its heading is a multiple of a quarter turn to the parent's."""
+        yaw = self.site_yaw_rad if self.parent is None else self.parent.bbox.yaw_rad
+        turn = math.remainder(self.obj.bbox.yaw_rad - yaw, _QUARTER_RAD)
+        return abs(turn) < _ALIGNED_RAD
+
+
+def _placed(scene: Scene) -> list[_Placed]:
+    by_id, yaw = scene.object_by_id, site_yaw(scene)
+    return [
+        _Placed(obj, None if obj.parent_id is None else by_id[obj.parent_id], yaw)
+        for obj in scene.objects
+    ]
+
+
+def site_yaw(scene: Scene) -> float:
+    """Heading of the ground plan, from -45 to 45 degrees: that of most of what stands on it."""
+    headings = Counter(
+        round(math.remainder(obj.bbox.yaw_rad, _QUARTER_RAD), 4)
+        for obj in scene.objects
+        if obj.parent_id is None
+    )
+    if not headings:
+        return 0.0
+    return min(headings.items(), key=lambda item: (-item[1], abs(item[0]), item[0]))[0]
 
 
 def underside_m(obj: SceneObject | None) -> float:
@@ -189,19 +245,11 @@ def underside_m(obj: SceneObject | None) -> float:
     return 0.0 if obj is None else obj.bbox.p[2] - obj.bbox.s[2] / 2
 
 
-def upside_m(obj: SceneObject) -> float:
-    """Height of the upper face of an upright box."""
-    return obj.bbox.p[2] + obj.bbox.s[2] / 2
-
-
-def _usual_lifts(
-    pairs: Sequence[tuple[SceneObject, SceneObject | None]],
-) -> dict[tuple[str, str], float]:
+def _usual_lifts(placed: Sequence[_Placed]) -> dict[tuple[str, str], float]:
     heights: defaultdict[tuple[str, str], Counter[float]] = defaultdict(Counter)
-    for obj, parent in pairs:
-        if parent is None or abs(underside_m(obj) - upside_m(parent)) >= _ATTACHED_M:
-            names = (obj.category, _name(parent))
-            heights[names][round(underside_m(obj) - underside_m(parent), 2) + 0.0] += 1
+    for each in placed:
+        if not each.is_on_top:
+            heights[each.obj.category, each.category][round(each.rise_m, 2) + 0.0] += 1
     lifts = {}
     for names in sorted(heights):
         height, count = min(heights[names].items(), key=lambda item: (-item[1], item[0]))
@@ -210,36 +258,23 @@ def _usual_lifts(
     return lifts
 
 
-def _name(parent: SceneObject | None) -> str:
-    return _SITE if parent is None else parent.category
-
-
-def _kind(
-    obj: SceneObject, parent: SceneObject | None, lifts_m: Mapping[tuple[str, str], float]
-) -> Kind:
+def _kind(placed: _Placed, lifts_m: Mapping[tuple[str, str], float]) -> Kind:
+    obj = placed.obj
     return Kind(
         obj.category,
         obj.domain,
-        _attachment(obj, parent, lifts_m),
-        is_aligned=abs(math.remainder(relative_yaw(obj, parent), math.pi / 2)) < _ALIGNED_RAD,
+        _attachment(placed, lifts_m),
+        is_aligned=placed.is_aligned,
         openings=tuple(name for name in OPENINGS if name in obj.attributes),
         attributes=tuple((k, obj.attributes[k]) for k in _SHAPING if k in obj.attributes),
     )
 
 
-def _attachment(
-    obj: SceneObject, parent: SceneObject | None, lifts_m: Mapping[tuple[str, str], float]
-) -> Attachment:
-    low = underside_m(obj)
-    if parent is not None and abs(low - upside_m(parent)) < _ATTACHED_M:
+def _attachment(placed: _Placed, lifts_m: Mapping[tuple[str, str], float]) -> Attachment:
+    if placed.is_on_top:
         return "top"
-    lift = lifts_m.get((obj.category, _name(parent)), _NO_LIFT)
-    return "lift" if abs(low - underside_m(parent) - lift) < _ATTACHED_M else "free"
-
-
-def relative_yaw(obj: SceneObject, parent: SceneObject | None) -> float:
-    """Heading of a box in its parent's frame, rad."""
-    return obj.bbox.yaw_rad - (0.0 if parent is None else parent.bbox.yaw_rad)
+    lift = lifts_m.get((placed.obj.category, placed.category), _NO_LIFT)
+    return "lift" if abs(placed.rise_m - lift) < _ATTACHED_M else "free"
 
 
 def _looks(obj: SceneObject) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from aeroscene.scene import Scene, SceneDomain, SceneObject
-from aeroscene.tokens.kinds import DOMAINS, Vocabulary
+from aeroscene.tokens.kinds import DOMAINS, Vocabulary, site_yaw
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,11 +111,11 @@ def skeleton_of(scene: Scene, vocabulary: Vocabulary) -> Skeleton:
     """
     order = token_order(scene)
     place = {None: 0} | {obj.id: i for i, obj in enumerate(order, 1)}
-    by_id = scene.object_by_id
+    by_id, yaw = scene.object_by_id, site_yaw(scene)
     kinds = [DOMAINS.index(scene.domain)]
     for obj in order:
         parent = None if obj.parent_id is None else by_id[obj.parent_id]
-        kinds.append(vocabulary.kind_of(obj, parent))
+        kinds.append(vocabulary.kind_of(obj, parent, yaw))
     parents = [0, *(place[obj.parent_id] for obj in order)]
     return Skeleton(
         scene.domain,

@@ -1,0 +1,1 @@
+"""From a seed to a scene: skeleton, guided diffusion, feasibility."""
