@@ -11,10 +11,12 @@ from torch import Tensor
 from aeroscene.diffusion.loss import Denoiser
 from aeroscene.diffusion.sampling import Fixed, Moment, SamplerCfg, sample
 from aeroscene.diffusion.schedule import Schedule
+from aeroscene.guidance.borders import BorderGuidance, GuidanceChain
 from aeroscene.guidance.separation import SeparationCfg, SeparationGuidance
 from aeroscene.tokens.batch import Collator, TokenBatch, slots_of
+from aeroscene.tokens.boxes import Boxes
 from aeroscene.tokens.channels import Geometry
-from aeroscene.tokens.decode import Boxes, TreeDecoder
+from aeroscene.tokens.decode import TreeDecoder
 from aeroscene.tokens.kinds import Vocabulary
 from aeroscene.tokens.skeleton import Skeleton, Wish
 from aeroscene.tokens.statistics import Statistics
@@ -46,7 +48,12 @@ class GeometrySampler:
         self._guidance = None
         if separation is not None:
             decoder = self._decoder
-            self._guidance = SeparationGuidance(decoder.decode, decoder.bounds, separation)
+            self._guidance = GuidanceChain(
+                (
+                    BorderGuidance(decoder, vocabulary, device),
+                    SeparationGuidance(decoder.decode, decoder.bounds, separation),
+                )
+            )
         self._device = device
 
     def sample(

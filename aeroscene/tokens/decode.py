@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
 from aeroscene.tokens.batch import TokenBatch
+from aeroscene.tokens.boxes import Boxes, Footprints
 from aeroscene.tokens.channels import (
     HEADING,
     HEIGHT,
@@ -23,20 +22,6 @@ from aeroscene.tokens.kinds import OPENINGS, Vocabulary
 from aeroscene.tokens.statistics import Statistics
 
 _OFFSETS = (OPENINGS.index("door_offset_m"), OPENINGS.index("window_offset_m"))
-
-
-@dataclass(frozen=True)
-class Boxes:
-    """Upright boxes of a batch in the world."""
-
-    center_enu_m: Float[Tensor, "batch n 3"]
-    heading: Float[Tensor, "batch n 2"]
-    """Cosine and sine of the yaw in the world."""
-    size_m: Float[Tensor, "batch n 3"]
-    play_m: Float[Tensor, "batch n 2"]
-    """Metres along the parent's axes by which one unit of channels 0 and 1 moves a box."""
-    openings_m: Float[Tensor, "batch n 7"]
-    mask: Bool[Tensor, "batch n"]
 
 
 class TreeDecoder:
@@ -81,6 +66,41 @@ class TreeDecoder:
         openings = values[..., OPENING].clone()
         openings[..., _OFFSETS] = openings[..., _OFFSETS] * size[..., 1:2] / 2
         return Boxes(center, heading, size, play * spread[..., PLACE], openings, batch.mask)
+
+    def with_footprints(
+        self,
+        x0: Float[Tensor, "batch n 15"],
+        batch: TokenBatch,
+        before: Footprints,
+        after: Footprints,
+    ) -> Float[Tensor, "batch n 15"]:
+        """Channels of the same layout with other outlines, where places and extents are free.
+
+        Args:
+            x0: Channels.
+            batch: Their tokens.
+            before: The outlines that they stand for.
+            after: Those that they should.
+        """
+        kind = batch.kind
+        is_free, mean, spread = self._is_free[kind], self._mean[kind], self._spread[kind]
+        place = (after.middle_m / after.play_m - mean[..., PLACE]) / spread[..., PLACE]
+        ratio = (after.reach_m / before.reach_m.clamp_min(1e-6)).clamp_min(1e-3).log()
+        ratio = torch.where(before.is_crosswise[..., None], ratio.flip(-1), ratio)
+        extents = slice(SIZE.start, SIZE.start + 2)
+        values = x0.clone()
+        values[..., PLACE] = torch.where(is_free[..., PLACE], place, x0[..., PLACE])
+        grown = x0[..., extents] + ratio / spread[..., extents]
+        values[..., extents] = torch.where(is_free[..., extents], grown, x0[..., extents])
+        return values
+
+    def has_free_extents(self, batch: TokenBatch) -> Bool[Tensor, "batch n"]:
+        """Which tokens are of kinds whose length and width both vary."""
+        return self._is_free[batch.kind][..., SIZE.start : SIZE.start + 2].all(-1)
+
+    def is_aligned(self, batch: TokenBatch) -> Bool[Tensor, "batch n"]:
+        """Which tokens stand square to their parents."""
+        return self._is_aligned[batch.kind]
 
     @staticmethod
     def _heading(raw: Tensor, is_aligned: Tensor) -> Tensor:

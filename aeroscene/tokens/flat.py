@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from aeroscene.catalogue import CATALOGUE, COARSE_COUNT
 from aeroscene.geometry import rotation_matrix
@@ -180,7 +180,8 @@ def read_flat(
     is drawn as often as the corpus has it.
     """
     geometry = x0[:, :N_GEOMETRY] * statistics.spread + statistics.mean
-    category = 1 + x0[:, N_GEOMETRY:].argmax(axis=1)
+    likely = np.where(_has_kind(vocabulary), x0[:, N_GEOMETRY:], -np.inf)
+    category = 1 + likely.argmax(axis=1)
     order = np.argsort(category > COARSE_COUNT, kind="stable")
     geometry, category = geometry[order], category[order]
     n_coarse = int((category <= COARSE_COUNT).sum())
@@ -207,12 +208,20 @@ def read_flat(
     )
 
 
-def _draw_kind(category: int, vocabulary: Vocabulary, rng: np.random.Generator) -> int:
-    """A kind without openings, since a flat layout has no channels for them."""
-    kinds = [
+def _kinds_of(category: int, vocabulary: Vocabulary) -> list[int]:
+    """Kinds without openings, since a flat layout has no channels for them."""
+    return [
         number
         for number in np.flatnonzero(vocabulary.category_id == category).tolist()
         if not vocabulary.kinds[number].openings
     ]
+
+
+def _has_kind(vocabulary: Vocabulary) -> Bool[np.ndarray, " categories"]:
+    return np.array([bool(_kinds_of(number, vocabulary)) for number in CATALOGUE])
+
+
+def _draw_kind(category: int, vocabulary: Vocabulary, rng: np.random.Generator) -> int:
+    kinds = _kinds_of(category, vocabulary)
     counts = [sum(look.count for look in vocabulary.looks[number]) for number in kinds]
     return kinds[rng.choice(len(kinds), p=np.array(counts) / sum(counts))]

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from aeroscene.tokens.channels import HEADING, HEIGHT, MIRRORED, N_CHANNELS, PLACE, SIZE
-from aeroscene.tokens.kinds import Vocabulary
+from aeroscene.tokens.kinds import DOMAINS, Vocabulary
 from aeroscene.tokens.skeleton import Skeleton
 
 _LEAST_SPREAD = 0.02
@@ -86,7 +86,8 @@ def measure(
             low[k], high[k] = scaled.min(axis=0), scaled.max(axis=0)
     is_free = spread > _LEAST_SPREAD / 10
     is_free[:, HEIGHT] &= np.array([[kind.attachment == "free"] for kind in vocabulary.kinds])
-    low, high = _symmetric(low, high)
+    roots = np.unique(kind[is_root])
+    low, high = _symmetric(low, high, roots)
     return Statistics(
         mean,
         np.maximum(spread, _LEAST_SPREAD),
@@ -121,10 +122,18 @@ def _moments(
     return mean, spread
 
 
-def _symmetric(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds that hold for the mirrored and turned scenes too."""
+def _symmetric(
+    low: np.ndarray, high: np.ndarray, roots: Int[np.ndarray, " k"]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds that hold for the mirrored and turned scenes too; roots feel the turns."""
     widest = np.maximum(-low, high)
+    for first, second in ((0, 1), (3, 4)):
+        most = widest[roots][:, [first, second]].max(axis=1)
+        widest[roots, first] = widest[roots, second] = most
     low, high = low.copy(), high.copy()
     for channel in {*MIRRORED, 0, 3}:
         low[:, channel], high[:, channel] = -widest[:, channel], widest[:, channel]
+    sites = slice(0, len(DOMAINS))
+    low[sites, 5:7] = low[sites, 5:7].min(axis=1, keepdims=True)
+    high[sites, 5:7] = high[sites, 5:7].max(axis=1, keepdims=True)
     return low, high
