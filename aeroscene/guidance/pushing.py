@@ -10,7 +10,7 @@ direction are ours.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from jaxtyping import Bool, Float, Int
@@ -26,6 +26,7 @@ _CHECK_EVERY = 5
 """Iterations between two looks at whether all is done: on a GPU a look waits for the device."""
 _LEAST_SLOPE = 1e-3
 """Directions nearer to an axis than this do not move along the other one."""
+_ENDLESS_M = 1e6
 _VERTICAL = (4, 9)
 """Places of the vertical among the ten directions."""
 
@@ -44,6 +45,15 @@ class Movable:
     lineage: Bool[Tensor, "batch n n"]
     """Entry [i, j]: whether j is i or above it."""
     parent: Int[Tensor, "batch n"]
+
+    def after(self, moved_m: Float[Tensor, "batch n 3"]) -> Movable:
+        """What may still move whither when tokens have moved."""
+        return replace(self, low_m=self.low_m - moved_m, high_m=self.high_m - moved_m)
+
+    def move(self, boxes: Boxes, moved_m: Float[Tensor, "batch n 3"]) -> Boxes:
+        """Boxes displaced in the axes of their parents, with all that they carry."""
+        in_world = self.lineage.to(moved_m) @ turn(moved_m, self.heading)
+        return replace(boxes, center_enu_m=boxes.center_enu_m + in_world)
 
 
 def separate(
@@ -90,10 +100,17 @@ class _Solver:
         self._pairs = pairs
         self._low = movable.low_m.reshape(-1, 3)
         self._high = movable.high_m.reshape(-1, 3)
-        self._lightness = movable.lightness.reshape(-1)
-        self._heading = movable.heading.reshape(-1, 2)
         self._tolerance_m = tolerance_m
-        self._shape = movable.low_m.shape
+        self._token = torch.stack([pairs.first, pairs.second])
+        self._lightness = movable.lightness.reshape(-1)[self._token, None]
+        heading = movable.heading.reshape(-1, 2)[self._token]
+        # Away from the partner along each axis, in the axes of the parent.
+        away = torch.stack([-pairs.axes, pairs.axes])
+        self._away = turn_back(away, heading[:, :, None])
+        slope = self._away.abs()
+        is_across = slope < _LEAST_SLOPE
+        self._steepness = torch.where(is_across, 0.0, 1 / slope.clamp(min=_LEAST_SLOPE))
+        self._endless = torch.where(is_across, _ENDLESS_M, 0.0)
         self._above = _pairs_above(pairs, movable.parent)
         self._busy = torch.zeros(len(pairs) + 1, dtype=torch.bool, device=pairs.first.device)
 
@@ -104,24 +121,22 @@ class _Solver:
         apart, overlap = overlap_along(self._pairs, offset_m)
         is_active = self._active(overlap.min(dim=-1).values > self._tolerance_m, is_patient)
         active = is_active.nonzero().squeeze(-1)
-        # Towards both sides of each axis.
-        axes = self._pairs.axes[active]
-        axes = torch.cat([axes, -axes], dim=1)
         reach, apart = self._pairs.reach_m[active], apart[active]
+        # Along each axis, and against it.
         depth = torch.cat([reach - apart, reach + apart], dim=1) - self._tolerance_m / 2
-        first, second = self._pairs.first[active], self._pairs.second[active]
-        move_first, move_second, cost = self._shares(first, second, axes, depth, moved_m)
-        best = cost.argmin(dim=1, keepdim=True)
-        axis = axes.gather(1, best[..., None].expand(-1, -1, 3)).squeeze(1)
-        push_first = turn_back(-axis * move_first.gather(1, best), self._heading[first])
-        push_second = turn_back(axis * move_second.gather(1, best), self._heading[second])
-        token = torch.cat([first, second])[:, None].expand(-1, 3)
-        push = torch.cat([push_first, push_second])
+        move, cost = self._shares(active, depth, self._room(active, moved_m))
+        best = cost.argmin(dim=1)
+        row = torch.arange(len(best), device=best.device)
+        n_axes = reach.shape[1]
+        away = self._away[:, active][:, row, best % n_axes]
+        sign = 1.0 - 2.0 * (best >= n_axes)
+        push = (away * (sign * move[:, row, best])[..., None]).flatten(0, 1)
+        token = self._token[:, active].reshape(-1, 1).expand(-1, 3)
         # Many that push the same way do not add up.
         zero = torch.zeros_like(self._low)
         forth = zero.scatter_reduce(0, token, push, "amax")
         back = zero.scatter_reduce(0, token, push, "amin")
-        return (forth + back).reshape(self._shape)
+        return (forth + back).reshape(moved_m.shape)
 
     def _active(self, overlaps: Bool[Tensor, " pairs"], is_patient: bool) -> Bool[Tensor, " pairs"]:
         if not is_patient:
@@ -132,33 +147,31 @@ class _Solver:
         return overlaps & ~waits
 
     def _shares(
-        self, first: Tensor, second: Tensor, axes: Tensor, depth: Tensor, moved_m: Tensor
-    ) -> tuple[Tensor, Tensor, Tensor]:
+        self, active: Tensor, depth: Float[Tensor, "pairs 10"], room: Float[Tensor, "2 pairs 10"]
+    ) -> tuple[Float[Tensor, "2 pairs 10"], Float[Tensor, "pairs 10"]]:
         """How far each of a pair would move along each direction, and what that costs."""
-        light_first, light_second = self._lightness[first, None], self._lightness[second, None]
-        room_first = self._room(first, -axes, moved_m)
-        room_second = self._room(second, axes, moved_m)
+        light_first, light_second = self._lightness[:, active]
         share = light_first / (light_first + light_second)
-        move_first = torch.minimum(depth * share, room_first)
-        move_second = torch.minimum(depth - move_first, room_second)
-        move_first = torch.minimum(depth - move_second, room_first)
+        move_first = torch.minimum(depth * share, room[0])
+        move_second = torch.minimum(depth - move_first, room[1])
+        move_first = torch.minimum(depth - move_second, room[0])
         stuck = depth - move_first - move_second
         cost = move_first**2 / light_first + move_second**2 / light_second
         cost = cost + _STUCK_COST * stuck**2
         # Thin things overlap least in height: that is no way out where it is blocked.
         cost[:, _VERTICAL] += torch.where(stuck[:, _VERTICAL] > self._tolerance_m, torch.inf, 0.0)
-        return move_first, move_second, cost
+        return torch.stack([move_first, move_second]), cost
 
-    def _room(self, token: Tensor, axes: Tensor, moved_m: Tensor) -> Float[Tensor, "pairs 10"]:
-        """How far a token may go along each direction until it is at a bound."""
-        moved = moved_m.reshape(-1, 3)
-        direction = turn_back(axes, self._heading[token, None])
-        back = (moved - self._low)[token, None]
-        forth = (self._high - moved)[token, None]
-        along = torch.where(direction > 0, forth, back)
-        slope = direction.abs()
-        far = along / slope.clamp(min=_LEAST_SLOPE)
-        return torch.where(slope > _LEAST_SLOPE, far, torch.inf).min(dim=-1).values
+    def _room(self, active: Tensor, moved_m: Tensor) -> Float[Tensor, "2 pairs 10"]:
+        """How far the two of a pair may go along each direction until they are at a bound."""
+        moved, token = moved_m.reshape(-1, 3), self._token[:, active]
+        back = (moved - self._low)[token][:, :, None]
+        forth = (self._high - moved)[token][:, :, None]
+        points_up = self._away[:, active] > 0
+        steepness, endless = self._steepness[:, active], self._endless[:, active]
+        along = torch.where(points_up, forth, back) * steepness + endless
+        against = torch.where(points_up, back, forth) * steepness + endless
+        return torch.cat([along.amin(dim=-1), against.amin(dim=-1)], dim=-1)
 
 
 def _pairs_above(pairs: Pairs, parent: Int[Tensor, "batch n"]) -> Int[Tensor, "pairs 2"]:

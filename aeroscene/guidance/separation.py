@@ -19,6 +19,7 @@ from torch import Tensor
 from aeroscene.diffusion.loss import channel_weight
 from aeroscene.diffusion.sampling import Moment
 from aeroscene.diffusion.schedule import DiffusionError
+from aeroscene.guidance.hopping import hop
 from aeroscene.guidance.pushing import Movable, separate
 from aeroscene.guidance.tree import lineage, parent_heading
 from aeroscene.tokens.batch import TokenBatch
@@ -37,13 +38,15 @@ _PLACE, _HEIGHT = slice(0, 2), 2
 class SeparationCfg:
     """How overlaps are undone."""
 
-    late_share: float = 0.3
+    late_share: float = 0.6
     """Share of the sampling steps, the last ones, at which the guidance acts."""
-    inner_steps: int = 6
+    inner_steps: int = 10
     """Iterations at each of them."""
-    last_inner_steps: int = 150
-    """At most, at the last one, which runs until nothing overlaps."""
-    clip_m: float = 2.0
+    last_inner_steps: int = 40
+    """At most, at the last one and after each of its hops; fewer where nothing overlaps."""
+    n_hops: int = 4
+    """Times that, at the last step, what is still stuck hops to a free place."""
+    clip_m: float = 5.0
     """Most that one step moves an object along each axis of its parent."""
     tolerance_m: float = 0.004
     """Overlaps up to this are left."""
@@ -51,7 +54,7 @@ class SeparationCfg:
     """Boxes nearer than this are watched: what moves may meet them."""
     coarse_mass: float = 4.0
     """How many times heavier a coarse object is than a fine one of its footprint."""
-    patience: float = 0.6
+    patience: float = 0.3
     """Share of the iterations in which what is in two overlapping objects waits for these."""
 
     def __post_init__(self) -> None:
@@ -59,6 +62,7 @@ class SeparationCfg:
             ("late_share", 0, 1),
             ("inner_steps", 0, 1000),
             ("last_inner_steps", 0, 10_000),
+            ("n_hops", 0, 100),
             ("clip_m", 0, 100),
             ("tolerance_m", 0, 1),
             ("margin_m", 0, 100),
@@ -93,17 +97,39 @@ class SeparationGuidance:
             return x0
         boxes = self._decode(x0, batch)
         unit_m = self._units_m(x0, boxes, batch)
-        n_steps = cfg.last_inner_steps if at.is_last else cfg.inner_steps
-        moved_m = separate(
+        movable = self._movable(x0, unit_m, boxes, batch, at.fixed)
+        if at.is_last:
+            moved_m = self._settle(boxes, movable, batch)
+        else:
+            moved_m = self._push(boxes, movable, cfg.inner_steps)
+        place = x0[..., :3] + moved_m / unit_m.clamp(min=1e-6)
+        return torch.cat([place, x0[..., 3:]], dim=-1)
+
+    def _push(self, boxes: Boxes, movable: Movable, n_steps: int) -> Float[Tensor, "batch n 3"]:
+        cfg = self.cfg
+        return separate(
             boxes,
-            self._movable(x0, unit_m, boxes, batch, at.fixed),
+            movable,
             tolerance_m=cfg.tolerance_m,
             margin_m=cfg.margin_m,
             n_steps=n_steps,
             n_patient_steps=round(cfg.patience * n_steps),
         )
-        place = x0[..., :3] + moved_m / unit_m.clamp(min=1e-6)
-        return torch.cat([place, x0[..., 3:]], dim=-1)
+
+    def _settle(
+        self, boxes: Boxes, movable: Movable, batch: TokenBatch
+    ) -> Float[Tensor, "batch n 3"]:
+        """Displacements that leave as few overlaps as can be."""
+        cfg = self.cfg
+        may_hop = torch.arange(boxes.mask.shape[1], device=boxes.mask.device)
+        may_hop = (may_hop >= batch.n_coarse_slots) & boxes.mask
+        moved = self._push(boxes, movable, cfg.last_inner_steps)
+        for _ in range(cfg.n_hops):
+            now, left = movable.move(boxes, moved), movable.after(moved)
+            hopped = hop(now, left, may_hop, tolerance_m=cfg.tolerance_m)
+            now, left = left.move(now, hopped), left.after(hopped)
+            moved = moved + hopped + self._push(now, left, cfg.last_inner_steps)
+        return moved
 
     def on_mean(self, mean: Tensor, x_t: Tensor, batch: TokenBatch, at: Moment) -> Tensor:  # noqa: ARG002 - of the protocol
         """Nothing: the layout was moved where it was clean."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import torch
 from jaxtyping import Bool, Float
@@ -59,13 +61,8 @@ class TreeDecoder:
         is_free = self._is_free[kind]
         mean, spread = self._mean[kind], self._spread[kind]
         values = torch.where(is_free, x0 * spread + mean, mean)
-        relative = self._heading(values[..., HEADING], self._is_aligned[kind])
-        relative = torch.where((batch.depth == 0)[..., None], _site_heading(values), relative)
-        tree = _Tree(batch, values, relative, self._is_relative[kind])
-        center, heading, size, play = tree.place()
-        openings = values[..., OPENING].clone()
-        openings[..., _OFFSETS] = openings[..., _OFFSETS] * size[..., 1:2] / 2
-        return Boxes(center, heading, size, play * spread[..., PLACE], openings, batch.mask)
+        boxes = place_boxes(values, self._is_relative[kind], self._is_aligned[kind], batch)
+        return replace(boxes, play_m=boxes.play_m * spread[..., PLACE])
 
     def with_footprints(
         self,
@@ -102,16 +99,40 @@ class TreeDecoder:
         """Which tokens stand square to their parents."""
         return self._is_aligned[batch.kind]
 
-    @staticmethod
-    def _heading(raw: Tensor, is_aligned: Tensor) -> Tensor:
-        unit = raw / raw.norm(dim=-1, keepdim=True).clamp_min(1e-6)
-        along = raw[..., :1].abs() >= raw[..., 1:].abs()
-        quarter = torch.where(
-            along,
-            torch.stack([raw[..., 0].sign(), torch.zeros_like(raw[..., 0])], -1),
-            torch.stack([torch.zeros_like(raw[..., 0]), raw[..., 1].sign()], -1),
-        )
-        return torch.where(is_aligned[..., None], quarter.detach(), unit)
+
+def place_boxes(
+    values: Float[Tensor, "batch n 15"],
+    is_relative: Bool[Tensor, "batch n 3"],
+    is_aligned: Bool[Tensor, "batch n"],
+    batch: TokenBatch,
+) -> Boxes:
+    """Boxes of channels that are not standardised; play for one unit of those.
+
+    Args:
+        values: Channels.
+        is_relative: Which extents are ratios to the parent's.
+        is_aligned: Which tokens stand square to their parents.
+        batch: The tokens.
+    """
+    relative = _headings(values[..., HEADING], is_aligned)
+    relative = torch.where((batch.depth == 0)[..., None], _site_heading(values), relative)
+    center, heading, size, play = _Tree(batch, values, relative, is_relative).place()
+    openings = values[..., OPENING].clone()
+    openings[..., _OFFSETS] = openings[..., _OFFSETS] * size[..., 1:2] / 2
+    return Boxes(center, heading, size, play, openings, batch.mask)
+
+
+def _headings(raw: Tensor, is_aligned: Tensor) -> Tensor:
+    """Unit vectors, along the nearest axis where a token stands square to its parent."""
+    unit = raw / raw.norm(dim=-1, keepdim=True).clamp_min(1e-6)
+    along = raw[..., :1].abs() >= raw[..., 1:].abs()
+    none = torch.zeros_like(raw[..., 0])
+    quarter = torch.where(
+        along,
+        torch.stack([raw[..., 0].sign(), none], -1),
+        torch.stack([none, raw[..., 1].sign()], -1),
+    )
+    return torch.where(is_aligned[..., None], quarter.detach(), unit)
 
 
 class _Tree:

@@ -1,0 +1,134 @@
+"""The noise schedule: how much of a layout is left at which time, and the forward process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+from typing import Literal, get_args
+
+import torch
+from jaxtyping import Float, Float64
+from torch import Tensor
+
+ScheduleKind = Literal["linear", "cosine"]
+
+_LEAST_ALPHA_BAR = 1e-5
+"""Of the cosine schedule at t = 1, where it would be 0 and the noise hide the layout wholly."""
+_COSINE_OFFSET = 0.008
+"""Nichol and Dhariwal 2021, eq. (17): keeps the first steps' noise from vanishing."""
+_MAX_STEPS = 10_000
+
+
+class DiffusionError(ValueError):
+    """A setting of the diffusion out of range; one line with field, value and what is valid."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScheduleCfg:
+    """Which schedule; the paper leaves it open."""
+
+    kind: ScheduleKind = "cosine"
+    """`linear`: variances of Ho et al. 2020. `cosine`: Nichol and Dhariwal 2021."""
+    n_steps: int = 1000
+    """Training steps T."""
+    beta_first: float = 1e-4
+    """Of `linear`, for T = 1000; scaled by 1000/T so that any T ends in the same noise."""
+    beta_last: float = 0.02
+    """Of `linear`, likewise."""
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(ScheduleKind):
+            valid = ", ".join(get_args(ScheduleKind))
+            raise DiffusionError(f"schedule.kind is {self.kind!r}, valid: {valid}")
+        if not 2 <= self.n_steps <= _MAX_STEPS:
+            raise DiffusionError(f"schedule.n_steps is {self.n_steps}, valid: 2 to {_MAX_STEPS}")
+        top = self.beta_last * 1000 / self.n_steps
+        if self.kind == "linear" and not (0 < self.beta_first <= self.beta_last and top < 1):
+            raise DiffusionError(
+                f"schedule.beta_first and beta_last are {self.beta_first:g} and "
+                f"{self.beta_last:g}, valid: 0 < first <= last < {self.n_steps / 1000:g}"
+            )
+
+
+class Schedule:
+    """alpha_bar as a function of continuous time, exact at the T steps of training."""
+
+    def __init__(self, cfg: ScheduleCfg | None = None) -> None:
+        self.cfg = cfg or ScheduleCfg()
+
+    @cached_property
+    def log_alpha_bar(self) -> Float64[Tensor, " n_steps_and_1"]:
+        """Logarithm of alpha_bar at t = 0, 1/T, ..., 1."""
+        cfg = self.cfg
+        if cfg.kind == "linear":
+            scale = 1000 / cfg.n_steps
+            beta = torch.linspace(
+                cfg.beta_first * scale, cfg.beta_last * scale, cfg.n_steps, dtype=torch.float64
+            )
+            log = torch.log1p(-beta).cumsum(0)
+            return torch.cat([log.new_zeros(1), log])
+        time = torch.arange(cfg.n_steps + 1, dtype=torch.float64) / cfg.n_steps
+        angle = (time + _COSINE_OFFSET) / (1 + _COSINE_OFFSET) * (pi / 2)
+        power = torch.cos(angle) ** 2
+        # Raised by a trace, not cut off: log alpha_bar has to fall everywhere.
+        return torch.lerp(power / power[0], torch.ones_like(power), _LEAST_ALPHA_BAR).log()
+
+    def alpha_bar(self, time: Float[Tensor, "*batch"]) -> Float[Tensor, "*batch"]:
+        """Share of signal power left at times in [0, 1].
+
+        Between the T steps of training log alpha_bar is linear in time.
+        """
+        table = self.log_alpha_bar.to(time.device)
+        place = time.double().clamp(0, 1) * self.cfg.n_steps
+        below = place.floor().clamp(max=self.cfg.n_steps - 1)
+        low, share = below.long(), place - below
+        log = torch.lerp(table[low], table[low + 1], share)
+        return log.exp().to(time.dtype)
+
+    def draw_time(self, n: int, generator: torch.Generator, *, stratified: bool) -> Tensor:
+        """Times of training, uniform over the T steps: 1/T, ..., 1.
+
+        Args:
+            n: How many.
+            generator: Source of randomness; the times lie on its device.
+            stratified: One from each of n equal parts instead of n independent ones, which takes
+                variance off the loss (Kingma et al. 2021, "Variational Diffusion Models").
+        """
+        device = generator.device
+        if stratified:
+            part = torch.randperm(n, generator=generator, device=device)
+            share = (part + torch.rand(n, generator=generator, device=device)) / n
+        else:
+            share = torch.rand(n, generator=generator, device=device)
+        n_steps = self.cfg.n_steps
+        return ((share * n_steps).floor().clamp(max=n_steps - 1) + 1) / n_steps
+
+    def forward_noise(
+        self,
+        x0: Float[Tensor, "batch n channels"],
+        time: Float[Tensor, " batch"],
+        eps: Float[Tensor, "batch n channels"],
+    ) -> Float[Tensor, "batch n channels"]:
+        """x_t of the forward process in one step.
+
+        Source: the paper's q(x_t | x_(t-1)), T times; its algorithm 1, "Generate x_t".
+        """
+        alpha, sigma = self.signal_and_noise(time)
+        return over_tokens(alpha) * x0 + over_tokens(sigma) * eps
+
+    def signal_and_noise(self, time: Float[Tensor, "*batch"]) -> tuple[Tensor, Tensor]:
+        """sqrt(alpha_bar) and sqrt(1 - alpha_bar)."""
+        alpha_bar = self.alpha_bar(time.double())
+        return alpha_bar.sqrt().to(time.dtype), (1 - alpha_bar).sqrt().to(time.dtype)
+
+
+def over_tokens(per_scene: Float[Tensor, " batch"]) -> Float[Tensor, "batch 1 1"]:
+    """A value for each scene, to be multiplied with its tokens."""
+    return per_scene[:, None, None]
+
+
+def normal_like(x: Tensor, generator: torch.Generator) -> Tensor:
+    """Standard normal noise of a tensor's shape, from any device's generator."""
+    noise = torch.randn(x.shape, generator=generator, device=generator.device, dtype=x.dtype)
+    return noise.to(x.device)
