@@ -18,6 +18,7 @@ from torch import Tensor
 
 from aeroscene.diffusion.sampling import Guidance, Moment
 from aeroscene.diffusion.schedule import DiffusionError
+from aeroscene.guidance.containment import contained
 from aeroscene.tokens.batch import TokenBatch
 from aeroscene.tokens.boxes import Boxes, Footprints, footprints_of
 from aeroscene.tokens.decode import TreeDecoder
@@ -26,6 +27,8 @@ from aeroscene.tokens.kinds import Vocabulary
 _COVERS = frozenset({"lawn", "plaza", "parking_lot", "road", "sidewalk", "terrain", "water"})
 _TILES = _COVERS | {"room", "floor"}
 """What fills the place between its neighbours: its extents give way."""
+_PARTS = frozenset({"room", "floor", "wall"})
+"""What is wholly within the building that it is a part of."""
 _LEAST_HEIGHT_M = 0.005
 """Boxes that share less height than this do not meet."""
 
@@ -75,7 +78,7 @@ class BorderGuidance:
             return torch.tensor([k.category in names for k in vocabulary.kinds], device=device)
 
         self._decoder = decoder
-        self._is_tile, self._is_cover = flags(_TILES), flags(_COVERS)
+        self._is_tile, self._is_cover, self._is_part = map(flags, (_TILES, _COVERS, _PARTS))
         self._is_wall, self._is_room = flags(frozenset({"wall"})), flags(frozenset({"room"}))
         self.cfg = cfg or BordersCfg()
 
@@ -87,7 +90,11 @@ class BorderGuidance:
         before = footprints_of(boxes, batch)
         faces = self._faces(boxes, before, batch, at)
         after = faces.moved(self.cfg.last_n_steps if at.is_last else self.cfg.n_steps)
-        return self._decoder.with_footprints(x0, batch, before, after)
+        moved = self._decoder.with_footprints(x0, batch, before, after)
+        boxes = self._decoder.decode(moved, batch)
+        before = footprints_of(boxes, batch)
+        after = contained(before, boxes, batch, self._is_part[batch.kind])
+        return self._decoder.with_footprints(moved, batch, before, after)
 
     def on_mean(self, mean: Tensor, x_t: Tensor, batch: TokenBatch, at: Moment) -> Tensor:  # noqa: ARG002 - of the protocol
         """Nothing: the layout was moved where it was clean."""

@@ -27,6 +27,8 @@ _CHECK_EVERY = 5
 _LEAST_SLOPE = 1e-3
 """Directions nearer to an axis than this do not move along the other one."""
 _ENDLESS_M = 1e6
+_LEAST_HELP = 0.7
+"""Share of an overlap that a push must undo, or the pair is left alone."""
 _VERTICAL = (4, 9)
 """Places of the vertical among the ten directions."""
 
@@ -130,7 +132,10 @@ class _Solver:
         n_axes = reach.shape[1]
         away = self._away[:, active][:, row, best % n_axes]
         sign = 1.0 - 2.0 * (best >= n_axes)
-        push = (away * (sign * move[:, row, best])[..., None]).flatten(0, 1)
+        move = move[:, row, best]
+        # What no way helps stays: a room would be pushed out from under a slab that is too low.
+        move = move * (move.sum(dim=0) >= _LEAST_HELP * depth[row, best])
+        push = (away * (sign * move)[..., None]).flatten(0, 1)
         token = self._token[:, active].reshape(-1, 1).expand(-1, 3)
         # Many that push the same way do not add up.
         zero = torch.zeros_like(self._low)

@@ -9,7 +9,7 @@ together, which is bounded, so that no single pair rules the sum.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from jaxtyping import Float, Int
@@ -47,13 +47,14 @@ class SemanticPriorCfg:
 
 @dataclass(frozen=True)
 class NeighbourPairs:
-    """Pairs of objects with what P_sem reads of them."""
+    """Pairs of objects of a batch."""
 
-    first: Float[Tensor, "pairs categories"]
-    second: Float[Tensor, "pairs categories"]
+    scene: Int[Tensor, " pairs"]
+    first: Int[Tensor, " pairs"]
+    """Slot in the scene."""
+    second: Int[Tensor, " pairs"]
     displacement_m: Float[Tensor, "pairs 3"]
     """From the first to the second, in the axes of the first."""
-    scene: Int[Tensor, " pairs"]
 
 
 class SemanticPrior(nn.Module):
@@ -71,15 +72,23 @@ class SemanticPrior(nn.Module):
             nn.Linear(cfg.width, 1),
         )
 
-    def forward(self, pairs: NeighbourPairs) -> Float[Tensor, " pairs"]:
-        """Logits of P_sem."""
+    def forward(
+        self, category: Float[Tensor, "batch n categories"], pairs: NeighbourPairs
+    ) -> Float[Tensor, " pairs"]:
+        """Logits of P_sem.
+
+        Args:
+            category: Weights of the categories of all objects.
+            pairs: Pairs of them.
+        """
         r = pairs.displacement_m / self.cfg.reach_m
         length = r.square().sum(-1, keepdim=True).clamp(min=1e-8).sqrt()
         level = r[:, :2].square().sum(-1, keepdim=True).clamp(min=1e-8).sqrt()
         # Directions stay of order one at any distance.
         r = r / (1 + length)
         features = [r, torch.log1p(length), torch.log1p(level)]
-        known = [self.embedding(category) for category in (pairs.first, pairs.second)]
+        embedded = self.embedding(category)
+        known = [embedded[pairs.scene, slot] for slot in (pairs.first, pairs.second)]
         return self.mlp(torch.cat([*known, *features], dim=-1)).squeeze(-1)
 
 
@@ -97,8 +106,7 @@ def neighbour_pairs(layout: Layout, n_neighbours: int) -> NeighbourPairs:
     displacement = turn_back(
         center[scene, second] - center[scene, first], layout.heading[scene, first]
     )
-    category = layout.category
-    return NeighbourPairs(category[scene, first], category[scene, second], displacement, scene)
+    return NeighbourPairs(scene, first, second, displacement)
 
 
 def semantic_loss(layout: Layout, prior: SemanticPrior) -> Float[Tensor, " batch"]:
@@ -109,7 +117,7 @@ def semantic_loss(layout: Layout, prior: SemanticPrior) -> Float[Tensor, " batch
     as much).
     """
     pairs = neighbour_pairs(layout, prior.cfg.n_neighbours)
-    unlikely = -logsigmoid(prior(pairs))
+    unlikely = -logsigmoid(prior(layout.category, pairs))
     hits = nn.functional.one_hot(pairs.scene, len(layout.mask)).to(unlikely)
     return unlikely @ hits
 
@@ -121,8 +129,9 @@ def prior_loss(
     pairs = neighbour_pairs(layout, prior.cfg.n_neighbours)
     order = torch.randperm(len(pairs.scene), generator=generator, device=generator.device)
     displacement = pairs.displacement_m[order.to(pairs.scene.device)]
-    exchanged = NeighbourPairs(pairs.first, pairs.second, displacement, pairs.scene)
-    return (softplus(-prior(pairs)) + softplus(prior(exchanged))).mean() / 2
+    exchanged = replace(pairs, displacement_m=displacement)
+    real, false = (prior(layout.category, each) for each in (pairs, exchanged))
+    return (softplus(-real) + softplus(false)).mean() / 2
 
 
 def train_semantic_prior(
@@ -132,7 +141,7 @@ def train_semantic_prior(
     generator: torch.Generator,
     on_step: Callable[[int, float], None] | None = None,
 ) -> SemanticPrior:
-    """A prior of layouts.
+    """A prior that knows the layouts of a training set.
 
     Args:
         layouts: Draws so many scenes of the training set at random.

@@ -19,11 +19,12 @@ from torch import Tensor
 from aeroscene.diffusion.loss import channel_weight
 from aeroscene.diffusion.sampling import Moment
 from aeroscene.diffusion.schedule import DiffusionError
+from aeroscene.guidance.containment import reach_of_middle
 from aeroscene.guidance.hopping import hop
 from aeroscene.guidance.pushing import Movable, separate
 from aeroscene.guidance.tree import lineage, parent_heading
 from aeroscene.tokens.batch import TokenBatch
-from aeroscene.tokens.boxes import Boxes
+from aeroscene.tokens.boxes import Boxes, footprints_of
 
 Decode = Callable[[Tensor, TokenBatch], Boxes]
 """From channels to boxes."""
@@ -47,7 +48,8 @@ class SeparationCfg:
     n_hops: int = 4
     """Times that, at the last step, what is still stuck hops to a free place."""
     clip_m: float = 5.0
-    """Most that one step moves an object along each axis of its parent."""
+    """Most that one step moves an object along each axis of its parent; overlaps that need much
+    more are left."""
     tolerance_m: float = 0.004
     """Overlaps up to this are left."""
     margin_m: float = 1.0
@@ -157,14 +159,28 @@ class SeparationGuidance:
         if fixed is not None:
             unit_m = unit_m * ~fixed[..., None]
         above = lineage(batch)
+        least = ((low - place).clamp(max=0) * unit_m).clamp(min=-clip)
+        most = ((high - place).clamp(min=0) * unit_m).clamp(max=clip)
+        outward, inward = self._room(boxes, batch)
         return Movable(
             heading=parent_heading(boxes.heading, batch),
-            low_m=((low - place).clamp(max=0) * unit_m).clamp(min=-clip),
-            high_m=((high - place).clamp(min=0) * unit_m).clamp(max=clip),
+            low_m=torch.maximum(least, inward),
+            high_m=torch.minimum(most, outward),
             lightness=1 / self._mass(boxes, batch, above),
             lineage=above,
             parent=batch.parent,
         )
+
+    @staticmethod
+    def _room(boxes: Boxes, batch: TokenBatch) -> tuple[Tensor, Tensor]:
+        """Displacements up and down the axes that keep a middle over its parent."""
+        outlines = footprints_of(boxes, batch)
+        none = torch.zeros_like(batch.mask)
+        limit = reach_of_middle(outlines, boxes, batch, none)
+        up = (limit - outlines.middle_m).clamp_min(0.0)
+        down = (-limit - outlines.middle_m).clamp_max(0.0)
+        free = torch.full_like(up[..., :1], torch.inf)
+        return torch.cat([up, free], dim=-1), torch.cat([down, -free], dim=-1)
 
     def _mass(
         self, boxes: Boxes, batch: TokenBatch, above: Bool[Tensor, "batch n n"]

@@ -1,11 +1,12 @@
-"""`aeroscene bench`: how fast this machine is."""
+"""`aeroscene bench`: how fast this machine is, how good generated scenes are."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
@@ -18,6 +19,8 @@ from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail
 _PROG = "aeroscene bench"
 _LEAST_SECONDS = 1.0
 _LEAST_COUNT, _MOST_COUNT = 3, 1016
+_LEAST_GENERATED = 6
+"""Fewer say nothing about a set of scenes."""
 
 OnProgress = Callable[[str, float], None]
 
@@ -81,15 +84,73 @@ class SceneCfg:
         return f"{self.count} scenes of all domains"
 
 
+@dataclass(frozen=True, kw_only=True)
+class GenerateCfg:
+    """Generate scenes, one after the other, and judge them beside the corpus.
+
+    Times are wall times from a seed to a finished scene. "before" and "after" are the scenes before
+    and after feasibility; docs/metrics.md says what each figure is.
+    """
+
+    count: int = 24
+    """How many scenes, a third of each domain; figures about sets want 64 or more."""
+    seed: int = 0
+    """Seed of the first scene; the others count on from it."""
+    checkpoint: Path | None = None
+    """File that `aeroscene train` has written. [default: the one that ships with the preset]"""
+    preset: Literal["default", "paper"] = "default"
+    """The model that ships, default or paper; its targets hold for a checkpoint too."""
+    device: str = "auto"
+    """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
+    data: Path = Path("corpus")
+    """Folder that `aeroscene dataset build` has made: the scenes to compare with."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: rows, each with metric, value, unit and target."""
+
+    def rows(self, on_progress: OnProgress) -> Iterable[Row]:
+        """Measure."""
+        from scenarios.bench import sim  # noqa: PLC0415 - the whole stack
+
+        if not _LEAST_GENERATED <= self.count <= _MOST_COUNT:
+            raise sim.BenchError(
+                f"count {self.count} is out of range; valid: {_LEAST_GENERATED} to {_MOST_COUNT}"
+            )
+        if self.seed < 0:
+            raise sim.BenchError(f"seed {self.seed} is out of range; valid: 0 or more")
+        from scenarios.bench import generate  # noqa: PLC0415 - the model
+
+        cfg = generate.GenerateBenchCfg(
+            count=self.count,
+            seed=self.seed,
+            checkpoint=self.checkpoint,
+            preset=self.preset,
+            device=self.device,
+            data=self.data,
+        )
+        return generate.rows(cfg, on_progress)
+
+    @property
+    def title(self) -> str:
+        """What was measured."""
+        return f"{self.count} scenes by {self.checkpoint or self.preset}, from seed {self.seed}"
+
+
 Bench = (
     Annotated[SimCfg, tyro.conf.subcommand("sim", prefix_name=False)]
     | Annotated[SceneCfg, tyro.conf.subcommand("scene", prefix_name=False)]
+    | Annotated[GenerateCfg, tyro.conf.subcommand("generate", prefix_name=False)]
 )
+
+AnyCfg = SimCfg | SceneCfg | GenerateCfg
+_NAMES: Mapping[type, str] = {SimCfg: "sim", SceneCfg: "scene", GenerateCfg: "generate"}
 
 
 @dataclass(frozen=True, kw_only=True)
 class BenchCfg:
-    """Measure how fast this machine is. Exit status 0 if every target is met, else 1."""
+    """Measure how fast this machine is, or how good generated scenes are.
+
+    Exit status 0 if every target is met, else 1.
+    """
 
     bench: Bench
 
@@ -119,14 +180,16 @@ def run(cfg: BenchCfg) -> int:
     return EXIT_DONE if all(row.is_met for row in rows) else EXIT_NEGATIVE
 
 
-def _to_plain(bench: SimCfg | SceneCfg, rows: tuple[Row, ...]) -> dict[str, Any]:
-    options = asdict(bench)
+def _to_plain(bench: AnyCfg, rows: tuple[Row, ...]) -> dict[str, Any]:
+    options = {
+        name: str(value) if isinstance(value, Path) else value
+        for name, value in asdict(bench).items()
+    }
     del options["json"]
-    name = "sim" if isinstance(bench, SimCfg) else "scene"
-    return {"bench": name, **options, "rows": [row.to_plain() for row in rows]}
+    return {"bench": _NAMES[type(bench)], **options, "rows": [row.to_plain() for row in rows]}
 
 
-def _print_table(bench: SimCfg | SceneCfg, rows: tuple[Row, ...]) -> None:
+def _print_table(bench: AnyCfg, rows: tuple[Row, ...]) -> None:
     table = Table("metric", "value", "unit", "target", title=bench.title, title_justify="left")
     for row in rows:
         target = ""

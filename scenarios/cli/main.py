@@ -15,8 +15,10 @@ from scenarios.cli import (
     dataset,
     doctor,
     export,
+    generate,
     layouts,
     replay,
+    train,
 )
 from scenarios.cli.command_line import EXIT_INTERRUPTED, fail, parse
 
@@ -30,6 +32,8 @@ Command = (
     | Annotated[compile.CompileCfg, tyro.conf.subcommand("compile")]
     | Annotated[export.ExportCfg, tyro.conf.subcommand("export")]
     | Annotated[layouts.LayoutsCfg, tyro.conf.subcommand("layouts")]
+    | Annotated[generate.GenerateCfg, tyro.conf.subcommand("generate")]
+    | Annotated[train.TrainCfg, tyro.conf.subcommand("train")]
 )
 
 _RUN: Mapping[type, Callable[[Any], int]] = {
@@ -40,6 +44,8 @@ _RUN: Mapping[type, Callable[[Any], int]] = {
     compile.CompileCfg: compile.run,
     export.ExportCfg: export.run,
     layouts.LayoutsCfg: layouts.run,
+    generate.GenerateCfg: generate.run,
+    train.TrainCfg: train.run,
 }
 
 

@@ -1,4 +1,4 @@
-"""Builds the corpus into a folder, goes on where an earlier build stopped."""
+"""Builds a dataset into a folder, goes on where an earlier build stopped."""
 
 from __future__ import annotations
 
@@ -30,6 +30,8 @@ class BuildPlan:
     """What a build finds in its folder and what is left to do."""
 
     folder: Path
+    make: Callable[[int], SceneEntry]
+    """Makes a scene by its number, in any process."""
     kept: tuple[SceneEntry, ...]
     """Scenes that are there already, or that were not asked for."""
     to_make: tuple[int, ...]
@@ -41,18 +43,35 @@ class BuildPlan:
 
 
 def plan_build(folder: Path, indices: Sequence[int]) -> BuildPlan:
-    """Look at what is there.
+    """Look at what is there of the corpus.
+
+    Raises:
+        DatasetError: If the folder's manifest cannot be read.
+    """
+    return plan_folder(folder, indices, partial(make_scene, folder), curation_digest())
+
+
+def plan_folder(
+    folder: Path, indices: Sequence[int], make: Callable[[int], SceneEntry], sources: str
+) -> BuildPlan:
+    """Look at what is there of a dataset.
+
+    Args:
+        folder: Where it is, or will be.
+        indices: Numbers of the scenes that are wanted.
+        make: Makes one of them and writes its file.
+        sources: Digest of what it is made by; scenes with another one are made again.
 
     Raises:
         DatasetError: If the folder's manifest cannot be read.
     """
     present = {e.index: e for e in read_entries(folder) if is_whole(folder, e)}
-    digest = curation_digest()
-    is_current = {index: entry.sources == digest for index, entry in present.items()}
+    is_current = {index: entry.sources == sources for index, entry in present.items()}
     wanted = sorted(set(indices))
     to_make = [index for index in wanted if not is_current.get(index, False)]
     return BuildPlan(
         folder=folder,
+        make=make,
         kept=tuple(entry for index, entry in present.items() if index not in to_make),
         to_make=tuple(to_make),
         outdated=tuple(index for index in to_make if index in present),
@@ -81,7 +100,7 @@ def build(plan: BuildPlan, jobs: int, on_scene: Callable[[SceneEntry], None]) ->
     entries = list(plan.kept)
     with _journal(folder) as journal:
         try:
-            with closing(run_all(partial(make_scene, folder), plan.to_make, jobs)) as made:
+            with closing(run_all(plan.make, plan.to_make, jobs)) as made:
                 for entry in made:
                     journal.write(journal_line(entry))
                     journal.flush()
@@ -113,5 +132,5 @@ def _journal(folder: Path) -> Iterator[BinaryIO]:
 
 def _remove_unfinished(folder: Path) -> None:
     """Remove what a process that was killed was writing."""
-    for path in (folder / SCENES).glob(".corpus-*"):
+    for path in (folder / SCENES).glob(".*.json.gz.*"):
         path.unlink(missing_ok=True)

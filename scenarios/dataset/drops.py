@@ -1,4 +1,4 @@
-"""Drops: a vehicle without power falls on landing areas of the corpus; does it come to rest there?
+"""Drops: a vehicle without power falls on landing areas of a dataset; does it come to rest there?
 
 This asks the physics what `validate` asks the geometry. An Iris, rotors off, falls from 0.3 m above
 an area's centroid, turned by a random yaw. At rest it must stand over the area's polygon, at its
@@ -13,12 +13,11 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 
-from aeroscene.dataset import Dataset, DatasetError, SceneEntry
+from aeroscene.dataset import DatasetError, Entry, SceneSet
 from aeroscene.scene import InteractionArea
 from scenarios.dataset.pool import run_all
 
@@ -80,16 +79,16 @@ class DropReport:
 
 
 @dataclass(frozen=True, slots=True)
-class _Task:
+class _Task(Generic[Entry]):
     """Drops in one scene."""
 
-    entry: SceneEntry
+    entry: Entry
     drops: tuple[tuple[int, float], ...]
     """Place in the scene's list of landing areas, and yaw in rad, of each."""
 
 
 def drop_all(
-    dataset: Dataset, count: int, seed: int, jobs: int, on_drops: Callable[[int], None]
+    dataset: SceneSet[Entry], count: int, seed: int, jobs: int, on_drops: Callable[[int], None]
 ) -> DropReport:
     """Drop a vehicle on landing areas of all scenes, each area as likely as any other.
 
@@ -105,14 +104,14 @@ def drop_all(
     """
     drops: list[Drop] = []
     tasks = _draw(dataset.entries, count, np.random.default_rng(seed))
-    with closing(run_all(partial(_drop_in_scene, dataset.folder), tasks, jobs)) as results:
+    with closing(run_all(partial(_drop_in_scene, dataset.select(())), tasks, jobs)) as results:
         for made in results:
             drops += made
             on_drops(len(made))
     return DropReport(drops=tuple(drops))
 
 
-def _draw(entries: Sequence[SceneEntry], count: int, rng: np.random.Generator) -> list[_Task]:
+def _draw(entries: Sequence[Entry], count: int, rng: np.random.Generator) -> list[_Task[Entry]]:
     ends = np.cumsum([0, *(entry.n_landing for entry in entries)])
     total = int(ends[-1])
     chosen = np.sort(rng.choice(total, min(count, total), replace=False))
@@ -124,13 +123,13 @@ def _draw(entries: Sequence[SceneEntry], count: int, rng: np.random.Generator) -
     return [_Task(entries[scene], tuple(drops)) for scene, drops in drawn.items()]
 
 
-def _drop_in_scene(folder: Path, task: _Task) -> list[Drop]:
+def _drop_in_scene(reader: SceneSet[Entry], task: _Task[Entry]) -> list[Drop]:
     # MuJoCo: only in processes that drop.
     from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
     from flightsim.world import WorldError  # noqa: PLC0415
     from scenarios.dataset.falling import FallingVehicle  # noqa: PLC0415
 
-    scene = Dataset(folder, (task.entry,)).read(task.entry)
+    scene = reader.read(task.entry)
     try:
         vehicle = FallingVehicle(scene, airframe_by_name(VEHICLE))
     except WorldError as error:

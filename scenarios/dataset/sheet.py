@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from jaxtyping import UInt8
 
-from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.dataset import Entry, SceneSet, SceneSummary
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from flightsim.looks.cutting import cut_at
@@ -42,7 +42,7 @@ _FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
 def draw_sheet(
-    dataset: Dataset,
+    dataset: SceneSet[Entry],
     out: Path,
     columns: int,
     width: int,
@@ -64,7 +64,7 @@ def draw_sheet(
         OSError: If the file cannot be written.
     """
     cells: list[Picture] = []
-    draw = partial(_draw_cell, dataset.folder, width)
+    draw = partial(_draw_cell, dataset.select(()), width)
     with closing(run_all(draw, dataset.entries, jobs)) as results:
         for cell in results:
             cells.append(cell)
@@ -75,8 +75,8 @@ def draw_sheet(
         file.write(png.tobytes())
 
 
-def _draw_cell(folder: Path, width: int, entry: SceneEntry) -> Picture:
-    scene = Dataset(folder, (entry,)).read(entry)
+def _draw_cell(reader: SceneSet[Entry], width: int, entry: Entry) -> Picture:
+    scene = reader.read(entry)
     return np.vstack([draw_scene(scene, width), _caption(entry, width)])
 
 
@@ -107,7 +107,7 @@ def _outline(scene: Scene, height_m: float) -> np.ndarray:
     return np.minimum(corners, [np.inf, np.inf, top])
 
 
-def _caption(entry: SceneEntry, width: int) -> Picture:
+def _caption(entry: SceneSummary, width: int) -> Picture:
     strip = np.full((_CAPTION_PX, width, 3), _PAPER_RGB, dtype=np.uint8)
     areas = f"{entry.n_small} small, {entry.n_medium} medium, {entry.n_large} large areas"
     _write(strip, f"{entry.index:04d} {entry.domain}", 18, 0.52, _INK_RGB)

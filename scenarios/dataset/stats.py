@@ -1,4 +1,4 @@
-"""What the corpus holds and how much its scenes differ, beside other layouts."""
+"""What a dataset holds and how much its scenes differ, beside other layouts."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, closing
 from dataclasses import asdict, dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from aeroscene.catalogue import CATALOGUE
-from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.dataset import Entry, SceneSet
 from aeroscene.metrics.diversity import (
     Layout,
     category_entropy_bits,
@@ -65,7 +64,7 @@ class Statistics:
     """Scenes in which each category appears."""
     missing: tuple[str, ...]
     diversity: tuple[Diversity, ...]
-    """Of the corpus, then of each set beside it."""
+    """Of the scenes, then of each set beside them."""
 
     def to_plain(self) -> dict[str, Any]:
         """As plain data, a key for each row of the paper's table first."""
@@ -87,7 +86,7 @@ class Statistics:
 
 
 def statistics(
-    dataset: Dataset,
+    dataset: SceneSet[Entry],
     beside: Mapping[str, Sequence[Layout]],
     jobs: int,
     bar: Bar,
@@ -95,7 +94,7 @@ def statistics(
     """Read every scene and count.
 
     Args:
-        dataset: The corpus or a part of it, at least one scene.
+        dataset: The scenes, at least one scene.
         beside: Other sets of layouts under their names.
         jobs: Processes.
         bar: Opens a bar for each of the parts that take long.
@@ -104,7 +103,7 @@ def statistics(
         SceneError: If a scene cannot be read.
     """
     layouts: list[Layout] = []
-    read = partial(_read_layout, dataset.folder)
+    read = partial(_read_layout, dataset.select(()))
     with (
         bar("reading scenes", len(dataset.entries), "scenes") as advance,
         closing(run_all(read, dataset.entries, jobs)) as results,
@@ -121,12 +120,12 @@ def statistics(
         categories={c.name: counts[c.name] for c in CATALOGUE.values()},
         scenes_with={c.name: sum(c.name in s for s in names) for c in CATALOGUE.values()},
         missing=tuple(missing_categories(counts)),
-        diversity=_compare({"corpus": layouts, **beside}, bar),
+        diversity=_compare({dataset.title: layouts, **beside}, bar),
     )
 
 
-def _read_layout(folder: Path, entry: SceneEntry) -> Layout:
-    return layout_of(Dataset(folder, (entry,)).read(entry))
+def _read_layout(reader: SceneSet[Entry], entry: Entry) -> Layout:
+    return layout_of(reader.read(entry))
 
 
 def _compare(sets: Mapping[str, Sequence[Layout]], bar: Bar) -> tuple[Diversity, ...]:

@@ -1,4 +1,4 @@
-"""Every scene of the corpus against its own rules, on every core."""
+"""Every scene of a dataset against its own rules, on every core."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import asdict, dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, get_args
 
-from aeroscene.dataset import Dataset, SceneEntry
+from aeroscene.dataset import Entry, SceneSet
 from aeroscene.scene import SceneError
 from aeroscene.validation import Finding, FindingKind, validate
 from scenarios.dataset.pool import run_all
@@ -23,7 +22,7 @@ KINDS: tuple[FindingKind, ...] = get_args(FindingKind)
 class Report:
     """What was found."""
 
-    readable: Dataset
+    readable: SceneSet[Any]
     """The scenes that could be read."""
     findings: tuple[Finding, ...]
     invalid: tuple[str, ...]
@@ -50,7 +49,7 @@ class Report:
 
 
 def validate_all(
-    dataset: Dataset, jobs: int, on_scene: Callable[[], None], *, skip_invalid: bool
+    dataset: SceneSet[Entry], jobs: int, on_scene: Callable[[], None], *, skip_invalid: bool
 ) -> Report:
     """Read and check every scene.
 
@@ -66,7 +65,7 @@ def validate_all(
     findings: list[Finding] = []
     invalid: list[str] = []
     readable: set[int] = set()
-    check = partial(_check, dataset.folder)
+    check = partial(_check, dataset.select(()))
     with closing(run_all(check, dataset.entries, jobs)) as results:
         for entry, found in zip(dataset.entries, results, strict=True):
             on_scene()
@@ -82,9 +81,9 @@ def validate_all(
     )
 
 
-def _check(folder: Path, entry: SceneEntry) -> tuple[Finding, ...] | SceneError:
+def _check(reader: SceneSet[Entry], entry: Entry) -> tuple[Finding, ...] | SceneError:
     try:
-        scene = Dataset(folder, (entry,)).read(entry)
+        scene = reader.read(entry)
     except SceneError as error:
         return error
     return validate(scene)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import pytest
 
 from aeroscene.curation import curate_scene
 from aeroscene.scene import Scene
+from aeroscene.shipped import Provenance, write_archive
+from tests.aeroscene.shipped.scenes import renamed
 
 SAMPLE = (7, 42, 45, 49, 311, 1015)
 """Corpus scenes that tests look at closely: outdoor, mixed, mixed, outdoor, indoor, outdoor."""
@@ -31,3 +34,40 @@ def scenes() -> list[Scene]:
 def scene_42() -> Scene:
     """The scene that documents speak of."""
     return cached_scene(42)
+
+
+N_ARCHIVED = 19
+"""More than one block of an archive."""
+
+
+@pytest.fixture(scope="session")
+def provenance() -> Provenance:
+    """What an archive may say of its scenes."""
+    return Provenance(
+        generator="curation",
+        checkpoint="",
+        code="0.1.0+0123456789abcdef",
+        environment={"numpy": "2.2.0"},
+        attempts={3: 2},
+    )
+
+
+@pytest.fixture(scope="session")
+def archived_scenes() -> list[Scene]:
+    """Scenes of an archive: the sampled ones under new names."""
+    return [
+        renamed(cached_scene(SAMPLE[i % len(SAMPLE)]), f"aeroscene-{i:04d}")
+        for i in range(N_ARCHIVED)
+    ]
+
+
+@pytest.fixture(scope="session")
+def archive_path(
+    tmp_path_factory: pytest.TempPathFactory,
+    archived_scenes: list[Scene],
+    provenance: Provenance,
+) -> Path:
+    """An archive of them."""
+    path = tmp_path_factory.mktemp("shipped") / "scenes.aeroscenes"
+    assert write_archive(path, archived_scenes, provenance) == path.stat().st_size
+    return path

@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 import aeroscene.curation
+import aeroscene.shipped.scenes
 from aeroscene import sources
 from aeroscene.scene import SceneError
 from aeroscene.scene_io import write_scene
@@ -25,24 +26,36 @@ def cache_folder(tmp_path, monkeypatch):
     sources._cache_folder.cache_clear()
 
 
-def test_a_number_opens_a_corpus_scene_and_the_second_time_from_the_cache(
+def test_a_corpus_scene_is_opened_the_second_time_from_the_cache(
     cache_folder, scene_42, monkeypatch
 ):
-    assert open_scene("42") == scene_42
+    assert open_scene("corpus:42") == scene_42
     assert len(list(cache_folder.rglob("corpus-0042.json"))) == 1
 
     def refuse(index):
         raise AssertionError(f"curated scene {index} again")
 
     monkeypatch.setattr(aeroscene.curation, "curate_scene", refuse)
+    assert open_scene("corpus:42") == scene_42
+
+
+def test_a_number_opens_a_scene_of_the_dataset(
+    cache_folder, scene_42, archive_path, archived_scenes, monkeypatch
+):
+    monkeypatch.setattr(sources, "NUMBERS_NAME", "corpus")
     assert open_scene("42") == scene_42
+    monkeypatch.setattr(sources, "NUMBERS_NAME", "shipped")
+    monkeypatch.setattr(aeroscene.shipped.scenes, "SHIPPED", archive_path)
+    assert open_scene("17") == open_scene("0017") == archived_scenes[17]
+    with pytest.raises(SceneError, match=r"scene 42 is not in .*, valid: 0 to 18"):
+        open_scene("42")
 
 
 def test_a_damaged_cache_is_replaced(cache_folder, scene_42):
-    open_scene("42")
+    open_scene("corpus:42")
     (path,) = cache_folder.rglob("corpus-0042.json")
     path.write_bytes(path.read_bytes()[:1000])
-    assert open_scene("42") == scene_42
+    assert open_scene("corpus:42") == scene_42
     assert path.stat().st_size > 1000
 
 
@@ -51,7 +64,7 @@ def test_a_cache_that_cannot_be_written_does_no_harm(cache_folder, scene_42, mon
     blocked.write_text("")
     monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(blocked))
     sources._cache_folder.cache_clear()
-    assert open_scene("42") == scene_42
+    assert open_scene("corpus:42") == scene_42
 
 
 def test_a_file_is_opened_by_its_path(tmp_path, scene_42):
@@ -61,14 +74,18 @@ def test_a_file_is_opened_by_its_path(tmp_path, scene_42):
 
 
 @pytest.mark.parametrize(
-    "spec", ["1016", "-1", "4.2", "x", "", "gen:3", "٤٢", "+1", "9" * 5000, "a.jsonx", "#0"]
+    "spec",
+    [
+        *("1016", "-1", "4.2", "x", "", "٤٢", "+1", "9" * 5000, "a.jsonx", "#0"),
+        *("corpus:1016", "corpus:", "gen:", "gen:x", "gen:-3", "gen:3 ", "shipped:3", "Gen:3"),
+    ],
 )
 def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):
     with pytest.raises(SceneError) as caught:
         open_scene(spec)
     assert str(caught.value) == (
-        f"scene {spec!r} is unknown, valid: a number from 0 to 1015, FILE.json or FILE.jsonl#ID, "
-        "also with .gz"
+        f"scene {spec!r} is unknown, valid: a number from 0 to 1015, corpus:N, gen:SEED, FILE.json "
+        "or FILE.jsonl#ID, also with .gz"
     )
 
 

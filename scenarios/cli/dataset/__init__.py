@@ -1,4 +1,4 @@
-"""`aeroscene dataset`: build, count, check and look at the corpus."""
+"""`aeroscene dataset`: count, check, look at and unpack scenes, and build the corpus."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import tyro
 
 from aeroscene.scene import SceneError
 from scenarios.cli.command_line import fail
-from scenarios.cli.dataset import build, show, stats, validate
+from scenarios.cli.dataset import build, show, stats, unpack, validate
 from scenarios.cli.scene_numbers import SceneNumbersError
 from scenarios.dataset.pool import WorkerDiedError
 
@@ -19,6 +19,7 @@ Action = (
     | Annotated[stats.StatsCfg, tyro.conf.subcommand("stats", prefix_name=False)]
     | Annotated[validate.ValidateCfg, tyro.conf.subcommand("validate", prefix_name=False)]
     | Annotated[show.ShowCfg, tyro.conf.subcommand("show", prefix_name=False)]
+    | Annotated[unpack.UnpackCfg, tyro.conf.subcommand("unpack", prefix_name=False)]
 )
 
 _RUN: Mapping[type, Callable[[Any], int]] = {
@@ -26,12 +27,16 @@ _RUN: Mapping[type, Callable[[Any], int]] = {
     stats.StatsCfg: stats.run,
     validate.ValidateCfg: validate.run,
     show.ShowCfg: show.run,
+    unpack.UnpackCfg: unpack.run,
 }
 
 
 @dataclass(frozen=True, kw_only=True)
 class DatasetCfg:
-    """Build, count, check and look at the corpus: 1,016 scenes in a folder."""
+    """Count, check, look at and unpack the 1,016 scenes that ship, or those of a folder.
+
+    The training corpus is built into one.
+    """
 
     action: Action
 

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Annotated, Any
 
-from aeroscene.dataset import Dataset, DatasetError, open_dataset
+import tyro
+
+from aeroscene.dataset import Dataset, DatasetError, SceneSet, open_dataset
 from aeroscene.provenance import curation_digest
 from scenarios.cli.scene_numbers import scene_numbers
 
+Data = tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="DIR|shipped")]]
+"""What a user calls a dataset."""
+
 MAX_JOBS = 512
+SHIPPED_NAME = "shipped"
+_USUAL_FOLDER = Path("corpus")
 
 
 def check_jobs(jobs: int) -> None:
@@ -22,34 +30,51 @@ def check_jobs(jobs: int) -> None:
         raise DatasetError(f"jobs {jobs} is out of range, valid: 1 to {MAX_JOBS} processes")
 
 
-def open_scenes(folder: Path, scenes: str) -> Dataset:
-    """The part of a folder that a user names, all of it for an empty text.
+def open_scenes(data: str, scenes: str) -> SceneSet[Any]:
+    """The part of a dataset that a user names, all of it for an empty text.
 
-    Says on standard error when it does not hold what the code that runs would make.
+    Args:
+        data: A folder, or `shipped`; where it is empty, ./corpus if that is there, else shipped.
+        scenes: Numbers as `scene_numbers` reads them.
 
     Raises:
         SceneNumbersError: If the text names no scenes.
-        DatasetError: If there is no dataset, or a scene that is named is not in it.
+        SceneError: If there is no dataset, or a scene that is named is not in it.
     """
-    dataset = open_dataset(folder)
-    if scenes:
-        dataset = _select(dataset, scenes)
-    n_foreign = sum(entry.sources != curation_digest() for entry in dataset.entries)
-    if n_foreign:
-        sys.stderr.write(
-            f"aeroscene dataset: {n_foreign} of {len(dataset.entries)} scenes in {folder} were "
-            "made by other sources than these; aeroscene dataset build makes them again\n"
-        )
+    if data == SHIPPED_NAME or not (data or _USUAL_FOLDER.is_dir()):
+        from aeroscene.shipped import open_shipped  # noqa: PLC0415 - only for these
+
+        return _select(open_shipped(), scenes)
+    dataset = _select(open_dataset(data or _USUAL_FOLDER), scenes)
+    _mention_foreign(dataset)
     return dataset
 
 
-def _select(dataset: Dataset, scenes: str) -> Dataset:
+def _select(dataset: SceneSet[Any], scenes: str) -> SceneSet[Any]:
+    if not scenes:
+        return dataset
     wanted = scene_numbers(scenes)
     present = {entry.index for entry in dataset.entries}
     missing = [number for number in wanted if number not in present]
     if missing:
+        way_out = (
+            f"aeroscene dataset build --scenes {scenes} makes them"
+            if isinstance(dataset, Dataset)
+            else f"0 to {len(present) - 1}"
+        )
         raise DatasetError(
-            f"scene {missing[0]} is not in {str(dataset.folder)!r} ({len(missing)} of those asked "
-            f"for are not), valid: aeroscene dataset build --scenes {scenes} makes them"
+            f"scene {missing[0]} is not in {str(dataset.place)!r} ({len(missing)} of those asked "
+            f"for are not), valid: {way_out}"
         )
     return dataset.select(frozenset(wanted))
+
+
+def _mention_foreign(dataset: SceneSet[Any]) -> None:
+    """Say on standard error when the code that runs would make other scenes than those."""
+    curated = [entry for entry in dataset.entries if entry.scene_id.startswith("corpus-")]
+    n_foreign = sum(entry.sources != curation_digest() for entry in curated)
+    if n_foreign:
+        sys.stderr.write(
+            f"aeroscene dataset: {n_foreign} of {len(dataset.entries)} scenes in {dataset.place} "
+            "were made by other sources than these; aeroscene dataset build makes them again\n"
+        )

@@ -7,13 +7,11 @@ import sys
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-import tyro
-
-from aeroscene.dataset import Dataset, DatasetError
+from aeroscene.dataset import DatasetError, SceneSet
 from scenarios.cli.command_line import EXIT_DONE
-from scenarios.cli.dataset.options import check_jobs, open_scenes
+from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
 
@@ -28,8 +26,9 @@ class ShowCfg:
     Outdoor and mixed scenes are seen from above one corner, indoor ones with the roof cut away.
     """
 
-    folder: tyro.conf.Positional[Path] = Path("corpus")
-    """Folder of the corpus."""
+    data: Data = ""
+    """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
+    folder corpus where there is one, and else shipped."""
     scenes: str = ""
     """Which scenes: A:B without B, single ones, joined by commas; by default twelve, spread."""
     out: Path = Path("sheet.png")
@@ -59,17 +58,17 @@ def run(cfg: ShowCfg) -> int:
     return EXIT_DONE
 
 
-def _choose(cfg: ShowCfg) -> Dataset:
-    dataset = open_scenes(cfg.folder, cfg.scenes)
+def _choose(cfg: ShowCfg) -> SceneSet[Any]:
+    dataset = open_scenes(cfg.data, cfg.scenes)
     if cfg.scenes:
         return dataset
-    # One after another of every domain: the corpus takes the domains in turn.
+    # One after another of every domain: datasets take the domains in turn.
     step = max(1, len(dataset.entries) // _SAMPLE)
     step += step % 3 == 0 and step > 1
     return dataset.select([e.index for e in dataset.entries[::step][:_SAMPLE]])
 
 
-def _check(cfg: ShowCfg, dataset: Dataset) -> None:
+def _check(cfg: ShowCfg, dataset: SceneSet[Any]) -> None:
     check_jobs(cfg.jobs)
     limits = (("columns", cfg.columns, 1, 50), ("width", cfg.width, 80, 1920))
     for name, value, least, most in limits:
@@ -84,7 +83,7 @@ def _check(cfg: ShowCfg, dataset: Dataset) -> None:
         )
 
 
-def _view(dataset: Dataset, viewer: Literal["auto", "native", "web"]) -> int:
+def _view(dataset: SceneSet[Any], viewer: Literal["auto", "native", "web"]) -> int:
     # rerun: only where something is opened in it.
     from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
     from scenarios.recording.scene_file import write_scene_recording  # noqa: PLC0415

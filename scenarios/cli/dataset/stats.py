@@ -18,7 +18,7 @@ from aeroscene.dataset import DatasetError
 from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
 from scenarios.cli.command_line import EXIT_DONE
-from scenarios.cli.dataset.options import check_jobs, open_scenes
+from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.stats import Diversity, Statistics, statistics
@@ -28,16 +28,17 @@ _CATEGORY_COLUMNS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class StatsCfg:
-    """Count what the corpus holds, in the rows of the paper's table and beside its figures.
+    """Count what a dataset holds, in the rows of the paper's table and beside its figures.
 
     Then domains, categories and diversity. The unit of layout distance is the layout's radius: the
     root mean square distance of its objects from their mean, seen from above.
     """
 
-    folder: tyro.conf.Positional[Path] = Path("corpus")
-    """Folder of the corpus."""
+    data: Data = ""
+    """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
+    folder corpus where there is one, and else shipped."""
     beside: tuple[Path, ...] = ()
-    """Neutral layout files (.jsonl or .jsonl.gz) whose diversity stands beside the corpus's."""
+    """Neutral layout files (.jsonl or .jsonl.gz) whose diversity stands beside its own."""
     scenes: str = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     jobs: int = field(default_factory=default_jobs)
@@ -50,13 +51,13 @@ class StatsCfg:
 def run(cfg: StatsCfg) -> int:
     """Count and print."""
     check_jobs(cfg.jobs)
-    dataset = open_scenes(cfg.folder, cfg.scenes)
+    dataset = open_scenes(cfg.data, cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
     found = statistics(dataset, beside, cfg.jobs, progress_bar)
     if cfg.json:
         print(json.dumps(found.to_plain()))
     else:
-        _print(Console(), found)
+        _print(Console(), dataset.title, found)
     return EXIT_DONE
 
 
@@ -80,8 +81,8 @@ def _read_layouts(path: Path) -> Sequence[Layout]:
     return layouts
 
 
-def _print(console: Console, found: Statistics) -> None:
-    console.print(_paper_table(found.rows))
+def _print(console: Console, title: str, found: Statistics) -> None:
+    console.print(_paper_table(title, found.rows))
     console.print("The paper's table disagrees with itself:")
     for text in INCONSISTENCIES:
         console.print(f"  {text}", style="dim", soft_wrap=True)
@@ -95,13 +96,13 @@ def _print(console: Console, found: Statistics) -> None:
         console.print(f"[bold red]None of[/]  {', '.join(found.missing)}")
     console.print()
     console.print(_diversity_table(found.diversity))
-    corpus = found.diversity[0]
-    if corpus.closest is not None:
-        console.print(f"Most alike in the corpus: {' and '.join(corpus.closest)}")
+    ours = found.diversity[0]
+    if ours.closest is not None:
+        console.print(f"Most alike in the {title}: {' and '.join(ours.closest)}")
     console.print(
         "entropy: of the category of an object, bits. nearest: distance to the nearest other "
         "layout of the set, mean and least, in layout radii; among as many as the smallest set "
-        f"has, {corpus.n_compared}, since neighbours are nearer where there are more.",
+        f"has, {ours.n_compared}, since neighbours are nearer where there are more.",
         style="dim",
     )
 
@@ -117,8 +118,8 @@ def _table(title: str) -> Table:
     )
 
 
-def _paper_table(rows: Sequence[Row]) -> Table:
-    table = _table("The corpus beside the paper's dataset")
+def _paper_table(title: str, rows: Sequence[Row]) -> Table:
+    table = _table(f"The {title} beside the paper's dataset")
     table.add_column("", no_wrap=True)
     for heading in ("train", "paper", "test", "paper", "total", "paper", "off by"):
         table.add_column(heading, justify="right", style="dim" if heading == "paper" else None)

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from aeroscene.dataset import Dataset, DatasetError
+from aeroscene.dataset import DatasetError, SceneSet
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
-from scenarios.cli.dataset.options import check_jobs, open_scenes
+from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
 from scenarios.dataset.pool import default_jobs
@@ -26,7 +25,7 @@ _EXAMPLES = 5
 
 @dataclass(frozen=True, kw_only=True)
 class ValidateCfg:
-    """Check every scene of the corpus against its own rules.
+    """Check every scene of a dataset against its own rules.
 
     overlap: boxes that share an IoU above 0.01 though neither carries the other. floating: nothing
     below or beside it to hold it. outside: beyond the flight volume. unreachable: a start or an
@@ -36,8 +35,9 @@ class ValidateCfg:
     read.
     """
 
-    folder: tyro.conf.Positional[Path] = Path("corpus")
-    """Folder of the corpus."""
+    data: Data = ""
+    """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
+    folder corpus where there is one, and else shipped."""
     drops: int = 0
     """Also let an unpowered Iris fall from 0.3 m on this many random landing areas: it must come
     to rest on them, level within their slope and 2 degrees."""
@@ -59,7 +59,7 @@ def run(cfg: ValidateCfg) -> int:
     for name, value in (("drops", cfg.drops), ("seed", cfg.seed)):
         if value < 0:
             raise DatasetError(f"{name} {value} is negative, valid: 0 or more")
-    dataset = open_scenes(cfg.folder, cfg.scenes)
+    dataset = open_scenes(cfg.data, cfg.scenes)
     with progress_bar("checking scenes", len(dataset.entries)) as advance:
         report = validate_all(dataset, cfg.jobs, advance, skip_invalid=cfg.skip_invalid)
     drops = _drop(cfg, report.readable) if cfg.drops else None
@@ -72,7 +72,7 @@ def run(cfg: ValidateCfg) -> int:
     return EXIT_DONE if is_good else EXIT_NEGATIVE
 
 
-def _drop(cfg: ValidateCfg, dataset: Dataset) -> DropReport:
+def _drop(cfg: ValidateCfg, dataset: SceneSet[Any]) -> DropReport:
     n_drops = min(cfg.drops, sum(entry.n_landing for entry in dataset.entries))
     with progress_bar("dropping", n_drops, "drops") as advance:
         return drop_all(dataset, cfg.drops, cfg.seed, cfg.jobs, advance)

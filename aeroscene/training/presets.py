@@ -1,0 +1,92 @@
+"""The two presets: every section of a training's configuration, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, get_args
+
+from aeroscene.catalogue import CATALOGUE
+from aeroscene.diffusion.loss import LossCfg
+from aeroscene.diffusion.schedule import ScheduleCfg
+from aeroscene.guidance.objectives import ObjectivesCfg
+from aeroscene.guidance.semantic import SemanticPriorCfg
+from aeroscene.model.config import ModelCfg, paper_cfg
+from aeroscene.skeleton.config import SkeletonCfg, SkeletonTrainingCfg
+from aeroscene.tokens.kinds import Vocabulary
+from aeroscene.training.checkpoint import Part
+from aeroscene.training.config import PAPER_TRAINING, Preset, TrainCfg, TrainingError
+from aeroscene.training.settings import section_from_plain, section_to_plain
+
+_SHARED = ("model", "schedule", "loss", "training")
+Sections = Mapping[str, Any]
+"""Frozen dataclasses by the name of their section."""
+
+_DEFAULT: Sections = {
+    "model": ModelCfg(),
+    "schedule": ScheduleCfg(),
+    "loss": LossCfg(),
+    "training": TrainCfg(),
+    "skeleton": SkeletonCfg(),
+    "skeleton_training": SkeletonTrainingCfg(),
+}
+_PAPER: Sections = {
+    "model": paper_cfg(len(CATALOGUE)),
+    "schedule": ScheduleCfg(kind="linear"),
+    # The paper leaves lambda_guide open but for "small", and does not supervise its gate.
+    "loss": LossCfg(parameterisation="eps", is_stratified=False, guide_weight=0.1, gate_weight=0.1),
+    "training": PAPER_TRAINING,
+    "prior": SemanticPriorCfg(n_categories=len(CATALOGUE)),
+    "guidance": ObjectivesCfg(),
+}
+_KINDS: Mapping[str, type] = {
+    name: type(section) for name, section in {**_DEFAULT, **_PAPER}.items()
+}
+PARTS: Mapping[Preset, tuple[Part, ...]] = {
+    "default": ("skeleton", "denoiser"),
+    "paper": ("prior", "denoiser"),
+}
+"""What each preset consists of, in the order of its training: L_guide reads the prior."""
+
+
+def preset_sections(preset: Preset) -> dict[str, Any]:
+    """What a preset consists of.
+
+    Raises:
+        TrainingError: If there is no such preset.
+    """
+    if preset not in get_args(Preset):
+        raise TrainingError(f"preset is {preset!r}, valid: {', '.join(get_args(Preset))}")
+    return dict(_PAPER if preset == "paper" else _DEFAULT)
+
+
+def is_flat(sections: Sections) -> bool:
+    """Whether the model sees scenes as the paper does: no hierarchy, categories as channels."""
+    return sections["model"].n_categories > 0
+
+
+def fitted(sections: Sections, vocabulary: Vocabulary) -> dict[str, Any]:
+    """Sections for the kinds that there are."""
+    if is_flat(sections):
+        return dict(sections)
+    return {**sections, "model": replace(sections["model"], n_kinds=vocabulary.n_kinds)}
+
+
+def sections_to_plain(sections: Sections) -> dict[str, dict[str, Any]]:
+    """Sections as a checkpoint keeps them."""
+    return {name: section_to_plain(section) for name, section in sections.items()}
+
+
+def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """What `sections_to_plain` made of them.
+
+    Raises:
+        TrainingError: If a section is missing, unknown, or out of range.
+    """
+    unknown = [name for name in plain if name not in _KINDS]
+    if unknown:
+        raise TrainingError(f"section [{unknown[0]}] is unknown, valid: {', '.join(_KINDS)}")
+    missing = [name for name in _SHARED if name not in plain]
+    if missing:
+        raise TrainingError(f"section [{missing[0]}] is missing, valid: {', '.join(_KINDS)}")
+    return {name: section_from_plain(_KINDS[name], values, name) for name, values in plain.items()}

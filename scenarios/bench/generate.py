@@ -1,0 +1,236 @@
+"""`bench generate`: what a generated scene costs, and how good it is before and after feasibility.
+
+Every figure stands beside that of real scenes, the corpus, under the same code. Times are wall
+times of the whole way from a seed to a finished scene, landing areas and validation included.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from aeroscene.corpus import scene_domain
+from aeroscene.dataset import Dataset, DatasetError, open_dataset
+from aeroscene.feasibility import FeasibilityCfg, make_feasible
+from aeroscene.generation.generator import Generated, Generator
+from aeroscene.generation.loading import SHIPPED
+from aeroscene.generation.request import Request
+from aeroscene.metrics.classifier import N_FOLDS
+from aeroscene.metrics.comparison import Figures, Reference, figures_of
+from aeroscene.scene import Scene
+from aeroscene.training.checkpoint import read_checkpoint
+from scenarios.bench.quality import (
+    FEASIBLE,
+    RAW,
+    TEST,
+    TRAIN,
+    Drawn,
+    comparison,
+    feasibility_rows,
+    statistics_rows,
+    validity_rows,
+)
+from scenarios.bench.row import Row
+
+OnProgress = Callable[[str, float], None]
+Preset = Literal["default", "paper"]
+
+MOST_SECONDS = {"default": 2.0, "paper": 15.0}
+"""For one scene on two cores."""
+MOST_GPU_SECONDS = 0.5
+LEAST_GPU_RATE = 50.0
+MOST_MEMORY_GB = 2.0
+LEAST_VALID = {"cpu": 85.0, "gpu": 95.0}
+"""Percent of objects before feasibility, by what the checkpoint was trained on."""
+
+_BATCH_SIZE = 64
+_N_TIMED = 6
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class GenerateBenchCfg:
+    """What to generate and with what to compare it."""
+
+    count: int
+    seed: int
+    checkpoint: Path | None
+    preset: Preset
+    device: str
+    data: Path
+    """Folder of the corpus."""
+
+
+def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Generate scenes, one after the other, and judge them.
+
+    Args:
+        cfg: What to generate.
+        on_progress: Called with a title and the share done.
+
+    Raises:
+        SceneError: If checkpoint, device or corpus cannot be used.
+    """
+    corpus = _corpus(cfg.data)
+    generator = Generator.load(cfg.checkpoint, preset=cfg.preset, device=cfg.device)
+    costs = _generate(generator, cfg, on_progress)
+    yield from _speed_rows(generator, cfg, costs)
+    on_progress("reading the corpus", 0.6)
+    train = list(corpus.of_split("train").scenes())
+    test = list(corpus.of_split("test").scenes())
+    yield from _validity_rows(cfg, costs, test)
+    draws = [
+        Drawn(raw=made.raw, projected=made.projected, is_rejected=made.scene is None)
+        for made in (cost.made for cost in costs)
+    ]
+    checked = iter(range(1, len(draws) + 1))
+    yield from feasibility_rows(
+        draws,
+        lambda: on_progress(
+            "checking that scenes are sound", 0.7 + 0.2 * next(checked) / cfg.count
+        ),
+    )
+    on_progress("comparing with the corpus", 0.9)
+    yield from comparison(_figures(draws, train, test, cfg.seed))
+    accepted = [draw.projected for draw in draws if not draw.is_rejected]
+    if accepted:
+        yield from statistics_rows(accepted)
+
+
+def _corpus(folder: Path) -> Dataset:
+    """The scenes to compare with, before the minutes of work."""
+    corpus = open_dataset(folder)
+    for split in ("train", "test"):
+        count = len(corpus.of_split(split).entries)
+        if count < N_FOLDS:
+            raise DatasetError(
+                f"folder {str(folder)!r} has {count} scenes of the {split} split, valid: "
+                f"{N_FOLDS} or more; aeroscene dataset build makes all"
+            )
+    return corpus
+
+
+@dataclass(frozen=True, slots=True)
+class _Cost:
+    """What one scene cost."""
+
+    made: Generated
+    wall_s: float
+    cpu_s: float
+
+
+def _generate(generator: Generator, cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[_Cost]:
+    on_progress("first scene, which compiles kernels", 0.0)
+    _one(generator, Request(seed=cfg.seed + cfg.count))
+    costs = []
+    for number in range(cfg.count):
+        on_progress(f"scene {number + 1} of {cfg.count}", 0.55 * number / cfg.count)
+        costs.append(_one(generator, _request(cfg.seed, number)))
+    return costs
+
+
+def _request(seed: int, number: int) -> Request:
+    """A third of the scenes of each domain, as in the corpus."""
+    return Request(seed=seed + number, domain=scene_domain(number))
+
+
+def _one(generator: Generator, request: Request) -> _Cost:
+    wall_s, cpu_s = time.perf_counter(), time.process_time()
+    (made,) = generator.generate([request])
+    return _Cost(made, time.perf_counter() - wall_s, time.process_time() - cpu_s)
+
+
+def _speed_rows(
+    generator: Generator, cfg: GenerateBenchCfg, costs: Sequence[_Cost]
+) -> Iterator[Row]:
+    is_gpu = _is_gpu(generator.device)
+    wall_s, n_objects = [c.wall_s for c in costs], [len(c.made.raw.objects) for c in costs]
+    most_s = MOST_GPU_SECONDS if is_gpu and cfg.preset == "default" else MOST_SECONDS[cfg.preset]
+    median_s = float(np.median(wall_s))
+    yield _lower("one scene, median", median_s, "s", most_s)
+    yield _lower("one scene, p95", float(np.quantile(wall_s, 0.95)), "s", None)
+    yield _lower("its CPU time, median", float(np.median([c.cpu_s for c in costs])), "CPU s", None)
+    yield _lower("its feasibility, median", _feasibility_s(costs), "s", None)
+    yield Row(metric="its objects, mean", value=float(np.mean(n_objects)), unit="objects")
+    if is_gpu:
+        yield from _gpu_rows(generator, cfg, _feasibility_s(costs))
+    yield _lower("peak memory", _peak_memory_gb(), "GB", MOST_MEMORY_GB)
+
+
+def _feasibility_s(costs: Sequence[_Cost]) -> float:
+    """Of a few scenes, once more by itself."""
+    seconds = []
+    for cost in costs[:_N_TIMED]:
+        start_s = time.perf_counter()
+        make_feasible(cost.made.raw, FeasibilityCfg())
+        seconds.append(time.perf_counter() - start_s)
+    return float(np.median(seconds))
+
+
+def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, feasibility_s: float) -> Iterator[Row]:
+    """Many at once; feasibility is the processor's work, and is taken off."""
+    import torch  # noqa: PLC0415 - for a GPU only
+
+    requests = [_request(cfg.seed, number) for number in range(_BATCH_SIZE)]
+    start_s = time.perf_counter()
+    n_made = sum(1 for _ in generator.generate(requests, batch_size=_BATCH_SIZE))
+    wall_s = time.perf_counter() - start_s
+    model_s = max(wall_s - n_made * feasibility_s, 1e-3)
+    yield Row(
+        metric=f"sampling in batches of {_BATCH_SIZE}",
+        value=n_made / model_s,
+        unit="scenes / s",
+        target=LEAST_GPU_RATE if cfg.preset == "default" else None,
+    )
+    yield Row(metric="the same with feasibility", value=n_made / wall_s, unit="scenes / s")
+    memory_gb = torch.cuda.max_memory_allocated() / 1e9
+    yield _lower("peak memory of the GPU", memory_gb, "GB", None)
+
+
+def _validity_rows(
+    cfg: GenerateBenchCfg, costs: Sequence[_Cost], test: Sequence[Scene]
+) -> Iterator[Row]:
+    facts = read_checkpoint(cfg.checkpoint or SHIPPED[cfg.preset]).facts
+    trained_on = "gpu" if _is_gpu(str(facts.training.get("device", "cpu"))) else "cpu"
+    yield from validity_rows([c.made.raw for c in costs], RAW, LEAST_VALID[trained_on])
+    yield from validity_rows(test[: len(costs)], TEST, None)
+
+
+def _is_gpu(device: str) -> bool:
+    return not device.startswith("cpu")
+
+
+def _figures(
+    draws: Sequence[Drawn], train: Sequence[Scene], test: Sequence[Scene], seed: int
+) -> dict[str, Figures]:
+    rng = np.random.default_rng(seed)
+    reference = Reference.of(train, test)
+    chosen = rng.choice(len(train), min(len(draws), len(train)), replace=False).tolist()
+    groups = {
+        RAW: [draw.raw for draw in draws],
+        FEASIBLE: [draw.projected for draw in draws if not draw.is_rejected],
+        TEST: test,
+        TRAIN: [train[i] for i in chosen],
+    }
+    return {
+        name: figures_of(scenes, reference, rng)
+        for name, scenes in groups.items()
+        if len(scenes) >= N_FOLDS
+    }
+
+
+def _peak_memory_gb() -> float:
+    """Most memory that this process has held until now."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    # Kilobytes on Linux, bytes on macOS.
+    return peak / 1e9 if sys.platform == "darwin" else peak * 1024 / 1e9
+
+
+def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
+    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")

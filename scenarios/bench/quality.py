@@ -1,0 +1,170 @@
+"""How good generated scenes are: rows from scenes alone, whoever made them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeroscene.dataset import summarise
+from aeroscene.feasibility.validity import validity
+from aeroscene.metrics.comparison import ComparisonRow, Figures, comparison_rows
+from aeroscene.metrics.displacement import displacement
+from aeroscene.metrics.paper_table import paper_table
+from aeroscene.scene import Scene
+from scenarios.bench.row import Row
+from scenarios.bench.soundness import fault
+
+LEAST_SOUND = 99.0
+MOST_MEDIAN_M = 0.5
+MOST_DROPPED = 1.0
+MOST_DEVIATION = 10.0
+LEAST_DISTANCE_SHARE = 0.9
+"""Of the test split's median distance from training."""
+RAW, FEASIBLE, TEST, TRAIN = "before", "after", "test split", "training split"
+"""The groups: before and after feasibility, and the corpus."""
+
+_BY_SCENE = (
+    "collision_rate",
+    "collision_rate_without_family",
+    "colliding_objects_without_family",
+    "colliding_scenes_without_family",
+    "collision_depth_without_family",
+    "objects_in_strangers",
+    "consistency",
+    "consistency_centroid",
+    "astray",
+    "plausibility",
+    "plausibility_place",
+)
+"""Figures whose ground truth is the test split."""
+_OF_SETS = (
+    "category_kl",
+    "cooccurrence_kl",
+    "hierarchy_kl",
+    "mmd",
+    "coverage",
+    "classifier_accuracy",
+)
+"""Figures against the test split; their ground truth are as many scenes of the training split."""
+_OF_COPIES = (
+    "training_distance",
+    "least_training_distance",
+    "copied",
+    "known_contents",
+    "known_skeletons",
+    "known_coarse_skeletons",
+)
+_COLLISIONS = _BY_SCENE[:6]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drawn:
+    """One draw of the generator."""
+
+    raw: Scene
+    """As sampled."""
+    projected: Scene
+    """After feasibility."""
+    is_rejected: bool
+
+
+def validity_rows(scenes: Sequence[Scene], where: str, target: float | None) -> Iterator[Row]:
+    """Objects that are free of others and rightly supported.
+
+    Args:
+        scenes: Raw scenes, or real ones.
+        where: What they are, for the titles.
+        target: Least share of objects in percent that should be both.
+    """
+    verdicts = [validity(scene) for scene in scenes]
+    for what, shares, least in (
+        ("valid", [verdict.is_valid for verdict in verdicts], target),
+        ("free of others", [verdict.is_free for verdict in verdicts], None),
+        ("rightly supported", [verdict.is_supported for verdict in verdicts], None),
+    ):
+        share = float(100 * np.concatenate(shares).mean())
+        yield Row(metric=f"objects {what}, {where}", value=share, unit="%", target=least)
+
+
+def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> Iterator[Row]:
+    """What the projection made of the draws, rejected ones included, and at what cost.
+
+    Args:
+        draws: All draws.
+        on_scene: Called after each is checked.
+    """
+    n_sound = 0
+    for draw in draws:
+        n_sound += fault(draw.projected) is None
+        on_scene()
+    yield Row(
+        metric="draws sound, after",
+        value=100 * n_sound / len(draws),
+        unit="%",
+        target=LEAST_SOUND,
+    )
+    rejected = 100 * sum(draw.is_rejected for draw in draws) / len(draws)
+    yield _lower("draws rejected", rejected, "%", None)
+    by = displacement([draw.raw for draw in draws], [draw.projected for draw in draws])
+    yield _lower("displacement, median", by.median_m, "m", MOST_MEDIAN_M)
+    yield _lower("displacement, mean", by.mean_m, "m", None)
+    yield _lower("displacement, p95", by.p95_m, "m", None)
+    yield _lower("objects moved by over 1 cm", 100 * by.moved_share, "%", None)
+    yield _lower("objects resized by over 1 cm", 100 * by.resized_share, "%", None)
+    yield _lower("objects dropped", 100 * by.dropped_share, "%", MOST_DROPPED)
+
+
+def comparison(figures: Mapping[str, Figures]) -> Iterator[Row]:
+    """Every figure before and after feasibility beside the corpus's own.
+
+    Args:
+        figures: Of `RAW`, of `FEASIBLE` where enough scenes were not rejected, of `TEST` and of as
+            many scenes of `TRAIN`.
+    """
+    table = {row.key: row for row in comparison_rows(figures)}
+    for keys, truth in ((_BY_SCENE, TEST), (_OF_SETS, TRAIN), (_OF_COPIES, TEST)):
+        for key in keys:
+            for group in (RAW, FEASIBLE, truth):
+                if group in figures:
+                    yield _compared(table[key], group, _target(key, group, table))
+
+
+def _target(key: str, group: str, table: Mapping[str, ComparisonRow]) -> float | None:
+    if group != FEASIBLE:
+        return None
+    if key in _COLLISIONS:
+        return table[key].values[TEST]
+    if key == "mmd":
+        return table[key].values[RAW] + table["mmd_noise"].values[RAW]
+    if key == "training_distance":
+        return LEAST_DISTANCE_SHARE * table[key].values[TEST]
+    return None
+
+
+def _compared(row: ComparisonRow, group: str, target: float | None) -> Row:
+    is_lower = row.better == "lower"
+    return Row(
+        metric=f"{row.title}, {group}",
+        value=row.values[group],
+        unit=row.unit,
+        target=target,
+        better="lower" if is_lower else "higher",
+    )
+
+
+def statistics_rows(scenes: Sequence[Scene]) -> Iterator[Row]:
+    """Averages beside those of the paper's table, and how far off they are."""
+    summaries = [summarise(scene, index) for index, scene in enumerate(scenes)]
+    categories = {i: {obj.category for obj in scene.objects} for i, scene in enumerate(scenes)}
+    for row in paper_table(summaries, categories):
+        if row.is_average and row.deviation is not None:
+            title, value = row.title.strip().lower(), row.ours["total"] or 0.0
+            yield Row(metric=f"{title}, mean", value=value, unit=f"paper {row.paper['total']:g}")
+            off = 100 * abs(row.deviation)
+            yield _lower(f"{title}, off the paper's", off, "%", MOST_DEVIATION)
+
+
+def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
+    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")

@@ -1,0 +1,50 @@
+"""`aeroscene dataset unpack`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.dataset.options import SHIPPED_NAME, check_jobs, open_scenes
+from scenarios.cli.progress import progress_bar
+from scenarios.dataset.pool import default_jobs
+from scenarios.dataset.unpack import unpack_all
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnpackCfg:
+    """Write the scenes that come with the package as JSON files, one each.
+
+    Their format is that of docs/scenes.md: `--scene FILE.json` opens them again.
+    """
+
+    out: Path = Path("scenes")
+    """Folder to write to; it is made where there is none. Files of the same names are replaced."""
+    scenes: str = ""
+    """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
+    gzip: bool = False
+    """Compress them: .json.gz, a fifth of the size."""
+    jobs: int = field(default_factory=default_jobs)
+    """Processes; the default is the number of cores."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: folder, scenes, bytes."""
+
+
+def run(cfg: UnpackCfg) -> int:
+    """Write them and say where they are."""
+    check_jobs(cfg.jobs)
+    dataset = open_scenes(SHIPPED_NAME, cfg.scenes)
+    suffix = ".json.gz" if cfg.gzip else ".json"
+    n_scenes = len(dataset.entries)
+    with progress_bar("unpacking", n_scenes) as advance:
+        n_bytes = unpack_all(dataset, cfg.out, suffix, cfg.jobs, advance)
+    if cfg.json:
+        print(json.dumps({"folder": str(cfg.out), "scenes": n_scenes, "bytes": n_bytes}))
+    else:
+        print(f"{cfg.out}: {n_scenes} scenes, {n_bytes / 1e6:.1f} MB")
+    return EXIT_DONE

@@ -1,0 +1,247 @@
+"""`aeroscene train`."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+
+from scenarios.cli.command_line import EXIT_DONE, EXIT_INTERRUPTED, fail
+from scenarios.cli.progress import progress_bar
+from scenarios.cli.training_bar import TrainingBar, training_bar
+
+if TYPE_CHECKING:
+    from aeroscene.training.data import TrainingData
+    from aeroscene.training.procedure import Plan, Training
+    from aeroscene.training.state import TrainingState
+
+_PROG = "aeroscene train"
+_CORPUS_SIZE = 1016
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainCfg:
+    """Train a model that generates scenes: skeletons first, then where everything stands.
+
+    Ctrl-C saves and leaves; the same command with --resume goes on from there. The folder then
+    holds checkpoint.safetensors for `aeroscene generate`, state.safetensors to go on from,
+    log.jsonl and curves.png.
+    """
+
+    preset: Literal["default", "paper"] | None = None
+    """The model and its training: default, or the paper's to the letter. [default: default]"""
+    config: Path | None = None
+    """TOML file that changes fields of the preset; see docs/model.md."""
+    data: Path = Path("corpus")
+    """Folder that `aeroscene dataset build` has made, or a file of neutral layouts."""
+    out: Path = Path("training")
+    """Folder to write to; it is made where there is none."""
+    steps: int | None = None
+    """Steps of the denoiser; the same number gives the same weights, stopped or not."""
+    minutes: float | None = None
+    """Minutes of the denoiser; what ends first, steps or minutes. [default: 60]"""
+    resume: bool = False
+    """Go on with the training in the folder."""
+    device: str = "auto"
+    """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
+    threads: int | None = None
+    """Threads of the processor. [default: all cores]"""
+    parts: tuple[Literal["skeleton", "prior", "denoiser"], ...] | None = None
+    """What to train. The default has skeleton (minutes) and denoiser, the paper prior (a minute)
+    and denoiser. [default: all of these]"""
+    take: Path | None = None
+    """Checkpoint whose other parts are taken over; it must be of the same data."""
+    save_minutes: float = 5.0
+    """Minutes between two saves."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: folder, checkpoint, preset, device, done, and figures of the
+    training."""
+
+
+def run(cfg: TrainCfg) -> int:
+    """Train; exit status 2 with one line where input, device or memory do not allow it."""
+    # PyTorch: seconds that no other command should spend.
+    from aeroscene.scene import SceneError  # noqa: PLC0415
+    from aeroscene.training.procedure import Training  # noqa: PLC0415
+
+    try:
+        with _asked_to_stop() as stop:
+            state = _open_state(cfg)
+            plan = _plan(cfg, state)
+            with training_bar() as bar:
+                training = Training(plan, _Watcher(bar, stop))
+                is_done = training.run(state)
+    except SceneError as error:
+        fail(_PROG, str(error))
+    except OSError as error:
+        where = f"file {error.filename!r}: " if error.filename else ""
+        fail(_PROG, f"{where}{(error.strerror or str(error)).lower()}")
+    _report(cfg, plan, training, is_done=is_done)
+    return EXIT_DONE if is_done else EXIT_INTERRUPTED
+
+
+@dataclass(frozen=True)
+class _Watcher:
+    """Moves the bar; stops where the user wants it."""
+
+    bar: TrainingBar
+    stop: threading.Event
+
+    def on_progress(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
+        self.bar.show(stage, share, figures)
+
+    def wants_stop(self) -> bool:
+        return self.stop.is_set()
+
+
+@contextmanager
+def _asked_to_stop() -> Iterator[threading.Event]:
+    """An event that Ctrl-C, or an end from outside, sets; a second Ctrl-C ends at once."""
+    event = threading.Event()
+
+    def ask(number: int, _frame: Any) -> None:
+        event.set()
+        signal.signal(number, signal.default_int_handler)
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield event
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _open_state(cfg: TrainCfg) -> TrainingState | None:
+    from aeroscene.training.config import TrainingError  # noqa: PLC0415 - PyTorch
+    from aeroscene.training.state import STATE, read_state  # noqa: PLC0415
+
+    state = read_state(cfg.out / STATE)
+    if state is not None and not cfg.resume:
+        raise TrainingError(
+            f"out {str(cfg.out)!r} holds a training already ({state.step:,} steps), "
+            "valid: --resume to go on with it, or another folder"
+        )
+    if state is None and cfg.resume:
+        raise TrainingError(
+            f"out {str(cfg.out)!r} holds no training to resume ({STATE} is missing), "
+            "valid: a folder that aeroscene train has written to"
+        )
+    return state
+
+
+def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
+    import torch  # noqa: PLC0415 - seconds that no other command should spend
+
+    from aeroscene.training.config import Budget, require  # noqa: PLC0415
+    from aeroscene.training.devices import choose_device  # noqa: PLC0415
+    from aeroscene.training.presets import PARTS, fitted, is_flat  # noqa: PLC0415
+    from aeroscene.training.procedure import Plan, taken_parts  # noqa: PLC0415
+
+    device = choose_device(cfg.device)
+    if cfg.threads is not None:
+        require(ok=1 <= cfg.threads <= 1024, name="threads", value=cfg.threads, valid="1 to 1024")
+        torch.set_num_threads(cfg.threads)
+    least = "more than 0"
+    require(ok=cfg.save_minutes > 0, name="save_minutes", value=cfg.save_minutes, valid=least)
+    minutes = 60.0 if cfg.minutes is None and cfg.steps is None else cfg.minutes
+    budget = Budget(cfg.steps, None if minutes is None else 60.0 * minutes)
+    # What can be refused at once is, before the scenes are read.
+    preset, sections = _sections(cfg, state)
+    data = _read_data(cfg.data, is_flat=is_flat(sections))
+    if state is None:
+        sections = fitted(sections, data.vocabulary)
+    parts = cfg.parts or PARTS[preset]
+    strange = [part for part in parts if part not in PARTS[preset]]
+    valid = f"{', '.join(PARTS[preset])} with preset {preset}"
+    require(ok=not strange, name="parts", value=" ".join(parts), valid=valid)
+    return Plan(
+        folder=cfg.out,
+        preset=preset,
+        sections=sections,
+        data=data,
+        budget=budget,
+        device=device,
+        save_seconds=60.0 * cfg.save_minutes,
+        parts=parts,
+        taken={} if cfg.take is None else taken_parts(cfg.take, data, parts),
+    )
+
+
+def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Any, dict[str, Any]]:
+    """Preset and configuration: those asked for; when resuming, those it was begun with."""
+    from aeroscene.training.presets import (  # noqa: PLC0415 - PyTorch
+        preset_sections,
+        sections_from_plain,
+    )
+    from aeroscene.training.settings import read_settings  # noqa: PLC0415
+
+    if state is None:
+        preset = cfg.preset or "default"
+        sections = preset_sections(preset)
+        if cfg.config is not None:
+            sections = read_settings(cfg.config, sections)
+        return preset, sections
+    sections = sections_from_plain(state.facts.configs)
+    _check_unchanged(cfg, state, sections)
+    return state.facts.preset, sections
+
+
+def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str, Any]) -> None:
+    from aeroscene.training.config import TrainingError  # noqa: PLC0415 - PyTorch
+    from aeroscene.training.settings import read_settings  # noqa: PLC0415
+
+    begun = state.facts.preset
+    if cfg.preset not in {None, begun}:
+        raise TrainingError(
+            f"preset is {cfg.preset!r}, valid: {begun!r}, with which the training in "
+            f"{str(cfg.out)!r} was begun; or another folder"
+        )
+    if cfg.config is None:
+        return
+    asked = read_settings(cfg.config, sections)
+    different = [name for name in sections if asked[name] != sections[name]]
+    if different:
+        raise TrainingError(
+            f"config {str(cfg.config)!r} is not what the training in {str(cfg.out)!r} was begun "
+            f"with ([{different[0]}] differs), valid: the same, none, or another folder"
+        )
+
+
+def _read_data(path: Path, *, is_flat: bool) -> TrainingData:
+    from aeroscene.training.data import open_training_data  # noqa: PLC0415 - PyTorch
+
+    with progress_bar("reading scenes", _CORPUS_SIZE) as advance:
+        return open_training_data(path, is_flat=is_flat, on_scene=advance)
+
+
+def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> None:
+    from aeroscene.training.procedure import CHECKPOINT  # noqa: PLC0415 - PyTorch
+
+    path = plan.folder / CHECKPOINT
+    figures = training.figures
+    if cfg.json:
+        facts = {
+            "folder": str(plan.folder),
+            "checkpoint": str(path),
+            "preset": plan.preset,
+            "device": str(plan.device),
+            "done": is_done,
+        }
+        print(json.dumps(facts | figures))
+        return
+    losses = ", ".join(
+        f"{name.replace('_', ' ')} {figures[name]:.4f}"
+        for name in ("loss", "held_out_loss")
+        if name in figures
+    )
+    print(f"{path}: {figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, {losses}")
+    if not is_done:
+        sys.stderr.write(f"{_PROG}: stopped and saved; --resume goes on from here\n")

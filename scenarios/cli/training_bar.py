@@ -1,0 +1,47 @@
+"""A bar on standard error for training: how far, which losses, how long to go."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+
+_SHOWN = ("total", "held_out", "learning_rate")
+
+
+@dataclass
+class TrainingBar:
+    """A line for each stage."""
+
+    progress: Progress
+    _tasks: dict[str, TaskID] = field(default_factory=dict)
+    _figures: dict[str, float] = field(default_factory=dict)
+
+    def show(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
+        """Move a stage's bar to a share, 0 to 1; figures stay until there are newer ones."""
+        if stage not in self._tasks:
+            self._tasks[stage] = self.progress.add_task(stage, total=1.0, losses="")
+            self._figures.clear()
+        self._figures |= {name: figures[name] for name in _SHOWN if name in figures}
+        losses = "  ".join(
+            f"{name.replace('_', ' ')} {value:.3g}" for name, value in self._figures.items()
+        )
+        self.progress.update(self._tasks[stage], completed=min(share, 1.0), losses=losses)
+
+
+@contextmanager
+def training_bar() -> Iterator[TrainingBar]:
+    """A bar where standard error is a terminal."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:.0f}%"),
+        TextColumn("{task.fields[losses]}"),
+        TimeRemainingColumn(elapsed_when_finished=True),
+    )
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
+        yield TrainingBar(progress)

@@ -1,0 +1,200 @@
+"""Makes the scenes that ship: drawn until one is sound, kept in a folder, packed into one file."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import aeroscene
+from aeroscene.corpus import CORPUS_SIZE, scene_domain
+from aeroscene.dataset import Dataset, DatasetError, SceneEntry, store_scene
+from aeroscene.provenance import sources_digest
+from aeroscene.scene import Scene
+from aeroscene.shipped import Provenance, write_archive
+from aeroscene.validation import validate
+from scenarios.dataset.build import BuildPlan, plan_folder
+
+if TYPE_CHECKING:
+    from aeroscene.generation import Generator
+
+MOST_ATTEMPTS = 20
+_DIGEST_LENGTH = 16
+
+
+class Maker(Protocol):
+    """Draws scenes by number."""
+
+    @property
+    def name(self) -> str:
+        """What to call it."""
+        ...
+
+    @property
+    def checkpoint(self) -> str:
+        """SHA-256 of the weights; empty where there are none."""
+        ...
+
+    def draw(self, number: int, attempt: int) -> Scene | None:
+        """A scene, None where the draw is rejected; the same for the same arguments."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ModelMaker:
+    """The trained model, one scene at a time: so `gen:N` and scene N come from the same draws."""
+
+    path: Path
+    """Checkpoint."""
+    device: str
+
+    @property
+    def name(self) -> str:
+        """What to call it."""
+        return f"model {self.path.stem}"
+
+    @property
+    def checkpoint(self) -> str:
+        """SHA-256 of the weights' file.
+
+        Raises:
+            OSError: If it cannot be read.
+        """
+        return hashlib.sha256(self.path.read_bytes()).hexdigest()
+
+    def draw(self, number: int, attempt: int) -> Scene | None:
+        """A scene of the number's domain, None where it is not feasible.
+
+        Raises:
+            SceneError: If checkpoint or device cannot be used.
+        """
+        from aeroscene.generation import Request  # noqa: PLC0415 - torch
+
+        request = Request(seed=number, domain=scene_domain(number))
+        return next(_generator(self.path, self.device).generate([request], attempt=attempt)).scene
+
+
+@cache
+def _generator(checkpoint: Path, device: str) -> Generator:
+    """One for each process; on one thread, as many processes share the cores."""
+    import torch  # noqa: PLC0415 - only where scenes are generated
+
+    from aeroscene.generation import Generator  # noqa: PLC0415
+
+    torch.set_num_threads(1)
+    return Generator.load(checkpoint, device=device)
+
+
+@dataclass(frozen=True, slots=True)
+class CorpusMaker:
+    """The curated corpus in the model's place: a rehearsal."""
+
+    name: str = "curation"
+    checkpoint: str = ""
+
+    def draw(self, number: int, attempt: int) -> Scene | None:
+        """Scene of the corpus; another draw of it is the same."""
+        from aeroscene.curation import curate_scene  # noqa: PLC0415 - heavy
+
+        return curate_scene(number) if attempt == 0 else None
+
+
+def plan_shipped(folder: Path, numbers: tuple[int, ...], maker: Maker) -> BuildPlan:
+    """Look at what is there of the scenes that are to ship.
+
+    Raises:
+        DatasetError: If the folder's manifest cannot be read.
+        OSError: If the weights cannot be read.
+    """
+    sources = _sources(maker)
+    return plan_folder(folder, numbers, partial(make_sound_scene, folder, maker, sources), sources)
+
+
+def _sources(maker: Maker) -> str:
+    digest = hashlib.sha256(f"{maker.name} {maker.checkpoint} {code_digest()}".encode())
+    return digest.hexdigest()[:_DIGEST_LENGTH]
+
+
+@cache
+def code_digest() -> str:
+    """Digest of the sources that decide what a model makes of a seed."""
+    return sources_digest(Path(aeroscene.__file__).parent, ("layouts", "shipped", "sources"))
+
+
+def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> SceneEntry:
+    """Draw a scene until validation finds nothing, and write its file.
+
+    Raises:
+        DatasetError: If that never happens.
+    """
+    reason = "was not feasible"
+    for attempt in range(MOST_ATTEMPTS):
+        scene = maker.draw(number, attempt)
+        if scene is None:
+            continue
+        findings = validate(scene)
+        if not findings:
+            return store_scene(folder, scene, number, sources, attempt)
+        reason = f"has a finding: {findings[0].kind}, {findings[0].detail}"
+    raise DatasetError(
+        f"scene {number}: none of {MOST_ATTEMPTS} draws is sound, the last {reason}; "
+        "valid: a better checkpoint"
+    )
+
+
+def pack_shipped(
+    dataset: Dataset, path: Path, maker: Maker, device: str, on_scene: Callable[[], object]
+) -> int:
+    """Write the archive, once every scene of it comes back as it was.
+
+    Args:
+        dataset: All of the scenes.
+        path: The archive.
+        maker: What made them.
+        device: What it ran on.
+        on_scene: Called after each scene.
+
+    Returns:
+        Size of the archive, bytes.
+
+    Raises:
+        DatasetError: If a scene is missing, or was made by something else.
+        SceneError: If a scene cannot be read.
+        OSError: If the archive cannot be written.
+    """
+    sources = _sources(maker)
+    ready = {entry.index for entry in dataset.entries if entry.sources == sources}
+    if ready != set(range(CORPUS_SIZE)):
+        raise DatasetError(
+            f"{CORPUS_SIZE - len(ready)} scenes are missing in {str(dataset.place)!r} or were made "
+            "by something else, valid: all of them from one checkpoint"
+        )
+    provenance = Provenance(
+        generator=maker.name,
+        checkpoint=maker.checkpoint,
+        code=f"{version('aeroscene')}+{code_digest()}",
+        environment=_environment(device),
+        attempts={entry.index: entry.attempt for entry in dataset.entries if entry.attempt},
+    )
+
+    def told():
+        for scene in dataset.scenes():
+            yield scene
+            on_scene()
+
+    return write_archive(path, told(), provenance)
+
+
+def _environment(device: str) -> dict[str, str]:
+    libraries = {name: version(name) for name in ("numpy", "scipy", "shapely", "torch")}
+    return {
+        "device": device,
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        **libraries,
+    }

@@ -1,0 +1,47 @@
+"""Writes scenes of a dataset as JSON files, on every core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+
+from aeroscene.dataset import Entry, SceneSet
+from aeroscene.scene_io import write_scene
+from scenarios.dataset.pool import run_all
+
+
+def unpack_all(
+    dataset: SceneSet[Entry], folder: Path, suffix: str, jobs: int, on_scene: Callable[[], None]
+) -> int:
+    """Write every scene into a folder, each file whole or not at all.
+
+    Args:
+        dataset: The scenes.
+        folder: Where to; it is made where there is none.
+        suffix: `.json`, or `.json.gz` for compressed files.
+        jobs: Processes.
+        on_scene: Called after each scene.
+
+    Returns:
+        Size of all the files, bytes.
+
+    Raises:
+        SceneError: If a scene cannot be read.
+        OSError: If a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    n_bytes = 0
+    unpack = partial(_unpack, dataset.select(()), folder, suffix)
+    with closing(run_all(unpack, dataset.entries, jobs)) as sizes:
+        for size in sizes:
+            n_bytes += size
+            on_scene()
+    return n_bytes
+
+
+def _unpack(reader: SceneSet[Entry], folder: Path, suffix: str, entry: Entry) -> int:
+    path = folder / f"{entry.scene_id}{suffix}"
+    write_scene(reader.read(entry), path)
+    return path.stat().st_size

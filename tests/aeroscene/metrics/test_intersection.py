@@ -1,0 +1,103 @@
+"""Exact IoU, held against shapely, against convex hulls and against what it must be."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from aeroscene.geometry import iou, rotation_matrix
+from aeroscene.metrics.intersection import pair_iou
+from tests.aeroscene.metrics.scenes import box
+
+metres = st.floats(-1.5, 1.5)
+extents = st.floats(0.05, 3.0)
+yaws = st.one_of(st.sampled_from([0.0, 45.0, 90.0, 180.0, 30.0]), st.floats(-180, 180))
+upright = st.builds(
+    box, st.tuples(metres, metres, metres), st.tuples(extents, extents, extents), yaws
+)
+quaternions = (
+    st.tuples(*[st.floats(-1, 1)] * 4)
+    .filter(lambda q: math.hypot(*q) > 0.1)
+    .map(lambda q: tuple(value / math.hypot(*q) for value in q))
+)
+tilted = st.builds(
+    box,
+    st.tuples(metres, metres, metres),
+    st.tuples(extents, extents, extents),
+    st.just(0.0),
+    quaternions,
+)
+
+
+def pairwise(firsts, seconds, *, is_upright):
+    columns = [
+        np.array([getattr(b, name) for b in boxes]) for boxes in (firsts, seconds) for name in "pqs"
+    ]
+    return pair_iou(*columns, np.full(len(firsts), is_upright))
+
+
+def by_shapely(first, second):
+    def outline(b):
+        c, s = math.cos(b.yaw_rad), math.sin(b.yaw_rad)
+        corners = [
+            (i * b.s[0] / 2, j * b.s[1] / 2) for i, j in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+        ]
+        return shapely.Polygon(
+            [(b.p[0] + c * x - s * y, b.p[1] + s * x + c * y) for x, y in corners]
+        )
+
+    low = max(b.p[2] - b.s[2] / 2 for b in (first, second))
+    high = min(b.p[2] + b.s[2] / 2 for b in (first, second))
+    area = shapely.intersection(outline(first), outline(second), grid_size=1e-9).area
+    shared = area * max(high - low, 0.0)
+    return shared / (math.prod(first.s) + math.prod(second.s) - shared)
+
+
+@given(st.lists(st.tuples(upright, upright), min_size=1, max_size=20))
+def test_of_upright_boxes_is_what_shapely_says(pairs):
+    found = pairwise(*zip(*pairs, strict=True), is_upright=True)
+    assert found == pytest.approx([by_shapely(*pair) for pair in pairs], abs=1e-6)
+
+
+@given(st.lists(st.tuples(tilted, tilted), min_size=1, max_size=5))
+@settings(max_examples=30)
+def test_of_tilted_boxes_is_what_convex_hulls_say(pairs):
+    found = pairwise(*zip(*pairs, strict=True), is_upright=False)
+    assert found == pytest.approx([iou(*pair) for pair in pairs], abs=1e-6)
+
+
+@given(upright, upright)
+def test_faces_and_prisms_agree_on_upright_boxes(first, second):
+    prisms = pairwise([first], [second], is_upright=True)
+    assert pairwise([first], [second], is_upright=False) == pytest.approx(prisms, abs=1e-6)
+
+
+@given(tilted, tilted)
+def test_is_symmetric_and_between_nothing_and_all(first, second):
+    there, back = (
+        pairwise([a], [b], is_upright=False) for a, b in ((first, second), (second, first))
+    )
+    assert there == pytest.approx(back, abs=1e-7)
+    assert 0.0 <= there[0] <= 1.0 + 1e-9
+
+
+@given(tilted)
+def test_of_a_box_with_itself_is_one(one):
+    assert pairwise([one], [one], is_upright=False) == pytest.approx([1.0])
+
+
+@pytest.mark.parametrize("is_upright", [True, False])
+def test_of_boxes_that_touch_is_nothing_and_of_halves_is_a_third(is_upright):
+    one, beside, half = (box((x, 0, 0), (2, 2, 2)) for x in (0, 2, 1))
+    found = pairwise([one, one], [beside, half], is_upright=is_upright)
+    assert found == pytest.approx([0.0, 1 / 3], abs=1e-8)
+
+
+@given(tilted, st.floats(-1e-12, 1e-12))
+def test_of_boxes_side_by_side_is_nothing_whatever_rounding_makes_of_their_faces(one, off_m):
+    axis = rotation_matrix(one.q)[:, 0]
+    beside = box(np.array(one.p) + (one.s[0] + off_m) * axis, one.s, q=one.q)
+    assert pairwise([one], [beside], is_upright=False) == pytest.approx([0.0], abs=1e-6)
