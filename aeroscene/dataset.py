@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol, TypeVar
 
 import msgspec
 
@@ -38,18 +38,12 @@ class DatasetError(SceneError):
     """A dataset that cannot be read or made; one line saying where, what and what is valid."""
 
 
-class SceneEntry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the manifest says of one scene."""
+class SceneSummary(msgspec.Struct, frozen=True, kw_only=True):
+    """What there is to know of a scene without opening it."""
 
     index: int
-    """Number of the scene in the corpus: its seed."""
+    """Number of the scene in its set."""
     scene_id: str
-    file: Annotated[str, msgspec.Meta(pattern=r"^scenes/[\w.-]+$")]
-    """Path below the dataset's folder."""
-    sha256: str
-    """Of the file's bytes, hexadecimal."""
-    sources: str
-    """Digest of the code that made it, see `aeroscene.provenance`."""
     split: Split
     domain: SceneDomain
     n_objects: int
@@ -67,6 +61,55 @@ class SceneEntry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         return self.n_small + self.n_medium + self.n_large
 
 
+class SceneEntry(
+    SceneSummary, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True
+):
+    """What the manifest says of one scene; in the corpus its index is its seed."""
+
+    file: Annotated[str, msgspec.Meta(pattern=r"^scenes/[\w.-]+$")]
+    """Path below the dataset's folder."""
+    sha256: str
+    """Of the file's bytes, hexadecimal."""
+    sources: str
+    """Digest of what made it: of the code, see `aeroscene.provenance`, or of model and code."""
+    attempt: int = 0
+    """Draws of the scene before this one that were rejected."""
+
+
+Entry = TypeVar("Entry", bound=SceneSummary)
+
+
+class SceneSet(Protocol[Entry]):
+    """Scenes that are read one by one: a dataset in a folder, or the scenes that ship."""
+
+    @property
+    def title(self) -> str:
+        """What to call the set in a sentence."""
+        ...
+
+    @property
+    def place(self) -> Path:
+        """Folder or file that holds it."""
+        ...
+
+    @property
+    def entries(self) -> Sequence[Entry]:
+        """In the order of their numbers."""
+        ...
+
+    def select(self, indices: Container[int]) -> SceneSet[Entry]:
+        """The scenes whose numbers are among these; with none, what a process needs to read."""
+        ...
+
+    def read(self, entry: Entry) -> Scene:
+        """Read and validate one scene.
+
+        Raises:
+            SceneError: If it cannot be read.
+        """
+        ...
+
+
 class _Manifest(msgspec.Struct, forbid_unknown_fields=True):
     format: str
     version: int
@@ -80,6 +123,16 @@ class Dataset:
     folder: Path
     entries: tuple[SceneEntry, ...]
     """In the order of their numbers."""
+
+    @property
+    def title(self) -> str:
+        """What to call the set in a sentence."""
+        return "corpus"
+
+    @property
+    def place(self) -> Path:
+        """The folder."""
+        return self.folder
 
     def of_split(self, split: Split) -> Dataset:
         """The scenes for training, or those for testing."""
@@ -208,23 +261,44 @@ def make_scene(folder: Path, index: int) -> SceneEntry:
     return store_scene(folder, scene)
 
 
-def store_scene(folder: Path, scene: Scene) -> SceneEntry:
+def store_scene(
+    folder: Path,
+    scene: Scene,
+    index: int | None = None,
+    sources: str | None = None,
+    attempt: int = 0,
+) -> SceneEntry:
     """Write a scene's file.
 
+    Args:
+        folder: Of the dataset.
+        scene: The scene.
+        index: Its number in the dataset; None for a scene of the corpus, where that is its seed.
+        sources: What made it; None for the curation code that runs now.
+        attempt: Draws before this one that were rejected.
+
     Returns:
-        What the manifest should say of it, made by the code that runs now.
+        What the manifest should say of it.
     """
     file = f"{SCENES}/{scene.scene_id}.json.gz"
     write_scene(scene, folder / file)
-    n_coarse = sum(obj.is_coarse for obj in scene.objects)
-    n_landing = Counter(area.drone_class for area in scene.landing_areas)
     return SceneEntry(
-        index=scene.seed,
-        scene_id=scene.scene_id,
+        **msgspec.structs.asdict(summarise(scene, scene.seed if index is None else index)),
         file=file,
         sha256=_sha256(folder / file),
-        sources=curation_digest(),
-        split=scene_split(scene.seed),
+        sources=curation_digest() if sources is None else sources,
+        attempt=attempt,
+    )
+
+
+def summarise(scene: Scene, index: int) -> SceneSummary:
+    """What there is to know of a scene that has this number in its set."""
+    n_coarse = sum(obj.is_coarse for obj in scene.objects)
+    n_landing = Counter(area.drone_class for area in scene.landing_areas)
+    return SceneSummary(
+        index=index,
+        scene_id=scene.scene_id,
+        split=scene_split(index),
         domain=scene.domain,
         n_objects=len(scene.objects),
         n_coarse=n_coarse,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -33,12 +34,17 @@ def curation_digest() -> str:
     return sources_digest(Path(__file__).parent)
 
 
-def sources_digest(package: Path) -> str:
-    """Sixteen hexadecimal digits that change with every source that curation depends on."""
+def sources_digest(package: Path, without: Sequence[str] = _NO_PART_OF_A_SCENE) -> str:
+    """Sixteen hexadecimal digits that change with every source but those that are left out.
+
+    Args:
+        package: Folder of the package.
+        without: Names of modules and packages in it; by default all that curation does without.
+    """
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
         name = path.relative_to(package)
-        if name.parts[0].removesuffix(".py") not in _NO_PART_OF_A_SCENE:
+        if name.parts[0].removesuffix(".py") not in without:
             digest.update(name.as_posix().encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""Where scenes come from: a number of the corpus, a file of ours, somebody else's layout."""
+"""Where scenes come from: shipped, curated, generated, a file of ours, somebody else's layout."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 import re
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 from aeroscene.corpus import CORPUS_SIZE
 from aeroscene.provenance import curation_digest
@@ -15,6 +16,11 @@ from aeroscene.scene_io import FORMAT, read_scene, write_scene
 
 _log = logging.getLogger(__name__)
 
+NUMBERS_NAME: Literal["corpus", "shipped"] = "corpus"
+"""What a bare number opens: a scene of the corpus, or one of those that come with the package."""
+
+# ASCII digits only: int() would also take signs, blanks and other scripts.
+_NUMBER = re.compile(r"(?:(?P<source>corpus|gen):)?(?P<number>[0-9]{1,9})")
 _FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.DOTALL)
 # Keys by which a layout is known even where its JSON is cut short.
 _LAYOUT_KEYS = (
@@ -32,10 +38,12 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     """The scene that a user names.
 
     Args:
-        spec: A number from 0 to 1015 for a corpus scene; the path of a `.json` or `.json.gz` file
-            that holds a scene of ours, the AeroScene authors' JSON or a 3D-FRONT house; or
-            `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts, where ID is its
-            scene_id, what follows the last slash of that, or its number in the file from 0.
+        spec: A number from 0 to 1015 for a scene of the AeroScene dataset; `corpus:N` for one of
+            the training corpus; `gen:SEED` for one that the model makes anew; the path of a
+            `.json` or `.json.gz` file that holds a scene of ours, the AeroScene authors' JSON or a
+            3D-FRONT house; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral
+            layouts, where ID is its scene_id, what follows the last slash of that, or its number
+            in the file from 0.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
@@ -44,13 +52,25 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     file = _FILE.fullmatch(spec)
     if file:
         return _open_file(file["path"], file["scene_id"], skip_invalid=skip_invalid)
-    # ASCII digits only: int() would also take signs, blanks and other scripts.
-    if not re.fullmatch("[0-9]{1,9}", spec) or int(spec) >= CORPUS_SIZE:
+    named = _NUMBER.fullmatch(spec)
+    if named is None or (named["source"] != "gen" and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
-            f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1}, "
-            "FILE.json or FILE.jsonl#ID, also with .gz"
+            f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
+            "gen:SEED, FILE.json or FILE.jsonl#ID, also with .gz"
         )
-    return _open_corpus_scene(int(spec))
+    return _open_number(named["source"] or NUMBERS_NAME, int(named["number"]))
+
+
+def _open_number(source: str, number: int) -> Scene:
+    if source == "corpus":
+        return _open_corpus_scene(number)
+    if source == "shipped":
+        from aeroscene.shipped import read_shipped  # noqa: PLC0415 - only for these
+
+        return read_shipped(number)
+    from aeroscene.generation import generate_scene  # noqa: PLC0415 - loads torch
+
+    return generate_scene(number)
 
 
 def _open_file(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:

@@ -47,7 +47,7 @@ def curate_scene(index: int) -> Scene:
     """Scene `index` of the procedural corpus; equal on every call."""
     streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(2)
     layout, size = (np.random.default_rng(stream) for stream in streams)
-    budget = _draw_budget(size)
+    budget = draw_budget(size)
     builder = Builder(f"corpus-{index:04d}")
     domain = scene_domain(index)
     composition = _COMPOSERS[domain](builder, layout)
@@ -59,7 +59,7 @@ def curate_scene(index: int) -> Scene:
     return replace(scene, interaction_areas=derive_interaction_areas(scene, limits=budget.areas))
 
 
-def _draw_budget(rng: np.random.Generator) -> Budget:
+def draw_budget(rng: np.random.Generator) -> Budget:
     """Counts about the paper's averages, each scene its own, within two and a half spreads."""
     means, spreads = np.array([_N_COARSE, _N_FINE, *_N_AREAS]).T
     counts = np.rint(means + spreads * rng.standard_normal(len(means)).clip(-2.5, 2.5))

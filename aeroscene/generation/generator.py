@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
+from aeroscene.corpus import scene_domain
 from aeroscene.feasibility import FeasibilityCfg, FeasibilityReport, make_feasible
 from aeroscene.generation.loading import load_proposer
 from aeroscene.generation.proposal import OnStep, Proposal, Proposer
@@ -153,15 +155,20 @@ def scene_name(seed: int) -> str:
 
 
 def generate_scene(seed: int) -> Scene:
-    """The scene of a seed by the model that ships, on the processor.
+    """The scene of a seed by the model that ships, on the processor; in turn of all domains.
 
     Raises:
         SceneError: If the checkpoint is missing.
         NoFeasibleSceneError: If no draw is feasible.
     """
-    found = Generator.load(device="cpu").sound_scene(Request(seed=seed)).scene
+    found = _shipped().sound_scene(Request(seed=seed, domain=scene_domain(seed))).scene
     assert found is not None
     return found
+
+
+@cache
+def _shipped() -> Generator:
+    return Generator.load(device="cpu")
 
 
 def _streams(seed: int, attempt: int) -> list[np.random.Generator]:

@@ -99,6 +99,10 @@ class _Loader:
     def _denoiser(self) -> HierarchicalDenoiser:
         denoiser = HierarchicalDenoiser(self._sections["model"])
         self._checkpoint.load_into(denoiser, "denoiser")
+        statistics = self._checkpoint.statistics
+        if isinstance(statistics, Statistics):
+            # Its weights are stored in half precision, and what scales channels with them.
+            denoiser.use_statistics(self._vocabulary, statistics)
         return denoiser.to(self._device).eval()
 
     def _sampler(self, cfg: SamplerCfg) -> SamplerCfg:

@@ -11,7 +11,7 @@ from statistics import fmean
 from typing import Any, Literal
 
 from aeroscene.catalogue import CATALOGUE, Level, by_name
-from aeroscene.dataset import SceneEntry
+from aeroscene.dataset import SceneSummary
 
 Column = Literal["train", "test", "total"]
 COLUMNS: tuple[Column, ...] = ("train", "test", "total")
@@ -64,7 +64,7 @@ class Row:
         }
 
 
-_Count = Callable[[SceneEntry], int]
+_Count = Callable[[SceneSummary], int]
 
 # key, title, the paper's train, test and total, what is counted in a scene
 _AVERAGES: tuple[tuple[str, str, tuple[float, float, float], _Count], ...] = (
@@ -83,7 +83,7 @@ _CATEGORIES: tuple[tuple[str, str, Level, int], ...] = (
 
 
 def paper_table(
-    entries: Sequence[SceneEntry], categories: Mapping[int, Collection[str]]
+    entries: Sequence[SceneSummary], categories: Mapping[int, Collection[str]]
 ) -> tuple[Row, ...]:
     """The rows for these scenes.
 
@@ -91,7 +91,7 @@ def paper_table(
         entries: What the manifest says of them.
         categories: Names of the categories in each scene, under its number.
     """
-    groups: dict[Column, list[SceneEntry]] = {
+    groups: dict[Column, list[SceneSummary]] = {
         "train": [entry for entry in entries if entry.split == "train"],
         "test": [entry for entry in entries if entry.split == "test"],
         "total": list(entries),
@@ -117,8 +117,8 @@ def _row(
     key: str,
     title: str,
     paper: Sequence[float],
-    groups: Mapping[Column, list[SceneEntry]],
-    value: Callable[[list[SceneEntry]], float],
+    groups: Mapping[Column, list[SceneSummary]],
+    value: Callable[[list[SceneSummary]], float],
     is_average: bool = False,
 ) -> Row:
     ours: dict[Column, float | None] = {
@@ -127,12 +127,12 @@ def _row(
     return Row(key, title, dict(zip(COLUMNS, paper, strict=True)), ours, is_average)
 
 
-def _n_objects(entries: Sequence[SceneEntry]) -> int:
+def _n_objects(entries: Sequence[SceneSummary]) -> int:
     return sum(entry.n_objects for entry in entries)
 
 
 def _n_names(
-    entries: Sequence[SceneEntry], categories: Mapping[int, Collection[str]], level: Level
+    entries: Sequence[SceneSummary], categories: Mapping[int, Collection[str]], level: Level
 ) -> int:
     names = {name for entry in entries for name in categories[entry.index]}
     return sum(by_name()[name].level == level for name in names)

@@ -203,7 +203,7 @@ def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
         (["show", "{corpus}", "--columns", "0"], "columns 0 is out of range, valid: 1 to 50"),
         (["show", "{corpus}", "--viewer", "vr"], "--viewer"),
         (["frobnicate"], "frobnicate"),
-        ([], "Expected one of {{build, stats, validate, show}}"),
+        ([], "Expected one of {{build, stats, validate, show, unpack}}"),
     ],
 )
 def test_bad_input_ends_with_status_2_and_one_line(built, tmp_path, capsys, args, says):
