@@ -29,6 +29,9 @@ _TILES = _COVERS | {"room", "floor"}
 """What fills the place between its neighbours: its extents give way."""
 _PARTS = frozenset({"room", "floor", "wall"})
 """What is wholly within the building that it is a part of."""
+_UPRIGHTS = frozenset({"room", "wall"})
+_SLABS = frozenset({"floor", "roof"})
+"""What ends the height of those."""
 _LEAST_HEIGHT_M = 0.005
 """Boxes that share less height than this do not meet."""
 
@@ -43,11 +46,13 @@ class BordersCfg:
     """Iterations at each of them."""
     last_n_steps: int = 40
     """At the last one."""
-    most_overlap_m: float = 3.0
+    most_overlap_m: float = 8.0
     """Deeper overlaps are no error of a border: they are left to separation."""
     most_gap_m: float = 0.5
     """Wider gaps are meant."""
-    least_share: float = 0.6
+    most_rise_m: float = 1.0
+    """Walls and rooms that reach farther into the slab above them are left as they are."""
+    least_share: float = 0.4
     """No extent shrinks below this share of what was sampled."""
 
     def __post_init__(self) -> None:
@@ -57,6 +62,7 @@ class BordersCfg:
             ("last_n_steps", 0, 1000),
             ("most_overlap_m", 0, 100),
             ("most_gap_m", 0, 100),
+            ("most_rise_m", 0, 100),
             ("least_share", 0.1, 1),
         ):
             value = getattr(self, name)
@@ -79,6 +85,7 @@ class BorderGuidance:
 
         self._decoder = decoder
         self._is_tile, self._is_cover, self._is_part = map(flags, (_TILES, _COVERS, _PARTS))
+        self._is_upright, self._is_slab = map(flags, (_UPRIGHTS, _SLABS))
         self._is_wall, self._is_room = flags(frozenset({"wall"})), flags(frozenset({"room"}))
         self.cfg = cfg or BordersCfg()
 
@@ -94,11 +101,34 @@ class BorderGuidance:
         boxes = self._decoder.decode(moved, batch)
         before = footprints_of(boxes, batch)
         after = contained(before, boxes, batch, self._is_part[batch.kind])
-        return self._decoder.with_footprints(moved, batch, before, after)
+        moved = self._decoder.with_footprints(moved, batch, before, after)
+        boxes = self._decoder.decode(moved, batch)
+        lowered = self._lowered(boxes, footprints_of(boxes, batch), batch)
+        return self._decoder.with_heights(moved, batch, lowered)
 
     def on_mean(self, mean: Tensor, x_t: Tensor, batch: TokenBatch, at: Moment) -> Tensor:  # noqa: ARG002 - of the protocol
         """Nothing: the layout was moved where it was clean."""
         return mean
+
+    def _lowered(
+        self, boxes: Boxes, footprints: Footprints, batch: TokenBatch
+    ) -> Float[Tensor, "batch n"]:
+        """New heights over old ones: walls and rooms end under the slab or roof above them."""
+        n = batch.n_coarse_slots
+        kind, parent = batch.kind[:, :n], batch.parent[:, :n]
+        middle, reach = footprints.middle_m[:, :n], footprints.reach_m[:, :n]
+        apart = (middle[:, :, None] - middle[:, None]).abs()
+        shares = (reach[:, :, None] + reach[:, None] - apart > _LEAST_HEIGHT_M).all(-1)
+        half = boxes.size_m[:, :n, 2] / 2
+        low, high = boxes.center_enu_m[:, :n, 2] - half, boxes.center_enu_m[:, :n, 2] + half
+        rise = high[:, :, None] - low[:, None]
+        meets = shares & (parent[:, :, None] == parent[:, None]) & batch.mask[:, None, :n]
+        meets &= self._is_upright[kind][:, :, None] & self._is_slab[kind][:, None]
+        meets &= (rise > 0) & (rise < self.cfg.most_rise_m) & (low[:, :, None] < low[:, None])
+        excess = (rise * meets).amax(-1)
+        ratio = torch.ones_like(boxes.size_m[..., 2])
+        ratio[:, :n] = (1 - excess / (high - low).clamp_min(_LEAST_HEIGHT_M)).clamp_min(0.5)
+        return ratio
 
     def _faces(self, boxes: Boxes, footprints: Footprints, batch: TokenBatch, at: Moment) -> _Faces:
         n = batch.n_coarse_slots

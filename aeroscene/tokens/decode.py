@@ -91,6 +91,26 @@ class TreeDecoder:
         values[..., extents] = torch.where(is_free[..., extents], grown, x0[..., extents])
         return values
 
+    def with_heights(
+        self,
+        x0: Float[Tensor, "batch n 15"],
+        batch: TokenBatch,
+        ratio: Float[Tensor, "batch n"],
+    ) -> Float[Tensor, "batch n 15"]:
+        """Channels of the same layout with other heights, where those are free.
+
+        Args:
+            x0: Channels.
+            batch: Their tokens.
+            ratio: New height over old.
+        """
+        height = SIZE.stop - 1
+        kind = batch.kind
+        grown = x0[..., height] + ratio.log() / self._spread[kind][..., height]
+        values = x0.clone()
+        values[..., height] = torch.where(self._is_free[kind][..., height], grown, x0[..., height])
+        return values
+
     def has_free_extents(self, batch: TokenBatch) -> Bool[Tensor, "batch n"]:
         """Which tokens are of kinds whose length and width both vary."""
         return self._is_free[batch.kind][..., SIZE.start : SIZE.start + 2].all(-1)

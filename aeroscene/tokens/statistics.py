@@ -117,7 +117,8 @@ def _moments(
         mean[5:7] = mean[5:7].mean()
         spread[5:7] = np.sqrt(np.mean((rows[:, 5:7] - mean[5:7]) ** 2))
         spread[[0, 1, 2, 7]] = 0.0
-        if rows[:, HEADING].std(axis=0).max() < _LEAST_SPREAD:
+        # A mirror turns what is turned at all the other way.
+        if np.abs(rows[:, HEADING] - (1.0, 0.0)).max() < _LEAST_SPREAD:
             mean[HEADING], spread[HEADING] = (1.0, 0.0), 0.0
     return mean, spread
 
