@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,10 @@ OUTLINE_M = (15.0, 150.0)
 """Shortest and longest side of a site."""
 _COARSE_SHARE = 0.23
 """Of the objects of a scene, as in the paper's dataset: 34 of 149."""
+
+_MORE_LARGE = 1
+"""Areas for large drones that are asked for beyond those of the corpus: generated scenes offer
+fewer wide faces, and on average they keep 15% fewer without it."""
 
 
 class RequestError(SceneError):
@@ -76,7 +80,7 @@ class Request:
 
     def _limits(self, budget: Budget) -> AreaLimits:
         """Areas by size in the proportions of the budget."""
-        drawn = budget.areas
+        drawn = replace(budget.areas, large=budget.areas.large + _MORE_LARGE)
         if self.n_areas is None:
             return drawn
         share = self.n_areas / (drawn.small + drawn.medium + drawn.large)

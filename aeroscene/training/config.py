@@ -33,7 +33,7 @@ class TrainCfg:
     """Scenes a step."""
     optimiser: Literal["adam", "adamw"] = "adamw"
     """AdamW decays weights apart from the gradient."""
-    learning_rate: float = 1e-3
+    learning_rate: float = 1.5e-3
     """At its highest."""
     weight_decay: float = 0.01
     """Of AdamW, in units of the learning rate a step."""
@@ -41,7 +41,7 @@ class TrainCfg:
     """How the learning rate goes over the training."""
     warmup_steps: int = 200
     """Steps over which the learning rate grows from nothing."""
-    cooldown_share: float = 0.4
+    cooldown_share: float = 0.5
     """Share of the training at its end in which the rate of `cooldown` falls."""
     clip_norm: float = 1.0
     """Longest gradient; 0 leaves gradients as they are."""

@@ -25,7 +25,7 @@ Sections = Mapping[str, Any]
 _DEFAULT: Sections = {
     "model": ModelCfg(),
     "schedule": ScheduleCfg(),
-    "loss": LossCfg(),
+    "loss": LossCfg(coarse_weight=3.0),
     "training": TrainCfg(),
     "skeleton": SkeletonCfg(),
     "skeleton_training": SkeletonTrainingCfg(),

@@ -242,6 +242,9 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
         for name in ("loss", "held_out_loss")
         if name in figures
     )
-    print(f"{path}: {figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, {losses}")
+    spent = ""
+    if "steps" in figures:
+        spent = f"{figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, "
+    print(f"{path}: {spent}{losses}" if spent else f"{path}: parts {', '.join(training.parts)}")
     if not is_done:
         sys.stderr.write(f"{_PROG}: stopped and saved; --resume goes on from here\n")

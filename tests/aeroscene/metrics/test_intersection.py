@@ -70,12 +70,14 @@ def test_of_tilted_boxes_is_what_convex_hulls_say(pairs):
 
 
 @given(upright, upright)
+@settings(max_examples=25)
 def test_faces_and_prisms_agree_on_upright_boxes(first, second):
     prisms = pairwise([first], [second], is_upright=True)
     assert pairwise([first], [second], is_upright=False) == pytest.approx(prisms, abs=1e-6)
 
 
 @given(tilted, tilted)
+@settings(max_examples=25)
 def test_is_symmetric_and_between_nothing_and_all(first, second):
     there, back = (
         pairwise([a], [b], is_upright=False) for a, b in ((first, second), (second, first))
@@ -85,6 +87,7 @@ def test_is_symmetric_and_between_nothing_and_all(first, second):
 
 
 @given(tilted)
+@settings(max_examples=25)
 def test_of_a_box_with_itself_is_one(one):
     assert pairwise([one], [one], is_upright=False) == pytest.approx([1.0])
 
@@ -97,6 +100,7 @@ def test_of_boxes_that_touch_is_nothing_and_of_halves_is_a_third(is_upright):
 
 
 @given(tilted, st.floats(-1e-12, 1e-12))
+@settings(max_examples=25)
 def test_of_boxes_side_by_side_is_nothing_whatever_rounding_makes_of_their_faces(one, off_m):
     axis = rotation_matrix(one.q)[:, 0]
     beside = box(np.array(one.p) + (one.s[0] + off_m) * axis, one.s, q=one.q)

@@ -1,0 +1,210 @@
+"""The boxes of a scene as arrays, and how deep they reach into each other.
+
+Objects of a scene stand upright; a box that tilts is taken by its heading alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.scene import SceneObject
+
+
+@dataclass(slots=True, eq=False)
+class Boxes:
+    """Upright boxes; row i of each array belongs to object i of a scene."""
+
+    centre_m: Float[np.ndarray, "n 3"]
+    """ENU."""
+    half_m: Float[np.ndarray, "n 3"]
+    """Half extents along the box's own axes."""
+    yaw_rad: Float[np.ndarray, " n"]
+    parent: Int[np.ndarray, " n"]
+    """Row of the parent, -1 without one."""
+    is_kin: Bool[np.ndarray, "n n"]
+    """Whether two are the same, or one is the other's ancestor: such may overlap."""
+
+    def __len__(self) -> int:
+        return len(self.yaw_rad)
+
+    def axes_of(self, rows: Int[np.ndarray, " k"]) -> Float[np.ndarray, "k 2 2"]:
+        """Unit vectors along own x (row 0) and y (row 1) of some boxes, in the plane."""
+        c, s = np.cos(self.yaw_rad[rows]), np.sin(self.yaw_rad[rows])
+        axes = np.empty((len(rows), 2, 2))
+        axes[:, 0, 0] = axes[:, 1, 1] = c
+        axes[:, 0, 1], axes[:, 1, 0] = s, -s
+        return axes
+
+    def frame(self, row: int) -> Float[np.ndarray, "2 2"]:
+        """Unit vectors along own x and y of one box, in the plane."""
+        c, s = math.cos(self.yaw_rad[row]), math.sin(self.yaw_rad[row])
+        return np.array([[c, s], [-s, c]])
+
+    @property
+    def base_m(self) -> Float[np.ndarray, " n"]:
+        """Heights of the undersides."""
+        return self.centre_m[:, 2] - self.half_m[:, 2]
+
+    @property
+    def top_m(self) -> Float[np.ndarray, " n"]:
+        """Heights of the upper faces."""
+        return self.centre_m[:, 2] + self.half_m[:, 2]
+
+    def copy(self) -> Boxes:
+        """Boxes that can be moved without moving these."""
+        return Boxes(
+            self.centre_m.copy(), self.half_m.copy(), self.yaw_rad.copy(), self.parent, self.is_kin
+        )
+
+    def corners(self) -> Float[np.ndarray, "n 4 2"]:
+        """Corners of the footprints, counter-clockwise."""
+        axes = self.axes_of(np.arange(len(self))) * self.half_m[:, :2, None]
+        x, y = axes[:, 0], axes[:, 1]
+        return self.centre_m[:, None, :2] + np.stack([x + y, y - x, -x - y, x - y], axis=1)
+
+
+def boxes_of(objects: Sequence[SceneObject]) -> Boxes:
+    """The boxes of objects of which parents come before their children."""
+    n = len(objects)
+    row = {obj.id: i for i, obj in enumerate(objects)}
+    parent = np.array(
+        [-1 if obj.parent_id is None else row[obj.parent_id] for obj in objects], dtype=int
+    )
+    return Boxes(
+        np.array([obj.bbox.p for obj in objects], dtype=float).reshape(n, 3),
+        np.array([obj.bbox.s for obj in objects], dtype=float).reshape(n, 3) / 2,
+        np.array([obj.bbox.yaw_rad for obj in objects], dtype=float),
+        parent,
+        kinship(parent),
+    )
+
+
+def strangers(
+    centre_m: Float[np.ndarray, "n 3"],
+    half_m: Float[np.ndarray, "n 3"],
+    yaw_rad: Float[np.ndarray, " n"],
+) -> Boxes:
+    """Boxes that belong to no object: air to be left free."""
+    n = len(yaw_rad)
+    return Boxes(centre_m, half_m, yaw_rad, np.full(n, -1), np.ones((n, n), dtype=bool))
+
+
+def kinship(parent: Int[np.ndarray, " n"]) -> Bool[np.ndarray, "n n"]:
+    """Which pairs are the same object, or ancestor and descendant."""
+    is_kin = np.eye(len(parent), dtype=bool)
+    for row in range(len(parent)):
+        above = int(parent[row])
+        while above >= 0:
+            is_kin[row, above] = is_kin[above, row] = True
+            above = int(parent[above])
+    return is_kin
+
+
+def joined(boxes: Boxes, obstacles: Boxes | None) -> Boxes:
+    """Boxes with others, strangers to all, behind them; a copy."""
+    if obstacles is None or not len(obstacles):
+        return boxes.copy()
+    n, total = len(boxes), len(boxes) + len(obstacles)
+    is_kin = np.zeros((total, total), dtype=bool)
+    is_kin[:n, :n] = boxes.is_kin
+    is_kin[n:, n:] = True
+    return Boxes(
+        np.concatenate([boxes.centre_m, obstacles.centre_m]),
+        np.concatenate([boxes.half_m, obstacles.half_m]),
+        np.concatenate([boxes.yaw_rad, obstacles.yaw_rad]),
+        np.concatenate([boxes.parent, np.full(len(obstacles), -1)]),
+        is_kin,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlaps:
+    """Pairs of boxes that overlap and must not."""
+
+    pairs: Int[np.ndarray, "k 2"]
+    depth_m: Float[np.ndarray, " k"]
+    """Least way, along the plane or the vertical, that parts the two."""
+
+    def by_box(self, n: int) -> Float[np.ndarray, " n"]:
+        """The deepest overlap of each of n boxes, 0 without one."""
+        deepest = np.zeros(n)
+        for column in self.pairs.T:
+            np.maximum.at(deepest, column, self.depth_m)
+        return deepest
+
+
+def forbidden_overlaps(
+    boxes: Boxes, least_m: float = 0.0, is_left: Bool[np.ndarray, " n"] | None = None
+) -> Overlaps:
+    """Pairs that are not kin and overlap by more than a depth.
+
+    Args:
+        boxes: All boxes.
+        least_m: The depth.
+        is_left: Which of them count, all by default.
+    """
+    first, second = np.triu_indices(len(boxes), 1)
+    is_stranger = ~boxes.is_kin[first, second]
+    if is_left is not None:
+        is_stranger &= is_left[first] & is_left[second]
+    first, second = first[is_stranger], second[is_stranger]
+    rise = boxes.half_m[first, 2] + boxes.half_m[second, 2]
+    rise -= np.abs(boxes.centre_m[second, 2] - boxes.centre_m[first, 2])
+    reach = np.hypot(boxes.half_m[:, 0], boxes.half_m[:, 1])
+    offset = boxes.centre_m[second, :2] - boxes.centre_m[first, :2]
+    near = (rise > least_m) & (np.hypot(*offset.T) < reach[first] + reach[second])
+    first, second, rise = first[near], second[near], rise[near]
+    depth = np.minimum(footprint_depth(boxes, first, second), rise)
+    deep = depth > least_m
+    return Overlaps(np.stack([first[deep], second[deep]], axis=1), depth[deep])
+
+
+def footprint_depth(
+    boxes: Boxes, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
+) -> Float[np.ndarray, " k"]:
+    """How deep footprints reach into each other along the best separating axis, m."""
+    return -separation(boxes, first, second)[0]
+
+
+def separation(
+    boxes: Boxes, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
+) -> tuple[Float[np.ndarray, " k"], Float[np.ndarray, "k 2"]]:
+    """The widest gap between footprints along an axis of either, and its normal from the first.
+
+    The gap is negative where they overlap.
+
+    Source: separating axes, Gottschalk, Lin and Manocha 1996, "OBBTree", in the plane.
+    """
+    own, other = boxes.axes_of(first), boxes.axes_of(second)
+    half, half_other = boxes.half_m[first, :2], boxes.half_m[second, :2]
+    offset = boxes.centre_m[second, :2] - boxes.centre_m[first, :2]
+    cross = np.abs(np.einsum("kai,kbi->kab", own, other))
+    along = np.concatenate(
+        [np.einsum("kai,ki->ka", own, offset), np.einsum("kbi,ki->kb", other, offset)], axis=1
+    )
+    reach = np.concatenate(
+        [
+            half + np.einsum("kab,kb->ka", cross, half_other),
+            half_other + np.einsum("kab,ka->kb", cross, half),
+        ],
+        axis=1,
+    )
+    gaps = np.abs(along) - reach
+    best = gaps.argmax(axis=1)
+    k = np.arange(len(first))
+    sign = np.where(along[k, best] < 0, -1.0, 1.0)
+    normal = np.concatenate([own, other], axis=1)[k, best] * sign[:, None]
+    return gaps[k, best], normal
+
+
+def reach_along(
+    boxes: Boxes, rows: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
+) -> Float[np.ndarray, " k"]:
+    """Half the extent of footprints along normals."""
+    lean = np.abs(np.einsum("kai,ki->ka", boxes.axes_of(rows), normal))
+    return np.einsum("ka,ka->k", lean, boxes.half_m[rows, :2])

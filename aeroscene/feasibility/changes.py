@@ -1,0 +1,129 @@
+"""The unknowns of a projection in the plane: displacements of objects, and cuts at their faces.
+
+Objects move with what they stand on, so a displacement counts relative to that. A cut takes a slice
+off one face of a box and moves nothing else.
+
+| symbol | name | unit |
+|---|---|---|
+| x | displacements east, displacements north, cuts; one vector | m |
+| face | 0 and 1 towards a box's own x and y, 2 and 3 away from them | - |
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.feasibility.boxes import Boxes
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import GROUND, cuttable
+
+NARROW_M = 8.0
+"""Cuts of sides that are shorter than this cost more and may not go as deep."""
+DEEPEST_CUT = (0.2, 0.6)
+"""Share of a side, narrow and wide, that both its cuts may take."""
+_LEAST_SHARE = 0.3
+"""Of a side that is left whatever was demanded."""
+_CUT_COST = 0.3
+"""A metre cut off a wide side, in displaced objects."""
+_GROUND_FACTOR = 3.0
+"""By how much dearer it is to move ground, for which all else makes room, than its objects."""
+
+
+class Changes:
+    """Which unknowns there are, what each costs, and rows of demands upon them."""
+
+    def __init__(self, layout: Layout, began: Boxes, movable: Int[np.ndarray, " m"]) -> None:
+        """Set up the unknowns.
+
+        Args:
+            layout: What moves with what.
+            began: Boxes where they began, with obstacles behind the layout's.
+            movable: Rows of the objects that may move.
+        """
+        n, m = len(layout.boxes), len(movable)
+        self._began = began
+        self._movable = movable
+        self.carries: Float[np.ndarray, "n m"] = np.zeros((len(began), m))
+        """Whether a movable object (column) carries an object (row)."""
+        self.carries[:n] = layout.moves_with[:, movable]
+        is_cuttable = np.array([cuttable(layout.objects[row]) for row in movable], dtype=bool)
+        self._cut_of, self._cut_axis = np.nonzero(is_cuttable.reshape(m, 2))
+        c = len(self._cut_of)
+        self.width = 2 * m + 2 * c
+        self._column = np.full((len(began), 4), -1)
+        rows = movable[self._cut_of]
+        self._column[rows, self._cut_axis] = 2 * m + np.arange(c)
+        self._column[rows, self._cut_axis + 2] = 2 * m + c + np.arange(c)
+        self.is_cuttable: Bool[np.ndarray, " n"] = self._column.max(axis=1) >= 0
+        self.costs = self._count_costs(layout)
+
+    def _count_costs(self, layout: Layout) -> Float[np.ndarray, " v"]:
+        """What a metre of each change costs: the objects that it displaces."""
+        carried = layout.moves_with[:, self._movable] & layout.is_left[:, None]
+        is_ground = [layout.objects[row].category in GROUND for row in self._movable]
+        moves = carried.sum(axis=0) * np.where(is_ground, _GROUND_FACTOR, 1.0)
+        cuts = _CUT_COST * np.maximum(1.0, NARROW_M / self._sides())
+        return np.concatenate([moves, moves, cuts, cuts])
+
+    def _sides(self) -> Float[np.ndarray, " c"]:
+        """Lengths of the sides that may be cut."""
+        return 2 * self._began.half_m[self._movable[self._cut_of], self._cut_axis]
+
+    def sizes(self, x: Float[np.ndarray, " v"]) -> Float[np.ndarray, " v"]:
+        """How large each change is; both parts of a displacement count as one."""
+        m = len(self._movable)
+        moved = np.hypot(x[:m], x[m : 2 * m])
+        return np.concatenate([moved, moved, np.abs(x[2 * m :])])
+
+    def applied(self, x: Float[np.ndarray, " v"]) -> Boxes:
+        """Boxes after some changes."""
+        m, c = len(self._movable), len(self._cut_of)
+        now = self._began.copy()
+        now.centre_m[:, :2] += self.carries @ x[: 2 * m].reshape(2, m).T
+        if c:
+            rows, axis = self._movable[self._cut_of], self._cut_axis
+            high, low = x[2 * m : 2 * m + c], x[2 * m + c :]
+            # Contradicting demands may ask for more than there is.
+            most = (1 - _LEAST_SHARE) * self._sides()
+            share = most / np.maximum(high + low, most)
+            high, low = high * share, low * share
+            offset = now.axes_of(rows)[np.arange(c), axis] * ((low - high) / 2)[:, None]
+            np.add.at(now.centre_m[:, :2], rows, offset)
+            np.subtract.at(now.half_m, (rows, axis), (high + low) / 2)
+        return now
+
+    def shifts(
+        self, rows: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
+    ) -> Float[np.ndarray, "k v"]:
+        """How far objects move along normals."""
+        m = len(self._movable)
+        found = np.zeros((len(rows), self.width))
+        carries = self.carries[rows]
+        found[:, :m] = carries * normal[:, :1]
+        found[:, m : 2 * m] = carries * normal[:, 1:]
+        return found
+
+    def add_cuts(
+        self,
+        demands: Float[np.ndarray, "k v"],
+        rows: Int[np.ndarray, " k"],
+        normal: Float[np.ndarray, "k 2"],
+        sign: float = 1.0,
+    ) -> None:
+        """Add to demands what cuts at the faces of objects towards normals give."""
+        axes = self._began.axes_of(rows)
+        for axis in range(2):
+            lean = np.einsum("ki,ki->k", axes[:, axis], normal)
+            column = self._column[rows, np.where(lean > 0, axis, axis + 2)]
+            k = np.flatnonzero(column >= 0)
+            demands[k, column[k]] += sign * np.abs(lean[k])
+
+    def cut_limits(self) -> tuple[Float[np.ndarray, "k v"], Float[np.ndarray, " k"]]:
+        """Demands that cuts take away, and not too much; with their bounds."""
+        m, c = len(self._movable), len(self._cut_of)
+        demands = np.zeros((3 * c, self.width))
+        demands[:, 2 * m :] = np.vstack([np.eye(2 * c), -np.hstack([np.eye(c), np.eye(c)])])
+        sides = self._sides()
+        deepest = np.where(sides < NARROW_M, *DEEPEST_CUT) * sides
+        return demands, np.concatenate([np.zeros(2 * c), -deepest])

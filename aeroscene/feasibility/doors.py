@@ -1,0 +1,93 @@
+"""Openings of walls fit into their walls, and let a drone through where a wall is large enough."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from aeroscene.feasibility.boxes import Boxes, strangers
+from aeroscene.feasibility.layout import Layout
+from aeroscene.scene import AttributeValue
+
+_JAMB_M = 0.15
+"""Least wall beside an opening."""
+_LEAST_DOOR_M = (1.5, 2.2)
+"""Width and height of the smallest doors of the corpus: a drone has some room to spare."""
+_LINTEL_M = 0.05
+_APRON_M = 1.3
+"""Depth of the air that stays free on either side, as curation keeps it."""
+_SILL_M = 0.1
+"""What lies lower before a door is in nobody's way."""
+
+
+def door_air(layout: Layout) -> Boxes:
+    """The air before and behind each door of a wall, which furniture leaves free."""
+    boxes = layout.boxes
+    found: list[tuple[float, ...]] = []
+    for row, obj in enumerate(layout.objects):
+        width = obj.attributes.get("door_m", 0.0)
+        is_door = obj.category == "wall" and layout.is_left[row] and isinstance(width, int | float)
+        if not is_door or float(width) <= 0:
+            continue
+        offset = float(obj.attributes.get("door_offset_m", 0.0))
+        x, y = boxes.centre_m[row, :2] + offset * boxes.frame(row)[1]
+        low_m = float(boxes.base_m[row]) + _SILL_M
+        half = (_APRON_M, float(width) / 2 + 0.1, (_LEAST_DOOR_M[1] - _SILL_M) / 2)
+        found.append((x, y, low_m + half[2], *half, float(boxes.yaw_rad[row])))
+    table = np.array(found, dtype=float).reshape(-1, 7)
+    return strangers(table[:, :3], table[:, 3:6], table[:, 6])
+
+
+def fit_openings(layout: Layout) -> int:
+    """Clamp doors and windows to the walls as they have become.
+
+    Returns:
+        How many walls have got other openings.
+    """
+    n_changed = 0
+    for row, obj in enumerate(layout.objects):
+        if obj.category != "wall" or not layout.is_left[row]:
+            continue
+        _, length, height = (2 * layout.boxes.half_m[row]).tolist()
+        fitted = dict(obj.attributes)
+        for name in ("door", "window"):
+            _fit(fitted, name, length, height)
+        if fitted != dict(obj.attributes):
+            layout.attributes[row] = fitted
+            n_changed += 1
+    return n_changed
+
+
+def _fit(
+    attributes: dict[str, AttributeValue], name: str, length_m: float, height_m: float
+) -> None:
+    width = attributes.get(f"{name}_m")
+    if not isinstance(width, int | float) or width <= 0:
+        return
+    widest = length_m - 2 * _JAMB_M
+    least = _LEAST_DOOR_M[0] if name == "door" else 0.0
+    fitted = min(max(float(width), least), widest)
+    if fitted <= 0:
+        for key in ("m", "offset_m", "height_m", "sill_m"):
+            attributes.pop(f"{name}_{key}", None)
+        return
+    reach = (length_m - fitted) / 2 - _JAMB_M / 2
+    offset = float(attributes.get(f"{name}_offset_m", 0.0))
+    _set(attributes, f"{name}_m", fitted)
+    _set(attributes, f"{name}_offset_m", min(max(offset, -reach), reach))
+    _fit_head(attributes, name, height_m)
+
+
+def _fit_head(attributes: dict[str, AttributeValue], name: str, height_m: float) -> None:
+    head = attributes.get(f"{name}_height_m")
+    if not isinstance(head, int | float):
+        return
+    least = _LEAST_DOOR_M[1] if name == "door" else 0.0
+    fitted = min(max(float(head), least), height_m - _LINTEL_M)
+    _set(attributes, f"{name}_height_m", fitted)
+
+
+def _set(attributes: dict[str, AttributeValue], key: str, value: float) -> None:
+    """Write a length if it has changed by more than documents tell."""
+    old = attributes.get(key)
+    if not isinstance(old, int | float) or abs(float(old) - value) > 1e-4:
+        attributes[key] = round(value, 4)

@@ -1,0 +1,72 @@
+"""The flight volume: it holds what lies a little beyond it, and indoors it is the building."""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+
+from aeroscene.feasibility.layout import Layout
+
+_MOST_GROWTH_M = 4.0
+"""How far each side of an open flight volume moves out for ground that reaches beyond it."""
+_MOST_SIDE_M = 100.0
+_HEADROOM_M = 10.0
+"""Flight volume above the highest thing under open sky."""
+_SAME_M = 1e-3
+
+
+def fit_extent(layout: Layout) -> None:
+    """Move the sides of the flight volume, before anything is pushed back into it."""
+    if layout.scene.domain == "indoor":
+        _hug(layout)
+    else:
+        _grow(layout)
+
+
+def _hug(layout: Layout) -> None:
+    """The largest building's outline, from the ground to the top of its roof."""
+    boxes = layout.boxes
+    roots = np.flatnonzero((boxes.parent < 0) & layout.is_left)
+    if not len(roots):
+        return
+    shell = int(roots[boxes.half_m[roots].prod(axis=1).argmax()])
+    corners = boxes.corners()[shell]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    own = np.flatnonzero((boxes.parent == shell) & layout.is_left)
+    top_m = float(max(boxes.top_m[shell], *boxes.top_m[own])) if len(own) else boxes.top_m[shell]
+    _widen(layout, np.array([*low, 0.0]), np.array([*high, top_m]))
+
+
+def _grow(layout: Layout) -> None:
+    boxes = layout.boxes
+    corners = boxes.corners()[(boxes.parent < 0) & layout.is_left].reshape(-1, 2)
+    if not len(corners):
+        return
+    low, high = (end.copy() for end in layout.extent_m)
+    spare = np.maximum(_MOST_SIDE_M - (high - low)[:2], 0.0) / 2
+    most = np.minimum(_MOST_GROWTH_M, spare)
+    low[:2] -= np.clip(low[:2] - corners.min(axis=0), 0.0, most)
+    high[:2] += np.clip(corners.max(axis=0) - high[:2], 0.0, most)
+    _widen(layout, low, high)
+
+
+def hold_all(layout: Layout) -> None:
+    """Move the sides of the flight volume out to what is still beyond them, and raise the sky."""
+    if not layout.is_left.any():
+        return
+    boxes, (low, high) = layout.boxes, layout.extent_m.copy()
+    corners = boxes.corners()[layout.is_left].reshape(-1, 2)
+    top_m = float(boxes.top_m[layout.is_left].max())
+    low[:2] = np.minimum(low[:2], corners.min(axis=0))
+    high[:2] = np.maximum(high[:2], corners.max(axis=0))
+    is_open = layout.scene.domain != "indoor"
+    high[2] = max(high[2], float(ceil(top_m + _HEADROOM_M)) if is_open else top_m)
+    _widen(layout, low, high)
+
+
+def _widen(layout: Layout, low: np.ndarray, high: np.ndarray) -> None:
+    """Set the sides that differ, to the millimetre."""
+    for row, wanted in enumerate((low, high)):
+        differs = np.abs(layout.extent_m[row] - wanted) > _SAME_M
+        layout.extent_m[row, differs] = np.round(wanted[differs], 3)

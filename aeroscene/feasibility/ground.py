@@ -1,0 +1,60 @@
+"""On which ground each building, container or hill stands that is no part of anything."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import BEARING, COVERS
+
+_HOSTED = 0.5
+"""Share of a root's outline that lies on ground which bears it."""
+_REACH_M = 1.0
+"""A root further than this above or below some ground does not stand on it."""
+_STEEPNESS = 0.4
+"""A metre of difference in height counts as much as this share of the outline."""
+
+
+def find_ground(layout: Layout) -> None:
+    """Give each root that stands on other ground this ground as its host."""
+    boxes = layout.boxes
+    grounds = [
+        i for i, obj in enumerate(layout.objects) if obj.category in BEARING and layout.is_left[i]
+    ]
+    for i, obj in enumerate(layout.objects):
+        if boxes.parent[i] >= 0 or obj.category in COVERS or obj.category == "bridge":
+            continue
+        layout.host[i] = _best_ground(layout, i, grounds)
+    layout.relink()
+
+
+def _best_ground(layout: Layout, row: int, grounds: list[int]) -> int:
+    """The ground on most of which a root lies, at about its height; -1 for the bare earth."""
+    boxes, best, found = layout.boxes, 0.0, -1
+    is_terrain = layout.objects[row].category == "terrain"
+    for ground in grounds:
+        if row in layout.chain(ground) or (is_terrain and _is_hill(layout, ground)):
+            continue
+        share = covered(layout, row, ground)
+        off_m = abs(float(boxes.base_m[row] - boxes.top_m[ground]))
+        if _is_hill(layout, ground):
+            off_m = max(0.0, float(boxes.base_m[row] - boxes.top_m[ground]))
+        score = share - _STEEPNESS * off_m
+        if share >= _HOSTED and off_m < _REACH_M and score > best:
+            best, found = score, ground
+    return found
+
+
+def _is_hill(layout: Layout, row: int) -> bool:
+    return layout.objects[row].category == "terrain"
+
+
+def covered(layout: Layout, row: int, ground: int) -> float:
+    """Share of an outline that lies over ground, from a grid of points."""
+    boxes = layout.boxes
+    steps = np.linspace(-0.9, 0.9, 7)
+    u, v = np.meshgrid(steps, steps)
+    local = np.stack([u.ravel(), v.ravel()], axis=1) * boxes.half_m[row, :2]
+    points = boxes.centre_m[row, :2] + local @ boxes.frame(row)
+    inside = np.abs((points - boxes.centre_m[ground, :2]) @ boxes.frame(ground).T)
+    return float((inside <= boxes.half_m[ground, :2]).all(axis=1).mean())

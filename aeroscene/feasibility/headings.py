@@ -1,0 +1,48 @@
+"""Headings: parts of a building stand square in it, and what was meant square is made so."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from aeroscene.feasibility.boxes import forbidden_overlaps
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import BUILDINGS, FITTINGS
+
+_SLIGHT_RAD = math.radians(9.0)
+"""Coarse objects that overlap others are turned square to what they stand on if off by less."""
+_LEAST_RAD = 1e-4
+_QUARTER = math.pi / 2
+_TOUCH_M = 0.001
+
+
+def square_up(layout: Layout) -> None:
+    """Turn coarse objects that are nearly square to what they stand on, where it matters."""
+    overlaps = forbidden_overlaps(layout.boxes, _TOUCH_M, layout.is_left)
+    in_conflict = set(np.unique(overlaps.pairs).tolist())
+    site_rad = _site_heading_rad(layout)
+    for row, obj in enumerate(layout.objects):
+        if not obj.is_coarse:
+            continue
+        parent, host = layout.parent_of(row), int(layout.host[row])
+        to_rad = site_rad if host < 0 else float(layout.boxes.yaw_rad[host])
+        off_rad = math.remainder(float(layout.boxes.yaw_rad[row]) - to_rad, _QUARTER)
+        if parent is not None and parent.category in BUILDINGS:
+            is_due = obj.category in FITTINGS or obj.category == "roof"
+        else:
+            is_due = row in in_conflict and abs(off_rad) < _SLIGHT_RAD
+        if is_due and abs(off_rad) > _LEAST_RAD:
+            layout.turn(row, -off_rad)
+
+
+def _site_heading_rad(layout: Layout) -> float:
+    """The heading, up to quarter turns, that most of the ground plan by area shares."""
+    boxes = layout.boxes
+    roots = np.flatnonzero((layout.host < 0) & layout.is_left)
+    if not len(roots):
+        return 0.0
+    area = boxes.half_m[roots, :2].prod(axis=1)
+    yaw = boxes.yaw_rad[roots]
+    off = np.abs(np.remainder(yaw[:, None] - yaw[None, :] + _QUARTER / 2, _QUARTER) - _QUARTER / 2)
+    return float(yaw[(area * (off < math.radians(2.0))).sum(axis=1).argmax()])

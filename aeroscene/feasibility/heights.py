@@ -1,0 +1,133 @@
+"""What bears each object, and at which height: undersides are set onto real surfaces."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from aeroscene.feasibility.ground import covered
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import BUILDINGS, COVERS, is_chained, is_fitting
+from aeroscene.scene import SceneObject
+from aeroscene.shapes.build import object_primitives
+from aeroscene.shapes.shell import FINISH_M
+from aeroscene.solids import Solids, colliding
+from aeroscene.validation.columns import spans
+
+DRAUGHT_M = 0.03
+"""Height of a keel above the bed of its water."""
+_PATH_M = 0.02
+"""How far the paving of a path lies above the slope it climbs."""
+_UNDER_M = 0.05
+"""Share of an outline over ground, in each direction, that lifts a bridge onto it."""
+_SAME_M = 2e-4
+"""Heights that differ by less are equal."""
+_SHAPED = frozenset({"roof", "terrain"})
+"""What does not bear at the upper face of its box."""
+_INNER = 0.999
+_SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
+
+
+def set_heights(layout: Layout, rows: Int[np.ndarray, " k"]) -> None:
+    """Set the undersides of some objects, and all they carry, to the height of what bears them.
+
+    Args:
+        layout: Changed.
+        rows: Objects, parents before children.
+    """
+    for row in rows.tolist():
+        if not layout.is_left[row]:
+            continue
+        base_m = _bearing_m(layout, row)
+        rise_m = base_m - float(layout.boxes.base_m[row])
+        if abs(rise_m) > _SAME_M:
+            layout.shift(row, np.array([0.0, 0.0, rise_m]))
+
+
+def _bearing_m(layout: Layout, row: int) -> float:
+    """Where the underside of an object belongs."""
+    obj, parent, host = layout.objects[row], layout.parent_of(row), int(layout.host[row])
+    if parent is not None:
+        return _within_m(layout, row, parent)
+    if obj.category == "bridge":
+        return _highest_below(layout, row)
+    return 0.0 if host < 0 else surface_m(layout, host, row)
+
+
+def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
+    """Where the underside of an object belongs that has a parent."""
+    boxes, obj, host = layout.boxes, layout.objects[row], int(layout.host[row])
+    base_m = float(boxes.base_m[row])
+    low_m, top_m = float(boxes.base_m[host]), float(boxes.top_m[host])
+    faces_m: tuple[float, ...] = ()
+    if is_chained(obj, parent):
+        faces_m = (low_m,)
+    elif is_fitting(obj, parent):
+        faces_m = (base_m,)
+    elif parent.category == "room":
+        faces_m = (low_m + FINISH_M,)
+    elif parent.category == "water":
+        faces_m = (low_m + DRAUGHT_M, *((low_m,) if obj.category == "deck" else ()))
+    elif parent.category == "canopy":
+        faces_m = (low_m, top_m)
+    elif parent.category in BUILDINGS:
+        faces_m = (top_m,)
+    elif obj.category == "terrain" and _is_sloped(parent):
+        faces_m = (low_m + _PATH_M,)
+    elif obj.category == "chimney" and parent.attributes.get("form") != "flat":
+        # A stack rises through the slope of its roof.
+        faces_m = (min(max(base_m, low_m), surface_m(layout, host, row)),)
+    if not faces_m:
+        return surface_m(layout, host, row)
+    return min(faces_m, key=lambda face_m: abs(face_m - base_m))
+
+
+def _is_sloped(obj: SceneObject) -> bool:
+    return obj.category == "terrain" and obj.attributes.get("form") != "terrace"
+
+
+def surface_m(layout: Layout, bearer: int, row: int) -> float:
+    """Height at which an object stands on a bearer: of the lowest ground below its outline."""
+    top_m = float(layout.boxes.top_m[bearer])
+    if layout.objects[bearer].category not in _SHAPED:
+        return top_m
+    probes = _probes(layout, row)
+    solids = _solids_of(layout.object(bearer))
+    heights = np.stack([spans(solids, i, probes)[:, 1] for i in range(len(solids))])
+    with np.errstate(invalid="ignore"):
+        highest = np.fmax.reduce(heights, axis=0)
+    highest = highest[~np.isnan(highest)]
+    return float(highest.min()) if len(highest) else top_m
+
+
+@lru_cache(maxsize=256)
+def _solids_of(obj: SceneObject) -> Solids:
+    return colliding(object_primitives(obj))
+
+
+def _probes(layout: Layout, row: int) -> Float[np.ndarray, "5 2"]:
+    """Middle and corners of an outline."""
+    middle = layout.boxes.centre_m[row, :2]
+    corners = _SIGNS * layout.boxes.half_m[row, :2] @ layout.boxes.frame(row)
+    return np.vstack([middle, middle + _INNER * corners])
+
+
+def _highest_below(layout: Layout, row: int) -> float:
+    """Top of the highest cover under an object's outline."""
+    boxes = layout.boxes
+    highest = 0.0
+    for ground, obj in enumerate(layout.objects):
+        is_cover = obj.category in COVERS and layout.is_left[ground]
+        if is_cover and covered(layout, row, ground) > _UNDER_M:
+            highest = max(highest, float(boxes.top_m[ground]))
+    return highest
+
+
+def post(layout: Layout, row: int) -> tuple[Float[np.ndarray, " 2"], float]:
+    """Foot of what stands on one post: its middle, from the box's, in the world; and its radius."""
+    solids = _solids_of(layout.object(row))
+    lowest = int(solids.low_m[:, 2].argmin())
+    middle = solids.centre_m[lowest, :2] - layout.boxes.centre_m[row, :2]
+    return middle, float(solids.half_m[lowest, :2].max())

@@ -1,0 +1,173 @@
+"""Where the flight starts: the home pad on open ground, and the air about it that stays free."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from aeroscene.feasibility.boxes import Boxes, footprint_depth, joined, strangers
+from aeroscene.feasibility.layout import Layout
+
+# As curation keeps them, see `aeroscene.curation.start`.
+FREE_RADIUS_M = 3.6
+"""Half the side of the square of air above the pad that stays free."""
+_FREE_HEIGHT_M = 60.0
+_OPEN_RADII_M = (11.0, 9.0, 7.0, 5.0)
+"""Half the side of a free square higher above the pad, the first that is."""
+_OPEN_ABOVE_M = 3.5
+_INDOOR_RADIUS_M = 3.2
+_CEILING_M = 0.1
+"""Below a ceiling, where lights hang."""
+_KERB_M = 0.16
+"""What rises less than this about the pad is no obstacle."""
+_WANTED_M = 5.0
+_STEP_M = 0.75
+_RIM_M = 0.3
+"""Of its ground about the pad."""
+_GROUNDS = ("lawn", "plaza", "parking_lot")
+_LAST_RESORT = ("road",)
+_FAR = 0.15
+"""Openness given up for each metre that the pad moves."""
+
+
+def home_row(layout: Layout) -> int | None:
+    """The pad from which the flight starts, None where the scene has none."""
+    for row, obj in enumerate(layout.objects):
+        is_start = obj.category == "landing_pad" and obj.attributes.get("is_start") is True
+        if is_start and layout.is_left[row]:
+            return row
+    return None
+
+
+def settle_home(layout: Layout, row: int) -> None:
+    """Put the pad where the air above is free of structures.
+
+    Args:
+        layout: Coarse objects of it stand where they will; the pad alone is moved.
+        row: The pad.
+    """
+    spot = layout.boxes.centre_m[row, :2].copy()
+    host = int(layout.host[row])
+    is_open_air = host >= 0 and layout.scene.domain != "indoor"
+    if is_open_air and _openness_m(layout, row, host, spot) < _WANTED_M:
+        best = (
+            _best_spot(layout, row, [host])
+            or _best_spot(layout, row, _grounds(layout, _GROUNDS))
+            or _best_spot(layout, row, _grounds(layout, _LAST_RESORT))
+        )
+        if best is not None:
+            _move_home(layout, row, *best)
+
+
+def _move_home(layout: Layout, row: int, ground: int, at: Float[np.ndarray, " 2"]) -> None:
+    boxes = layout.boxes
+    rise = float(boxes.top_m[ground] - boxes.base_m[row])
+    layout.shift(row, np.array([*(at - boxes.centre_m[row, :2]), rise]))
+    if ground != layout.host[row]:
+        layout.adopt(row, ground)
+
+
+def _grounds(layout: Layout, names: tuple[str, ...]) -> list[int]:
+    return [
+        i
+        for i, obj in enumerate(layout.objects)
+        if obj.category in names and layout.is_left[i] and obj.domain == "outdoor"
+    ]
+
+
+def _best_spot(
+    layout: Layout, row: int, grounds: list[int]
+) -> tuple[int, Float[np.ndarray, " 2"]] | None:
+    """The most open spot that is not too far away, if any is open enough."""
+    boxes = layout.boxes
+    here = boxes.centre_m[row, :2]
+    best, found = -math.inf, None
+    for ground in grounds:
+        for spot in _spots(layout, row, ground):
+            far = _FAR * float(np.hypot(*(spot - here)))
+            if _OPEN_RADII_M[0] - far <= best:
+                continue
+            open_m = _openness_m(layout, row, ground, spot)
+            if open_m >= FREE_RADIUS_M and open_m - far > best:
+                best, found = open_m - far, (ground, spot)
+    return found
+
+
+def _spots(layout: Layout, row: int, ground: int) -> Float[np.ndarray, "k 2"]:
+    """A grid of places for the pad on some ground."""
+    boxes = layout.boxes
+    reach = boxes.half_m[ground, :2] - boxes.half_m[row, :2].max() - _RIM_M
+    if reach.min() < 0:
+        return np.empty((0, 2))
+    u, v = (np.linspace(-r, r, 1 + max(1, int(2 * r / _STEP_M))) for r in reach)
+    grid = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
+    return boxes.centre_m[ground, :2] + grid @ boxes.frame(ground)
+
+
+def _openness_m(layout: Layout, row: int, ground: int, spot: Float[np.ndarray, " 2"]) -> float:
+    """Half the side of the widest free square of air above a spot, 0 where none is wide enough."""
+    boxes, top_m = layout.boxes, float(layout.boxes.top_m[ground])
+    low, high = layout.extent_m[:, :2]
+    border_m = float(np.minimum(spot - low, high - spot).min())
+    is_obstacle = _structures(layout, row)
+    yaw = float(boxes.yaw_rad[ground])
+    if border_m < FREE_RADIUS_M or not _is_free(
+        boxes, is_obstacle, spot, yaw, FREE_RADIUS_M, top_m + _KERB_M
+    ):
+        return 0.0
+    for radius_m in _OPEN_RADII_M:
+        if _is_free(boxes, is_obstacle, spot, yaw, radius_m, top_m + _OPEN_ABOVE_M):
+            return radius_m
+    return FREE_RADIUS_M
+
+
+def _structures(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
+    """Coarse objects: the others make room."""
+    is_coarse = np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
+    return is_coarse & layout.is_left & ~layout.moves_with[:, row]
+
+
+def _is_free(
+    boxes: Boxes,
+    is_obstacle: Bool[np.ndarray, " n"],
+    spot: Float[np.ndarray, " 2"],
+    yaw_rad: float,
+    radius_m: float,
+    base_m: float,
+) -> bool:
+    near = np.flatnonzero(is_obstacle & (boxes.top_m > base_m))
+    reach = np.hypot(boxes.half_m[near, 0], boxes.half_m[near, 1]) + math.sqrt(2) * radius_m
+    near = near[np.hypot(*(boxes.centre_m[near, :2] - spot).T) < reach]
+    if not len(near):
+        return True
+    square = _square(spot, yaw_rad, radius_m, base_m, base_m + _FREE_HEIGHT_M)
+    both = joined(boxes, square)
+    return bool((footprint_depth(both, near, np.full(len(near), len(boxes))) <= 0.001).all())
+
+
+def _square(
+    spot: Float[np.ndarray, " 2"], yaw_rad: float, radius_m: float, base_m: float, top_m: float
+) -> Boxes:
+    return strangers(
+        np.array([[spot[0], spot[1], (base_m + top_m) / 2]]),
+        np.array([[radius_m, radius_m, (top_m - base_m) / 2]]),
+        np.array([yaw_rad]),
+    )
+
+
+def home_air(layout: Layout, row: int) -> Boxes:
+    """What stays free about the pad."""
+    boxes, host = layout.boxes, int(layout.host[row])
+    spot, top_m, yaw = boxes.centre_m[row, :2], float(boxes.top_m[row]), float(boxes.yaw_rad[row])
+    if layout.scene.domain == "indoor" and host >= 0:
+        radius_m = min(_INDOOR_RADIUS_M, float(boxes.half_m[host, :2].min()))
+        ceiling_m = float(boxes.top_m[host]) - _CEILING_M
+        return _square(spot, yaw, radius_m, top_m + 0.001, max(ceiling_m, top_m + 0.1))
+    near = _square(spot, yaw, FREE_RADIUS_M, top_m, top_m + _FREE_HEIGHT_M)
+    open_m = 0.0 if host < 0 else _openness_m(layout, row, host, spot)
+    if open_m <= FREE_RADIUS_M:
+        return near
+    above_m = top_m + _OPEN_ABOVE_M
+    return joined(near, _square(spot, yaw, open_m, above_m, above_m + _FREE_HEIGHT_M))

@@ -1,0 +1,126 @@
+"""What bears what, when things are cut or moved: other rooms, other ground, or the bare earth."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import BEARING, COVERS, FITTINGS, GROUND, is_chained
+
+_MOST_HOSTS = 4
+_BESIDE_M = 0.5
+"""What lies less far beside its ground is pulled back onto it."""
+_LOST_M = 3.0
+"""What lies further from all ground is left on the bare earth."""
+_STEP_M = 0.2
+"""Rooms whose floors differ by less are on one level."""
+
+
+def dissolve(layout: Layout, row: int) -> None:
+    """Take a surface out, and leave to its neighbours what stood on it."""
+    children = np.flatnonzero((layout.boxes.parent == row) & layout.is_left).tolist()
+    is_room = layout.objects[row].category == "room"
+    layout.is_left[row] = False
+    for child in children:
+        ground = _ground_below(layout, child, row)
+        if is_room and ground < 0:
+            layout.drop(child)
+        else:
+            layout.adopt(child, ground)
+    layout.host[(layout.host == row) & layout.is_left] = -1
+    layout.relink()
+
+
+def rehome(layout: Layout) -> None:
+    """Leave to the ground below what a cut has left beside its own ground.
+
+    So that a cut displaces nothing: a bench stays where it is, on the lawn instead of the plaza.
+    """
+    boxes = layout.boxes
+    for row in range(len(layout.objects)):
+        host = int(boxes.parent[row])
+        if host < 0 or not layout.is_left[row] or layout.objects[host].category not in GROUND:
+            continue
+        beside_m = _beside_m(layout, host, boxes.centre_m[row, :2])
+        if beside_m < _BESIDE_M or is_chained(layout.objects[row], layout.objects[host]):
+            continue
+        ground = _ground_below(layout, row, host)
+        if ground >= 0 or beside_m > _LOST_M:
+            layout.adopt(row, ground)
+
+
+def _ground_below(layout: Layout, row: int, host: int) -> int:
+    """The surface like its own that lies below the middle of an object, -1 without one.
+
+    For what stood in a room it is, where no other room holds it, the nearest of the building.
+    """
+    at = layout.boxes.centre_m[row, :2]
+    like = [g for g in _hosts_like(layout, host) if not layout.moves_with[g, row]]
+    for ground in like:
+        if _holds(layout, ground, at):
+            return ground
+    if layout.objects[host].category != "room" or not like:
+        return -1
+    return min(like, key=lambda room: _beside_m(layout, room, at))
+
+
+def other_hosts(layout: Layout, row: int) -> list[int]:
+    """What else could bear an object, nearest first; -1 is the bare earth."""
+    if layout.objects[row].category in COVERS | FITTINGS | {"roof"}:
+        return []
+    boxes, host = layout.boxes, int(layout.host[row])
+    like = _hosts_like(layout, None if host < 0 else host)
+    size = boxes.half_m[row, :2].min()
+    far = np.array([float(_beside_m(layout, h, boxes.centre_m[row, :2])) for h in like])
+    is_wide = [boxes.half_m[h, :2].min() >= size for h in like]
+    order = [like[k] for k in np.argsort(far, kind="stable").tolist() if is_wide[k]]
+    order = [h for h in order if not layout.moves_with[h, row] and h != host]
+    is_outside = host >= 0 and layout.objects[host].category in BEARING
+    return [*order[:_MOST_HOSTS], *([-1] if is_outside else [])]
+
+
+def _hosts_like(layout: Layout, host: int | None) -> list[int]:
+    """Other surfaces of the kind: rooms of the same building at its height, or open ground."""
+    category = None if host is None else layout.objects[host].category
+    if category == "room" and host is not None:
+        found = _rooms_beside(layout, host)
+    elif category is None or category in GROUND:
+        found = [
+            row
+            for row, obj in enumerate(layout.objects)
+            if obj.category in BEARING
+            and obj.domain == "outdoor"
+            and layout.is_left[row]
+            and row != host
+        ]
+    else:
+        return []
+    # Small covers lie on large ones, and are met first.
+    return sorted(found, key=lambda row: float(layout.boxes.half_m[row, :2].prod()))
+
+
+def _rooms_beside(layout: Layout, room: int) -> list[int]:
+    """The other rooms of a storey, or where there are none, of the building."""
+    boxes = layout.boxes
+    rooms = [
+        row
+        for row, obj in enumerate(layout.objects)
+        if obj.category == "room"
+        and layout.is_left[row]
+        and row != room
+        and boxes.parent[row] == boxes.parent[room]
+    ]
+    beside = [row for row in rooms if abs(boxes.base_m[row] - boxes.base_m[room]) < _STEP_M]
+    return beside or rooms
+
+
+def _beside_m(layout: Layout, host: int, at: Float[np.ndarray, " 2"]) -> float:
+    """How far a point lies beside an outline."""
+    boxes = layout.boxes
+    local = np.abs(boxes.frame(host) @ (at - boxes.centre_m[host, :2]))
+    return float(np.hypot(*np.maximum(local - boxes.half_m[host, :2], 0.0)))
+
+
+def _holds(layout: Layout, host: int, at: Float[np.ndarray, " 2"]) -> bool:
+    return _beside_m(layout, host, at) == 0.0

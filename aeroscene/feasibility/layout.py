@@ -1,0 +1,151 @@
+"""A scene while it is being changed: boxes that move with what they stand on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.feasibility.boxes import Boxes, boxes_of, kinship
+from aeroscene.geometry import quat_from_yaw
+from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
+
+_DIGITS = 4
+"""Of lengths in a scene document, as curation writes them."""
+
+
+@dataclass(slots=True, eq=False)
+class Layout:
+    """Objects of a scene with boxes that may change; rows are the scene's objects throughout."""
+
+    scene: Scene
+    """As it came."""
+    boxes: Boxes
+    host: Int[np.ndarray, " n"]
+    """Row of what an object moves with: its parent, or for a root the ground on which it stands;
+    -1 for neither."""
+    is_left: Bool[np.ndarray, " n"]
+    """Whether an object is still there."""
+    extent_m: Float[np.ndarray, "2 3"]
+    """Lower and upper corner of the flight volume, which may grow."""
+    moves_with: Bool[np.ndarray, "n n"]
+    """Whether an object (row) moves with another (column)."""
+    attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
+    """Of objects whose attributes have changed."""
+
+    @property
+    def objects(self) -> Sequence[SceneObject]:
+        """The objects, as they came."""
+        return self.scene.objects
+
+    def parent_of(self, row: int) -> SceneObject | None:
+        """The parent of an object."""
+        above = int(self.boxes.parent[row])
+        return None if above < 0 else self.objects[above]
+
+    def chain(self, row: int) -> list[int]:
+        """An object and all that it moves with, upwards."""
+        found = [row]
+        while self.host[found[-1]] >= 0:
+            found.append(int(self.host[found[-1]]))
+        return found
+
+    def relink(self) -> None:
+        """Take note of hosts that have changed."""
+        self.moves_with = np.eye(len(self.host), dtype=bool)
+        for row in range(len(self.host)):
+            self.moves_with[row, self.chain(row)] = True
+
+    def carried(self, row: int) -> Int[np.ndarray, " k"]:
+        """An object and all that moves with it, in order."""
+        return np.flatnonzero(self.moves_with[:, row])
+
+    def shift(self, row: int, offset_m: Float[np.ndarray, " 3"]) -> None:
+        """Move an object with all that it carries."""
+        self.boxes.centre_m[self.carried(row)] += offset_m
+
+    def turn(self, row: int, angle_rad: float) -> None:
+        """Turn an object about its middle with all that it carries."""
+        rows = self.carried(row)
+        c, s = math.cos(angle_rad), math.sin(angle_rad)
+        middle = self.boxes.centre_m[row, :2].copy()
+        offset = self.boxes.centre_m[rows, :2] - middle
+        self.boxes.centre_m[rows, :2] = middle + offset @ np.array([[c, s], [-s, c]])
+        self.boxes.yaw_rad[rows] += angle_rad
+
+    def adopt(self, row: int, parent: int) -> None:
+        """Give an object, with all that belongs to it, another parent."""
+        self.host[row] = self.boxes.parent[row] = parent
+        self.boxes.is_kin[:] = kinship(self.boxes.parent)
+        self.relink()
+
+    def rehost(self, row: int, host: int) -> None:
+        """Let a root stand on other ground."""
+        self.host[row] = host
+        self.relink()
+
+    def family(self, row: int) -> Int[np.ndarray, " k"]:
+        """An object and its descendants."""
+        parent = self.boxes.parent
+        found = {row}
+        growing = True
+        while growing:
+            below = set(np.flatnonzero(np.isin(parent, list(found))).tolist()) - found
+            found |= below
+            growing = bool(below)
+        return np.array(sorted(found), dtype=int)
+
+    def drop(self, row: int) -> None:
+        """Take an object out with all its descendants; what merely stands on it stays."""
+        gone = self.family(row)
+        self.is_left[gone] = False
+        self.host[np.isin(self.host, gone) & self.is_left] = -1
+        self.relink()
+
+    def box(self, row: int) -> OrientedBox:
+        """The box of an object, rounded as documents are; unchanged if it has not changed."""
+        old = self.objects[row].bbox
+        x, y, z = (round(v, _DIGITS) for v in self.boxes.centre_m[row].tolist())
+        a, b, c = (round(2 * v, _DIGITS) for v in self.boxes.half_m[row].tolist())
+        q = old.q
+        if abs(math.remainder(self.boxes.yaw_rad[row] - old.yaw_rad, math.tau)) > 1e-7:
+            q = quat_from_yaw(float(self.boxes.yaw_rad[row]))
+        return OrientedBox((x, y, z), q, (a, b, c))
+
+    def object(self, row: int) -> SceneObject:
+        """An object as it is now."""
+        old = self.objects[row]
+        above = int(self.boxes.parent[row])
+        return replace(
+            old,
+            parent_id=None if above < 0 else self.objects[above].id,
+            bbox=self.box(row),
+            attributes=self.attributes.get(row, old.attributes),
+        )
+
+    def left(self) -> tuple[SceneObject, ...]:
+        """All objects that are still there, as they are now, parents first."""
+        order: list[int] = []
+        waiting = np.flatnonzero(self.is_left).tolist()
+        while waiting:
+            row = waiting.pop(0)
+            above = int(self.boxes.parent[row])
+            if above in waiting:
+                waiting.insert(waiting.index(above) + 1, row)
+            else:
+                order.append(row)
+        return tuple(self.object(row) for row in order)
+
+
+def layout_of(scene: Scene) -> Layout:
+    """A scene to be changed."""
+    boxes = boxes_of(scene.objects)
+    is_left = np.ones(len(boxes), dtype=bool)
+    extent = np.array([scene.extent_min_enu_m, scene.extent_max_enu_m], dtype=float)
+    moves_with = np.eye(len(boxes), dtype=bool)
+    layout = Layout(scene, boxes, boxes.parent.copy(), is_left, extent, moves_with)
+    layout.relink()
+    return layout

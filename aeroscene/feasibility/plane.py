@@ -1,0 +1,219 @@
+"""The least changes in the plane that part all boxes, as a sequence of least-squares problems.
+
+Two strangers are apart if they are so along one axis of either; which one is chosen anew between
+problems, at the places reached so far, while changes are always counted from where the objects
+began. Weights are chosen anew too: divided by the change so far, squares add up to a sum of
+distances, so that few objects move far and most not at all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.feasibility.boxes import Boxes, joined, reach_along, separation
+from aeroscene.feasibility.changes import Changes
+from aeroscene.feasibility.heights import post
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.least_change import least_change
+from aeroscene.feasibility.roles import POSTS, margin_m
+
+TOUCH_M = 0.001
+"""Overlaps below this count as touching, as in the corpus."""
+_GAP_M = 0.002
+"""Left between what was parted."""
+_RIM_M = 0.003
+"""What reaches less over its host's border than this stays as it is."""
+_NEAR_M = 0.4
+"""Strangers further apart than this do not meet within one problem."""
+_BORDER_M = 8.0
+"""What is further from the flight volume's sides than this does not reach them."""
+_ROUNDS = 12
+_SWEEPS = 160
+_LEAST_CHANGE_M = 0.2
+"""Changes below this count by their squares."""
+
+_Demands = tuple[Float[np.ndarray, "k v"], Float[np.ndarray, " k"]]
+"""Rows of `A x >= b`."""
+
+
+class PlaneProblem:
+    """Parts the boxes of some objects of a layout from each other and from all others."""
+
+    def __init__(
+        self,
+        layout: Layout,
+        is_movable: Bool[np.ndarray, " n"],
+        obstacles: Boxes | None = None,
+        among: Bool[np.ndarray, " n"] | None = None,
+    ) -> None:
+        """Set a problem.
+
+        Args:
+            layout: Its boxes are changed by `solve`.
+            is_movable: Objects that may move; all move with what carries them.
+            obstacles: Boxes to keep free beside the layout's own.
+            among: Objects that are there at all, by default those that are left.
+        """
+        self._layout = layout
+        self._began = joined(layout.boxes, obstacles)
+        self._movable = np.flatnonzero(is_movable & layout.is_left)
+        self._changes = Changes(layout, self._began, self._movable)
+        self._candidates = self._strangers(layout.is_left if among is None else among)
+        self._have_met = np.zeros(len(self._candidates), dtype=bool)
+        self._x = np.zeros(self._changes.width)
+
+    def _strangers(self, among: Bool[np.ndarray, " n"]) -> Int[np.ndarray, "k 2"]:
+        """Pairs of which one moves, that are at one height and may not overlap."""
+        began, layout = self._began, self._layout
+        n, total = len(layout.boxes), len(began)
+        is_there = np.ones(total, dtype=bool)
+        is_there[:n] = layout.is_left & among
+        moves = self._changes.carries.sum(axis=1) > 0
+        first, second = np.triu_indices(total, 1)
+        rise = np.minimum(began.top_m[first], began.top_m[second])
+        rise -= np.maximum(began.base_m[first], began.base_m[second])
+        keep = (rise > TOUCH_M) & is_there[first] & is_there[second]
+        keep &= (moves[first] | moves[second]) & ~began.is_kin[first, second]
+        host = np.full(total, -1)
+        host[:n] = layout.host
+        keep &= (host[first] != second) & (host[second] != first)
+        return np.stack([first[keep], second[keep]], axis=1)
+
+    def solve(self) -> None:
+        """Change the layout's boxes by the least that parts them."""
+        if not len(self._movable):
+            return
+        fixed = [self._within_hosts(), self._within_extent(), self._changes.cut_limits()]
+        for _ in range(_ROUNDS):
+            now = self._changes.applied(self._x)
+            apart, worst_m = self._apart(now)
+            if worst_m < TOUCH_M and self._is_met(fixed):
+                break
+            demands = [*fixed, apart]
+            self._x = least_change(
+                np.concatenate([rows for rows, _ in demands]),
+                np.concatenate([bounds for _, bounds in demands]),
+                self._weights(),
+                _SWEEPS,
+            )
+        now, boxes = self._changes.applied(self._x), self._layout.boxes
+        boxes.centre_m[:], boxes.half_m[:] = now.centre_m[: len(boxes)], now.half_m[: len(boxes)]
+
+    def _weights(self) -> Float[np.ndarray, " v"]:
+        sizes = self._changes.sizes(self._x)
+        return self._changes.costs / np.maximum(sizes, _LEAST_CHANGE_M)
+
+    def _is_met(self, demands: list[_Demands]) -> bool:
+        return all((rows @ self._x >= bounds - TOUCH_M).all() for rows, bounds in demands)
+
+    def _apart(self, now: Boxes) -> tuple[_Demands, float]:
+        """Each pair that is or was near keeps apart along the axis that parts it best now."""
+        i, j = self._candidates.T
+        reach = np.hypot(now.half_m[:, 0], now.half_m[:, 1])
+        middles_m = np.hypot(*(now.centre_m[j, :2] - now.centre_m[i, :2]).T)
+        near = np.flatnonzero(self._have_met | (middles_m < reach[i] + reach[j] + _NEAR_M))
+        gap_m, normal = separation(now, i[near], j[near])
+        keep = self._have_met[near] | (gap_m < _NEAR_M)
+        near, normal = near[keep], normal[keep]
+        self._have_met[near] = True
+        i, j = i[near], j[near]
+        began, _ = separation(self._began, i, j)
+        wanted = np.where(began < -TOUCH_M, _GAP_M, np.minimum(began, 0.0))
+        rows = self._changes.shifts(j, normal) - self._changes.shifts(i, normal)
+        self._changes.add_cuts(rows, i, normal)
+        self._changes.add_cuts(rows, j, -normal)
+        worst_m = float((-gap_m).max(initial=0.0))
+        return (rows, wanted - self._gap(i, j, normal)), worst_m
+
+    def _gap(
+        self, i: Int[np.ndarray, " k"], j: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
+    ) -> Float[np.ndarray, " k"]:
+        """Gaps along normals where the objects began."""
+        boxes = self._began
+        along = np.einsum("ki,ki->k", boxes.centre_m[j, :2] - boxes.centre_m[i, :2], normal)
+        return along - reach_along(boxes, i, normal) - reach_along(boxes, j, normal)
+
+    def _within_hosts(self) -> _Demands:
+        """Each object stays upon or within what it moves with."""
+        layout, boxes = self._layout, self._began
+        rows, margins = self._kept_within()
+        hosts = layout.host[rows]
+        feet, radius = self._feet(rows)
+        axes = boxes.axes_of(hosts)
+        found: list[_Demands] = []
+        for face in range(4):
+            axis = face % 2
+            normal = axes[:, axis] * (1.0 if face < 2 else -1.0)
+            reach = np.where(radius < 0, reach_along(boxes, rows, normal), radius)
+            offset = np.einsum("ki,ki->k", boxes.centre_m[hosts, :2] - feet, normal)
+            room = boxes.half_m[hosts, axis] + offset - reach
+            # What is too long for its host lies in its middle.
+            spare = boxes.half_m[hosts, axis] - reach
+            is_whole = ~self._changes.is_cuttable[rows]
+            wanted = np.where(is_whole, np.minimum(margins, spare), margins)
+            wanted = np.where(room >= wanted - _RIM_M, np.minimum(wanted, room), wanted)
+            demand = self._changes.shifts(hosts, normal) - self._changes.shifts(rows, normal)
+            self._changes.add_cuts(demand, rows, normal)
+            self._changes.add_cuts(demand, hosts, normal, -1.0)
+            found.append((demand, wanted - room))
+        return _stacked(found)
+
+    def _kept_within(self) -> tuple[Int[np.ndarray, " k"], Float[np.ndarray, " k"]]:
+        """Objects that have a border to stay within, and how far from it."""
+        layout = self._layout
+        rows, margins = [], []
+        for row in self._movable.tolist():
+            parent = layout.parent_of(row)
+            if parent is None or layout.host[row] != layout.boxes.parent[row]:
+                kept = 0.0
+            else:
+                kept = margin_m(layout.objects[row], parent)
+            if layout.host[row] >= 0 and kept is not None and not self._is_balcony(row):
+                rows.append(row)
+                margins.append(kept)
+        return np.array(rows, dtype=int), np.array(margins)
+
+    def _is_balcony(self, row: int) -> bool:
+        """Whether a slab is held from the side, outside its building."""
+        boxes, host = self._began, int(self._layout.host[row])
+        if self._layout.objects[row].category != "floor":
+            return False
+        offset = boxes.centre_m[row, :2] - boxes.centre_m[host, :2]
+        return bool((np.abs(boxes.frame(host) @ offset) > boxes.half_m[host, :2]).any())
+
+    def _feet(
+        self, rows: Int[np.ndarray, " k"]
+    ) -> tuple[Float[np.ndarray, "k 2"], Float[np.ndarray, " k"]]:
+        """Middles of what must be upon a host, and radii of single posts, -1 of whole boxes."""
+        feet, radius = self._began.centre_m[rows, :2].copy(), np.full(len(rows), -1.0)
+        for k, row in enumerate(rows.tolist()):
+            if self._layout.objects[row].category in POSTS:
+                offset, radius[k] = post(self._layout, row)
+                feet[k] += offset
+        return feet, radius
+
+    def _within_extent(self) -> _Demands:
+        """Each object stays within the flight volume, those that are anywhere near its sides."""
+        boxes, (low, high) = self._began, self._layout.extent_m
+        found: list[_Demands] = []
+        for axis in range(2):
+            for sign, border in ((1.0, high[axis]), (-1.0, low[axis])):
+                rows = self._movable
+                normal = np.zeros((len(rows), 2))
+                normal[:, axis] = sign
+                room = sign * (border - boxes.centre_m[rows, axis])
+                room -= reach_along(boxes, rows, normal)
+                near = room < _BORDER_M
+                rows, normal, room = rows[near], normal[near], room[near]
+                demand = -self._changes.shifts(rows, normal)
+                self._changes.add_cuts(demand, rows, normal)
+                found.append((demand, -room))
+        return _stacked(found)
+
+
+def _stacked(demands: list[_Demands]) -> _Demands:
+    return (
+        np.concatenate([rows for rows, _ in demands]),
+        np.concatenate([bounds for _, bounds in demands]),
+    )

@@ -1,0 +1,106 @@
+"""The projection: from a sampled scene to the nearest one that can be built, stood on and flown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import hypot
+
+from aeroscene.feasibility.layout import layout_of
+from aeroscene.feasibility.report import FeasibilityReport, snapshot, stage_report
+from aeroscene.feasibility.stages import finished, stages
+from aeroscene.landing import AreaLimits, derive_interaction_areas
+from aeroscene.scene import Scene
+from aeroscene.shapes import scene_primitives
+from aeroscene.solids import colliding
+from aeroscene.validation import validate
+from aeroscene.validation.claims import unlandable
+
+AWAY_M = 2.0
+"""Landing nearer to the start than this is no flight."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeasibilityCfg:
+    """What a scene must offer after its projection."""
+
+    limits: AreaLimits | None = None
+    """At most how many landing and perching areas of each class; all that there are by default."""
+    least_landing_areas: int = 1
+    """A scene with fewer, those beside the start not counted, is rejected."""
+    most_dropped_share: float = 0.1
+    """A scene that loses more of its objects is rejected."""
+    is_validated: bool = True
+    """Whether the result is held against `aeroscene.validation`, and rejected if it fails."""
+
+
+@dataclass(frozen=True, slots=True)
+class Feasible:
+    """A projected scene."""
+
+    scene: Scene
+    """With areas; where the report names a rejection, as far as it got."""
+    report: FeasibilityReport
+
+
+def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
+    """Project a scene: coarse objects first, then fine ones upon what bears them.
+
+    Args:
+        scene: As sampled: boxes may overlap, hang in the air or lie outside the extent. Its
+            areas are ignored.
+        cfg: What the result must offer.
+    """
+    cfg = cfg or FeasibilityCfg()
+    layout = layout_of(scene)
+    began = snapshot(layout)
+    moments, names = [began], []
+    for name, stage in stages():
+        stage(layout)
+        names.append(name)
+        moments.append(snapshot(layout))
+    reports = [stage_report(*step) for step in zip(names, moments, moments[1:], strict=False)]
+    found = with_areas(finished(layout), cfg.limits)
+    report = FeasibilityReport(
+        n_objects=len(scene.objects),
+        total=stage_report("total", began, moments[-1]),
+        stages=tuple(reports),
+        n_landing_areas=len(found.landing_areas),
+        rejection=_rejection(scene, found, cfg),
+    )
+    return Feasible(found, report)
+
+
+def with_areas(scene: Scene, limits: AreaLimits | None) -> Scene:
+    """A scene with the areas of its geometry, but for those that fail to be what they claim."""
+    primitives = scene_primitives(scene)
+    areas = derive_interaction_areas(scene, primitives, limits=limits)
+    scene = replace(scene, interaction_areas=areas)
+    wrong = {f.area_id for f in unlandable(scene, colliding(primitives))}
+    sound = [area for area in areas if area.id not in wrong]
+    numbered = (replace(area, id=number) for number, area in enumerate(sound))
+    return replace(scene, interaction_areas=tuple(numbered)) if wrong else scene
+
+
+def _rejection(began: Scene, found: Scene, cfg: FeasibilityCfg) -> str | None:
+    """Why a scene cannot be used, None if it can."""
+    n_dropped, n = len(began.objects) - len(found.objects), len(began.objects)
+    if n_dropped > cfg.most_dropped_share * n:
+        return f"{n_dropped} of {n} objects have no place, valid: {cfg.most_dropped_share:.0%}"
+    if _has_home(began) and not _has_home(found):
+        return "the home pad has no place, valid: open ground of 7 m to a side"
+    x, y, _ = found.start_position_enu_m
+    places = [area.centroid for area in found.landing_areas]
+    n_away = sum(hypot(place[0] - x, place[1] - y) >= AWAY_M for place in places)
+    if n_away < cfg.least_landing_areas:
+        return (
+            f"{n_away} landing areas away from the start can be reached, "
+            f"valid: from {cfg.least_landing_areas}"
+        )
+    findings = validate(found) if cfg.is_validated else ()
+    if findings:
+        return f"{len(findings)} findings, the first: {findings[0].detail}"
+    return None
+
+
+def _has_home(scene: Scene) -> bool:
+    return any(obj.attributes.get("is_start") is True for obj in scene.objects)

@@ -1,0 +1,68 @@
+"""What an object may do in a projection: what it lies on, what may be cut, what must stay upright.
+
+Facts about the categories, read off the corpus: which surfaces abut, what reaches where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from aeroscene.scene import SceneObject
+from aeroscene.shapes.facade import WALL_M
+
+COVERS = frozenset({"lawn", "plaza", "parking_lot", "sidewalk", "road", "water"})
+"""Thin surfaces that tile the ground."""
+GROUND = COVERS | {"terrain"}
+"""Covers and raised land."""
+BUILDINGS = frozenset({"building", "house", "tower", "warehouse"})
+"""What rooms, walls, floors and roofs are parts of."""
+FITTINGS = frozenset({"room", "wall", "floor"})
+"""Parts that lie within a building."""
+BEARING = COVERS - {"water", "road"} | {"terrain"}
+"""Ground on which something may stand that is no child of it."""
+CHAINS = frozenset({("road", "road"), ("sidewalk", "sidewalk")})
+"""Child and parent of which one continues the other, end to end."""
+
+_BOTH = (True, True)
+_NEITHER = (False, False)
+_ALONG_Y = (False, True)
+_CUTTABLE: Mapping[str, tuple[bool, bool]] = MappingProxyType(
+    {
+        **dict.fromkeys(COVERS, _BOTH),
+        **dict.fromkeys(("terrain", "room", "floor", "deck"), _BOTH),
+        "roof": _BOTH,
+        "wall": _ALONG_Y,
+        "fence": _ALONG_Y,
+    }
+)
+_RIM_M: Mapping[str, float] = MappingProxyType({"roof": 0.25, "water": 0.0})
+"""What a parent keeps to itself along its borders: the parapet of a roof."""
+_BEARING_M = 0.1
+"""How far a slab may reach into the walls that carry it."""
+POSTS = frozenset({"street_lamp"})
+"""What reaches beyond its parent's outline, but for its foot: the arm of a lamp."""
+
+
+def cuttable(obj: SceneObject) -> tuple[bool, bool]:
+    """Whether an object may become shorter along its own x and y."""
+    return _CUTTABLE.get(obj.category, _NEITHER)
+
+
+def is_chained(obj: SceneObject, parent: SceneObject) -> bool:
+    """Whether an object continues its parent instead of lying on it."""
+    return (obj.category, parent.category) in CHAINS
+
+
+def is_fitting(obj: SceneObject, parent: SceneObject) -> bool:
+    """Whether an object is a room, wall or slab of its parent, a building."""
+    return obj.category in FITTINGS and parent.category in BUILDINGS
+
+
+def margin_m(obj: SceneObject, parent: SceneObject) -> float | None:
+    """How far from its parent's border an object stays, None where it may reach over it."""
+    if is_chained(obj, parent) or obj.category == "roof":
+        return None
+    if is_fitting(obj, parent):
+        return WALL_M - (_BEARING_M if obj.category == "floor" else 0.0)
+    return _RIM_M.get(parent.category, 0.0)

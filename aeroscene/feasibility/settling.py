@@ -1,0 +1,180 @@
+"""What the least changes leave over: cut what may be cut, move the rest, drop what fits nowhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from aeroscene.feasibility.boxes import (
+    Boxes,
+    Overlaps,
+    footprint_depth,
+    forbidden_overlaps,
+    joined,
+)
+from aeroscene.feasibility.hosts import dissolve, other_hosts
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.places import Place, find_place, move_to
+from aeroscene.feasibility.roles import BUILDINGS, GROUND, cuttable
+
+TOUCH_M = 0.001
+_GAP_M = 0.0005
+_MOST_CUT = 0.6
+"""Largest share of a side that a last cut may take."""
+_LEAST_SIDE_M = 0.8
+"""Shortest side that a cut may leave."""
+_BUILT = BUILDINGS | {"garage", "container", "kiosk", "bridge"}
+_ROUNDS = 3
+_FAR_M = 2.0
+"""Further away than this, places upon other hosts are looked at."""
+_MUCH_TOO_FAR_M = 4.0
+"""Rather than so far away a structure stands where ground has to be cut for it."""
+_LOYALTY_M = 1.0
+"""By how much nearer another host's place must be."""
+
+
+def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
+    """Shorten what may be shorter until it reaches into no stranger, wherever it stays long enough.
+
+    Args:
+        layout: Changed.
+        is_wanted: Objects among which to look.
+
+    Returns:
+        Whether anything was cut.
+    """
+    has_cut = False
+    for _ in range(_ROUNDS):
+        overlaps = _overlaps(layout)
+        is_cut = False
+        for i, j in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
+            if not (is_wanted[i] and is_wanted[j]) or _are_apart(layout, i, j):
+                continue
+            cuts = [*_cuts(layout, i, j), *_cuts(layout, j, i)]
+            if cuts:
+                _, row, axis, sign, depth_m = min(cuts)
+                _cut(layout, row, axis, sign, depth_m)
+                is_cut = True
+        has_cut |= is_cut
+        if not is_cut:
+            break
+    return has_cut
+
+
+def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes) -> None:
+    """Move what still overlaps to the nearest free place, larger things first, or drop it.
+
+    Args:
+        layout: Changed.
+        is_wanted: Objects that may be moved.
+        obstacles: Boxes to keep free beside all objects.
+    """
+    losers = _losers(layout, is_wanted, obstacles)
+    size = layout.boxes.half_m[losers].prod(axis=1)
+    for row in losers[np.argsort(-size, kind="stable")].tolist():
+        if layout.is_left[row] and _is_in_conflict(layout, row, obstacles):
+            settle(layout, row, obstacles)
+
+
+def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
+    """Move one object to the nearest free place: upon its host, else upon another; or drop it."""
+    place = _nearest_place(layout, row, obstacles)
+    if layout.objects[row].category in _BUILT and (
+        place is None or place.distance_m > _MUCH_TOO_FAR_M
+    ):
+        nearest_m = math.inf if place is None else place.distance_m
+        place = find_place(layout, row, -1, obstacles, nearest_m, may_cut=True) or place
+    if place is None:
+        give_up(layout, row, obstacles)
+    else:
+        move_to(layout, row, place)
+
+
+def give_up(layout: Layout, row: int, _: Boxes) -> None:
+    """Take an object out with all that belongs to it; a surface alone, without what it bears."""
+    if layout.objects[row].category in GROUND | {"room"}:
+        dissolve(layout, row)
+    else:
+        layout.drop(row)
+
+
+def _nearest_place(layout: Layout, row: int, obstacles: Boxes) -> Place | None:
+    """Upon an object's own host, or where that is much nearer upon another."""
+    place = find_place(layout, row, int(layout.host[row]), obstacles)
+    if place is not None and place.distance_m <= _FAR_M:
+        return place
+    for other in other_hosts(layout, row):
+        nearest_m = math.inf if place is None else place.distance_m - _LOYALTY_M
+        found = find_place(layout, row, other, obstacles, nearest_m)
+        place = place if found is None else found
+    return place
+
+
+def set_on_earth(layout: Layout, row: int, obstacles: Boxes) -> None:
+    """Move one object to the nearest free place beside all ground, if there is one."""
+    place = find_place(layout, row, -1, obstacles)
+    if place is not None:
+        move_to(layout, row, place)
+
+
+def _overlaps(layout: Layout, obstacles: Boxes | None = None) -> Overlaps:
+    boxes = joined(layout.boxes, obstacles)
+    is_left = np.ones(len(boxes), dtype=bool)
+    is_left[: len(layout.boxes)] = layout.is_left
+    return forbidden_overlaps(boxes, TOUCH_M, is_left)
+
+
+def _are_apart(layout: Layout, i: int, j: int) -> bool:
+    """Whether cuts made meanwhile have parted two boxes."""
+    depth = footprint_depth(layout.boxes, np.array([i]), np.array([j]))
+    return bool(depth[0] <= TOUCH_M)
+
+
+def _cuts(layout: Layout, row: int, other: int) -> Iterator[tuple[float, int, int, float, float]]:
+    """Cuts of an object that part it from another: share lost, object, axis, face, depth in m."""
+    boxes = layout.boxes
+    for axis in np.flatnonzero(cuttable(layout.objects[row])).tolist():
+        unit = boxes.frame(row)[axis]
+        along = float(unit @ (boxes.centre_m[other, :2] - boxes.centre_m[row, :2]))
+        reach = float(np.abs(boxes.frame(other) @ unit) @ boxes.half_m[other, :2])
+        side = 2 * float(boxes.half_m[row, axis])
+        for sign in (1.0, -1.0):
+            depth_m = side / 2 - (sign * along - reach) + _GAP_M
+            share = depth_m / side
+            if 0 < share <= _MOST_CUT and side - depth_m >= _LEAST_SIDE_M:
+                yield share, row, axis, sign, depth_m
+
+
+def _cut(layout: Layout, row: int, axis: int, sign: float, depth_m: float) -> None:
+    boxes = layout.boxes
+    boxes.centre_m[row, :2] -= boxes.frame(row)[axis] * (sign * depth_m / 2)
+    boxes.half_m[row, axis] -= depth_m / 2
+
+
+def _losers(
+    layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes
+) -> Int[np.ndarray, " k"]:
+    """Of each overlapping pair the one that carries less, or is smaller, if it may be moved."""
+    n = len(layout.boxes)
+    carries = (layout.moves_with & layout.is_left[:, None]).sum(axis=0)
+    size = layout.boxes.half_m.prod(axis=1)
+    lost: set[int] = set()
+    overlaps = _overlaps(layout, obstacles)
+    for pair in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
+        movable = [row for row in pair if row < n and is_wanted[row]]
+        if movable and not lost & set(pair):
+            lost.add(min(movable, key=lambda row: (carries[row], size[row], row)))
+    return np.array(sorted(lost), dtype=int)
+
+
+def _is_in_conflict(layout: Layout, row: int, obstacles: Boxes) -> bool:
+    """Whether an object overlaps any stranger."""
+    boxes = joined(layout.boxes, obstacles)
+    is_stranger = ~boxes.is_kin[row]
+    is_stranger[: len(layout.boxes)] &= layout.is_left
+    rise = np.minimum(boxes.top_m, boxes.top_m[row]) - np.maximum(boxes.base_m, boxes.base_m[row])
+    others = np.flatnonzero(is_stranger & (rise > TOUCH_M))
+    return bool((footprint_depth(boxes, others, np.full(len(others), row)) > TOUCH_M).any())

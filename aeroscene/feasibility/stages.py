@@ -1,0 +1,176 @@
+"""The stages of a projection: what each does, in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import atan2
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from aeroscene.feasibility.boxes import Boxes, joined, strangers
+from aeroscene.feasibility.doors import door_air, fit_openings
+from aeroscene.feasibility.extents import fit_extent, hold_all
+from aeroscene.feasibility.ground import find_ground
+from aeroscene.feasibility.headings import square_up
+from aeroscene.feasibility.heights import set_heights
+from aeroscene.feasibility.home import home_air, home_row, settle_home
+from aeroscene.feasibility.hosts import rehome
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.plane import PlaneProblem
+from aeroscene.feasibility.roles import GROUND, is_chained
+from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_on_earth, settle
+from aeroscene.feasibility.shells import fit_shells, lay_roofs
+from aeroscene.scene import Scene
+from aeroscene.shapes import scene_primitives
+from aeroscene.solids import colliding
+from aeroscene.validation.boxes import overlaps
+from aeroscene.validation.support import floating
+
+
+def stages() -> tuple[tuple[str, Callable[[Layout], None]], ...]:
+    """Names and functions of all stages, in their order."""
+    return (
+        ("support", _support),
+        ("ground", _part_ground),
+        ("coarse", _part_coarse),
+        ("home and fine", _part_fine),
+        ("last", _clear_up),
+    )
+
+
+def _support(layout: Layout) -> None:
+    """Headings and heights, which decide what can meet at all."""
+    find_ground(layout)
+    square_up(layout)
+    fit_shells(layout)
+    fit_extent(layout)
+    set_heights(layout, _downwards(layout))
+
+
+def _part_ground(layout: Layout) -> None:
+    """Covers and land among each other; then everything stands on what lies below it now."""
+    boxes = layout.boxes
+    is_ground = np.array(
+        [
+            obj.category in GROUND and (boxes.parent[i] < 0 or _is_chained(layout, i))
+            for i, obj in enumerate(layout.objects)
+        ],
+        dtype=bool,
+    )
+    for _ in range(2):
+        PlaneProblem(layout, is_ground, among=is_ground).solve()
+        if not cut_overlaps(layout, is_ground):
+            break
+    rehome(layout)
+    find_ground(layout)
+    set_heights(layout, _downwards(layout))
+
+
+def _is_chained(layout: Layout, row: int) -> bool:
+    parent = layout.parent_of(row)
+    return parent is not None and is_chained(layout.objects[row], parent)
+
+
+def _part_coarse(layout: Layout) -> None:
+    is_coarse = _is_coarse(layout)
+    for _ in range(2):
+        PlaneProblem(layout, is_coarse).solve()
+        if not cut_overlaps(layout, is_coarse):
+            break
+    resettle(layout, is_coarse, _nothing())
+    cut_overlaps(layout, is_coarse)
+    resettle(layout, is_coarse, _nothing())
+    rehome(layout)
+    set_heights(layout, _downwards(layout))
+
+
+def _part_fine(layout: Layout) -> None:
+    is_fine = ~_is_coarse(layout)
+    row = home_row(layout)
+    if row is not None:
+        settle_home(layout, row)
+        is_fine[row] = False
+    air = _air(layout)
+    PlaneProblem(layout, is_fine, air).solve()
+    resettle(layout, is_fine, air)
+    set_heights(layout, _downwards(layout))
+
+
+def _air(layout: Layout) -> Boxes:
+    """What fine objects leave free: before doors, and about the home pad."""
+    doors, row = door_air(layout), home_row(layout)
+    return doors if row is None else joined(home_air(layout, row), doors)
+
+
+def _clear_up(layout: Layout) -> None:
+    """Roofs and openings fit; what still overlaps or floats is set down or goes."""
+    lay_roofs(layout)
+    fit_openings(layout)
+    fit_extent(layout)
+    is_coarse = _is_coarse(layout)
+    resettle(layout, is_coarse, _nothing())
+    resettle(layout, ~is_coarse, _air(layout))
+    _mend_floating(layout)
+    hold_all(layout)
+    rows = {obj.id: row for row, obj in enumerate(layout.objects)}
+    for finding in tuple(overlaps(finished(layout))):
+        # What shares too much with its parent's line, which may overlap it otherwise.
+        if finding.object_id is not None:
+            layout.drop(rows[finding.object_id])
+
+
+def _mend_floating(layout: Layout) -> None:
+    """Set down what stands on nothing: upon its host, else upon the bare earth, else nowhere."""
+    for mend in (settle, set_on_earth, give_up):
+        rows = _floating(layout)
+        if not rows:
+            return
+        for row in rows:
+            mend(layout, row, _nothing())
+        set_heights(layout, _downwards(layout))
+        resettle(layout, ~_is_coarse(layout), _air(layout))
+    for row in _floating(layout):
+        layout.drop(row)
+
+
+def _floating(layout: Layout) -> list[int]:
+    scene = finished(layout)
+    row = {obj.id: i for i, obj in enumerate(layout.objects)}
+    solids = colliding(scene_primitives(scene))
+    return [row[f.object_id] for f in floating(scene, solids) if f.object_id is not None]
+
+
+def _is_coarse(layout: Layout) -> Bool[np.ndarray, " n"]:
+    return np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
+
+
+def _downwards(layout: Layout) -> Int[np.ndarray, " n"]:
+    """All rows, each after what it stands on."""
+    return np.argsort([len(layout.chain(i)) for i in range(len(layout.host))], kind="stable")
+
+
+def _nothing() -> Boxes:
+    return strangers(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+
+
+def finished(layout: Layout) -> Scene:
+    """The scene as it is now, its start on its pad, its sky above the highest thing."""
+    scene, boxes = layout.scene, layout.boxes
+    low, high = layout.extent_m.tolist()
+    start, yaw = scene.start_position_enu_m, scene.start_yaw_rad
+    row = home_row(layout)
+    if row is not None:
+        u, v = (round(value, 4) for value in boxes.centre_m[row, :2].tolist())
+        start = (u, v, round(float(boxes.top_m[row]), 4))
+        yaw = round(atan2(-v, -u), 6)
+    return replace(
+        scene,
+        objects=layout.left(),
+        interaction_areas=(),
+        extent_min_enu_m=tuple(low),
+        extent_max_enu_m=tuple(high),
+        start_position_enu_m=start,
+        start_yaw_rad=yaw,
+    )

@@ -1,0 +1,174 @@
+"""Collision rate: how much boxes run into each other.
+
+The paper's collision rate is the share of ALL pairs of objects with an IoU above 0.01. It shrinks
+as objects grow in number, and it counts what belongs together: a room's box fills its building's.
+So beside it stand the share of objects in collision, the share of scenes with any, and the mean
+depth, each among all pairs, among those that are not parent and child, and among strangers, neither
+of which is the other's ancestor. And IoU is blind to a cup in a wall: the share of objects that
+reach more than a centimetre into a stranger is counted by depth.
+
+Source: AeroScene, "Evaluation Metrics", CR.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.geometry import box_corners, penetration_depth
+from aeroscene.metrics.arrays import SceneArrays, scene_arrays
+from aeroscene.metrics.intersection import pair_iou
+from aeroscene.scene import Scene
+
+MAX_IOU = 0.01
+"""The paper's: above it two boxes collide."""
+MAX_DEPTH_M = 0.01
+"""Deeper than this a box reaches into a stranger."""
+
+Among = Literal["all", "not parent and child", "strangers"]
+"""Which pairs are looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Overlaps:
+    """Every pair of boxes of a scene that share volume."""
+
+    n_objects: int
+    n_pairs: dict[Among, int]
+    first: Int[np.ndarray, " k"]
+    """Row of the pair's first object, below that of its second."""
+    second: Int[np.ndarray, " k"]
+    iou: Float[np.ndarray, " k"]
+    depth_m: Float[np.ndarray, " k"]
+    """Least translation that parts the two, by separating axes."""
+    is_among: dict[Among, Bool[np.ndarray, " k"]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Collisions:
+    """Counts of one scene, or sums over several."""
+
+    n_scenes: int
+    n_colliding_scenes: int
+    rate_sum: float
+    """Sum over the scenes of the share of pairs that collide."""
+    n_objects: int
+    n_colliding_objects: int
+    n_deep_objects: int
+    """Objects that reach deeper than `MAX_DEPTH_M` into another."""
+    n_collisions: int
+    depth_sum_m: float
+    """Over the pairs that collide."""
+
+    @property
+    def rate(self) -> float:
+        """Share of pairs with an IoU above 0.01; the mean over scenes, as the paper averages."""
+        return self.rate_sum / max(self.n_scenes, 1)
+
+    @property
+    def object_share(self) -> float:
+        """Share of objects that collide with any other."""
+        return self.n_colliding_objects / max(self.n_objects, 1)
+
+    @property
+    def deep_object_share(self) -> float:
+        """Share of objects that reach more than a centimetre into any other."""
+        return self.n_deep_objects / max(self.n_objects, 1)
+
+    @property
+    def scene_share(self) -> float:
+        """Share of scenes in which any pair collides."""
+        return self.n_colliding_scenes / max(self.n_scenes, 1)
+
+    @property
+    def mean_depth_m(self) -> float:
+        """Mean penetration depth of the pairs that collide; 0 where none does."""
+        return self.depth_sum_m / max(self.n_collisions, 1)
+
+
+def collision_rate(scene: Scene) -> float:
+    """The paper's: share of all pairs of objects whose boxes have an IoU above 0.01."""
+    return collisions(overlaps(scene_arrays(scene)), "all").rate
+
+
+def overlaps(arrays: SceneArrays) -> Overlaps:
+    """Find the pairs of boxes that share volume, with their exact IoU and penetration depth."""
+    p, q, s = arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m
+    first, second = _near(p, q, s)
+    depth_m = penetration_depth(p[first], q[first], s[first], p[second], q[second], s[second])
+    is_deep = depth_m > 0
+    first, second, depth_m = first[is_deep], second[is_deep], depth_m[is_deep]
+    is_upright = arrays.is_upright[first] & arrays.is_upright[second]
+    a, b = (p[first], q[first], s[first]), (p[second], q[second], s[second])
+    n_all = arrays.n_objects * (arrays.n_objects - 1) // 2
+    n_roots = int((arrays.parent < 0).sum())
+    return Overlaps(
+        n_objects=arrays.n_objects,
+        n_pairs={
+            "all": n_all,
+            "not parent and child": n_all - (arrays.n_objects - n_roots),
+            "strangers": n_all - int(arrays.is_ancestor.sum()),
+        },
+        first=first,
+        second=second,
+        iou=pair_iou(*a, *b, is_upright),
+        depth_m=depth_m,
+        is_among={
+            "all": np.ones(len(first), dtype=bool),
+            # Parents come before their children.
+            "not parent and child": arrays.parent[second] != first,
+            "strangers": ~arrays.is_ancestor[first, second],
+        },
+    )
+
+
+def _near(p: np.ndarray, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs whose enclosing boxes along the axes of the world touch."""
+    corners = box_corners(p, q, s)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    is_near = np.triu(np.ones((len(p), len(p)), dtype=bool), 1)
+    for axis in range(3):
+        is_near &= low[:, None, axis] < high[None, :, axis]
+        is_near &= low[None, :, axis] < high[:, None, axis]
+    first, second = np.nonzero(is_near)
+    return first, second
+
+
+def collisions(found: Overlaps, among: Among) -> Collisions:
+    """Count what collides among the pairs of a kind."""
+    looked_at = found.is_among[among]
+    is_colliding = looked_at & (found.iou > MAX_IOU)
+    is_deep = looked_at & (found.depth_m > MAX_DEPTH_M)
+    n_collisions = int(is_colliding.sum())
+    return Collisions(
+        n_scenes=1,
+        n_colliding_scenes=int(n_collisions > 0),
+        rate_sum=n_collisions / max(found.n_pairs[among], 1),
+        n_objects=found.n_objects,
+        n_colliding_objects=_n_objects(found, is_colliding),
+        n_deep_objects=_n_objects(found, is_deep),
+        n_collisions=n_collisions,
+        depth_sum_m=float(found.depth_m[is_colliding].sum()),
+    )
+
+
+def _n_objects(found: Overlaps, is_pair: np.ndarray) -> int:
+    return len(np.union1d(found.first[is_pair], found.second[is_pair]))
+
+
+def total(parts: Sequence[Collisions]) -> Collisions:
+    """Of several scenes together."""
+    return Collisions(
+        n_scenes=sum(part.n_scenes for part in parts),
+        n_colliding_scenes=sum(part.n_colliding_scenes for part in parts),
+        rate_sum=sum(part.rate_sum for part in parts),
+        n_objects=sum(part.n_objects for part in parts),
+        n_colliding_objects=sum(part.n_colliding_objects for part in parts),
+        n_deep_objects=sum(part.n_deep_objects for part in parts),
+        n_collisions=sum(part.n_collisions for part in parts),
+        depth_sum_m=sum(part.depth_sum_m for part in parts),
+    )

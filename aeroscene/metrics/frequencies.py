@@ -1,0 +1,82 @@
+"""How far what scenes hold is from what reference scenes hold: Kullback-Leibler divergences.
+
+    KL(reference || scenes) = sum over x of p(x) log p(x) / q(x)      nats
+
+p is the share of x among the reference scenes, q among the judged ones, each with half a count more
+of every x (Jeffreys), so that what is absent costs much and not everything. Of few scenes the
+divergence is above zero even where nothing differs: read it beside that of as many real ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.metrics.arrays import N_CATEGORIES, SceneArrays
+
+_PRIOR_COUNT = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frequencies:
+    """Counts over a set of scenes."""
+
+    category: Float[np.ndarray, " c"]
+    """Objects of each category."""
+    cooccurrence: Float[np.ndarray, " pairs"]
+    """Scenes in which both categories of a pair appear; a category with itself: at least twice."""
+    hierarchy: Float[np.ndarray, " pairs"]
+    """Objects of a category by that of their parent; the last is none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Divergences:
+    """From a reference, nats."""
+
+    category: float
+    cooccurrence: float
+    hierarchy: float
+
+
+def frequencies(scenes: Sequence[SceneArrays]) -> Frequencies:
+    """Count what scenes hold, what they hold together, and what carries what."""
+    upper = np.triu_indices(N_CATEGORIES)
+    category = np.zeros(N_CATEGORIES)
+    together = np.zeros((N_CATEGORIES, N_CATEGORIES))
+    carried = np.zeros((N_CATEGORIES, N_CATEGORIES + 1))
+    for arrays in scenes:
+        counts = np.bincount(arrays.category, minlength=N_CATEGORIES)
+        category += counts
+        present = (counts > 0).astype(float)
+        together += np.outer(present, present) - np.diag(present) + np.diag(counts > 1)
+        carriers = np.where(arrays.parent < 0, N_CATEGORIES, arrays.category[arrays.parent])
+        np.add.at(carried, (arrays.category, carriers), 1.0)
+    return Frequencies(category, together[upper], carried.ravel())
+
+
+def divergences(scenes: Frequencies, reference: Frequencies) -> Divergences:
+    """KL(reference || scenes) of all three."""
+    return Divergences(
+        category=kl_divergence(reference.category, scenes.category),
+        cooccurrence=kl_divergence(reference.cooccurrence, scenes.cooccurrence),
+        hierarchy=kl_divergence(reference.hierarchy, scenes.hierarchy),
+    )
+
+
+def kl_divergence(
+    reference_counts: Float[np.ndarray, " n"], counts: Float[np.ndarray, " n"]
+) -> float:
+    """Of the shares of `counts` from those of the reference, in nats; 0 where they are equal.
+
+    What appears in neither is left out.
+    """
+    appears = (reference_counts > 0) | (counts > 0)
+    if not appears.any():
+        return 0.0
+    p = reference_counts[appears] + _PRIOR_COUNT
+    q = counts[appears] + _PRIOR_COUNT
+    p, q = p / p.sum(), q / q.sum()
+    return float((p * np.log(p / q)).sum())

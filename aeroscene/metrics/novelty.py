@@ -1,0 +1,113 @@
+"""Whether scenes are copies: distance to the nearest training scene, and skeletons that recur.
+
+The distance is that of `aeroscene.metrics.diversity`, the least under the eight symmetries of the
+square, so that a training scene that was turned or mirrored is found too. Scenes that were made
+without a look at training have a nearest training scene as well: the test split's own distances are
+the measure.
+
+A skeleton is who is whose child, by categories, whatever the order of siblings. Its content is how
+many there are of each category, whoever carries them.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.metrics.arrays import SceneArrays
+from aeroscene.metrics.diversity import Sketches, distances_between
+
+_EXTENT = -1
+"""Category of the root that carries what has no parent."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Nearness:
+    """How near scenes are to their nearest training scenes."""
+
+    median: float
+    """Layout radii."""
+    least: float
+    copied_share: float
+    """Share of scenes nearer than any of the test split."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recurrence:
+    """Share of scenes whose skeleton occurs in training."""
+
+    content: float
+    """As a multiset of categories."""
+    tree: float
+    coarse_tree: float
+    """The tree of the coarse objects alone."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownSkeletons:
+    """The skeletons of training."""
+
+    contents: frozenset[Hashable]
+    trees: frozenset[Hashable]
+    coarse_trees: frozenset[Hashable]
+
+    @classmethod
+    def of(cls, scenes: Sequence[SceneArrays]) -> KnownSkeletons:
+        """Remember those of scenes."""
+        return cls(
+            frozenset(map(_content, scenes)),
+            frozenset(map(_tree, scenes)),
+            frozenset(map(_coarse_tree, scenes)),
+        )
+
+    def recurrence(self, scenes: Sequence[SceneArrays]) -> Recurrence:
+        """How many of these scenes have one of them."""
+        count = max(len(scenes), 1)
+        return Recurrence(
+            content=sum(_content(arrays) in self.contents for arrays in scenes) / count,
+            tree=sum(_tree(arrays) in self.trees for arrays in scenes) / count,
+            coarse_tree=sum(_coarse_tree(arrays) in self.coarse_trees for arrays in scenes) / count,
+        )
+
+
+def training_distances(scenes: Sketches, training: Sketches) -> Float[np.ndarray, " n"]:
+    """Distance of each scene from its nearest training scene, in layout radii."""
+    return distances_between(scenes, training).min(axis=1)
+
+
+def nearness(
+    distances: Float[np.ndarray, " n"], test_distances: Float[np.ndarray, " m"]
+) -> Nearness:
+    """Sum up distances from training beside those of the test split."""
+    return Nearness(
+        median=float(np.median(distances)),
+        least=float(distances.min()),
+        copied_share=float((distances < test_distances.min()).mean()),
+    )
+
+
+def _content(arrays: SceneArrays) -> Hashable:
+    return frozenset(Counter(arrays.category.tolist()).items())
+
+
+def _tree(arrays: SceneArrays) -> Hashable:
+    return _canonical(arrays, np.ones(arrays.n_objects, dtype=bool))
+
+
+def _coarse_tree(arrays: SceneArrays) -> Hashable:
+    return _canonical(arrays, arrays.is_coarse)
+
+
+def _canonical(arrays: SceneArrays, is_kept: np.ndarray) -> Hashable:
+    """Nested pairs of a category and the sorted children; equal for equal trees only."""
+    children: dict[int, list] = {}
+    # Children come after their parents, so backwards every subtree is whole when it is hung up.
+    for row in reversed(np.flatnonzero(is_kept).tolist()):
+        parent, category = int(arrays.parent[row]), int(arrays.category[row])
+        subtree = (category, tuple(sorted(children.pop(row, []))))
+        children.setdefault(parent, []).append(subtree)
+    return (_EXTENT, tuple(sorted(children.pop(-1, []))))

@@ -1,0 +1,90 @@
+"""Numbers of the skeleton model: its network, its training, how it is sampled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class SkeletonError(ValueError):
+    """A skeleton model that cannot be used; one line saying what is wrong and what is valid."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SkeletonCfg:
+    """The network."""
+
+    width: int = 160
+    """Of the recurrent state."""
+    layers: int = 2
+    """Recurrent layers of each stage."""
+    kind_width: int = 64
+    """Of a kind's embedding."""
+    dropout: float = 0.15
+    """Share of activations that training switches off."""
+
+    def __post_init__(self) -> None:
+        _require("width", self.width, 8, 1024)
+        _require("layers", self.layers, 1, 8)
+        _require("kind_width", self.kind_width, 4, 512)
+        _require("dropout", self.dropout, 0.0, 0.9)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SkeletonTrainingCfg:
+    """How the network is trained."""
+
+    batch: int = 32
+    """Scenes a step."""
+    learning_rate: float = 2e-3
+    """At the end of the warm-up; a cosine takes it to nothing."""
+    weight_decay: float = 0.02
+    """Of AdamW."""
+    held_out: float = 0.1
+    """Share of the skeletons that training does not see: the best weights on them are kept."""
+    looks: int = 12
+    """How often the held-out part is looked at."""
+    seconds: float | None = 600.0
+    """How long to train at most, by the clock that `train_skeleton` is given."""
+    steps: int | None = None
+    """How many steps at most."""
+
+    def spent(self, step: int, seconds: float) -> float:
+        """Share of the training that is behind after so many steps and seconds."""
+        by_steps = 0.0 if self.steps is None else step / self.steps
+        return by_steps if self.seconds is None else max(by_steps, seconds / self.seconds)
+
+    def __post_init__(self) -> None:
+        _require("batch", self.batch, 1, 4096)
+        _require("learning_rate", self.learning_rate, 1e-6, 1.0)
+        _require("weight_decay", self.weight_decay, 0.0, 1.0)
+        _require("held_out", self.held_out, 0.0, 0.5)
+        _require("looks", self.looks, 1, 1000)
+        if self.steps is None and self.seconds is None:
+            raise SkeletonError("seconds and steps are None, valid: a number for one of them")
+        if self.seconds is not None:
+            _require("seconds", self.seconds, 1e-3, 1e7)
+        if self.steps is not None:
+            _require("steps", self.steps, 1, 1e9)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SkeletonSamplerCfg:
+    """How skeletons are drawn.
+
+    Temperatures of .85 and .9 and a top_p of .95 measured like 1: what grammar and needs forbid is
+    the tail that such settings are for.
+    """
+
+    temperature: float = 1.0
+    """Below 1 the likely gets likelier."""
+    top_p: float = 1.0
+    """The least likely choices that together have 1 - top_p are never made."""
+
+    def __post_init__(self) -> None:
+        _require("temperature", self.temperature, 0.05, 5.0)
+        _require("top_p", self.top_p, 0.05, 1.0)
+
+
+def _require(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise SkeletonError(f"{name} is {value!r}, valid: {low:g} to {high:g}")

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import pytest
+
+from aeroscene.feasibility import FeasibilityCfg, make_feasible
+from aeroscene.feasibility.doors import fit_openings
+from aeroscene.feasibility.layout import layout_of
+from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.feasibility.scenes import LAWN, garden, thing
+
+
+def fitted(size, **attributes):
+    layout = layout_of(garden(thing(9, "wall", (0.0, 0.0, 1.5), size, **attributes)))
+    fit_openings(layout)
+    attributes = layout.object(len(layout.objects) - 1).attributes
+    return {name: float(value) for name, value in attributes.items()}
+
+
+def test_doors_of_the_corpus_stay_as_they_are():
+    assert fit_openings(layout_of(cached_scene(311))) == 0
+
+
+def test_a_door_keeps_within_its_wall():
+    door = fitted((0.12, 4.0, 3.0), door_m=2.25, door_offset_m=3.0, door_height_m=3.4)
+    assert abs(door["door_offset_m"]) + door["door_m"] / 2 < 2.0
+    assert door["door_height_m"] < 3.0
+
+
+def test_a_narrow_door_becomes_wide_enough_to_fly_through():
+    assert fitted((0.12, 4.0, 3.0), door_m=0.6, door_offset_m=0.0)["door_m"] == pytest.approx(1.5)
+
+
+def test_a_wall_too_short_for_its_door_loses_it():
+    assert "door_m" not in fitted((0.12, 0.25, 3.0), door_m=2.25, door_offset_m=0.0)
+
+
+def test_furniture_leaves_the_air_before_a_door_free():
+    wall = thing(9, "wall", (0.0, 0.0, 1.56), (0.12, 4.0, 3.0), LAWN, door_m=1.5)
+    crate = thing(10, "crate", (0.9, 0.2, 0.56), (1.0, 1.0, 1.0), LAWN)
+    scene = make_feasible(garden(wall, crate), FeasibilityCfg(is_validated=False)).scene
+    x, y, _ = scene.object_by_id[10].bbox.p
+    assert abs(x) >= 1.3 + 0.5 - 0.01 or abs(y) >= 0.85 + 0.5 - 0.01

@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aeroscene.feasibility import FeasibilityCfg, make_feasible
+from aeroscene.feasibility.boxes import boxes_of, forbidden_overlaps
+from aeroscene.scene import Scene
+from aeroscene.validation import validate
+from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.feasibility.scenes import (
+    BENCH,
+    CUP,
+    HOME,
+    LAWN,
+    PLAZA,
+    TABLE,
+    garden,
+    thing,
+    unsettled,
+)
+
+QUICK = FeasibilityCfg(is_validated=False)
+
+
+@pytest.mark.parametrize("index", [7, 42, 311])
+def test_a_sound_scene_stays_as_it_is(index):
+    scene = cached_scene(index)
+    result = make_feasible(scene, QUICK)
+    assert result.scene.objects == scene.objects
+    assert result.scene.extent_max_enu_m == scene.extent_max_enu_m
+    assert result.scene.start_position_enu_m == scene.start_position_enu_m
+    assert result.report.total.n_moved == 0
+    assert result.report.rejection is None
+
+
+@pytest.mark.parametrize(("index", "sigma_m"), [(42, 0.1), (311, 0.5), (7, 2.0)])
+def test_an_unsettled_scene_becomes_sound(index, sigma_m):
+    raw = unsettled(cached_scene(index), sigma_m, seed=index)
+    result = make_feasible(raw, QUICK)
+    assert result.report.rejection is None
+    assert not validate(result.scene)
+    assert not len(forbidden_overlaps(boxes_of(result.scene.objects), 0.0015).pairs)
+    total = result.report.total
+    assert total.displacement.median_m < 0.15 + sigma_m
+    assert total.n_dropped <= 0.02 * len(raw.objects)
+    assert total.colliding_before > 0.1
+    assert total.colliding_after == 0.0
+
+
+def test_the_same_scene_gives_the_same_result(scene_42: Scene):
+    raw = unsettled(scene_42, 0.3, seed=3)
+    first, second = make_feasible(raw, QUICK), make_feasible(raw, QUICK)
+    assert first.scene == second.scene
+    assert first.report == second.report
+
+
+def test_things_part_by_the_shorter_way_and_carry_what_stands_on_them():
+    beside = thing(BENCH, "bench", (-5.3, 0.2, 0.46), (0.6, 1.8, 0.8), LAWN)
+    objects = make_feasible(garden(beside), QUICK).scene.object_by_id
+    table, bench, cup = (np.array(objects[i].bbox.p) for i in (TABLE, BENCH, CUP))
+    assert bench[0] - table[0] == pytest.approx(0.9, abs=0.01)
+    assert bench[1] == pytest.approx(0.2, abs=0.01)
+    np.testing.assert_allclose(cup - table, (0.0, 0.5, 0.425), atol=0.01)
+
+
+def test_feet_come_down_to_what_bears_them():
+    floating = thing(CUP, "cup", (-6.0, 0.5, 1.4), (0.1, 0.1, 0.1), TABLE)
+    sunk = thing(BENCH, "bench", (-6.0, -5.0, 0.2), (0.6, 1.8, 0.8), LAWN)
+    objects = make_feasible(garden(floating, sunk), QUICK).scene.object_by_id
+    assert objects[CUP].bbox.p[2] == pytest.approx(0.86)
+    assert objects[BENCH].bbox.p[2] == pytest.approx(0.46)
+
+
+def test_ground_is_cut_and_what_stands_on_it_stays():
+    long = thing(PLAZA, "plaza", (0.0, 16.0, 0.05), (30.0, 12.0, 0.1))
+    scene = garden(long)
+    result = make_feasible(scene, QUICK)
+    before, after = scene.object_by_id, result.scene.object_by_id
+    assert after[TABLE].bbox.p == pytest.approx(before[TABLE].bbox.p, abs=0.1)
+    depths = [after[i].bbox.s[1] for i in (LAWN, PLAZA)]
+    assert sum(depths) < 42.0 - 4.0
+    assert result.report.total.n_trimmed >= 1
+
+
+def test_the_air_over_the_home_pad_is_free():
+    tree = thing(9, "tree", (10.0, 8.0, 3.06), (3.0, 3.0, 6.0), LAWN)
+    objects = make_feasible(garden(tree), QUICK).scene.object_by_id
+    offset = np.abs(np.array(objects[9].bbox.p[:2]) - objects[HOME].bbox.p[:2])
+    assert offset.max() >= 3.6 + 1.5 - 0.01
+
+
+def test_what_has_no_place_is_dropped_with_what_it_bears_and_told():
+    huge = thing(9, "table", (0.0, -4.0, 1.0), (1.4, 2.6, 0.8), TABLE)
+    onto = thing(10, "plate", (0.0, -4.0, 1.4), (0.2, 0.2, 0.02), 9)
+    blocking = thing(11, "box", (-6.0, -0.2, 0.96), (1.1, 1.3, 0.3), TABLE)
+    result = make_feasible(garden(huge, onto, blocking), QUICK)
+    assert 9 not in result.scene.object_by_id
+    assert 10 not in result.scene.object_by_id
+    assert result.report.total.n_dropped >= 2
+
+
+def test_a_scene_without_anywhere_to_land_is_rejected():
+    result = make_feasible(garden(), FeasibilityCfg(least_landing_areas=1000, is_validated=False))
+    assert result.report.rejection is not None
+    assert "valid: from 1000" in result.report.rejection
+
+
+def test_stages_add_up():
+    raw = unsettled(cached_scene(42), 0.2, seed=5)
+    report = make_feasible(raw, QUICK).report
+    assert report.stages[0].name == "support"
+    assert sum(stage.n_dropped for stage in report.stages) == report.total.n_dropped
+    assert report.stages[0].collision_rate_before == report.total.collision_rate_before
+    assert report.stages[-1].collision_rate_after == report.total.collision_rate_after
