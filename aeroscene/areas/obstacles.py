@@ -55,7 +55,8 @@ class Obstructions:
 
 
 def _without(outline: BaseGeometry, taken: np.ndarray) -> BaseGeometry:
-    touching = taken[shapely.intersects(taken, outline)]
+    # What is seen edge on takes no area, and GEOS cannot unite it with what does.
+    touching = taken[(shapely.get_dimensions(taken) == 2) & shapely.intersects(taken, outline)]
     if not len(touching):
         return outline
     united = shapely.union_all(touching, grid_size=_GRID_M)

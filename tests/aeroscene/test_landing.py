@@ -5,10 +5,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aeroscene.areas.needs import LEGS_M, MAX_SLOPE_RAD, NEEDS, PERCH_NEEDS, STEP_M, area_needs
+from aeroscene.areas.obstacles import Obstructions
 from aeroscene.areas.spread import spread
 from aeroscene.catalogue import by_name
 from aeroscene.freespace import build_distance_field, reachable
@@ -348,3 +350,12 @@ def test_a_wide_face_of_a_building_is_no_perch():
     roof = ("building", (0.0, 0.0, 3.0), (10.0, 10.0, 6.0))
     top = block((0.0, 0.0, 3.0), (1.0, 0.0, 0.0, 0.0), (10.0, 10.0, 6.0))
     assert derive_interaction_areas(simple_scene(roof), [top]) == ()
+
+
+def test_what_is_seen_edge_on_takes_nothing_from_a_face():
+    outline = shapely.box(0, 0, 4, 4)
+    edge_on = shapely.LineString([(1, 1), (3, 1)])
+    crate = shapely.box(2, 2, 3, 3)
+    taken = Obstructions(np.array([edge_on, crate]), np.zeros(2), np.ones(2))
+    assert taken.taken_from(outline).area == pytest.approx(15.0)
+    assert taken.cleared_from(outline, 0.5, 0.1).area < 15.0

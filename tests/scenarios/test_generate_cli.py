@@ -9,17 +9,12 @@ import torch
 from safetensors.torch import load_file, safe_open, save_file
 
 from aeroscene.dataset import store_scene, write_manifest
-from aeroscene.generation.loading import SHIPPED
 from aeroscene.scene_io import read_scene, write_scene
 from aeroscene.training.checkpoint import read_checkpoint, write_checkpoint
 from scenarios.cli.generate import GenerateError, outline_sides_m
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import cached_scene
 from tests.scenarios.test_train_cli import TINY
-
-shipped = pytest.mark.skipif(
-    not SHIPPED["default"].exists(), reason="this checkout has no trained checkpoint"
-)
 
 
 @pytest.fixture(autouse=True)
@@ -61,7 +56,6 @@ def refused(capsys, out, *args):
     return errors
 
 
-@shipped
 def test_same_seeds_give_the_same_scenes_whatever_their_number(tmp_path, capsys):
     one, two = tmp_path / "one", tmp_path / "two"
     status, text, errors = run(capsys, "--seed", 5, "--count", 2, "--out", one, "--json")
@@ -80,7 +74,6 @@ def test_same_seeds_give_the_same_scenes_whatever_their_number(tmp_path, capsys)
     assert scene.landing_areas
 
 
-@shipped
 def test_wishes_are_kept(tmp_path, capsys):
     wishes = ("--domain", "outdoor", "--objects", 80, "--areas", 12, "--outline", "70,60")
     assert run(capsys, "--seed", 3, "--out", tmp_path, *wishes)[0] == 0
@@ -93,7 +86,6 @@ def test_wishes_are_kept(tmp_path, capsys):
     assert high[1] - low[1] == pytest.approx(60, abs=6)
 
 
-@shipped
 def test_completed_scene_keeps_its_coarse_objects(tmp_path, capsys):
     given = cached_scene(42)
     write_scene(given, tmp_path / "given.json")
@@ -107,7 +99,6 @@ def test_completed_scene_keeps_its_coarse_objects(tmp_path, capsys):
     assert abs(len(kept) - len(coarse)) <= 0.1 * len(coarse)
 
 
-@shipped
 def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
     picture = tmp_path / "strip.png"
     assert run(capsys, "--seed", 1, "--out", tmp_path / "out", "--progress", picture)[0] == 0

@@ -30,7 +30,7 @@ IRIS, HUMMINGBIRD = AIRFRAMES["iris"], AIRFRAMES["hummingbird"]
 
 
 def test_areas_too_small_for_the_vehicle_are_left_out():
-    scene = open_scene("42")
+    scene = open_scene("corpus:42")
     small = [area for area in scene.landing_areas if area.drone_class == "small"]
     assert small
     assert not set(small) & set(rank_areas(scene, IRIS, 0))
@@ -38,7 +38,7 @@ def test_areas_too_small_for_the_vehicle_are_left_out():
 
 
 def test_nobody_is_sent_to_a_perch():
-    scene = open_scene("42")
+    scene = open_scene("corpus:42")
     assert scene.perching_areas
     for airframe in (IRIS, HUMMINGBIRD):
         assert all(area.kind == "landing" for area in rank_areas(scene, airframe, 0))
@@ -46,7 +46,7 @@ def test_nobody_is_sent_to_a_perch():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_choice_is_far_outdoors_and_the_same_for_the_same_seed(seed):
-    scene = open_scene("42")
+    scene = open_scene("corpus:42")
     ranked = rank_areas(scene, IRIS, seed)
     assert ranked == rank_areas(scene, IRIS, seed)
     best = ranked[0]
@@ -55,7 +55,7 @@ def test_the_choice_is_far_outdoors_and_the_same_for_the_same_seed(seed):
 
 
 def test_seeds_differ_in_their_choice():
-    scene = open_scene("42")
+    scene = open_scene("corpus:42")
     assert len({rank_areas(scene, IRIS, seed)[0].id for seed in range(20)}) > 2
 
 

@@ -55,7 +55,7 @@ def test_rays_of_the_physics_end_where_the_planners_distance_is_zero(scene):
 
 
 def test_cells_never_promise_more_room_than_there_is():
-    scene = open_scene("42")
+    scene = open_scene("corpus:42")
     primitives = scene_primitives(scene)
     field = distance_field(build_distance_field(scene, 0.25, primitives))
     obstacles = scene_obstacles(scene, primitives)
