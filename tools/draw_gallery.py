@@ -30,10 +30,15 @@ from flightsim.world import build_world
 
 _PLACE_PX = (832, 468)
 _ONBOARD_PX = (320, 240)
+_TILE_PX = (416, 300)
+_GENERATED = (36, 48)
+"""Numbers of the scenes that show what the model makes; 42 is among them."""
+_COLUMNS = 3
+_CUT_M = 2.6
 _MOST_BYTES = 2_500_000
 _FAR_M = 40.0
 
-Section = Literal["places", "onboard", "areas", "categories"]
+Section = Literal["generated", "places", "onboard", "areas", "categories"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +52,7 @@ class GalleryCfg:
     only: tuple[Section, ...] = ()
     """Sections to draw; all of them when none is named."""
     scenes: tuple[int, int] = (0, 90)
-    """Range of scene numbers to choose from."""
+    """Range of corpus scenes to choose places from."""
     quality: Quality = "fine"
     """"fast" draws a draft."""
 
@@ -55,11 +60,12 @@ class GalleryCfg:
 def draw(cfg: GalleryCfg) -> None:
     """Draw and write the pictures, and the page if they are all there."""
     console = Console(stderr=True)
-    sections = cfg.only or ("places", "onboard", "areas", "categories")
-    needs_scenes = bool(set(sections) - {"categories"})
+    sections = cfg.only or ("generated", "places", "onboard", "areas", "categories")
+    needs_scenes = bool(set(sections) - {"categories", "generated"})
     chosen = choose_scenes(range(*cfg.scenes)) if needs_scenes else {}
     shown: list[Shown] = []
     makers: dict[Section, Callable[[GalleryCfg, dict[str, str]], list[Shown]]] = {
+        "generated": _generated,
         "places": _places,
         "onboard": _onboard,
         "areas": _areas,
@@ -74,6 +80,34 @@ def draw(cfg: GalleryCfg) -> None:
         raise SystemExit(f"the pictures are {n_bytes} bytes, valid: at most {_MOST_BYTES}")
     if not cfg.only:
         write_page(cfg.page, cfg.out, shown)
+
+
+def _generated(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+    """Shipped scenes side by side, roofs taken off indoors."""
+    del chosen
+    rows = []
+    for start in range(*_GENERATED, _COLUMNS):
+        tiles = [_tile(cfg, number) for number in range(start, start + _COLUMNS)]
+        rows.append(np.hstack(tiles))
+    file = "generated.jpg"
+    save(np.vstack(rows), cfg.out / file)
+    last = _GENERATED[1] - 1
+    text = f"Scenes {_GENERATED[0]} to {last}, in turn mixed, outdoor and indoor."
+    return [Shown("generated", file, "Twelve of 1,016", text, None)]
+
+
+def _tile(cfg: GalleryCfg, number: int) -> np.ndarray:
+    is_indoor = open_scene(str(number)).domain == "indoor"
+    _, rgb = picture(
+        DrawCfg(
+            out=cfg.out,
+            scene=str(number),
+            cut_height_m=_CUT_M if is_indoor else None,
+            size_px=_TILE_PX,
+            quality=cfg.quality,
+        )
+    )
+    return label(rgb, str(number), size_px=16)
 
 
 def _places(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:

@@ -55,12 +55,19 @@ class Obstructions:
 
 
 def _without(outline: BaseGeometry, taken: np.ndarray) -> BaseGeometry:
-    # What is seen edge on takes no area, and GEOS cannot unite it with what does.
-    touching = taken[(shapely.get_dimensions(taken) == 2) & shapely.intersects(taken, outline)]
+    outline = _areal(outline)
+    touching = taken[shapely.intersects(taken, outline)]
     if not len(touching):
         return outline
-    united = shapely.union_all(touching, grid_size=_GRID_M)
+    united = _areal(shapely.union_all(touching, grid_size=_GRID_M))
     return shapely.difference(outline, united, grid_size=_GRID_M)
+
+
+def _areal(shape: BaseGeometry) -> BaseGeometry:
+    """What of a shape has an area: GEOS cannot subtract where edges and points are among it."""
+    parts = shapely.get_parts(shape)
+    areal = parts[shapely.get_dimensions(parts) == 2]
+    return shape if len(areal) == len(parts) else shapely.MultiPolygon(areal.tolist())
 
 
 class Obstacles:

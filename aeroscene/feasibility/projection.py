@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import hypot
 
+from shapely.errors import ShapelyError
+
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, snapshot, stage_report
 from aeroscene.feasibility.stages import finished, stages
 from aeroscene.landing import AreaLimits, derive_interaction_areas
-from aeroscene.scene import Scene
+from aeroscene.scene import Scene, SceneError
 from aeroscene.shapes import scene_primitives
 from aeroscene.solids import colliding
 from aeroscene.validation import validate
@@ -59,13 +61,18 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
         names.append(name)
         moments.append(snapshot(layout))
     reports = [stage_report(*step) for step in zip(names, moments, moments[1:], strict=False)]
-    found = with_areas(finished(layout), cfg.limits)
+    try:
+        found = with_areas(finished(layout), cfg.limits)
+        rejection = _rejection(scene, found, cfg)
+    except (SceneError, ShapelyError) as error:
+        # Of a poor model: no document can hold the layout, or its outlines have no area.
+        found, rejection = scene, str(error)
     report = FeasibilityReport(
         n_objects=len(scene.objects),
         total=stage_report("total", began, moments[-1]),
         stages=tuple(reports),
         n_landing_areas=len(found.landing_areas),
-        rejection=_rejection(scene, found, cfg),
+        rejection=rejection,
     )
     return Feasible(found, report)
 

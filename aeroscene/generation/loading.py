@@ -17,6 +17,7 @@ from aeroscene.guidance.objectives import Objectives
 from aeroscene.guidance.semantic import SemanticPrior
 from aeroscene.guidance.separation import SeparationCfg
 from aeroscene.model.network import HierarchicalDenoiser
+from aeroscene.skeleton.config import SkeletonError
 from aeroscene.skeleton.model import SkeletonModel
 from aeroscene.tokens.flat import FlatStatistics
 from aeroscene.tokens.kinds import Vocabulary
@@ -76,11 +77,17 @@ class _Loader:
             SeparationCfg(),
             self._device,
         )
-        weights = self._checkpoint.weights_of("skeleton")
-        skeletons = SkeletonModel.restored(self._sections["skeleton"], self._vocabulary, weights)
+        skeletons = self._skeletons().to(self._device)
         return HierarchicalProposer(
-            self._vocabulary, statistics, skeletons.to(self._device), geometry, self._device
+            self._vocabulary, statistics, skeletons, geometry, self._device
         )
+
+    def _skeletons(self) -> SkeletonModel:
+        weights = self._checkpoint.weights_of("skeleton")
+        try:
+            return SkeletonModel.restored(self._sections["skeleton"], self._vocabulary, weights)
+        except SkeletonError as error:
+            raise CheckpointError(f"checkpoint's {error}") from None
 
     def _flat(self, statistics: FlatStatistics) -> FlatProposer:
         prior = SemanticPrior(self._sections["prior"])

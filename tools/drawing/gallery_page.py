@@ -8,15 +8,19 @@ from pathlib import Path
 
 _HEAD = """# What do the scenes look like?
 
-Pictures of scenes as they come out of `aeroscene/curation/`, by the renderer that the cameras use.
-`python tools/draw_gallery.py` draws them all anew and writes this page; `tools/draw_scene.py` draws
-any other scene. Every texture is made by seeded code in `flightsim/looks/`, none is a photograph.
+Pictures by the renderer that the cameras use. `python tools/draw_gallery.py` draws them all anew
+and writes this page; `tools/draw_scene.py` draws any other scene. Every texture is made by seeded
+code in `flightsim/looks/`, none is a photograph.
 """
 _SECTIONS = {
-    "places": """## Places
+    "generated": """## Generated
 
-Fine pictures: each pixel is lit by rays to the sun and the sky, so shadows are soft and corners
-dark.
+Scenes of the AeroScene dataset: skeleton, places and sizes are the model's.
+""",
+    "places": """## Places of the corpus
+
+What the model learns from, as it comes out of `aeroscene/curation/`. Fine pictures: each pixel is
+lit by rays to the sun and the sky, so shadows are soft and corners dark.
 """,
     "onboard": """## On board
 
@@ -46,7 +50,7 @@ class Shown:
     title: str
     text: str
     scene: str | None
-    """Number of the scene."""
+    """Which scene, as `--scene` takes it."""
 
 
 def write_page(page: Path, folder: Path, shown: list[Shown]) -> None:

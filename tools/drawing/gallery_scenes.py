@@ -130,13 +130,13 @@ KINDS: tuple[PlaceKind, ...] = (
 
 
 def choose_scenes(indices: Iterable[int]) -> dict[str, str]:
-    """For the name of each kind the number of the scene that shows it best, none twice."""
-    scenes = {index: open_scene(str(index)) for index in track(list(indices), "scenes")}
+    """For the name of each kind the corpus scene that shows it best, none twice."""
+    specs = [f"corpus:{index}" for index in indices]
+    scenes = {spec: open_scene(spec) for spec in track(specs, "scenes")}
     chosen: dict[str, str] = {}
     for kind in KINDS:
-        free = [index for index in scenes if str(index) not in chosen.values()]
-        best = max(free, key=lambda index: _likeness(kind, scenes[index]))
-        chosen[kind.name] = str(best)
+        free = [spec for spec in scenes if spec not in chosen.values()]
+        chosen[kind.name] = max(free, key=lambda spec: _likeness(kind, scenes[spec]))
     return chosen
 
 

@@ -9,8 +9,8 @@ import torch
 from aeroscene.scene import Scene
 from aeroscene.tokens.assembly import assemble
 from aeroscene.tokens.batch import TokenBatch, slots_of
-from aeroscene.tokens.channels import Geometry, geometry_of
 from aeroscene.tokens.boxes import Boxes
+from aeroscene.tokens.channels import Geometry, geometry_of
 from aeroscene.tokens.decode import TreeDecoder
 from aeroscene.tokens.examples import Example, mirrored, quarter_turned
 from aeroscene.tokens.kinds import OPENINGS
