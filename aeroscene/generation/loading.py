@@ -78,9 +78,7 @@ class _Loader:
             self._device,
         )
         skeletons = self._skeletons().to(self._device)
-        return HierarchicalProposer(
-            self._vocabulary, statistics, skeletons, geometry, self._device
-        )
+        return HierarchicalProposer(self._vocabulary, statistics, skeletons, geometry, self._device)
 
     def _skeletons(self) -> SkeletonModel:
         weights = self._checkpoint.weights_of("skeleton")
