@@ -56,17 +56,17 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     layout = layout_of(scene)
     began = snapshot(layout)
     moments, names = [began], []
-    for name, stage in stages():
-        stage(layout)
-        names.append(name)
-        moments.append(snapshot(layout))
-    reports = [stage_report(*step) for step in zip(names, moments, moments[1:], strict=False)]
     try:
+        for name, stage in stages():
+            stage(layout)
+            names.append(name)
+            moments.append(snapshot(layout))
         found = with_areas(finished(layout), cfg.limits)
         rejection = _rejection(scene, found, cfg)
     except (SceneError, ShapelyError) as error:
-        # Of a poor model: no document can hold the layout, or its outlines have no area.
+        # Of a poor draw: no document can hold the layout, or its outlines have no area.
         found, rejection = scene, str(error)
+    reports = [stage_report(*step) for step in zip(names, moments, moments[1:], strict=False)]
     report = FeasibilityReport(
         n_objects=len(scene.objects),
         total=stage_report("total", began, moments[-1]),
