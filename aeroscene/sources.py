@@ -16,7 +16,7 @@ from aeroscene.scene_io import FORMAT, read_scene, write_scene
 
 _log = logging.getLogger(__name__)
 
-NUMBERS_NAME: Literal["corpus", "shipped"] = "corpus"
+NUMBERS_NAME: Literal["corpus", "shipped"] = "shipped"
 """What a bare number opens: a scene of the corpus, or one of those that come with the package."""
 
 # ASCII digits only: int() would also take signs, blanks and other scripts.

@@ -36,7 +36,6 @@ def test_a_package_without_its_archive_says_so(tmp_path, monkeypatch):
             read()
 
 
-@pytest.mark.skipif(not SHIPPED.exists(), reason="the scenes are still to be made")
 def test_the_scenes_that_come_with_the_package_are_all_there_and_small():
     assert SHIPPED.stat().st_size <= 5e6
     dataset = open_shipped()
