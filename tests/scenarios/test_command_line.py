@@ -23,7 +23,7 @@ def fails_with(capsys, *args):
         ),
         (
             ["--scene", "1016"],
-            "scene '1016' is unknown, valid: a number from 0 to 1015, FILE.json or FILE.jsonl#ID",
+            "scene '1016' is unknown, valid: a number from 0 to 1015, corpus:N, gen:SEED",
         ),
         (
             ["--scene", "absent.json"],
