@@ -55,16 +55,6 @@ def predicted_x0(
     return (x_t - over_tokens(sigma) * output) / over_tokens(alpha.clamp(min=_LEAST_ALPHA))
 
 
-def implied_noise(
-    x0: Float[Tensor, "batch n channels"],
-    x_t: Float[Tensor, "batch n channels"],
-    alpha: Float[Tensor, " batch"],
-    sigma: Float[Tensor, " batch"],
-) -> Float[Tensor, "batch n channels"]:
-    """The noise that turns a clean layout into x_t."""
-    return (x_t - over_tokens(alpha) * x0) / over_tokens(sigma.clamp(min=_LEAST_ALPHA))
-
-
 def min_snr_weight(
     kind: Parameterisation,
     alpha: Float[Tensor, " batch"],
