@@ -17,7 +17,7 @@ from aeroscene.diffusion.parameterisation import (
     predicted_x0,
     prediction_target,
 )
-from aeroscene.diffusion.schedule import Schedule, normal_like
+from aeroscene.diffusion.schedule import DiffusionError, Schedule, normal_like
 from aeroscene.tokens.batch import TokenBatch
 
 _GATE_MARGIN = 1e-6
@@ -59,9 +59,25 @@ class LossCfg:
     or in coarse objects, so their errors move all that they carry."""
     guide_weight: float = 0.0
     """The paper's lambda_guide, which it leaves open."""
+    guide_scenes: int | None = None
+    """On how many scenes of a batch L_guide is evaluated; None takes all. Times and scenes of a
+    batch are random, so that its first scenes are a sample of it."""
     gate_weight: float = 0.0
     """Of the cross-entropy of tau with the known level. The paper has no such term: its hard
     threshold gives the gate no gradient (notes/scenes.md)."""
+
+    def __post_init__(self) -> None:
+        for name in ("coarse_weight", "guide_weight", "gate_weight"):
+            if not 0 <= getattr(self, name) < float("inf"):
+                raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0")
+        if self.min_snr_gamma is not None and not self.min_snr_gamma > 0:
+            raise DiffusionError(
+                f"min_snr_gamma is {self.min_snr_gamma:g}, valid: above 0, or left out"
+            )
+        if self.guide_scenes is not None and self.guide_scenes < 1:
+            raise DiffusionError(
+                f"guide_scenes is {self.guide_scenes}, valid: from 1, or left out"
+            )
 
 
 @dataclass(frozen=True)
@@ -116,8 +132,10 @@ def diffusion_loss(
     guide_loss, gate_loss = zero, zero
     if guide is not None and cfg.guide_weight > 0:
         x0_hat = predicted_x0(cfg.parameterisation, prediction.output, x_t, alpha, sigma)
-        n_channels = weight.sum((1, 2)).clamp(min=1)
-        guide_loss = (alpha**2 * guide(x0_hat * is_free, batch) / n_channels).mean()
+        some = slice(cfg.guide_scenes)
+        per_scene = guide((x0_hat * is_free)[some], batch.scenes(some))
+        n_channels = weight[some].sum((1, 2)).clamp(min=1)
+        guide_loss = (alpha[some] ** 2 * per_scene / n_channels).mean()
     if prediction.tokenizability is not None and cfg.gate_weight > 0:
         gate_loss = gate_cross_entropy(prediction.tokenizability, batch)
     total = reconstruction + cfg.guide_weight * guide_loss + cfg.gate_weight * gate_loss

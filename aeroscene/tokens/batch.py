@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -54,12 +54,19 @@ class TokenBatch:
 
     def to(self, device: torch.device | str) -> TokenBatch:
         """The same batch on another device."""
-        moved = {
-            field.name: value.to(device)
+        return self._with_each(lambda value: value.to(device))
+
+    def scenes(self, some: slice) -> TokenBatch:
+        """Some of the batch's scenes."""
+        return self._with_each(lambda value: value[some])
+
+    def _with_each(self, change: Callable[[Tensor], Tensor]) -> TokenBatch:
+        changed = {
+            field.name: change(value)
             for field in fields(self)
             if isinstance(value := getattr(self, field.name), Tensor)
         }
-        return replace(self, **moved)
+        return replace(self, **changed)
 
 
 def scaled_wish(wish: Wish) -> Float[np.ndarray, " 3"]:

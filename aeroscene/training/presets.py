@@ -34,7 +34,13 @@ _PAPER: Sections = {
     "model": paper_cfg(len(CATALOGUE)),
     "schedule": ScheduleCfg(kind="linear"),
     # The paper leaves lambda_guide open but for "small", and does not supervise its gate.
-    "loss": LossCfg(parameterisation="eps", is_stratified=False, guide_weight=0.1, gate_weight=0.1),
+    "loss": LossCfg(
+        parameterisation="eps",
+        is_stratified=False,
+        guide_weight=0.1,
+        guide_scenes=8,
+        gate_weight=0.1,
+    ),
     "training": PAPER_TRAINING,
     "prior": SemanticPriorCfg(n_categories=len(CATALOGUE)),
     "guidance": ObjectivesCfg(),

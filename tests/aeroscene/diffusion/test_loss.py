@@ -6,7 +6,7 @@ import torch
 
 from aeroscene.diffusion.loss import LossCfg, diffusion_loss, gate_cross_entropy
 from aeroscene.diffusion.parameterisation import Parameterisation
-from aeroscene.diffusion.schedule import Schedule
+from aeroscene.diffusion.schedule import DiffusionError, Schedule
 from tests.aeroscene.diffusion.layouts import GaussianDenoiser, Said, blank_batch
 
 KINDS = get_args(Parameterisation)
@@ -95,6 +95,41 @@ def test_guidance_and_gate_enter_with_their_weights():
     assert float(terms.gate) == pytest.approx(0.693, abs=0.001)
     total = terms.reconstruction + 0.01 * terms.guide + 0.1 * terms.gate
     assert torch.allclose(terms.total, total)
+
+
+def test_guidance_on_some_scenes_is_its_mean_over_them():
+    batch, seen = _batch(), []
+
+    def model(x_t, time, _):
+        return Said(torch.zeros_like(x_t))
+
+    def guide(x0, some):
+        seen.append((len(x0), some.n_scenes))
+        return x0.square().sum((1, 2))
+
+    schedule = Schedule()
+    cfg = LossCfg(parameterisation="eps", guide_weight=0.01, guide_scenes=2)
+    some = diffusion_loss(model, batch, schedule, cfg, _generator(), guide)
+    whole = diffusion_loss(
+        model, batch, schedule, replace(cfg, guide_scenes=None), _generator(), guide
+    )
+    assert seen == [(2, 2), (batch.n_scenes, batch.n_scenes)]
+    assert 0 < float(some.guide) != float(whole.guide)
+    assert torch.equal(some.reconstruction, whole.reconstruction)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("coarse_weight", -1.0),
+        ("guide_weight", float("nan")),
+        ("min_snr_gamma", 0.0),
+        ("guide_scenes", 0),
+    ],
+)
+def test_what_is_minimised_stays_in_range(field, value):
+    with pytest.raises(DiffusionError, match=rf"{field} is .*, valid: "):
+        LossCfg(**{field: value})
 
 
 def test_gradients_reach_the_network_through_every_term():
