@@ -38,6 +38,11 @@ class FlatProposer:
         self._sampler = sampler
         self._guidance = guidance
         self._device = device
+        # DDPM's clipping of the prediction: one object of 300 kilometres spoils a whole scene.
+        self._x0_range = (
+            torch.as_tensor(statistics.low, dtype=torch.float32, device=device),
+            torch.as_tensor(statistics.high, dtype=torch.float32, device=device),
+        )
 
     def propose(
         self,
@@ -74,6 +79,7 @@ class FlatProposer:
             self._sampler,
             noise,
             guidance=self._guidance,
+            x0_range=self._x0_range,
             on_step=watch,
         )
         return self._read(x0, batch.mask, wishes, rngs)

@@ -40,6 +40,9 @@ class FlatStatistics:
 
     mean: Float[np.ndarray, " 10"]
     spread: Float[np.ndarray, " 10"]
+    low: Float[np.ndarray, " 80"]
+    """Least value of each channel of x_0 in training."""
+    high: Float[np.ndarray, " 80"]
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,13 @@ def measure_flat(scenes: Sequence[Scene]) -> FlatStatistics:
     mean[[0, 1]] = 0.0
     spread[[0, 1]] = np.sqrt((rows[:, :2] ** 2).mean())
     mean[ROTATION], spread[ROTATION] = 0.0, 1.0
-    return FlatStatistics(mean, spread)
+    low, high = np.zeros(N_FLAT_CHANNELS), np.ones(N_FLAT_CHANNELS)
+    x0 = (rows - mean) / spread
+    low[:N_GEOMETRY], high[:N_GEOMETRY] = x0.min(axis=0), x0.max(axis=0)
+    high[:2] = np.abs(x0[:, :2]).max()
+    low[:2] = -high[:2]
+    low[ROTATION], high[ROTATION] = -1.0, 1.0
+    return FlatStatistics(mean, spread, low, high)
 
 
 def _rows(scene: Scene) -> Float[np.ndarray, "n 10"]:

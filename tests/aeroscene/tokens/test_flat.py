@@ -51,6 +51,17 @@ def test_fine_objects_belong_to_the_nearest_coarse_one(known: TrainingSet, scene
     assert (skeleton.parent[:n] == 0).all()
 
 
+def test_statistics_bound_every_layout_however_it_is_turned(scenes: list[Scene]) -> None:
+    flat, rng = flat_training_set(scenes), np.random.default_rng(2)
+    known = flat.statistics
+    for example in flat.examples:
+        for _ in range(8):
+            x0 = random_flat_symmetry(example, rng).x0
+            assert (x0 >= known.low - 1e-9).all()
+            assert (x0 <= known.high + 1e-9).all()
+    assert known.high[2] == pytest.approx(max(e.x0[:, 2].max() for e in flat.examples))
+
+
 def test_sampled_noise_still_makes_a_document(known: TrainingSet, scene_42: Scene) -> None:
     flat = flat_training_set([scene_42])
     rng = np.random.default_rng(1)
