@@ -18,7 +18,8 @@ from scenarios.mission import Mission, plan_mission
 PILOT_MODULES = (
     "autonomy.perception.depth_image",
     "autonomy.perception.elevation",
-    "autonomy.perception.landing",
+    "autonomy.perception.windows",
+    "autonomy.planning.clearance",
     "autonomy.planning.corridor",
     "autonomy.planning.search",
     "autonomy.planning.solids",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -12,14 +13,17 @@ from aeroscene.scene import InteractionArea, Scene
 from aeroscene.shapes import scene_primitives
 from autonomy.model.quadrotor import Vector3
 from autonomy.planning import (
+    NOTHING_MOVES,
     DistanceField,
     FlightLimits,
+    MovingObstacles,
     Obstacles,
     PlannerCfg,
     PlanningError,
     Trajectory,
     plan_leg,
     plan_trajectory,
+    replan,
 )
 from autonomy.types import FlatReference
 from flightsim.vehicles.airframe import Airframe
@@ -54,6 +58,8 @@ class Surroundings:
     is_reachable: np.ndarray
     """Cells of the field that the vehicle can fly to from the start."""
     limits: FlightLimits
+    method: Literal["optimise", "primitives"] = "optimise"
+    """How plans are made: see `PlannerCfg`."""
 
     @property
     def radius_m(self) -> float:
@@ -64,6 +70,11 @@ class Surroundings:
     def clearance_m(self, points_enu_m: np.ndarray) -> np.ndarray:
         """Distance between the vehicle's sphere at some points and the nearest obstacle."""
         return self.obstacles.signed_distance(points_enu_m)[0] - self.radius_m
+
+    @property
+    def planner(self) -> PlannerCfg:
+        """How plans are made for the vehicle."""
+        return PlannerCfg(vehicle_radius_m=self.radius_m, method=self.method)
 
     def plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:
         """A certified trajectory through free space.
@@ -78,7 +89,37 @@ class Surroundings:
             self.obstacles,
             self.limits,
             self.airframe.quadrotor,
-            PlannerCfg(vehicle_radius_m=self.radius_m),
+            self.planner,
+        )
+
+    def replan(
+        self,
+        previous: Trajectory,
+        at_time_s: float,
+        *,
+        moving: MovingObstacles = NOTHING_MOVES,
+        start: FlatReference | None = None,
+    ) -> Trajectory:
+        """A certified trajectory for the rest of a plan, past what moves.
+
+        Args:
+            previous: A plan by `plan` or by this.
+            at_time_s: Time of that plan from which the new one takes over.
+            moving: What moves, predicted from then on.
+            start: Where the vehicle is then; None for where the plan has it.
+
+        Raises:
+            PlanningError: Saying why there is none.
+        """
+        return replan(
+            previous,
+            at_time_s,
+            self.obstacles,
+            self.limits,
+            self.airframe.quadrotor,
+            self.planner,
+            moving=moving,
+            start=start,
         )
 
     def leg(

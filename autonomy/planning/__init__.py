@@ -4,23 +4,29 @@ from autonomy.planning.certificate import Certificate, certify
 from autonomy.planning.errors import (
     BlockedError,
     CertificateError,
+    EvasionError,
     LimitsError,
     PlanningError,
     UnreachableError,
 )
 from autonomy.planning.field import DistanceField
 from autonomy.planning.limits import FlightLimits
+from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles, Shape
 from autonomy.planning.planner import PlannerCfg, plan_leg, plan_trajectory
+from autonomy.planning.replanning import replan
 from autonomy.planning.trajectory import Trajectory
 
 __all__ = [
+    "NOTHING_MOVES",
     "BlockedError",
     "Certificate",
     "CertificateError",
     "DistanceField",
+    "EvasionError",
     "FlightLimits",
     "LimitsError",
+    "MovingObstacles",
     "Obstacles",
     "PlannerCfg",
     "PlanningError",
@@ -30,4 +36,5 @@ __all__ = [
     "certify",
     "plan_leg",
     "plan_trajectory",
+    "replan",
 ]

@@ -1,4 +1,7 @@
-"""Proof that a trajectory is safe: exact distances and limits at samples, bounded in between."""
+"""Proof that a trajectory is safe: exact distances and limits at samples, bounded in between.
+
+Clearance is proved by marching (see `clearance`), limits from the flatness model (see `demand`).
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,20 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
-from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
+from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.planning.bezier import control_points
+from autonomy.planning.clearance import clearance_along
+from autonomy.planning.demand import limit_peaks
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.limits import FlightLimits
+from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
-from autonomy.planning.trajectory import Trajectory
+from autonomy.planning.trajectory import Trajectory, derivative_at
 
-SPACING_M = 0.04
-"""Distance between samples: between two of them clearance cannot fall by more than half of it."""
-MAX_STEP_S = 0.02
 _TOLERANCE = 0.01
-"""Share by which a sampled limit may be passed: the optimiser's own tolerance, rounded up."""
+"""Share by which a limit may be passed: the optimiser's own tolerance, rounded up."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -31,6 +36,8 @@ class Certificate:
     max_acceleration_mps2: float
     max_specific_thrust_mps2: float
     max_tilt_rad: float
+    max_body_rate_radps: float
+    max_yaw_rate_radps: float
 
 
 def certify(
@@ -41,25 +48,32 @@ def certify(
     quadrotor: QuadrotorParams,
     *,
     margin_m: float = 0.0,
+    moving: MovingObstacles = NOTHING_MOVES,
 ) -> Certificate:
     """Prove that a sphere about the trajectory is free of obstacles and that the limits hold.
+
+    Args:
+        trajectory: What is to be flown.
+        obstacles: What stands.
+        radius_m: Of the vehicle's sphere.
+        limits: Of the motion; thrust, tilt and body rate with the rotors' drag in still air.
+        quadrotor: Mass, thrust and drag of the vehicle.
+        margin_m: Distance that the sphere must keep.
+        moving: What moves, predicted from the trajectory's beginning on.
 
     Raises:
         CertificateError: Naming the first thing that is wrong, and where.
     """
-    times = _sample_times(trajectory)
-    clearance_m = _clearance(trajectory, times, obstacles, radius_m, margin_m)
-    velocity = trajectory.derivatives(times, 1)
-    acceleration = trajectory.derivatives(times, 2)
-    thrust = acceleration + np.array([0.0, 0.0, GRAVITY_MPS2])
-    across = np.hypot(thrust[:, 0], thrust[:, 1])
+    if not np.all(np.isfinite(trajectory.coefficients)):
+        raise CertificateError("a coefficient is not finite; valid: finite numbers")
+    clearance_m = _clearance(trajectory, obstacles, moving, radius_m, margin_m)
+    peaks = limit_peaks(trajectory, quadrotor)
+    yaw = trajectory.yaw
+    turns = np.abs(np.diff(yaw.yaw_rad))
     certificate = Certificate(
         min_clearance_m=clearance_m,
-        max_speed_horizontal_mps=float(np.hypot(velocity[:, 0], velocity[:, 1]).max()),
-        max_speed_vertical_mps=float(np.abs(velocity[:, 2]).max()),
-        max_acceleration_mps2=float(across.max()),
-        max_specific_thrust_mps2=float(np.linalg.norm(thrust, axis=1).max()),
-        max_tilt_rad=float(np.arctan2(across, thrust[:, 2]).max()),
+        max_yaw_rate_radps=float(turns.max(initial=0.0)) / yaw.step_s,
+        **peaks,
     )
     for name, value, limit in (
         ("horizontal speed", certificate.max_speed_horizontal_mps, limits.speed_horizontal_mps),
@@ -71,39 +85,49 @@ def certify(
             limits.max_specific_thrust_mps2(quadrotor),
         ),
         ("tilt", certificate.max_tilt_rad, limits.tilt_rad),
+        ("body rate", certificate.max_body_rate_radps, limits.body_rate_radps),
+        ("yaw rate", certificate.max_yaw_rate_radps, limits.yaw_rate_radps),
     ):
-        if value > limit * (1 + _TOLERANCE):
+        # Not "above": a trajectory of NaN passes nothing.
+        if not value <= limit * (1 + _TOLERANCE):
             raise CertificateError(f"{name} reaches {value:.2f}; valid: at most {limit:.2f}")
     return certificate
 
 
 def _clearance(
     trajectory: Trajectory,
-    times: np.ndarray,
     obstacles: Obstacles,
+    moving: MovingObstacles,
     radius_m: float,
     margin_m: float,
 ) -> float:
-    positions = trajectory.positions(times)
-    distance_m, nearest = obstacles.signed_distance(positions)
-    gaps_m = np.linalg.norm(np.diff(positions, axis=0), axis=1)
-    # Speed times step bounds the way between samples even where the path bends back.
-    speeds = np.linalg.norm(trajectory.derivatives(times, 1), axis=1)
-    way_m = max(float(gaps_m.max()), float(speeds.max()) * float(np.diff(times).max()))
-    clearance_m = distance_m - radius_m - way_m / 2
-    worst = int(np.argmin(clearance_m))
-    if clearance_m[worst] <= margin_m:
-        x, y, z = positions[worst]
+    distance_m, at_s, index, is_moving = clearance_along(
+        np.ascontiguousarray(trajectory.durations_s),
+        np.ascontiguousarray(trajectory.coefficients),
+        _speed_bounds(trajectory),
+        obstacles.solids,
+        moving.movers,
+        radius_m + margin_m,
+    )
+    if not distance_m > radius_m + margin_m:
+        x, y, z = trajectory.positions(np.array([at_s]))[0]
+        what = f"{'moving ' if is_moving else ''}obstacle {index}"
+        when = f", {at_s:.1f} s ahead" if is_moving else ""
         raise CertificateError(
-            f"clearance falls to {clearance_m[worst]:.2f} m beside obstacle {nearest[worst]} at "
-            f"({x:.1f}, {y:.1f}, {z:.1f}) m; valid: more than {margin_m:.2f} m"
+            f"clearance falls to {distance_m - radius_m:.2f} m beside {what} at "
+            f"({x:.1f}, {y:.1f}, {z:.1f}) m{when}; valid: more than {margin_m:.2f} m"
         )
-    return float(clearance_m[worst])
+    return float(distance_m - radius_m) if math.isfinite(distance_m) else math.inf
 
 
-def _sample_times(trajectory: Trajectory) -> np.ndarray:
-    coarse = np.arange(0.0, trajectory.duration_s, MAX_STEP_S)
-    speed = float(np.linalg.norm(trajectory.derivatives(coarse, 1), axis=1).max())
-    step_s = min(MAX_STEP_S, SPACING_M / max(speed, 1e-6))
-    count = max(2, math.ceil(trajectory.duration_s / step_s) + 1)
-    return np.linspace(0.0, trajectory.duration_s, count)
+def _speed_bounds(trajectory: Trajectory) -> Float[np.ndarray, " n"]:
+    """What the speed of each piece nowhere exceeds: the longest control point of its velocity."""
+    t = trajectory.durations_s[:, None]
+    ends = []
+    for since in (np.zeros(len(t)), trajectory.durations_s):
+        pieces = np.arange(len(t))
+        ends.append(
+            tuple(derivative_at(trajectory.coefficients, pieces, since, n) for n in range(3))
+        )
+    velocity = control_points(ends[0], ends[1], t)[1]
+    return np.max(np.linalg.norm(np.array(velocity), axis=2), axis=0)

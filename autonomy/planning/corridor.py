@@ -36,6 +36,13 @@ class Corridor:
     """Unit normal n and offset d: inside, n.x <= d for all. Unused ones are (0, 0, 0, 1)."""
     gates_enu_m: Float[np.ndarray, "n_plus_1 3"]
     """Start, a point in each overlap, goal."""
+    moving_mps: Float[np.ndarray, "n planes"] | None = None
+    """How fast offsets grow from time 0 on, in the frame of obstacles that move; None for not."""
+
+    @property
+    def rates_mps(self) -> Float[np.ndarray, "n planes"]:
+        """`moving_mps`, zero where nothing moves."""
+        return np.zeros(self.planes.shape[:2]) if self.moving_mps is None else self.moving_mps
 
     def __len__(self) -> int:
         return len(self.planes)
@@ -95,6 +102,16 @@ def build_corridor(
         planes += [polytope] * n
         gates.append(a + (b - a) * np.arange(1, n + 1)[:, None] / n)
     return Corridor(planes=np.array(planes), gates_enu_m=np.concatenate(gates))
+
+
+def refine(corridor: Corridor, counts: Int[np.ndarray, " n"]) -> Corridor:
+    """The same free space with each piece cut into several."""
+    gates = [corridor.gates_enu_m[:1]]
+    for (a, b), count in zip(pairwise(corridor.gates_enu_m), counts.tolist(), strict=True):
+        gates.append(a + (b - a) * np.arange(1, count + 1)[:, None] / count)
+    return Corridor(
+        planes=np.repeat(corridor.planes, counts, axis=0), gates_enu_m=np.concatenate(gates)
+    )
 
 
 def _polytope(

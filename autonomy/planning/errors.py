@@ -21,3 +21,7 @@ class LimitsError(PlanningError):
 
 class CertificateError(PlanningError):
     """A trajectory was found, and every attempt broke the clearance or a limit when checked."""
+
+
+class EvasionError(PlanningError):
+    """What moves is in the way, and no way past it could be proved."""

@@ -5,11 +5,29 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.model.flatness import hover_drag_per_s
 from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.planning.errors import LimitsError
 
 MIN_ACCELERATION_MPS2 = 0.2
 """With less room than this to accelerate there is no sensible flight."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MotionBounds:
+    """Speeds and accelerations that a trajectory may reach."""
+
+    speed_horizontal_mps: float
+    speed_vertical_mps: float
+    acceleration_horizontal_mps2: float
+    acceleration_vertical_mps2: float
+
+    def as_array(self) -> Float[np.ndarray, " 4"]:
+        """In the order of the fields."""
+        return np.array([getattr(self, name) for name in self.__slots__])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -24,6 +42,8 @@ class FlightLimits:
     thrust_fraction: float = 0.85
     """Of the maximum collective thrust; the rest is left to torques."""
     tilt_rad: float = math.radians(30.0)
+    body_rate_radps: float = math.radians(180.0)
+    """About the axes across the thrust: how fast the vehicle may tilt."""
     yaw_rate_radps: float = math.radians(90.0)
     yaw_acceleration_radps2: float = math.radians(180.0)
 
@@ -42,8 +62,33 @@ class FlightLimits:
         """Largest thrust over mass that a plan may use."""
         return self.thrust_fraction * quadrotor.max_thrust_n / quadrotor.mass_kg
 
+    def motion_bounds(self, quadrotor: QuadrotorParams) -> MotionBounds:
+        """Where an optimiser begins; what rotor drag takes on top it finds by tightening.
+
+        Raises:
+            LimitsError: If hovering leaves too little of the thrust to accelerate.
+        """
+        horizontal, vertical = self.accelerations_mps2(quadrotor)
+        # In level cruise the tilt holds against the rotors' drag and still accelerates a little.
+        thrust = self.max_specific_thrust_mps2(quadrotor)
+        across = min(math.tan(self.tilt_rad) * GRAVITY_MPS2, math.sqrt(thrust**2 - GRAVITY_MPS2**2))
+        drag = max(hover_drag_per_s(quadrotor), 1e-9)
+        if across < 2 * MIN_ACCELERATION_MPS2:
+            raise LimitsError(
+                f"tilt_rad {self.tilt_rad} leaves {across:.2f} m/s^2 across; "
+                f"valid: at least {2 * MIN_ACCELERATION_MPS2:.2f}"
+            )
+        return MotionBounds(
+            speed_horizontal_mps=min(
+                self.speed_horizontal_mps, (across - MIN_ACCELERATION_MPS2) / drag
+            ),
+            speed_vertical_mps=self.speed_vertical_mps,
+            acceleration_horizontal_mps2=horizontal,
+            acceleration_vertical_mps2=vertical,
+        )
+
     def accelerations_mps2(self, quadrotor: QuadrotorParams) -> tuple[float, float]:
-        """Horizontal and vertical bounds that keep thrust and tilt as well, by flatness.
+        """Horizontal and vertical bounds that keep thrust and tilt as well, without drag.
 
         Thrust over mass is |a + g e3| and tilt its angle to the vertical. With vertical
         accelerations in +-v the worst of the first is at +v, of the second at -v.

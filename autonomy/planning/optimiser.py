@@ -3,22 +3,12 @@
 Piece k joins the states of node k and k + 1 (position p, velocity v, acceleration a) by a
 polynomial of degree 5 in its time T_k, so it is twice differentiable everywhere by construction.
 Its Bezier control points are linear in the node states at fixed times; a Bezier curve lies in the
-hull of its control points, so bounds on those hold between samples:
+hull of its control points, so bounds on those hold between samples.
 
-    position points   in polytope k                                (hard)
-    velocity points   within the speed limits, times 1 + s_k  (soft)
-    acceleration      within the limits, times 1 + s_k        (soft)
-
-minimise  sum_k  int |jerk|^2 dt / jerk_weight  +  T_k  +  SLACK_PRICE T_k s_k^2
-
-Horizontal limits are octagons inside the circle. As the speed limits are soft, every T has a
-solution (one that stops at every gate, for a start at rest); J(T), the optimum, has the
-Lagrangian's gradient, and L-BFGS moves log T down it. Pieces that still exceed a limit are then
-given more time and the QP is solved again.
-
-Node states are made dimensionless by the times beside them, (p, v tau, a tau^2) with tau the
-geometric mean: in plain SI units the QP is too badly scaled for any solver in CasADi's wheel. The
-interior point solver piqp needed 2 ms for 4 pieces and 9 ms for 16, the active-set daqp .6 and 30.
+Every T has a solution, as limits have slack at a price (see `program`); J(T), the optimum, has the
+Lagrangian's gradient, and L-BFGS moves log T down it. Where the flatness model then asks for more
+than the vehicle has (thrust, tilt, body rates, with rotor drag), the piece's accelerations are
+tightened, and where a limit still gives, the piece gets more time.
 
 Source: Bezier corridor constraints as in Gao, Wu, Lin and Shen 2018; the gradient of the times as
 in Sun, Tang, Hauser and Manchester 2021 (bilevel time allocation).
@@ -26,47 +16,46 @@ in Sun, Tang, Hauser and Manchester 2021 (bilevel time allocation).
 
 from __future__ import annotations
 
-import functools
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.planning.corridor import MAX_PLANES, Corridor
+from autonomy.planning.bezier import control_points
+from autonomy.planning.corridor import Corridor
 from autonomy.planning.errors import LimitsError, PlanningError
+from autonomy.planning.limits import MotionBounds
+from autonomy.planning.program import PLANES, build
 
-SLACK_PRICE = 20.0
-"""Seconds that a piece of one second may cost to halve its excess over a limit, roughly."""
-_JERK_WEIGHT_M2PS5 = 40.0
-"""How much squared jerk, integrated, is worth one second."""
-_DIRECTIONS = [(math.cos(n * math.pi / 4), math.sin(n * math.pi / 4)) for n in range(8)]
-_OCTAGON = math.cos(math.pi / 8)
-_MIN_PIECE_S, _MAX_PIECE_S = 0.2, 60.0
-_BEST_TIMES = {"maxiter": 30, "ftol": 2e-3}
+MIN_PIECE_S, MAX_PIECE_S = 0.05, 60.0
+COLD = {"maxiter": 40, "ftol": 5e-4}
+WARM = {"maxiter": 2, "maxfun": 3, "ftol": 2e-3, "gtol": 0.05}
+"""For times that were good a moment ago."""
+EVADING = {"maxiter": 8, "maxfun": 8, "ftol": 2e-3}
+"""For times that were good without the obstacle."""
+_MAX_TIGHTENINGS = 5
 _MAX_STRETCHES = 25
-# The QP aims this share below its limits and may use it up: a soft limit always gives a little.
-_RESERVE = 0.03
+_INSIDE_M = 1e-3
+_TOLERANCE = 1e-3
+"""Share of a limit that a piece may exceed it by."""
 
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MotionBounds:
-    """Speeds and accelerations that a trajectory may reach."""
-
-    speed_horizontal_mps: float
-    speed_vertical_mps: float
-    acceleration_horizontal_mps2: float
-    acceleration_vertical_mps2: float
+Excess = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""From nodes and durations to the share by which each piece asks for more force, and more body
+rate, than there is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Program:
-    """CasADi's functions for one number of pieces."""
+class Solution:
+    """An optimum."""
 
-    solve: Any
-    gradient: Any
-    """Of the optimum with respect to log T, from primal and dual solution."""
+    nodes: Float[np.ndarray, "n_plus_1 3 3"]
+    """Position, velocity and acceleration, rows, at each end of a piece, ENU."""
+    durations_s: Float[np.ndarray, " n"]
+    cost: float
+    """Time plus weighted squared jerk, s."""
 
 
 def optimise(
@@ -74,99 +63,41 @@ def optimise(
     goal: Float[np.ndarray, "3 3"],
     corridor: Corridor,
     bounds: MotionBounds,
-) -> tuple[Float[np.ndarray, "n_plus_1 3 3"], Float[np.ndarray, " n"]]:
-    """Node states and durations of a good trajectory within the bounds.
+    *,
+    excess: Excess | None = None,
+    first_s: Float[np.ndarray, " n"] | None = None,
+    search: Mapping[str, float] = COLD,
+) -> Solution:
+    """A good trajectory within the bounds.
 
     Args:
         start: Position, velocity and acceleration at the beginning, rows, ENU.
         goal: The same at the end.
         corridor: One polytope for each piece; start in the first, goal in the last.
         bounds: Limits of the motion.
+        excess: What the vehicle cannot do beyond them.
+        first_s: Durations that were good for nearly the same problem.
+        search: How long to look for the best times: `COLD`, `WARM` or `EVADING`.
 
     Raises:
-        LimitsError: If more time does not make the limits hold, or the start's velocity leads out
-            of the corridor.
+        LimitsError: Naming the limit that more time does not make hold.
+        PlanningError: If no curve from the start stays in the corridor.
     """
-    from scipy.optimize import minimize  # noqa: PLC0415 - loads half of scipy
-
-    solve = _Solver(start, goal, corridor, bounds)
-    best = minimize(
-        solve.cost_and_gradient,
-        np.log(_first_times(corridor, bounds)),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=[(math.log(_MIN_PIECE_S), math.log(_MAX_PIECE_S))] * len(corridor),
-        options=_BEST_TIMES,
-    )
-    log_times, excess = best.x, np.zeros(1)
-    for _ in range(_MAX_STRETCHES):
-        nodes, excess = solve.nodes_and_excess(log_times)
-        if np.all(excess <= _RESERVE):
-            return nodes, np.exp(log_times)
-        log_times = log_times + np.log1p(np.maximum(excess, 0.0))
-    raise LimitsError(
-        f"{max(excess):.0%} beyond the limits on speed and acceleration remain however slow the "
-        "flight; valid: a start that can stop in the free space ahead of it"
-    )
+    solve = Solver(start, goal, corridor, bounds)
+    log_times = np.log(first_times(corridor, bounds) if first_s is None else first_s)
+    log_times = np.clip(log_times, *solve.log_times_range)
+    for _ in range(_MAX_TIGHTENINGS):
+        log_times = _best_times(solve, log_times, search)
+        if excess is None:
+            break
+        force, _ = excess(solve.nodes(log_times), np.exp(log_times))
+        if np.all(force <= _TOLERANCE):
+            break
+        solve.tighten(1 + 1.3 * force)
+    return _within_limits(solve, log_times, excess)
 
 
-class _Solver:
-    """The inner problem of one corridor."""
-
-    def __init__(
-        self, start: np.ndarray, goal: np.ndarray, corridor: Corridor, bounds: MotionBounds
-    ) -> None:
-        self._n = len(corridor)
-        self._program = _program(self._n)
-        self._ends = start, goal
-        self._fixed = np.concatenate(
-            [
-                start.ravel(),
-                goal.ravel(),
-                corridor.planes.ravel(),
-                np.array(
-                    [
-                        bounds.speed_horizontal_mps * _OCTAGON,
-                        bounds.speed_vertical_mps,
-                        bounds.acceleration_horizontal_mps2 * _OCTAGON,
-                        bounds.acceleration_vertical_mps2,
-                    ]
-                )
-                / (1 + _RESERVE),
-            ]
-        )
-
-    def cost_and_gradient(self, log_times: np.ndarray) -> tuple[float, np.ndarray]:
-        """Optimum at fixed times, and its gradient with respect to their logarithms."""
-        parameters = np.concatenate([log_times, self._fixed])
-        solution = self._solve(parameters)
-        gradient = self._program.gradient(solution["x"], parameters, solution["lam_g"])
-        return float(solution["f"]), np.array(gradient).ravel()
-
-    def nodes_and_excess(self, log_times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Node states, and by what share of its limits each piece exceeds them."""
-        solution = self._solve(np.concatenate([log_times, self._fixed]))
-        x = np.array(solution["x"]).ravel()
-        inner = x[: 9 * (self._n - 1)].reshape(self._n - 1, 3, 3)
-        tau = np.exp((log_times[:-1] + log_times[1:]) / 2)
-        scale = np.stack([np.ones_like(tau), tau, tau**2], axis=1)
-        start, goal = self._ends
-        nodes = np.concatenate([start[None], inner / scale[:, :, None], goal[None]])
-        return nodes, x[9 * (self._n - 1) :]
-
-    def _solve(self, parameters: np.ndarray) -> dict[str, Any]:
-        solution = self._program.solve(p=parameters, lbg=-math.inf, ubg=0.0)
-        stats = self._program.solve.stats()
-        if not stats["success"]:
-            raise PlanningError(
-                f"the quadratic program of {self._n} pieces was not solved "
-                f"({stats.get('return_status')}); "
-                "valid: a start that can stop in the free space ahead of it"
-            )
-        return solution
-
-
-def _first_times(corridor: Corridor, bounds: MotionBounds) -> np.ndarray:
+def first_times(corridor: Corridor, bounds: MotionBounds) -> Float[np.ndarray, " n"]:
     """Times at 60% of the speed limits, with what starting and stopping takes on top."""
     ways = np.abs(np.diff(corridor.gates_enu_m, axis=0))
     horizontal = np.hypot(ways[:, 0], ways[:, 1]) / bounds.speed_horizontal_mps
@@ -176,84 +107,187 @@ def _first_times(corridor: Corridor, bounds: MotionBounds) -> np.ndarray:
     return times
 
 
-@functools.cache
-def _program(n: int) -> _Program:
-    """Build the QP for a number of pieces, once in a process."""
-    import casadi as ca  # noqa: PLC0415 - loads only where something is planned
+def _best_times(solve: Solver, log_times: np.ndarray, options: Mapping[str, float]) -> np.ndarray:
+    from scipy.optimize import minimize  # noqa: PLC0415 - loads half of scipy
 
-    log_t = ca.SX.sym("log_t", n)
-    ends = ca.SX.sym("ends", 18)
-    planes = ca.SX.sym("planes", 4 * MAX_PLANES * n)
-    bounds = ca.SX.sym("bounds", 4)
-    v_limits, a_limits = (bounds[0], bounds[1]), (bounds[2], bounds[3])
-    inner = ca.SX.sym("inner", 9 * (n - 1))
-    slack = ca.SX.sym("slack", n)
+    low, high = solve.log_times_range
+    worst, gradient = solve.cost_and_gradient(log_times)
 
-    nodes = [(ends[:3], ends[3:6], ends[6:9])]
-    for k in range(n - 1):
-        tau = ca.exp((log_t[k] + log_t[k + 1]) / 2)
-        y = inner[9 * k : 9 * k + 9]
-        nodes.append((y[:3], y[3:6] / tau, y[6:] / tau**2))
-    nodes.append((ends[9:12], ends[12:15], ends[15:]))
+    def cost_and_gradient(times: np.ndarray) -> tuple[float, np.ndarray]:
+        # Where planes move, some times have no solution: too dear for the line search to stay.
+        try:
+            return solve.cost_and_gradient(times)
+        except PlanningError:
+            return 10 * worst, -gradient
 
-    cost, rows = ca.SX(0), []
-    for k in range(n):
-        t = ca.exp(log_t[k])
-        position, velocity, acceleration, jerk = _control_points(nodes[k], nodes[k + 1], t)
-        cost += _integral_of_square(jerk, t) / _JERK_WEIGHT_M2PS5 + t
-        cost += SLACK_PRICE * t * slack[k] ** 2
-        size = 4 * MAX_PLANES
-        polytope = ca.reshape(planes[size * k : size * (k + 1)], 4, MAX_PLANES)
-        rows += [polytope[:3, :].T @ point - polytope[3, :].T for point in position]
-        # A piece's first points of velocity and acceleration are the last ones of the piece before.
-        for points, across, up in ((velocity, *v_limits), (acceleration, *a_limits)):
-            for x, y, z in (ca.vertsplit(point) for point in points[1:]):
-                rows += [(c * x + s * y) / across - 1 - slack[k] for c, s in _DIRECTIONS]
-                rows += [sign * z / up - 1 - slack[k] for sign in (-1, 1)]
-    unknowns, rows = ca.vertcat(inner, slack), ca.vertcat(*rows)
-    parameters = ca.vertcat(log_t, ends, planes, bounds)
-    multipliers = ca.SX.sym("multipliers", rows.shape[0])
-    lagrangian = cost + ca.dot(multipliers, rows)
-    return _Program(
-        solve=ca.qpsol(
-            "corridor",
-            "piqp",
-            {"x": unknowns, "p": parameters, "f": cost, "g": rows},
-            {"error_on_fail": False},
-        ),
-        gradient=ca.Function(
-            "gradient",
-            [unknowns, parameters, multipliers],
-            [ca.gradient(lagrangian, log_t)],
-        ),
+    return minimize(
+        cost_and_gradient,
+        log_times,
+        jac=True,
+        method="L-BFGS-B",
+        bounds=list(zip(low, high, strict=True)),
+        options=dict(options),
+    ).x
+
+
+def _within_limits(solve: Solver, log_times: np.ndarray, excess: Excess | None) -> Solution:
+    """Give pieces that exceed a limit more time until none does."""
+    for _ in range(_MAX_STRETCHES):
+        nodes, beyond, cost = solve.nodes(log_times), solve.slack(log_times), solve.cost(log_times)
+        beyond = np.where(beyond > 0.5 * _TOLERANCE, beyond + 0.5 * _TOLERANCE, 0.0)
+        if excess is not None:
+            force, rate = excess(nodes, np.exp(log_times))
+            beyond = np.maximum(beyond, np.maximum(force, rate) - _TOLERANCE)
+        if np.all(beyond <= 0):
+            return Solution(nodes=nodes, durations_s=np.exp(log_times), cost=cost)
+        log_times = log_times + np.log1p(np.maximum(beyond, 0.0))
+        log_times = np.clip(log_times, *solve.log_times_range)
+    if excess is None or np.max(solve.slack(log_times)) > _TOLERANCE:
+        raise LimitsError(solve.name_worst(log_times))
+    force, rate = excess(solve.nodes(log_times), np.exp(log_times))
+    name = "body rate" if np.max(rate) > np.max(force) else "thrust or tilt, with rotor drag,"
+    raise LimitsError(
+        f"{name} stays {max(np.max(force), np.max(rate)):.0%} beyond its limit however slow the "
+        "flight; valid: a higher limit, or a start nearer to hover"
     )
 
 
-def _control_points(a: tuple[Any, Any, Any], b: tuple[Any, Any, Any], t: Any) -> list[list[Any]]:
-    """Bezier control points of position (6), velocity (5), acceleration (4) and jerk (3)."""
-    p0, v0, a0 = a
-    p1, v1, a1 = b
-    points = [
-        p0,
-        p0 + v0 * t / 5,
-        p0 + 2 * v0 * t / 5 + a0 * t**2 / 20,
-        p1 - 2 * v1 * t / 5 + a1 * t**2 / 20,
-        p1 - v1 * t / 5,
-        p1,
-    ]
-    derivatives = [points]
-    for degree in (5, 4, 3):
-        last = derivatives[-1]
-        derivatives.append([degree / t * (last[i + 1] - last[i]) for i in range(degree)])
-    return derivatives
+class Solver:
+    """The inner problem of one corridor; remembers its last solution."""
+
+    def __init__(
+        self, start: np.ndarray, goal: np.ndarray, corridor: Corridor, bounds: MotionBounds
+    ) -> None:
+        n = self._n = len(corridor)
+        used = int(np.max(np.count_nonzero(np.any(corridor.planes[:, :, :3] != 0, 2), axis=1)))
+        self._planes = next(size for size in PLANES if size >= used)
+        self._program = build(n, self._planes)
+        self._corridor, self._bounds, self._ends = corridor, bounds, (start, goal)
+        self._share = np.ones(n)
+        self._solved: tuple[bytes, dict[str, Any]] = (b"", {})
+        planes = np.concatenate([corridor.planes, corridor.rates_mps[:, :, None]], axis=2)
+        self._fixed = np.concatenate(
+            [start.ravel(), goal.ravel(), _filled(planes, self._planes).ravel(), bounds.as_array()]
+        )
+        low, high = np.full(n, math.log(MIN_PIECE_S)), np.full(n, math.log(MAX_PIECE_S))
+        high[0] = math.log(_longest_first_piece_s(start, corridor))
+        self.log_times_range = low, high
+
+    def tighten(self, factor: np.ndarray) -> None:
+        """Lower the accelerations of pieces by factors."""
+        self._share = self._share / factor
+        self._solved = (b"", {})
+
+    def cost_and_gradient(self, log_times: np.ndarray) -> tuple[float, np.ndarray]:
+        """Optimum at fixed times, and its gradient with respect to their logarithms."""
+        solution = self._solve(log_times)
+        parameters = self._parameters(log_times)
+        gradient = self._program.gradient(solution["x"], parameters, solution["lam_g"])
+        return float(solution["f"]), np.array(gradient).ravel()
+
+    def cost(self, log_times: np.ndarray) -> float:
+        """Optimum at fixed times."""
+        return float(self._solve(log_times)["f"])
+
+    def nodes(self, log_times: np.ndarray) -> np.ndarray:
+        """Node states (n + 1, 3, 3)."""
+        x = np.array(self._solve(log_times)["x"]).ravel()
+        inner = x[: 9 * (self._n - 1)].reshape(self._n - 1, 3, 3)
+        tau = np.exp((log_times[:-1] + log_times[1:]) / 2)
+        scale = np.stack([np.ones_like(tau), tau, tau**2], axis=1)
+        start, goal = self._ends
+        return np.concatenate([start[None], inner / scale[:, :, None], goal[None]])
+
+    def slack(self, log_times: np.ndarray) -> np.ndarray:
+        """By what share of its limits each piece exceeds them."""
+        return np.array(self._solve(log_times)["x"]).ravel()[9 * (self._n - 1) :]
+
+    def name_worst(self, log_times: np.ndarray) -> str:
+        """Which limit is exceeded most, by how much and where."""
+        nodes, times, b = self.nodes(log_times), np.exp(log_times), self._bounds
+        worst = (-math.inf, "")
+        for k in range(self._n):
+            _, velocity, acceleration, _ = control_points(
+                tuple(nodes[k]), tuple(nodes[k + 1]), times[k]
+            )
+            v, a = np.array(velocity), np.array(acceleration)
+            x, y, z = nodes[k, 0]
+            for name, value, limit in (
+                ("horizontal speed", np.hypot(v[:, 0], v[:, 1]), b.speed_horizontal_mps),
+                ("vertical speed", abs(v[:, 2]), b.speed_vertical_mps),
+                (
+                    "horizontal acceleration",
+                    np.hypot(a[:, 0], a[:, 1]) / self._share[k],
+                    b.acceleration_horizontal_mps2,
+                ),
+                (
+                    "vertical acceleration",
+                    abs(a[:, 2]) / self._share[k],
+                    b.acceleration_vertical_mps2,
+                ),
+            ):
+                share = float(np.max(value)) / limit
+                where = f"after ({x:.1f}, {y:.1f}, {z:.1f}) m"
+                text = f"{name} needs {share * limit:.2f} {where}, however slow the flight; "
+                worst = max(worst, (share, f"{text}valid: at most {limit:.2f}"))
+        return worst[1] + ", or a start that can stop in the free space ahead of it"
+
+    def _parameters(self, log_times: np.ndarray) -> np.ndarray:
+        return np.concatenate([log_times, self._fixed, self._share])
+
+    def _solve(self, log_times: np.ndarray) -> dict[str, Any]:
+        key = log_times.tobytes()
+        if self._solved[0] == key:
+            return self._solved[1]
+        solve = self._program.solve
+        solution = solve(p=self._parameters(log_times), lbg=-math.inf, ubg=0.0)
+        stats = solve.stats()
+        if not stats["success"]:
+            raise PlanningError(
+                f"no curve of {self._n} pieces stays in the free space about the path "
+                f"({stats.get('return_status')}); "
+                "valid: a start that can stop in the free space ahead of it"
+            )
+        self._solved = (key, solution)
+        return solution
 
 
-def _integral_of_square(points: list[Any], t: Any) -> Any:
-    """Integral over a piece of the squared norm of a Bezier curve of degree 2."""
-    degree = len(points) - 1
-    total = 0
-    for i, a in enumerate(points):
-        for j, b in enumerate(points):
-            share = math.comb(degree, i) * math.comb(degree, j) / math.comb(2 * degree, i + j)
-            total += share * (a.T @ b)
-    return t * total / (2 * degree + 1)
+def _filled(planes: np.ndarray, size: int) -> np.ndarray:
+    """Polytopes of a size, with planes that bound nothing."""
+    filled = np.zeros((len(planes), size, 5))
+    filled[:, :, 3] = 1.0
+    kept = min(size, planes.shape[1])
+    filled[:, :kept] = planes[:, :kept]
+    return filled
+
+
+def _longest_first_piece_s(start: np.ndarray, corridor: Corridor) -> float:
+    """Longest first piece whose control points that the start fixes lie in its polytope.
+
+    Raises:
+        LimitsError: If not even the shortest will do.
+    """
+    p, v, a = start
+    normals, offsets, rates = (
+        corridor.planes[0, :, :3],
+        corridor.planes[0, :, 3],
+        corridor.rates_mps[0],
+    )
+    times = np.geomspace(MIN_PIECE_S, MAX_PIECE_S, 120)[:, None]
+    second, third = p + v * times / 5, p + 2 * v * times / 5 + a * times**2 / 20
+    inside = np.all(second @ normals.T <= offsets + rates * times / 5, axis=1)
+    inside &= np.all(third @ normals.T <= offsets + rates * 2 * times / 5, axis=1)
+    n_inside = len(times) if inside.all() else int(np.argmin(inside))
+    if np.any(normals @ p > offsets + _INSIDE_M):
+        x, y, z = p
+        raise PlanningError(
+            f"start ({x:.2f}, {y:.2f}, {z:.2f}) m is outside the free space about the path; "
+            "valid: a start on it, or a new search"
+        )
+    if n_inside == 0:
+        speed = float(np.linalg.norm(v))
+        raise LimitsError(
+            f"start's velocity of {speed:.2f} m/s leads out of the free space within "
+            f"{MIN_PIECE_S} s; valid: a start that can stop in the free space ahead of it"
+        )
+    return float(times[n_inside - 1, 0])

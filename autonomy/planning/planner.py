@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from autonomy.model.quadrotor import QuadrotorParams, Vector3
 from autonomy.planning.certificate import certify
-from autonomy.planning.corridor import build_corridor, straighten
+from autonomy.planning.corridor import build_corridor, refine, straighten
+from autonomy.planning.demand import excess
 from autonomy.planning.errors import BlockedError, CertificateError, LimitsError, PlanningError
 from autonomy.planning.field import DistanceField
-from autonomy.planning.limits import FlightLimits
+from autonomy.planning.limits import FlightLimits, MotionBounds
 from autonomy.planning.obstacles import Obstacles
-from autonomy.planning.optimiser import MotionBounds, optimise
+from autonomy.planning.optimiser import optimise
+from autonomy.planning.primitives import fly_primitives
+from autonomy.planning.program import pieces_to_fill
 from autonomy.planning.search import shortest_path
 from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
 from autonomy.planning.yaw import STEP_S, yaw_along_path
 from autonomy.types import ZERO3, FlatReference
 
 _MIN_LEG_S = 0.5
+_START_TOLERANCE = 2e-3
+"""What a plan's own states may be beyond its limits, by the optimiser's tolerance."""
+_MOVING_MPS = 0.3
+"""A start faster than this gets a short first piece: its velocity fixes where that one leads."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -30,6 +39,8 @@ class PlannerCfg:
 
     vehicle_radius_m: float
     """Of a sphere about the centre of mass that holds the vehicle."""
+    method: Literal["optimise", "primitives"] = "optimise"
+    """Space and time optimised over a corridor, or the motion primitives of Mueller et al. 2015."""
     margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
     """Distances from that sphere to obstacles to aim at; the first that gives a plan is taken."""
     min_margin_m: float = 0.05
@@ -38,6 +49,8 @@ class PlannerCfg:
     """Beyond this distance to the sphere, closeness to obstacles has no price in the search."""
     max_piece_m: float = 12.0
     """Longer legs are flown in several pieces."""
+    min_pieces: int = 1
+    """More pieces can bend more often, and take longer to plan."""
 
 
 def plan_trajectory(
@@ -57,8 +70,8 @@ def plan_trajectory(
         field: Distances for search and corridor.
         obstacles: The same obstacles exactly, for the proof.
         limits: Of the motion.
-        quadrotor: Mass and thrust of the vehicle.
-        cfg: Vehicle's size and margins.
+        quadrotor: Mass, thrust and drag of the vehicle.
+        cfg: Vehicle's size, margins and method.
 
     Raises:
         BlockedError: If start or goal has no room.
@@ -66,10 +79,10 @@ def plan_trajectory(
         LimitsError: If the limits contradict themselves or the start's velocity.
         CertificateError: If no attempt could be proved.
     """
-    bounds = _motion_bounds(start, limits, quadrotor)
+    bounds = bounds_for(start, limits, quadrotor)
     _require_room(start.position_enu_m, "start", field, obstacles, cfg)
     _require_room(goal_enu_m, "goal", field, obstacles, cfg)
-    task = _Task(start, goal_enu_m, field, obstacles, limits, bounds, cfg)
+    task = _Task(start, goal_enu_m, field, obstacles, limits, bounds, quadrotor, cfg)
     # Cells tell too little room rather than too much. So in the end, before giving up, also search
     # where they may be wrong: what is flown is decided by the obstacles themselves.
     attempts = [(margin_m, 0.0) for margin_m in cfg.margins_m]
@@ -106,7 +119,7 @@ def plan_leg(
 
     For take-off and landing, where the vehicle leaves or meets a surface on purpose.
     """
-    bounds = _motion_bounds(FlatReference(position_enu_m=start_enu_m), limits, quadrotor)
+    bounds = bounds_for(FlatReference(position_enu_m=start_enu_m), limits, quadrotor)
     way = np.subtract(goal_enu_m, start_enu_m)
     across, up = math.hypot(way[0], way[1]), abs(way[2])
     # Rest to rest in degree 5 peaks at 15/8 of the mean speed and at 10/sqrt(3) way/T^2.
@@ -126,25 +139,30 @@ def plan_leg(
     )
 
 
-def _motion_bounds(
+def bounds_for(
     start: FlatReference, limits: FlightLimits, quadrotor: QuadrotorParams
 ) -> MotionBounds:
-    horizontal, vertical = limits.accelerations_mps2(quadrotor)
+    """Bounds of a motion that goes on from a start.
+
+    Raises:
+        LimitsError: If the limits contradict themselves or the start is beyond them.
+    """
+    bounds = limits.motion_bounds(quadrotor)
     speed = math.hypot(*start.velocity_enu_mps[:2])
+    acceleration = math.hypot(*start.acceleration_enu_mps2[:2])
     for name, value, limit in (
-        ("horizontal speed", speed, limits.speed_horizontal_mps),
-        ("vertical speed", abs(start.velocity_enu_mps[2]), limits.speed_vertical_mps),
-        ("horizontal acceleration", math.hypot(*start.acceleration_enu_mps2[:2]), horizontal),
-        ("vertical acceleration", abs(start.acceleration_enu_mps2[2]), vertical),
+        ("horizontal speed", speed, bounds.speed_horizontal_mps),
+        ("vertical speed", abs(start.velocity_enu_mps[2]), bounds.speed_vertical_mps),
+        ("horizontal acceleration", acceleration, bounds.acceleration_horizontal_mps2),
+        (
+            "vertical acceleration",
+            abs(start.acceleration_enu_mps2[2]),
+            bounds.acceleration_vertical_mps2,
+        ),
     ):
-        if value > limit:
+        if value > limit * (1 + _START_TOLERANCE):
             raise LimitsError(f"start has a {name} of {value:.2f}; valid: at most {limit:.2f}")
-    return MotionBounds(
-        speed_horizontal_mps=limits.speed_horizontal_mps,
-        speed_vertical_mps=limits.speed_vertical_mps,
-        acceleration_horizontal_mps2=horizontal,
-        acceleration_vertical_mps2=vertical,
-    )
+    return bounds
 
 
 def _require_room(
@@ -174,6 +192,7 @@ class _Task:
     obstacles: Obstacles
     limits: FlightLimits
     bounds: MotionBounds
+    quadrotor: QuadrotorParams
     cfg: PlannerCfg
 
 
@@ -196,33 +215,66 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
         comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
     )
     points = np.concatenate([ends[:1], field.centres(path[1:-1]), ends[1:]])
+    way = straighten(points, task.obstacles, enough_m=wanted_m + 0.1)
+    if cfg.method == "primitives":
+        return _primitives(task, way)
     corridor = build_corridor(
-        straighten(points, task.obstacles, enough_m=wanted_m + 0.1),
+        way,
         task.obstacles,
         field.bounds_enu_m,
         wanted_m=wanted_m,
         least_m=cfg.vehicle_radius_m + cfg.min_margin_m,
         max_leg_m=cfg.max_piece_m,
     )
-    nodes, durations_s = optimise(
-        np.array([start.position_enu_m, start.velocity_enu_mps, start.acceleration_enu_mps2]),
+    if math.hypot(*start.velocity_enu_mps) > _MOVING_MPS:
+        corridor = refine(corridor, np.array([2] + [1] * (len(corridor) - 1)))
+    lengths_m = np.linalg.norm(np.diff(corridor.gates_enu_m, axis=0), axis=1)
+    corridor = refine(corridor, pieces_to_fill(lengths_m, cfg.min_pieces))
+    solution = optimise(
+        as_node(start),
         np.array([task.goal_enu_m, ZERO3, ZERO3]),
         corridor,
         task.bounds,
+        excess=functools.partial(excess, limits=task.limits, quadrotor=task.quadrotor),
     )
-    coefficients = coefficients_from_nodes(nodes, durations_s)
-    return _with_yaw(coefficients, durations_s, start.yaw_rad, task.limits)
+    coefficients = coefficients_from_nodes(solution.nodes, solution.durations_s)
+    trajectory = with_yaw(coefficients, solution.durations_s, start.yaw_rad, task.limits)
+    return dataclasses.replace(trajectory, corridor=corridor)
 
 
-def _with_yaw(
-    coefficients: np.ndarray, durations_s: np.ndarray, start_yaw_rad: float, limits: FlightLimits
+def _primitives(task: _Task, way: np.ndarray) -> Trajectory:
+    coefficients, durations_s = fly_primitives(
+        as_node(task.start),
+        way,
+        task.obstacles,
+        task.bounds,
+        task.limits,
+        task.quadrotor,
+        radius_m=task.cfg.vehicle_radius_m + task.cfg.min_margin_m,
+    )
+    return with_yaw(coefficients, durations_s, task.start.yaw_rad, task.limits)
+
+
+def as_node(state: FlatReference) -> np.ndarray:
+    """Position, velocity and acceleration as rows."""
+    return np.array([state.position_enu_m, state.velocity_enu_mps, state.acceleration_enu_mps2])
+
+
+def with_yaw(
+    coefficients: np.ndarray,
+    durations_s: np.ndarray,
+    start_yaw_rad: float,
+    limits: FlightLimits,
+    start_rate_radps: float = 0.0,
 ) -> Trajectory:
+    """A trajectory that looks where it goes."""
     still = YawProfile(step_s=STEP_S, yaw_rad=np.array([start_yaw_rad]))
     trajectory = Trajectory(durations_s=durations_s, coefficients=coefficients, yaw=still)
     times = np.arange(0.0, trajectory.duration_s + STEP_S, STEP_S)
     yaw = yaw_along_path(
         trajectory.positions(times),
         start_yaw_rad,
+        start_rate_radps=start_rate_radps,
         max_rate_radps=limits.yaw_rate_radps,
         max_acceleration_radps2=limits.yaw_acceleration_radps2,
     )

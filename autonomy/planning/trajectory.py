@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from autonomy.model.quadrotor import Vector3
+from autonomy.planning.corridor import Corridor
 from autonomy.types import FlatReference
 
 DEGREE = 5
@@ -48,6 +50,8 @@ class Trajectory:
     yaw: YawProfile
     min_clearance_m: float = field(default=float("nan"))
     """Certified distance between the vehicle's sphere and the nearest obstacle."""
+    corridor: Corridor | None = None
+    """Free space that it was planned in, one polytope for each piece; None for a plain leg."""
 
     @cached_property
     def ends_s(self) -> list[float]:
@@ -91,11 +95,31 @@ class Trajectory:
         ends = np.array(self.ends_s)
         index = np.minimum(np.searchsorted(ends, t, side="right"), len(ends) - 1)
         since = t - (ends - self.durations_s)[index]
-        total = np.zeros((len(t), 3))
-        for power in range(DEGREE, order - 1, -1):
-            factor = np.prod(np.arange(power, power - order, -1))
-            total = total * since[:, None] + factor * self.coefficients[index, power]
-        return total
+        return derivative_at(self.coefficients, index, since, order)
+
+
+def derivative_at(
+    coefficients: Float[np.ndarray, "n 6 3"],
+    piece: Int[np.ndarray, " k"],
+    since_s: Float[np.ndarray, " k"],
+    order: int,
+) -> Float[np.ndarray, "k 3"]:
+    """A time derivative at times since the beginning of pieces."""
+    total = np.zeros((len(since_s), 3))
+    for power in range(DEGREE, order - 1, -1):
+        factor = math.perm(power, order)
+        total = total * since_s[:, None] + factor * coefficients[piece, power]
+    return total
+
+
+def squared_jerk(
+    coefficients: Float[np.ndarray, "n 6 3"], durations_s: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, " n"]:
+    """Integral of the squared jerk over each piece, m^2/s^5."""
+    t = durations_s[:, None]
+    r, q, p = 6 * coefficients[:, 3], 24 * coefficients[:, 4] * t, 60 * coefficients[:, 5] * t**2
+    square = r * r + r * q + (q * q + 2 * r * p) / 3 + q * p / 2 + p * p / 5
+    return durations_s * np.sum(square, axis=1)
 
 
 def _only_if(holds: bool, x: float, y: float, z: float) -> Vector3:
@@ -116,8 +140,17 @@ def coefficients_from_nodes(
     nodes: Float[np.ndarray, "n_plus_1 3 3"], durations_s: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, "n 6 3"]:
     """Polynomials that join node states (position, velocity, acceleration) in given times."""
+    return join_states(nodes[:-1], nodes[1:], durations_s)
+
+
+def join_states(
+    begins: Float[np.ndarray, "n 3 3"],
+    ends: Float[np.ndarray, "n 3 3"],
+    durations_s: Float[np.ndarray, " n"],
+) -> Float[np.ndarray, "n 6 3"]:
+    """Polynomials that join pairs of states; no others of that time have less squared jerk."""
     t = durations_s[:, None]
-    (p0, v0, a0), (p1, v1, a1) = np.moveaxis(nodes[:-1], 1, 0), np.moveaxis(nodes[1:], 1, 0)
+    (p0, v0, a0), (p1, v1, a1) = np.moveaxis(begins, 1, 0), np.moveaxis(ends, 1, 0)
     position = p1 - p0 - v0 * t - a0 * t**2 / 2
     velocity = (v1 - v0 - a0 * t) * t
     acceleration = (a1 - a0) * t**2

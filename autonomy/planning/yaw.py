@@ -22,6 +22,7 @@ def yaw_along_path(
     *,
     max_rate_radps: float,
     max_acceleration_radps2: float,
+    start_rate_radps: float = 0.0,
 ) -> YawProfile:
     """Heading for positions sampled every `STEP_S`.
 
@@ -29,7 +30,8 @@ def yaw_along_path(
     direction to where the vehicle will be `LOOK_AHEAD_S` later, so the camera sees what comes.
     """
     wanted = _wanted_yaw(positions_enu_m, start_yaw_rad)
-    yaw, rate, out = start_yaw_rad, 0.0, []
+    rate = min(max(start_rate_radps, -max_rate_radps), max_rate_radps)
+    yaw, out = start_yaw_rad, []
     for target in wanted:
         out.append(yaw)
         error = math.remainder(target - yaw, 2 * math.pi)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from autonomy.model.flatness import hover_drag_per_s
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.planning import FlightLimits, LimitsError
 from tests.autonomy.planning_worlds import quadrotor
@@ -44,6 +45,17 @@ def test_accelerations_keep_thrust_and_tilt(across, up, fraction, tilt, angle, s
 def test_thrust_that_hardly_hovers_is_refused():
     with pytest.raises(LimitsError, match=r"thrust_fraction 0\.4 leaves"):
         FlightLimits(thrust_fraction=0.4).accelerations_mps2(quadrotor())
+
+
+def test_a_tilt_that_only_holds_against_drag_lowers_the_speed():
+    limits = FlightLimits(speed_horizontal_mps=60.0)
+    bounds = limits.motion_bounds(quadrotor())
+    drag = hover_drag_per_s(quadrotor()) * bounds.speed_horizontal_mps
+    assert drag < math.tan(limits.tilt_rad) * GRAVITY_MPS2
+    assert bounds.speed_horizontal_mps < 60.0
+    assert FlightLimits().motion_bounds(quadrotor()).speed_horizontal_mps == 5.0
+    with pytest.raises(LimitsError, match=r"tilt_rad 0\.01 leaves"):
+        FlightLimits(tilt_rad=0.01).motion_bounds(quadrotor())
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,160 @@
+"""What a motion primitive may do: thrust, body rate, speed, tilt and room, compiled.
+
+Source: Mueller, Hehn and D'Andrea 2015, "A computationally efficient motion primitive for
+quadrocopter trajectory generation", recursive test of input feasibility. Speed, acceleration and
+tilt, which they do not bound, are tested at samples, and obstacles as in our certificate.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.jit import kernel
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.planning.clearance import clearance_along
+from autonomy.planning.moving import Movers
+from autonomy.planning.solids import Solids
+
+_N_SAMPLES = 24
+_LEAST_SECTION_S = 0.02
+
+
+@kernel
+def first_feasible(
+    order: Int[np.ndarray, " m"],
+    coefficients: Float[np.ndarray, "m 6 3"],
+    durations: Float[np.ndarray, " m"],
+    allowed: Float[np.ndarray, " 8"],
+    solids: Solids,
+    movers: Movers,
+    radius: float,
+) -> int:
+    """Place in an order of the first primitive that can be flown and touches nothing, else -1.
+
+    Args:
+        order: Which to try, best first; -1 for those that were tried.
+        coefficients: Of all.
+        durations: Of all, s.
+        allowed: Horizontal and vertical speed and acceleration, thrust over mass, body rate,
+            tangent of the tilt, rotor drag per speed.
+        solids: Obstacles.
+        movers: Obstacles that move.
+        radius: Distance to keep, m.
+    """
+    speeds = np.array([math.hypot(allowed[0], allowed[1])])
+    for n in range(len(order)):
+        i = order[n]
+        if i < 0:
+            continue
+        c, t = coefficients[i], float(durations[i])
+        if not is_input_feasible(c, 0.0, t, allowed[4], allowed[5]):
+            continue
+        if not _within_bounds(c, t, allowed):
+            continue
+        one = coefficients[i : i + 1]
+        if clearance_along(durations[i : i + 1], one, speeds, solids, movers, radius)[0] > radius:
+            return n
+    return -1
+
+
+@kernel
+def is_input_feasible(
+    c: Float[np.ndarray, "6 3"], begin: float, end: float, thrust: float, rate: float
+) -> bool:
+    """Whether thrust over mass and body rate stay within limits: bounds on halves of halves.
+
+    On a section each axis of the acceleration lies between its extremes, so thrust is bounded from
+    both sides, and the body rate by the largest jerk over the least thrust.
+    """
+    begins, ends = [begin], [end]
+    while len(begins) > 0:
+        a, b = begins.pop(), ends.pop()
+        least, most, jerk = 0.0, 0.0, 0.0
+        for axis in range(3):
+            low, high = _extremes(c, axis, a, b)
+            if axis == 2:
+                low, high = low + GRAVITY_MPS2, high + GRAVITY_MPS2
+            most += max(low * low, high * high)
+            least += 0.0 if low < 0.0 < high else min(low * low, high * high)
+            largest = _largest_jerk(c, axis, a, b)
+            jerk += largest * largest
+        if most <= thrust * thrust and jerk <= rate * rate * least:
+            continue
+        # At its ends the section is exact: what fails there fails.
+        if least > thrust * thrust or b - a < _LEAST_SECTION_S:
+            return False
+        middle = 0.5 * (a + b)
+        begins.append(a)
+        ends.append(middle)
+        begins.append(middle)
+        ends.append(b)
+    return True
+
+
+@kernel
+def _extremes(c: Float[np.ndarray, "6 3"], axis: int, a: float, b: float) -> tuple[float, float]:
+    """Least and largest acceleration on a section: at its ends or where the jerk is zero."""
+    at_a, at_b = _acceleration(c, axis, a), _acceleration(c, axis, b)
+    low, high = min(at_a, at_b), max(at_a, at_b)
+    p, q, r = 60.0 * c[5, axis], 24.0 * c[4, axis], 6.0 * c[3, axis]
+    square = q * q - 4.0 * p * r
+    if square < 0.0:
+        return low, high
+    root = math.sqrt(square)
+    for sign in (-1.0, 1.0):
+        over = -(q + (root if q >= 0.0 else -root)) / 2.0
+        t = over / p if sign > 0.0 and p != 0.0 else (r / over if over != 0.0 else a)
+        if a < t < b:
+            value = _acceleration(c, axis, t)
+            low, high = min(low, value), max(high, value)
+    return low, high
+
+
+@kernel
+def _acceleration(c: Float[np.ndarray, "6 3"], axis: int, t: float) -> float:
+    return 2.0 * c[2, axis] + t * (
+        6.0 * c[3, axis] + t * (12.0 * c[4, axis] + t * 20.0 * c[5, axis])
+    )
+
+
+@kernel
+def _jerk(c: Float[np.ndarray, "6 3"], axis: int, t: float) -> float:
+    return 6.0 * c[3, axis] + t * (24.0 * c[4, axis] + t * 60.0 * c[5, axis])
+
+
+@kernel
+def _largest_jerk(c: Float[np.ndarray, "6 3"], axis: int, a: float, b: float) -> float:
+    """A parabola: at the section's ends or at its vertex."""
+    largest = max(abs(_jerk(c, axis, a)), abs(_jerk(c, axis, b)))
+    if c[5, axis] != 0.0:
+        t = -24.0 * c[4, axis] / (120.0 * c[5, axis])
+        if a < t < b:
+            largest = max(largest, abs(_jerk(c, axis, t)))
+    return largest
+
+
+@kernel
+def _within_bounds(
+    c: Float[np.ndarray, "6 3"], duration: float, allowed: Float[np.ndarray, " 8"]
+) -> bool:
+    """Speed, acceleration and tilt with drag, at samples."""
+    for n in range(_N_SAMPLES + 1):
+        t = duration * n / _N_SAMPLES
+        v, h = np.empty(3), np.empty(3)
+        for axis in range(3):
+            v[axis] = c[1, axis] + t * (
+                2.0 * c[2, axis]
+                + t * (3.0 * c[3, axis] + t * (4.0 * c[4, axis] + t * 5.0 * c[5, axis]))
+            )
+            h[axis] = _acceleration(c, axis, t)
+        if math.hypot(v[0], v[1]) > allowed[0] or abs(v[2]) > allowed[1]:
+            return False
+        if math.hypot(h[0], h[1]) > allowed[2] or abs(h[2]) > allowed[3]:
+            return False
+        h += allowed[7] * v
+        if math.hypot(h[0], h[1]) > allowed[6] * (h[2] + GRAVITY_MPS2):
+            return False
+    return True

@@ -1,0 +1,149 @@
+"""Obstacles that move: upright rounded boxes, each predicted to keep its velocity for a while.
+
+A rounded box is all that lies within a radius of a box: a ball if the box is a point, an upright
+capsule if it is a line. What is not known about the motion lets the radius grow with time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.jit import kernel
+
+Movers = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, float]
+"""What kernels take: positions (n, 3), velocities (n, 3), half extents (n, 3), headings (n, 2) as
+cosine and sine, radii (n,), growth, horizon."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MovingObstacles:
+    """Predictions, from time 0 of a plan on."""
+
+    position_enu_m: Float[np.ndarray, "n 3"]
+    """Centres at time 0."""
+    velocity_enu_mps: Float[np.ndarray, "n 3"]
+    radius_m: Float[np.ndarray, " n"]
+    """How far the solid reaches beyond its box."""
+    half_extent_m: Float[np.ndarray, "n 3"]
+    """Of the box, along its heading, to its left and up; zeros for a ball."""
+    yaw_rad: Float[np.ndarray, " n"]
+    growth_mps: float = 0.2
+    """How fast the radius grows."""
+    horizon_s: float = 4.0
+    """How far ahead the prediction is believed; later the obstacles are left out."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no prediction."""
+        n = len(self.position_enu_m)
+        for name, shape in (
+            ("position_enu_m", (n, 3)),
+            ("velocity_enu_mps", (n, 3)),
+            ("radius_m", (n,)),
+            ("half_extent_m", (n, 3)),
+            ("yaw_rad", (n,)),
+        ):
+            value = np.asarray(getattr(self, name))
+            if value.shape != shape or not np.all(np.isfinite(value)):
+                raise ValueError(f"{name} has shape {value.shape}; valid: {shape}, all finite")
+        if not (self.growth_mps >= 0 and self.horizon_s > 0):
+            raise ValueError(
+                f"growth_mps {self.growth_mps}, horizon_s {self.horizon_s} are not valid; "
+                "valid: not negative and positive"
+            )
+
+    @classmethod
+    def balls(
+        cls,
+        position_enu_m: Float[np.ndarray, "n 3"],
+        velocity_enu_mps: Float[np.ndarray, "n 3"],
+        radius_m: Float[np.ndarray, " n"],
+        *,
+        growth_mps: float = 0.2,
+        horizon_s: float = 4.0,
+    ) -> MovingObstacles:
+        """Balls only."""
+        position = np.asarray(position_enu_m, dtype=float).reshape(-1, 3)
+        return cls(
+            position_enu_m=position,
+            velocity_enu_mps=np.asarray(velocity_enu_mps, dtype=float).reshape(-1, 3),
+            radius_m=np.asarray(radius_m, dtype=float).reshape(-1),
+            half_extent_m=np.zeros_like(position),
+            yaw_rad=np.zeros(len(position)),
+            growth_mps=growth_mps,
+            horizon_s=horizon_s,
+        )
+
+    def __len__(self) -> int:
+        return len(self.position_enu_m)
+
+    @cached_property
+    def movers(self) -> Movers:
+        """What kernels take."""
+        heading = np.column_stack([np.cos(self.yaw_rad), np.sin(self.yaw_rad)])
+        arrays = (
+            self.position_enu_m,
+            self.velocity_enu_mps,
+            self.half_extent_m,
+            heading,
+            self.radius_m,
+        )
+        p, v, h, c, r = (np.ascontiguousarray(array, dtype=float) for array in arrays)
+        return p, v, h, c, r, float(self.growth_mps), float(self.horizon_s)
+
+    def distances(
+        self, points_enu_m: Float[np.ndarray, "k 3"], times_s: Float[np.ndarray, " k"]
+    ) -> tuple[Float[np.ndarray, "n k"], Float[np.ndarray, "n k 3"]]:
+        """Signed distance to each obstacle at each point's time, and the direction away from it.
+
+        Within the box itself the direction is up.
+        """
+        times = np.asarray(times_s)
+        center = self.position_enu_m[:, None] + self.velocity_enu_mps[:, None] * times[:, None]
+        c, s = np.cos(self.yaw_rad)[:, None], np.sin(self.yaw_rad)[:, None]
+        d = np.asarray(points_enu_m) - center
+        local = np.stack([c * d[..., 0] + s * d[..., 1], c * d[..., 1] - s * d[..., 0], d[..., 2]])
+        half = self.half_extent_m.T[:, :, None]
+        beyond = local - np.clip(local, -half, half)
+        gap = np.linalg.norm(beyond, axis=0)
+        x, y, z = np.where(gap > 1e-9, beyond / np.maximum(gap, 1e-9), [[[0.0]], [[0.0]], [[1.0]]])
+        away = np.stack([c * x - s * y, s * x + c * y, z], axis=-1)
+        radius = self.radius_m[:, None] + self.growth_mps * times
+        return gap - radius, away
+
+    def reach_m(self, index: int, normal: Float[np.ndarray, " 3"]) -> float:
+        """How far an obstacle reaches from its centre towards a direction, at time 0."""
+        c, s = math.cos(self.yaw_rad[index]), math.sin(self.yaw_rad[index])
+        local = np.array([c * normal[0] + s * normal[1], c * normal[1] - s * normal[0], normal[2]])
+        return float(np.abs(local) @ self.half_extent_m[index] + self.radius_m[index])
+
+
+NOTHING_MOVES = MovingObstacles.balls(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+
+
+@kernel
+def distance_to_movers(x: float, y: float, z: float, t: float, movers: Movers) -> tuple[float, int]:
+    """Signed distance to the nearest moving obstacle at a time, and which one it is.
+
+    Infinite and -1 beyond the horizon or where nothing moves. Inside a box it is minus the radius.
+    """
+    positions, velocities, halves, headings, radii, growth, horizon = movers
+    best, nearest = np.inf, -1
+    if t > horizon:
+        return best, nearest
+    for i in range(len(positions)):
+        dx = x - positions[i, 0] - velocities[i, 0] * t
+        dy = y - positions[i, 1] - velocities[i, 1] * t
+        dz = z - positions[i, 2] - velocities[i, 2] * t
+        c, s = headings[i, 0], headings[i, 1]
+        u = max(abs(c * dx + s * dy) - halves[i, 0], 0.0)
+        v = max(abs(c * dy - s * dx) - halves[i, 1], 0.0)
+        w = max(abs(dz) - halves[i, 2], 0.0)
+        distance = math.sqrt(u * u + v * v + w * w) - radii[i] - growth * t
+        if distance < best:
+            best, nearest = distance, i
+    return best, nearest

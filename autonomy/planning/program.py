@@ -1,0 +1,158 @@
+"""The quadratic program of a corridor at fixed times, as CasADi functions for each size.
+
+    unknowns     node states between start and goal, dimensionless; a slack s_k >= 0 each piece
+    position     control points of piece k in polytope k, whose planes may move     (hard)
+    velocity     control points within the speed limits, times 1 + s_k              (exact penalty)
+    acceleration control points within the limits, times share_k (1 + s_k)          (exact penalty)
+
+minimise  sum_k  int |jerk|^2 dt / jerk_weight  +  T_k  +  T_k (PRICE s_k + SQUARE_PRICE s_k^2)
+
+The linear price exceeds what a limit is ever worth where times are well chosen, so there the slack
+is exactly zero; the square keeps the optimum smooth in the times. A plane n.x <= d + r t moves with
+the obstacle that it keeps away: its offset at control point j of a piece is that at j fifths of the
+piece, and the curve stays behind it at all times in between.
+
+Node states are made dimensionless by the times beside them, (p, v tau, a tau^2) with tau the
+geometric mean: in plain SI units the QP is too badly scaled for any solver in CasADi's wheel.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.planning.bezier import control_points, integral_of_square
+
+PRICE = 4.0
+"""Seconds a second of flight that its whole excess over a limit costs."""
+SQUARE_PRICE = 20.0
+JERK_WEIGHT_M2PS5 = 40.0
+"""How much squared jerk, integrated, is worth one second."""
+OCTAGON = math.cos(math.pi / 8)
+"""Of an octagon inside the unit circle: distance of its sides from the middle."""
+PLANES = (12, 24)
+"""Sizes of polytopes that programs are built for."""
+PIECES = (1, 2, 3, 4, 6, 8, 10, 12, 16, 20)
+"""Numbers of pieces that they are built for; beyond, for each number."""
+_DIRECTIONS = [(math.cos(n * math.pi / 4), math.sin(n * math.pi / 4)) for n in range(8)]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Program:
+    """CasADi's functions for one number of pieces and of planes."""
+
+    solve: Any
+    """x, f and multipliers from p, at fixed times."""
+    gradient: Any
+    """Of the optimum with respect to log T, from x, p and the multipliers."""
+    n_unknowns: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Symbols:
+    """One corridor problem as CasADi expressions."""
+
+    log_t: Any
+    fixed: Any
+    """Ends (18), planes (5 each), speed and acceleration bounds (4), share of each piece."""
+    unknowns: Any
+    slack: Any
+    nodes: Any
+    cost: Any
+    rows: Any
+    """At most zero."""
+
+
+@functools.cache
+def build(n_pieces: int, n_planes: int) -> Program:
+    """Build the QP of a size, once in a process; .1 to .4 s."""
+    import casadi as ca  # noqa: PLC0415 - loads only where something is planned
+
+    s = symbols(n_pieces, n_planes)
+    parameters = ca.vertcat(s.log_t, s.fixed)
+    multipliers = ca.SX.sym("multipliers", s.rows.shape[0])
+    lagrangian = s.cost + ca.dot(multipliers, s.rows)
+    return Program(
+        solve=ca.qpsol(
+            "corridor",
+            "piqp",
+            {"x": s.unknowns, "p": parameters, "f": s.cost, "g": s.rows},
+            {"error_on_fail": False},
+        ),
+        gradient=ca.Function(
+            "gradient",
+            [s.unknowns, parameters, multipliers],
+            [ca.gradient(lagrangian, s.log_t)],
+        ),
+        n_unknowns=s.unknowns.shape[0],
+    )
+
+
+def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.ndarray, " n"]:
+    """Into how many to cut each piece, the longest first, so that their number is built for.
+
+    Args:
+        lengths: Of the pieces, in metres or seconds.
+        least: How many there shall be at least.
+    """
+    counts = np.ones(len(lengths), dtype=np.int64)
+    wanted = max(least, len(lengths))
+    for _ in range(next((size for size in PIECES if size >= wanted), wanted) - len(lengths)):
+        counts[np.argmax(lengths / counts)] += 1
+    return counts
+
+
+def symbols(n_pieces: int, n_planes: int) -> Symbols:
+    """Cost and constraints of a corridor problem, times included."""
+    import casadi as ca  # noqa: PLC0415 - loads only where something is planned
+
+    n = n_pieces
+    log_t, ends = ca.SX.sym("log_t", n), ca.SX.sym("ends", 18)
+    planes = ca.SX.sym("planes", 5 * n_planes * n)
+    bounds, share = ca.SX.sym("bounds", 4), ca.SX.sym("share", n)
+    inner, slack = ca.SX.sym("inner", 9 * (n - 1)), ca.SX.sym("slack", n)
+    nodes = [(ends[:3], ends[3:6], ends[6:9])]
+    for k in range(n - 1):
+        tau = ca.exp((log_t[k] + log_t[k + 1]) / 2)
+        y = inner[9 * k : 9 * k + 9]
+        nodes.append((y[:3], y[3:6] / tau, y[6:] / tau**2))
+    nodes.append((ends[9:12], ends[12:15], ends[15:]))
+    cost, rows, since = ca.SX(0), [], ca.SX(0)
+    for k in range(n):
+        t = ca.exp(log_t[k])
+        position, velocity, acceleration, jerk = control_points(nodes[k], nodes[k + 1], t)
+        cost += integral_of_square(jerk, t) / JERK_WEIGHT_M2PS5 + t
+        cost += t * (PRICE * slack[k] + SQUARE_PRICE * slack[k] ** 2)
+        polytope = ca.reshape(planes[5 * n_planes * k : 5 * n_planes * (k + 1)], 5, n_planes)
+        # Where it begins and ends is given: those two points are not the program's to choose.
+        for j in range(1 if k == 0 else 0, 5 if k == n - 1 else 6):
+            offset = polytope[3, :].T + polytope[4, :].T * (since + t * j / 5)
+            rows.append(polytope[:3, :].T @ position[j] - offset)
+        # A piece's first points of velocity and acceleration are the last ones of the piece before.
+        rows += _within(ca.vertsplit, velocity[1:], bounds[0], bounds[1], slack[k])
+        across, up = bounds[2] * share[k], bounds[3] * share[k]
+        rows += _within(ca.vertsplit, acceleration[1:], across, up, slack[k])
+        since += t
+    return Symbols(
+        log_t=log_t,
+        fixed=ca.vertcat(ends, planes, bounds, share),
+        unknowns=ca.vertcat(inner, slack),
+        slack=slack,
+        nodes=nodes,
+        cost=cost,
+        rows=ca.vertcat(*rows, -slack),
+    )
+
+
+def _within(split: Any, points: list[Any], across: Any, up: Any, slack: Any) -> list[Any]:
+    """Rows for vectors in an octagonal prism."""
+    rows = []
+    for x, y, z in (split(point) for point in points):
+        rows += [(c * x + s * y) / (across * OCTAGON) - 1 - slack for c, s in _DIRECTIONS]
+        rows += [sign * z / up - 1 - slack for sign in (-1, 1)]
+    return rows

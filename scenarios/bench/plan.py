@@ -1,0 +1,266 @@
+"""`bench plan`: what the planner solves, how fast, and how good its plans are.
+
+Times are CPU times of the process, kernels compiled and programs built.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from aeroscene.sources import open_scene
+from autonomy.model.flatness import effort
+from autonomy.planning import PlannerCfg, PlanningError, Trajectory, plan_trajectory, replan
+from autonomy.planning.program import JERK_WEIGHT_M2PS5
+from autonomy.planning.trajectory import squared_jerk
+from autonomy.types import ZERO3, FlatReference
+from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.bench.joint_optimum import joint_optimum
+from scenarios.bench.plan_pairs import (
+    Crossing,
+    draw_pairs,
+    fly_past_a_crossing,
+    scene_numbers,
+)
+from scenarios.bench.row import Row
+from scenarios.mission import MissionError, Surroundings, plan_mission, survey
+
+LEAST_SOLVED, LEAST_AVOIDED = 99.5, 95.0
+MOST_MISSION_MS, MOST_REPLAN_MS = 500.0, 20.0
+MOST_ABOVE_OPTIMUM = 1.0
+N_PIECES = 8
+_CHECK_STEP_S = 0.004
+_TOLERANCE = 0.011
+"""What the certificate grants a limit, and rounding."""
+
+OnProgress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PlanBenchCfg:
+    """What to plan."""
+
+    count: int = 200
+    """Pairs of start and goal."""
+    scenes: int = 20
+    """Shipped scenes that they are spread over."""
+    vehicle: str = "iris"
+    seed: int = 0
+    joint: int = 8
+    """Plans to compare with the joint optimum of states and times."""
+
+
+@dataclass(kw_only=True, slots=True)
+class _Tally:
+    """What was found so far."""
+
+    n_pairs: int = 0
+    n_sound: int = 0
+    plans_ms: list[float] = field(default_factory=list)
+    failures: Counter[str] = field(default_factory=Counter)
+    missions_ms: list[float] = field(default_factory=list)
+    n_no_mission: int = 0
+    replans_ms: list[float] = field(default_factory=list)
+    above_optimum: list[float] = field(default_factory=list)
+    crossings: list[Crossing] = field(default_factory=list)
+    n_primitives: int = 0
+    primitives_ms: list[float] = field(default_factory=list)
+    primitives_cost: list[float] = field(default_factory=list)
+    primitives_time: list[float] = field(default_factory=list)
+
+
+def rows(cfg: PlanBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Plan missions and pairs in scenes, replan some of them, compare with others.
+
+    Args:
+        cfg: How many.
+        on_progress: Called before each scene with a title and the share done.
+    """
+    airframe = airframe_by_name(cfg.vehicle)
+    tally = _Tally()
+    numbers = scene_numbers(cfg.scenes)
+    plan_mission(open_scene(str(numbers[0])), airframe)  # what is compiled once belongs to none
+    for index, number in enumerate(numbers):
+        on_progress(f"scene {number}", index / len(numbers))
+        n_pairs = cfg.count * (index + 1) // len(numbers) - cfg.count * index // len(numbers)
+        rng = np.random.default_rng([cfg.seed, number])
+        _measure_scene(number, airframe, n_pairs, cfg, rng, tally)
+    yield from _rows(tally)
+
+
+def _measure_scene(
+    number: int,
+    airframe: Airframe,
+    n_pairs: int,
+    cfg: PlanBenchCfg,
+    rng: np.random.Generator,
+    tally: _Tally,
+) -> None:
+    scene = open_scene(str(number))
+    begun_s = time.process_time()
+    try:
+        plan_mission(scene, airframe)
+        tally.missions_ms.append(1e3 * (time.process_time() - begun_s))
+    except MissionError:
+        tally.n_no_mission += 1
+    world = survey(scene, airframe)
+    solved: list[Trajectory] = []
+    for start, goal in draw_pairs(world, n_pairs, rng):
+        tally.n_pairs += 1
+        state = FlatReference(position_enu_m=start)
+        begun_s = time.process_time()
+        try:
+            plan = world.plan(state, goal)
+        except PlanningError as error:
+            tally.failures[type(error).__name__] += 1
+            continue
+        tally.plans_ms.append(1e3 * (time.process_time() - begun_s))
+        tally.n_sound += is_sound(world, plan)
+        solved.append(plan)
+        _try_primitives(world, state, goal, plan, tally)
+    for index, plan in enumerate(solved):
+        if index % 2 == 0:
+            crossing = fly_past_a_crossing(world, plan, rng)
+            tally.crossings += [] if crossing is None else [crossing]
+    for plan in solved[:2]:
+        tally.replans_ms += _replan_ms(world, plan)
+    if solved and len(tally.above_optimum) < cfg.joint:
+        tally.above_optimum += _above_optimum(world, solved[-1])
+
+
+def is_sound(world: Surroundings, plan: Trajectory) -> bool:
+    """Whether dense samples, apart from the certificate's, touch nothing and keep the limits."""
+    times = np.arange(0.0, plan.duration_s, _CHECK_STEP_S)
+    velocity, acceleration, jerk = (plan.derivatives(times, order) for order in (1, 2, 3))
+    limits, quadrotor = world.limits, world.airframe.quadrotor
+    asked = effort(velocity.T, acceleration.T, jerk.T, quadrotor)
+    turns = np.abs(np.diff(plan.yaw.yaw_rad)) / plan.yaw.step_s
+    pairs = (
+        (np.hypot(velocity[:, 0], velocity[:, 1]), limits.speed_horizontal_mps),
+        (np.abs(velocity[:, 2]), limits.speed_vertical_mps),
+        (np.hypot(acceleration[:, 0], acceleration[:, 1]), limits.acceleration_mps2),
+        (asked.specific_thrust_mps2, limits.max_specific_thrust_mps2(quadrotor)),
+        (np.arccos(np.clip(asked.cos_tilt, -1, 1)), limits.tilt_rad),
+        (asked.tilt_rate_radps, limits.body_rate_radps),
+        (turns, limits.yaw_rate_radps),
+    )
+    keeps = all(values.max(initial=0.0) <= limit * (1 + _TOLERANCE) for values, limit in pairs)
+    return keeps and bool(np.all(world.clearance_m(plan.positions(times)) > 0))
+
+
+def cost_s(plan: Trajectory) -> float:
+    """What the optimiser minimises: time and weighted squared jerk."""
+    jerk = float(np.sum(squared_jerk(plan.coefficients, plan.durations_s)))
+    return jerk / JERK_WEIGHT_M2PS5 + plan.duration_s
+
+
+def _try_primitives(
+    world: Surroundings,
+    start: FlatReference,
+    goal: tuple[float, float, float],
+    plan: Trajectory,
+    tally: _Tally,
+) -> None:
+    begun_s = time.process_time()
+    try:
+        other = replace(world, method="primitives").plan(start, goal)
+    except PlanningError:
+        return
+    tally.n_primitives += 1
+    tally.primitives_ms.append(1e3 * (time.process_time() - begun_s))
+    tally.primitives_cost.append(cost_s(other) / cost_s(plan))
+    tally.primitives_time.append(other.duration_s / plan.duration_s)
+
+
+def _replan_ms(world: Surroundings, plan: Trajectory) -> list[float]:
+    """CPU times of replanning all of a plan of eight pieces, a few moments after its beginning."""
+    cfg = replace(world.planner, min_pieces=N_PIECES)
+    plan = _again(world, plan, cfg)
+    if len(plan.durations_s) != N_PIECES:
+        return []
+    spent = []
+    for share in (0.2, 0.4, 0.6):
+        at_s = share * float(plan.durations_s[0])
+        begun_s = time.process_time()
+        replan(plan, at_s, world.obstacles, world.limits, world.airframe.quadrotor, cfg)
+        spent.append(1e3 * (time.process_time() - begun_s))
+    return spent
+
+
+def _again(world: Surroundings, plan: Trajectory, cfg: PlannerCfg) -> Trajectory:
+    """A plan between the same places."""
+    start, goal = (plan.sample(t).position_enu_m for t in (0.0, plan.duration_s))
+    return plan_trajectory(
+        FlatReference(position_enu_m=start),
+        goal,
+        world.field,
+        world.obstacles,
+        world.limits,
+        world.airframe.quadrotor,
+        cfg,
+    )
+
+
+def _above_optimum(world: Surroundings, plan: Trajectory) -> list[float]:
+    """By how many per cent a plan costs more than the joint optimum, if that is found."""
+    start, goal = (plan.sample(t).position_enu_m for t in (0.0, plan.duration_s))
+    assert plan.corridor is not None
+    best = joint_optimum(
+        plan.corridor,
+        np.array([start, ZERO3, ZERO3]),
+        np.array([goal, ZERO3, ZERO3]),
+        world.limits,
+        world.airframe.quadrotor,
+    )
+    return [] if best is None else [100 * (cost_s(plan) / best - 1)]
+
+
+def _rows(tally: _Tally) -> Iterator[Row]:
+    n_solved = len(tally.plans_ms)
+    pairs = max(tally.n_pairs, 1)
+    yield _share("solved where a path exists", n_solved, pairs, LEAST_SOLVED)
+    yield _share("plans that are sound, checked apart", tally.n_sound, max(n_solved, 1), 100.0)
+    for name, count in sorted(tally.failures.items()):
+        yield Row(metric=f"failed: {name}", value=count, unit="pairs", better="lower")
+    yield from _times("plan", tally.plans_ms, None)
+    yield from _times("whole mission", tally.missions_ms, MOST_MISSION_MS)
+    if tally.n_no_mission:
+        yield Row(metric="scenes without a mission", value=tally.n_no_mission, unit="scenes")
+    yield from _times(f"replan {N_PIECES} pieces, warm", tally.replans_ms, MOST_REPLAN_MS)
+    n_avoided = sum(crossing.is_avoided for crossing in tally.crossings)
+    n_crossings = len(tally.crossings)
+    if n_crossings:
+        title = f"somebody crosses at up to 3 m/s: avoided, of {n_crossings}"
+        yield _share(title, n_avoided, n_crossings, LEAST_AVOIDED)
+        spent = [ms for crossing in tally.crossings for ms in crossing.replans_ms]
+        yield from _times("replan past somebody", spent, None)
+    if tally.above_optimum:
+        above = tally.above_optimum
+        title = f"cost above the joint optimum, of {len(above)}"
+        yield _lower(f"{title}, median", float(np.median(above)), "%", MOST_ABOVE_OPTIMUM)
+        yield _lower(f"{title}, worst", max(above), "%", None)
+    yield _share("Mueller 2015: solved", tally.n_primitives, max(n_solved, 1), None)
+    yield from _times("Mueller 2015: plan", tally.primitives_ms, None)
+    for name, ratios in (("cost", tally.primitives_cost), ("flight time", tally.primitives_time)):
+        value = float(np.median(ratios)) if ratios else math.nan
+        yield _lower(f"Mueller 2015: {name}, median", value, "times ours", None)
+
+
+def _share(metric: str, count: int, of: int, target: float | None) -> Row:
+    return Row(metric=metric, value=100 * count / of, unit="%", target=target)
+
+
+def _times(what: str, values_ms: list[float], target: float | None) -> Iterator[Row]:
+    for name, share, promised in (("median", 0.5, target), ("p95", 0.95, None)):
+        value = float(np.quantile(values_ms, share)) if values_ms else math.nan
+        yield _lower(f"{what}, {name}", value, "CPU ms", promised)
+
+
+def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
+    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")

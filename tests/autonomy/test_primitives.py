@@ -1,0 +1,81 @@
+"""The baseline of Mueller 2015: what is passed can be flown, and whole plans are certified."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.planning import CertificateError, FlightLimits, PlannerCfg, plan_trajectory
+from autonomy.planning.feasibility import is_input_feasible
+from autonomy.planning.primitives import fly_primitives
+from autonomy.planning.trajectory import coefficients_from_nodes, squared_jerk
+from autonomy.types import FlatReference
+from tests.autonomy.planning_worlds import GROUND, field_of, quadrotor, seeds, town
+
+LIMITS = FlightLimits()
+CFG = PlannerCfg(vehicle_radius_m=0.4, method="primitives")
+
+
+def dense(c, order, t):
+    powers = [math.perm(n, order) * t[:, None] ** (n - order) * c[n] for n in range(order, 6)]
+    return np.sum(powers, axis=0)
+
+
+@given(seeds)
+def test_recursive_feasibility_agrees_with_dense_samples(seed):
+    rng = np.random.default_rng(seed)
+    nodes = rng.normal(0, [[3.0], [2.0], [1.5]], (2, 3, 3))
+    duration = rng.uniform(0.6, 4.0)
+    c = coefficients_from_nodes(nodes, np.array([duration]))[0]
+    t = np.linspace(0, duration, 3000)
+    force = dense(c, 2, t) + np.array([0.0, 0.0, GRAVITY_MPS2])
+    thrust = np.linalg.norm(force, axis=1)
+    rate = np.linalg.norm(dense(c, 3, t), axis=1) / thrust
+    if is_input_feasible(c, 0.0, duration, 16.0, 3.0):
+        assert thrust.max() <= 16.0 + 1e-6
+        assert rate.max() <= 3.0 + 1e-6
+    # It bounds each axis by itself, so it may refuse what is near a limit, and nothing else.
+    elif thrust.max() < 11.0:
+        assert rate.max() > 1.0
+
+
+@given(seeds)
+def test_the_cost_is_the_integral_of_squared_jerk(seed):
+    rng = np.random.default_rng(seed)
+    duration = np.array([rng.uniform(0.3, 4.0)])
+    c = coefficients_from_nodes(rng.normal(0, 2, (2, 3, 3)), duration)
+    t = np.linspace(0, duration[0], 4001)
+    square = np.sum(dense(c[0], 3, t) ** 2, axis=1)
+    assert squared_jerk(c, duration)[0] == pytest.approx(np.trapezoid(square, t), rel=1e-4)
+
+
+@given(seeds)
+@settings(max_examples=3)
+def test_whole_plans_of_the_baseline_are_certified_too(seed):
+    obstacles = town(np.random.default_rng(seed))
+    start = FlatReference(position_enu_m=(-12.0, -12.0, 2.0))
+    try:
+        plan = plan_trajectory(
+            start, (12.0, 12.0, 3.0), field_of(obstacles), obstacles, LIMITS, quadrotor(), CFG
+        )
+    except CertificateError as error:
+        assert "primitives" in str(error) or "reaches" in str(error)  # noqa: PT017 - may give up
+        return
+    assert plan.min_clearance_m > 0
+    assert plan.corridor is None
+    np.testing.assert_allclose(plan.sample(plan.duration_s).position_enu_m, (12, 12, 3), atol=1e-6)
+
+
+def test_a_way_without_room_is_given_up_with_a_reason():
+    way = np.array([[-3.0, 0.0, 0.5], [3.0, 0.0, 0.5]])
+    start = np.array([way[0], np.zeros(3), np.zeros(3)])
+    bounds = LIMITS.motion_bounds(quadrotor())
+    with pytest.raises(CertificateError, match=r"no string of motion primitives.*'optimise'"):
+        fly_primitives(start, way, GROUND, bounds, LIMITS, quadrotor(), radius_m=0.6)
+    slow = dataclasses.replace(bounds, speed_horizontal_mps=1.0)
+    c, t = fly_primitives(start, way, GROUND, slow, LIMITS, quadrotor(), radius_m=0.4)
+    assert t.sum() > 6.0
+    np.testing.assert_allclose(dense(c[-1], 0, t[-1:])[0], way[-1], atol=1e-6)
