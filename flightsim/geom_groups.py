@@ -18,9 +18,11 @@ class GeomGroup(IntEnum):
     """Seen by cameras only: glazing, foliage and paint that nothing can touch."""
     VEHICLE_SHAPE = 3
     """What the vehicle touches with."""
+    MOVING = 4
+    """People, cars and other drones, as everybody meets them."""
     CULLED = 5
     """Outside the camera's view during one rendering; no geom stays here."""
 
 
-RAY_GROUPS = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8)
+RAY_GROUPS = np.array([1, 0, 0, 0, 1, 0], dtype=np.uint8)
 """`geomgroup` argument of `mj_ray` for a rangefinder: the solid world without the vehicle."""

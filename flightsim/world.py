@@ -18,17 +18,23 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.shapes import MATERIALS, Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
+from flightsim.environment.motion import start_poses
+from flightsim.environment.movers import MovingObstacle, mover_name
+from flightsim.environment.traffic import TrafficCfg, plan_traffic
 from flightsim.looks.drawing import add_looks, set_view
+from flightsim.looks.movers import MOVER_CONTACT_BIT, MoverSet
 from flightsim.looks.surfaces import Detail
 from flightsim.looks.surroundings import GROUND_MATERIAL
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import VEHICLE_BODY, add_vehicle
-from flightsim.world_geometry import STATIC_CONTACT, add_solids, friction
+from flightsim.world_geometry import STATIC_CONTACT, SurfaceProbe, add_solids, friction
 
 VEHICLE_ID = -1
 """In `World.geom_object_id`: the vehicle's own geoms."""
 GROUND_ID = -2
 """In `World.geom_object_id`: the ground plane."""
+FIRST_MOVER_ID = -10
+"""In `World.geom_object_id`: the first moving obstacle; the next ones count down."""
 
 # The vehicle is let down from this height, so that the uphill legs clear a sloping surface; what
 # it touches up there deeper than the tolerance, it is inside of.
@@ -52,8 +58,12 @@ class World:
     airframe: Airframe
     solids: tuple[Primitive, ...]
     """Everything static: geom 0 is the ground, geom 1 + i is solid i."""
+    obstacles: tuple[MovingObstacle, ...]
+    """Everything that moves by itself: mocap body i is obstacle i."""
+    movers: MoverSet
+    """What those look like."""
     geom_object_id: np.ndarray
-    """(ngeom,) int32: id of the scene object, `VEHICLE_ID` or `GROUND_ID`."""
+    """(ngeom,) int32: id of the scene object, `VEHICLE_ID`, `GROUND_ID`, or of a mover."""
     vehicle_body_id: int
     """-1 in a world without a vehicle."""
     rest_qpos: np.ndarray
@@ -66,7 +76,13 @@ class World:
         add_looks(spec, self.scene, self.solids, detail)
         if self.vehicle_body_id >= 0:
             add_vehicle_at_start(spec, self.scene, self.airframe)
+        self.movers.add_looks(spec)
         return spec.compile()
+
+    def mover_body_id(self, index: int) -> int:
+        """Body of a moving obstacle."""
+        name = mover_name(index, self.obstacles)
+        return mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
 
     def new_data(self) -> mujoco.MjData:
         """State at time zero: the vehicle at the start, at rest on its legs."""
@@ -83,6 +99,7 @@ def build_world(
     physics_hz: int = 500,
     vehicle: bool = True,
     extra: Sequence[Primitive] = (),
+    traffic: TrafficCfg | Sequence[MovingObstacle] = (),
 ) -> World:
     """Compile a scene with a vehicle standing at its start.
 
@@ -92,9 +109,11 @@ def build_world(
         physics_hz: Steps per second, Hz.
         vehicle: False leaves the vehicle out, for pictures of the scene alone.
         extra: Solids that stand there beside the scene's objects.
+        traffic: What moves: paths of its own, or how many of what to find paths for.
 
     Raises:
         WorldError: If the start is inside something or no place to stand.
+        TrafficError: If the scene has no room for the traffic.
     """
     solids = (*scene_primitives(scene), *extra)
     spec = new_spec(scene, physics_hz)
@@ -102,13 +121,24 @@ def build_world(
     add_solids(spec, solids)
     if vehicle:
         add_vehicle_at_start(spec, scene, airframe)
+    if isinstance(traffic, TrafficCfg):
+        traffic = plan_traffic(traffic, scene, solids, SurfaceProbe(solids).height_m)
+    movers = MoverSet(traffic)
+    if len(movers):
+        _let_vehicle_touch_movers(spec)
+        movers.add_solids(spec)
     model = spec.compile()
     _enable_sleep(model)
+    _put_movers(model, traffic)
     geom_object_id = np.full(model.ngeom, VEHICLE_ID, dtype=np.int32)
     geom_object_id[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
+    is_mover = model.body_mocapid[model.geom_bodyid] >= 0
+    geom_object_id[is_mover] = FIRST_MOVER_ID - np.arange(len(movers))
     return World(
         model=model,
         solids=solids,
+        obstacles=tuple(traffic),
+        movers=movers,
         scene=scene,
         airframe=airframe,
         geom_object_id=geom_object_id,
@@ -134,6 +164,20 @@ def add_vehicle_at_start(spec: mujoco.MjSpec, scene: Scene, airframe: Airframe) 
     x, y, z = scene.start_position_enu_m
     stand_enu_m = (x, y, z + airframe.leg_length_m + _LOWERING_M)
     add_vehicle(spec, airframe, stand_enu_m, scene.start_yaw_rad)
+
+
+def _let_vehicle_touch_movers(spec: mujoco.MjSpec) -> None:
+    body = spec.body(VEHICLE_BODY)
+    for geom in () if body is None else body.geoms:
+        if geom.contype:
+            geom.contype |= MOVER_CONTACT_BIT
+
+
+def _put_movers(model: mujoco.MjModel, obstacles: Sequence[MovingObstacle]) -> None:
+    """Have the movers start where they are at time zero."""
+    if obstacles:
+        is_mover = model.body_mocapid >= 0
+        model.body_pos[is_mover], model.body_quat[is_mover] = start_poses(obstacles)
 
 
 def add_ground(spec: mujoco.MjSpec) -> None:
@@ -191,5 +235,7 @@ def _check_not_inside(data: mujoco.MjData, scene: Scene, geom_object_id: np.ndar
 def _describe(scene: Scene, object_id: int) -> str:
     if object_id == GROUND_ID:
         return "the ground"
+    if object_id <= FIRST_MOVER_ID:
+        return f"moving obstacle {FIRST_MOVER_ID - object_id}"
     category = next((o.category for o in scene.objects if o.id == object_id), "unknown")
     return f"object {object_id} ({category})"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
+from jaxtyping import Float
 
 from aeroscene.shapes import MATERIALS, Primitive
 from flightsim.geom_groups import GeomGroup
@@ -40,6 +41,28 @@ def add_solids(spec: mujoco.MjSpec, primitives: Iterable[Primitive]) -> None:
             **_shape(spec, primitive, meshes),
             **(_contact(primitive) if primitive.collides else _UNTOUCHABLE),
         )
+
+
+class SurfaceProbe:
+    """Finds surfaces below points, exactly, in a model of the static solids alone."""
+
+    def __init__(self, solids: Sequence[Primitive]) -> None:
+        spec = mujoco.MjSpec()
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0))
+        add_solids(spec, [solid for solid in solids if solid.collides])
+        self._model = spec.compile()
+        self._data = mujoco.MjData(self._model)
+        mujoco.mj_kinematics(self._model, self._data)
+
+    def height_m(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
+        """Height of the first surface below each point; NaN where there is none."""
+        down, geom = np.array([0.0, 0.0, -1.0]), np.zeros(1, dtype=np.int32)
+        heights = np.full(len(points_enu_m), np.nan)
+        for i, point in enumerate(np.ascontiguousarray(points_enu_m, dtype=float)):
+            depth_m = mujoco.mj_ray(self._model, self._data, point, down, None, 1, -1, geom)
+            if depth_m >= 0.0:
+                heights[i] = point[2] - depth_m
+        return heights
 
 
 def _contact(primitive: Primitive) -> dict[str, Any]:

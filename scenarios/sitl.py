@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 from aeroscene.scene import SceneError
 from aeroscene.shapes import scene_primitives
+from flightsim.environment.traffic import TrafficError
+from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
 from flightsim.sensors.camera import CameraError
+from flightsim.sensors.depth_noise import depth_noise
 from flightsim.simulator import TICK_US
 from flightsim.vehicles.catalogue import AirframeError
 from flightsim.world import WorldError
@@ -26,7 +29,16 @@ if TYPE_CHECKING:
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
 
-INPUT_ERRORS = (SceneError, AirframeError, WorldError, LinkError, CameraError, TestbenchError)
+INPUT_ERRORS = (
+    SceneError,
+    AirframeError,
+    WorldError,
+    WindError,
+    TrafficError,
+    LinkError,
+    CameraError,
+    TestbenchError,
+)
 """What a run raises when its input or this machine does not allow it; each says so in a line."""
 
 MAX_CAMERA_HZ = 50.0
@@ -107,9 +119,10 @@ class Sitl:
 
     def _open_cameras(self, stack: ExitStack) -> Cameras:
         if self._cameras is None:
-            self._cameras = stack.enter_context(
-                closing(Cameras(self.bench.world, self.bench.plant))
-            )
+            bench = self.bench
+            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed)
+            cameras = Cameras(bench.world, bench.plant, depth_noise=noise)
+            self._cameras = stack.enter_context(closing(cameras))
         return self._cameras
 
     def _board_pilot(self, stack: ExitStack) -> Pilot:

@@ -9,6 +9,9 @@ from typing import Literal, Self
 from aeroscene.scene import Scene
 from aeroscene.sources import open_scene
 from flightsim.autopilot.autopilot import Autopilot
+from flightsim.environment.parameters import follow_parameters, wind_parameters
+from flightsim.environment.traffic import TrafficCfg
+from flightsim.environment.wind import WindCfg, turbulence_mps
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.links import InProcessLink, Link, TcpServerLink, UdpLink
 from flightsim.mavlink.server import MavlinkServer
@@ -37,6 +40,22 @@ class TestbenchCfg:
     """Seed of every random draw: sensor noise, choice of the landing area."""
     gnss: Literal["rtk", "standard"] = "rtk"
     """GNSS grade: rtk has decimetre errors, standard metres."""
+    aiding: Literal["gnss", "vio", "mocap", "auto"] = "auto"
+    """What tells where the vehicle is: gnss (not in rooms), vio (visual-inertial odometry), mocap
+    (motion capture), or auto, which is GNSS where there is sky and VIO everywhere."""
+    wind: float = 0.0
+    """Speed of the steady wind, m/s."""
+    wind_from: float = 270.0
+    """Where the wind comes from, degrees clockwise from north: 270 is the west."""
+    turbulence: str = "none"
+    """Dryden turbulence: none, natural (what goes with the wind), light, moderate, severe, or the
+    standard deviation of its vertical part in m/s."""
+    gust: float = 0.0
+    """What a gust adds to the wind at its peak, m/s; 3 s of every 15 s."""
+    traffic: str = "none"
+    """What else moves about, as people=3,cars=2,drones=1."""
+    depth_camera: Literal["exact", "d435", "d455"] = "exact"
+    """Depth of the cameras: exact, or with the errors of a RealSense D435 or D455."""
     speed: float | Literal["max"] = 1.0
     """Simulated seconds per wall second, or max for as fast as it goes."""
     instance: int = 0
@@ -47,6 +66,7 @@ class TestbenchCfg:
     def __post_init__(self) -> None:
         """Refuse what cannot be built, before anything is."""
         airframe_by_name(self.vehicle)
+        _ = self.wind_cfg, self.traffic_cfg
         if self.speed != "max" and not 0.0 < self.speed < float("inf"):
             raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
         if not 0 <= self.instance < MAX_INSTANCES:
@@ -55,6 +75,29 @@ class TestbenchCfg:
             )
         if self.seed < 0:
             raise TestbenchError(f"seed {self.seed} is negative; valid: 0 or more")
+
+    @property
+    def wind_cfg(self) -> WindCfg:
+        """The wind that the options ask for.
+
+        Raises:
+            WindError: If it makes no sense.
+        """
+        return WindCfg(
+            speed_mps=self.wind,
+            from_deg=self.wind_from,
+            turbulence_mps=turbulence_mps(self.turbulence, self.wind),
+            gust_mps=self.gust,
+        )
+
+    @property
+    def traffic_cfg(self) -> TrafficCfg:
+        """The traffic that the options ask for.
+
+        Raises:
+            TrafficError: If it makes no sense.
+        """
+        return TrafficCfg.parse(self.traffic, self.seed)
 
 
 class Testbench:
@@ -80,13 +123,17 @@ class Testbench:
         Raises:
             SceneError: If the scene is unknown or malformed.
             WorldError: If the vehicle cannot start there.
+            TrafficError: If the scene has no room for the traffic.
             PortInUseError: If a MAVLink port is taken.
         """
         self.cfg = cfg
         self.scene = open_scene(cfg.scene) if scene is None else scene
         self.airframe = airframe_by_name(cfg.vehicle)
-        self.world: World = build_world(self.scene, self.airframe)
-        self.plant = Plant(self.world, PlantCfg(seed=cfg.seed, gnss=cfg.gnss))
+        self.world: World = build_world(self.scene, self.airframe, traffic=cfg.traffic_cfg)
+        self.plant = Plant(
+            self.world,
+            PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg),
+        )
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )
@@ -95,8 +142,9 @@ class Testbench:
             self.plant,
             self.frame,
             airframe=self.airframe,
-            initial_parameters={"MAV_SYS_ID": system_id},
+            initial_parameters={"MAV_SYS_ID": system_id, **wind_parameters(cfg.wind_cfg)},
         )
+        follow_parameters(self.autopilot.parameters, self.plant)
         self.pilot_link = InProcessLink()
         links: list[Link] = [self.pilot_link, *extra_links]
         if has_network:

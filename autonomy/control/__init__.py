@@ -1,6 +1,6 @@
 """Geometric tracking control of a quadrotor, from setpoint to rotor speeds."""
 
 from autonomy.control.cfg import ControllerCfg
-from autonomy.control.record import CONTROLLER_DTYPE, SETPOINT_DTYPE, new_controller
+from autonomy.control.record import CONTROLLER_DTYPE, SETPOINT_DTYPE, STATE_DTYPE, new_controller
 
-__all__ = ["CONTROLLER_DTYPE", "SETPOINT_DTYPE", "ControllerCfg", "new_controller"]
+__all__ = ["CONTROLLER_DTYPE", "SETPOINT_DTYPE", "STATE_DTYPE", "ControllerCfg", "new_controller"]

@@ -20,14 +20,15 @@ class ControllerCfg:
     """1/s^3: acceleration gained a second and metre of position error."""
     max_integral_mps2: float = 1.0
     max_disturbance_mps2: float = 6.0
-    """Horizontal acceleration by wind and the like that is flown against; a quarter vertically."""
+    """Horizontal acceleration by wind and the like that is flown against; half of it
+    downwards, a quarter upwards."""
     attitude_bandwidth_radps: float = 10.0
     """wR of roll and pitch: kR = J wR^2, kW = 2 J zeta wR."""
     attitude_damping: float = 0.9
     yaw_bandwidth_radps: float = 5.0
     rate_bandwidth_radps: float = 18.0
     """Of the body rates at the `RATE` level, 1/s; yaw gets half."""
-    max_tilt_rad: float = math.radians(40.0)
+    max_tilt_rad: float = math.radians(60.0)
     max_feedback_mps2: float = 6.0
     """Acceleration that position and velocity errors may demand, horizontally and vertically."""
     max_thrust_fraction: float = 0.95

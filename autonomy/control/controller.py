@@ -13,6 +13,7 @@ from autonomy.control.geometric import (
     demand_force,
     rate_torque,
 )
+from autonomy.control.recovery import demand_recovery, watch_recovery
 from autonomy.control.reference import start_reference, update_reference
 from autonomy.control.setpoint_stream import accept_setpoint
 from autonomy.jit import kernel
@@ -22,20 +23,20 @@ _OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE = 0.0, 1.0, 2.0, 3.0, 4.0
 
 
 @kernel
-def control(c: np.record, s: np.record, f: np.record, is_new: bool) -> None:
+def control(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
     """One control tick; the result stands in `c.rotor_command_radps`.
 
     Args:
         c: The controller.
         s: The setpoint.
-        f: The filter, whose estimate is the state.
+        x: The vehicle's state, as far as it is known.
         is_new: Whether the setpoint arrived since the tick before.
     """
     if s.level <= _IDLE:
         _rest(c, s.level)
-        start_reference(c, f)
+        start_reference(c, x)
     else:
-        _fly(c, s, f, is_new)
+        _fly(c, s, x, is_new)
     c.level = s.level
     _model_rotors(c)
 
@@ -52,29 +53,34 @@ def _rest(c: np.record, level: float) -> None:
 
 
 @kernel
-def _fly(c: np.record, s: np.record, f: np.record, is_new: bool) -> None:
+def _fly(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
     if s.level != c.level or c.level != _TRAJECTORY:
-        start_reference(c, f)
-    matrix_from_quat(f.quat_wxyz, c.R)
+        start_reference(c, x)
+        c.is_recovering = 0
+    matrix_from_quat(x.quat_wxyz, c.R)
     if s.level == _TRAJECTORY:
         if is_new:
             accept_setpoint(c, s)
-        update_reference(c, s, f)
-        demand_force(c, f)
-        command_attitude(c, f)
+        watch_recovery(c, x)
+        if c.is_recovering == 1:
+            demand_recovery(c, x)
+        else:
+            update_reference(c, s, x)
+            demand_force(c, x)
+            command_attitude(c, x)
         force, R = c.force_enu_mps2, c.R
         along = force[0] * R[0, 2] + force[1] * R[1, 2] + force[2] * R[2, 2]
         c.collective_n = c.mass_kg * max(along, 0.0)
-        attitude_torque(c, f.angular_rate_flu_radps)
+        attitude_torque(c, x.angular_rate_flu_radps)
     else:
         c.collective_n = min(max(s.thrust, 0.0), 1.0) * c.max_thrust_n
         for i in range(3):
             c.rate_cmd_flu_radps[i] = s.angular_rate_flu_radps[i]
         if s.level == _ATTITUDE:
             matrix_from_quat(s.quat_wxyz, c.R_cmd)
-            attitude_torque(c, f.angular_rate_flu_radps)
+            attitude_torque(c, x.angular_rate_flu_radps)
         else:
-            rate_torque(c, f.angular_rate_flu_radps)
+            rate_torque(c, x.angular_rate_flu_radps)
     _command_rotors(c)
 
 

@@ -2,13 +2,14 @@
 
     symbol        name                           here
     e_x, e_v      position and velocity error    reference minus estimate (Lee: the opposite)
-    R, Omega      attitude, body rates           c.R, f.angular_rate_flu_radps
+    R, Omega      attitude, body rates           c.R, x.angular_rate_flu_radps
     R_d, Omega_d  commanded attitude and rates   c.R_cmd, c.rate_cmd_flu_radps
     e_R, e_W      attitude and rate error
 
 Sources: Lee, Leok and McClamroch 2010, "Geometric tracking control of a quadrotor UAV on SE(3)",
 eqs. (10), (11), (15), (16); integral action after Goodarzi, Lee and Lee 2013; body rates from jerk
-and rotor drag after Faessler, Franchi and Scaramuzza 2018.
+and rotor drag after Faessler, Franchi and Scaramuzza 2018; tilt before yaw after Brescianini and
+D'Andrea 2018, "Tilt-prioritized quadrocopter attitude control", section IV.
 """
 
 from __future__ import annotations
@@ -20,27 +21,32 @@ import numpy as np
 from autonomy.jit import kernel
 
 _MAX_INTEGRATED_VERTICAL_M = 0.3  # not while a vehicle on the ground lags behind its reference
-_LEAST_VERTICAL_FRACTION = 0.35
-_MAX_FEEDBACK_JERK_MPS3 = 60.0
-_DISTURBANCE_RESPONSE_S = 0.15
+_LEAST_VERTICAL_FRACTION = 0.35  # of the weight; the tilt is limited further below twice this
+_LEAST_TILT_SHARE = 0.05
+_MAX_FEEDBACK_RATE_RADPS = 6.0
+_DISTURBANCE_RESPONSE_S = 0.1
+_PRESSING_FRACTION = 0.7  # of the weight: less thrust is asked for on the ground, seldom in the air
+_UPSIDE_DOWN_COSINE = 1e-4  # of half the tilt: nearer to 180 degrees its axis is rounding errors
 
 
 @kernel
-def demand_force(c: np.record, f: np.record) -> None:
+def demand_force(c: np.record, x: np.record) -> None:
     """Specific thrust (m/s^2, world) that tracks the reference: the bracket of eq. (15) over mass.
 
     Feedback, integral, tilt and thrust are limited; the vertical part keeps a floor, so that a
     fast descent never asks for a steep tilt.
     """
     force, e_x = c.force_enu_mps2, c.target
-    estimate_acceleration(c, f)
+    estimate_acceleration(c, x)
     for i in range(3):
-        e_x[i] = c.reference_position_enu_m[i] - f.position_enu_m[i]
-        e_v = c.reference_velocity_enu_mps[i] - f.velocity_enu_mps[i]
+        e_x[i] = c.reference_position_enu_m[i] - x.position_enu_m[i]
+        e_v = c.reference_velocity_enu_mps[i] - x.velocity_enu_mps[i]
         if c.is_free[i] == 1:
             e_x[i] = e_v = 0.0
         force[i] = c.position_gain * e_x[i] + c.velocity_gain * e_v
-    _limit(force, c.max_feedback_mps2, c.max_feedback_mps2)
+    wanted = force[2]
+    factor = _limit(force, c.max_feedback_mps2, c.max_feedback_mps2)
+    is_vertical = wanted != force[2]
     _integrate(c, e_x)
     drag, along = rotor_drag(c), _along_thrust(c, c.reference_velocity_enu_mps)
     for i in range(3):
@@ -49,29 +55,40 @@ def demand_force(c: np.record, f: np.record) -> None:
         force[i] += c.reference_acceleration_enu_mps2[i] + drag * v_perp + held
     force[2] += c.gravity_mps2
     _limit_force(c)
+    if factor < 1.0:
+        c.is_limited[0] = 1
+    if is_vertical:
+        c.is_limited[1] = 1
 
 
 @kernel
-def estimate_acceleration(c: np.record, f: np.record) -> None:
+def estimate_acceleration(c: np.record, x: np.record) -> None:
     """Acceleration by the modelled rotors and what the IMU sees beyond them, such as wind.
 
-    The first part has no delay and no noise, the second is low-passed and limited, since the ground
-    is no disturbance to fly against.
+    The first part has no delay and no noise, the second is low-passed and limited, and none is
+    flown against horizontally while the vehicle presses down: leaning against what holds its legs
+    would tip it over.
     """
     thrust = 0.0
     for i in range(4):
         thrust += c.thrust_constant[i] * c.rotor_model_radps[i] * c.rotor_model_radps[i]
-    drag, along = rotor_drag(c), _along_thrust(c, f.velocity_enu_mps)
+    drag, along = rotor_drag(c), _along_thrust(c, x.velocity_enu_mps)
+    is_pressing = c.force_enu_mps2[2] < _PRESSING_FRACTION * c.gravity_mps2
     share = min(c.dt_s / _DISTURBANCE_RESPONSE_S, 1.0)
     for i in range(3):
-        v_perp = f.velocity_enu_mps[i] - along * c.R[i, 2]
+        v_perp = x.velocity_enu_mps[i] - along * c.R[i, 2]
         model = thrust / c.mass_kg * c.R[i, 2] - drag * v_perp
         if i == 2:
             model -= c.gravity_mps2
-        error = f.acceleration_enu_mps2[i] - model - c.disturbance_mps2[i]
+        error = x.acceleration_enu_mps2[i] - model - c.disturbance_mps2[i]
+        if is_pressing:
+            error = -c.disturbance_mps2[i] if i < 2 else 0.0
         c.disturbance_mps2[i] += share * error
         c.acceleration_enu_mps2[i] = model + c.disturbance_mps2[i]
-    _limit(c.disturbance_mps2, c.max_disturbance_mps2, 0.25 * c.max_disturbance_mps2)
+    _limit_horizontal(c.disturbance_mps2, c.max_disturbance_mps2)
+    # downwards the air costs thrust; upwards it is soon the ground that bears the vehicle
+    least, most = -0.5 * c.max_disturbance_mps2, 0.25 * c.max_disturbance_mps2
+    c.disturbance_mps2[2] = min(max(c.disturbance_mps2[2], least), most)
 
 
 @kernel
@@ -99,15 +116,16 @@ def _limit_horizontal(vector: np.ndarray, limit: float) -> float:
 
 
 @kernel
-def _limit(vector: np.ndarray, horizontal: float, vertical: float) -> None:
-    _limit_horizontal(vector, horizontal)
+def _limit(vector: np.ndarray, horizontal: float, vertical: float) -> float:
+    """Shorten the horizontal part and the vertical one; returns the horizontal one's factor."""
     vector[2] = min(max(vector[2], -vertical), vertical)
+    return _limit_horizontal(vector, horizontal)
 
 
 @kernel
 def _integrate(c: np.record, e_x: np.ndarray) -> None:
     """Integral action, while the demand before was met: what is left by small model errors."""
-    if c.is_saturated == 1 or abs(e_x[2]) > _MAX_INTEGRATED_VERTICAL_M:
+    if c.is_limited[0] + c.is_limited[1] > 0 or abs(e_x[2]) > _MAX_INTEGRATED_VERTICAL_M:
         return
     for i in range(3):
         c.integral_mps2[i] += c.integral_gain * e_x[i] * c.dt_s
@@ -116,17 +134,24 @@ def _integrate(c: np.record, e_x: np.ndarray) -> None:
 
 @kernel
 def _limit_force(c: np.record) -> None:
+    """Limit the vertical part, then the tilt and the thrust.
+
+    With little thrust the tilt is limited to a few degrees: a vehicle that presses down on its legs
+    stays on them.
+    """
     force = c.force_enu_mps2
     least = _LEAST_VERTICAL_FRACTION * c.gravity_mps2
     wanted = force[2]
     force[2] = min(max(wanted, least), c.max_thrust_mps2)
     room = math.sqrt(max(c.max_thrust_mps2 * c.max_thrust_mps2 - force[2] * force[2], 0.0))
-    factor = _limit_horizontal(force, min(c.max_tilt_tangent * force[2], max(room, 1.0)))
-    c.is_saturated = 1 if factor < 1.0 or wanted != force[2] else 0
+    tangent = c.max_tilt_tangent * min(max(force[2] / least - 1.0, _LEAST_TILT_SHARE), 1.0)
+    factor = _limit_horizontal(force, min(tangent * force[2], max(room, 1.0)))
+    c.is_limited[0] = 1 if factor < 1.0 else 0
+    c.is_limited[1] = 1 if wanted != force[2] else 0
 
 
 @kernel
-def command_attitude(c: np.record, f: np.record) -> None:
+def command_attitude(c: np.record, x: np.record) -> None:
     """R_d and Omega_d from the demanded force, its derivative and the yaw: eq. (10)."""
     force, Rd = c.force_enu_mps2, c.R_cmd
     norm = math.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2])
@@ -142,7 +167,7 @@ def command_attitude(c: np.record, f: np.record) -> None:
     Rd[0, 0] = Rd[1, 1] * Rd[2, 2] - Rd[2, 1] * Rd[1, 2]
     Rd[1, 0] = Rd[2, 1] * Rd[0, 2] - Rd[0, 1] * Rd[2, 2]
     Rd[2, 0] = Rd[0, 1] * Rd[1, 2] - Rd[1, 1] * Rd[0, 2]
-    _demand_jerk(c, f)
+    _demand_jerk(c, x, _MAX_FEEDBACK_RATE_RADPS * norm)
     along_x, along_y = 0.0, 0.0
     for i in range(3):
         along_x += Rd[i, 0] * c.target[i]
@@ -157,7 +182,7 @@ def command_attitude(c: np.record, f: np.record) -> None:
 
 
 @kernel
-def _demand_jerk(c: np.record, f: np.record) -> None:
+def _demand_jerk(c: np.record, x: np.record, max_feedback_mps3: float) -> None:
     """Derivative of the demanded force, into `c.target`.
 
     Without that of the feedback the attitude lags by 2 zeta / wR behind it and the position loop
@@ -166,32 +191,52 @@ def _demand_jerk(c: np.record, f: np.record) -> None:
     drag = rotor_drag(c)
     for i in range(3):
         jerk = 0.0
-        if c.is_free[i] == 0:
-            e_v = c.reference_velocity_enu_mps[i] - f.velocity_enu_mps[i]
+        if c.is_free[i] == 0 and c.is_limited[i // 2] == 0:  # what is limited stays
+            e_v = c.reference_velocity_enu_mps[i] - x.velocity_enu_mps[i]
             e_a = c.reference_acceleration_enu_mps2[i] - c.acceleration_enu_mps2[i]
             jerk = c.position_gain * e_v + c.velocity_gain * e_a
-            jerk = min(max(jerk, -_MAX_FEEDBACK_JERK_MPS3), _MAX_FEEDBACK_JERK_MPS3)
+            jerk = min(max(jerk, -max_feedback_mps3), max_feedback_mps3)
         drag_jerk = drag * c.reference_acceleration_enu_mps2[i]
         c.target[i] = c.reference_jerk_enu_mps3[i] + drag_jerk + jerk
 
 
 @kernel
 def attitude_torque(c: np.record, rate_flu_radps: np.ndarray) -> None:
-    """Torque that turns R to R_d: eq. (16), without the derivative of Omega_d."""
+    """Torque that turns R to R_d: eq. (16) with another e_R, without the derivative of Omega_d."""
     R, Rd, J = c.R, c.R_cmd, c.inertia_flu_kgm2
     Q = c.R_error
     for i in range(3):
         for j in range(3):
             Q[i, j] = R[0, i] * Rd[0, j] + R[1, i] * Rd[1, j] + R[2, i] * Rd[2, j]
-    wd = c.rate_cmd_flu_radps
+    wd, e_R = c.rate_cmd_flu_radps, c.target
+    _attitude_error(Q, rate_flu_radps, e_R)
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        e_R = 0.5 * (Q[j, k] - Q[k, j])
         wd_body = Q[i, 0] * wd[0] + Q[i, 1] * wd[1] + Q[i, 2] * wd[2]
         e_W = rate_flu_radps[i] - wd_body
-        turn = -c.attitude_gain[i] * e_R - c.angular_rate_gain[i] * e_W
+        turn = -c.attitude_gain[i] * e_R[i] - c.angular_rate_gain[i] * e_W
         gyroscopic = (J[k] - J[j]) * rate_flu_radps[j] * rate_flu_radps[k]
         c.torque_flu_nm[i] = J[i] * turn + gyroscopic
+
+
+@kernel
+def _attitude_error(Q: np.ndarray, rate_flu_radps: np.ndarray, e_R: np.ndarray) -> None:
+    """Error of the attitude Q = R^T R_d: of the tilt about body x and y, of the yaw about body z.
+
+    R^T R_d is a turn by theta about an axis in the body's x-y plane after one by psi about z. The
+    tilt's error is 2 sin(theta / 2) along that axis: it grows up to 180 degrees, where Lee's
+    sin(theta) vanishes. The yaw's is sin(psi) cos^2(theta / 2): none upside down. For small
+    angles both are Lee's.
+    """
+    half = math.sqrt(max(0.5 + 0.5 * Q[2, 2], 0.0))
+    e_R[2] = 0.5 * (Q[0, 1] - Q[1, 0])
+    if half > _UPSIDE_DOWN_COSINE:
+        e_R[0], e_R[1] = Q[1, 2] / half, -Q[0, 2] / half
+        return
+    # any axis will do; on along the one about which it turns already
+    rate = math.hypot(rate_flu_radps[0], rate_flu_radps[1])
+    e_R[0] = -2.0 * (rate_flu_radps[0] / rate if rate > 0.0 else 1.0)
+    e_R[1] = -2.0 * (rate_flu_radps[1] / rate if rate > 0.0 else 0.0)
 
 
 @kernel

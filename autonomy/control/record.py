@@ -11,6 +11,18 @@ from autonomy.model.dynamics import thrust_torque_matrix
 from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.types import Setpoint
 
+STATE_DTYPE = np.dtype(
+    [
+        ("position_enu_m", "f8", 3),
+        ("velocity_enu_mps", "f8", 3),
+        ("quat_wxyz", "f8", 4),
+        ("angular_rate_flu_radps", "f8", 3),
+        ("acceleration_enu_mps2", "f8", 3),  # mean over the last control tick
+    ],
+    align=True,
+)
+"""What a controller knows of its vehicle."""
+
 SETPOINT_DTYPE = np.dtype(
     [
         ("level", "f8"),
@@ -46,7 +58,8 @@ CONTROLLER_DTYPE = np.dtype(
         ("setpoint_acceleration_enu_mps2", "f8", 3),  # derived if not given, as is the next
         ("setpoint_jerk_enu_mps3", "f8", 3),
         ("integral_mps2", "f8", 3),
-        ("is_saturated", "i8"),
+        ("is_limited", "i8", 2),  # the demanded force: horizontally, vertically
+        ("is_recovering", "i8"),  # from tumbling, see autonomy.control.recovery
         ("rotor_model_radps", "f8", 4),  # speeds that the commands should have made
         ("acceleration_enu_mps2", "f8", 3),  # estimated
         ("disturbance_mps2", "f8", 3),  # of it, what the rotors do not explain

@@ -21,16 +21,16 @@ MAX_EXTRAPOLATION_S = 0.25
 
 _ENTER_DIRECT_M = 0.2
 _ENTER_DIRECT_MPS = 0.5
-_LEAVE_DIRECT_M = 2.0
+_LEAVE_DIRECT_M = 4.0
 _MAX_YAW_LEAD_RAD = 0.6
 
 
 @kernel
-def start_reference(c: np.record, f: np.record) -> None:
+def start_reference(c: np.record, x: np.record) -> None:
     """Let the reference begin where the vehicle is."""
     for i in range(3):
-        c.reference_position_enu_m[i] = f.position_enu_m[i]
-        c.reference_velocity_enu_mps[i] = f.velocity_enu_mps[i]
+        c.reference_position_enu_m[i] = x.position_enu_m[i]
+        c.reference_velocity_enu_mps[i] = x.velocity_enu_mps[i]
         c.reference_acceleration_enu_mps2[i] = 0.0
         c.reference_jerk_enu_mps3[i] = 0.0
         c.integral_mps2[i] = 0.0
@@ -38,32 +38,45 @@ def start_reference(c: np.record, f: np.record) -> None:
         c.last_position_enu_m[i] = math.inf  # nothing has been asked yet
         c.last_velocity_enu_mps[i] = math.nan
         c.setpoint_acceleration_enu_mps2[i] = 0.0
-    c.reference_yaw_rad = yaw_from_quat(f.quat_wxyz)
+    c.reference_yaw_rad = yaw_from_quat(x.quat_wxyz)
     c.reference_yaw_rate_radps = 0.0
     c.is_direct = 0
 
 
 @kernel
-def update_reference(c: np.record, s: np.record, f: np.record) -> None:
+def update_reference(c: np.record, s: np.record, x: np.record) -> None:
     """Advance the reference by one control tick."""
-    _choose_direct(c, s, f)
+    was_direct = c.is_direct == 1
+    _choose_direct(c, s, x)
     if c.is_direct == 1:
         _follow_directly(c, s)
     else:
+        if was_direct:
+            _limit_acceleration(c)
         _aim(c, s)
-        _follow_by_model(c, s, f)
-        _keep_on_leash(c, f)
-    _turn(c, s, f)
+        _follow_by_model(c, s, x)
+        _keep_on_leash(c, x)
+    _turn(c, s, x)
     c.setpoint_age_s += c.dt_s
 
 
 @kernel
-def _choose_direct(c: np.record, s: np.record, f: np.record) -> None:
+def _limit_acceleration(c: np.record) -> None:
+    """Bring a trajectory's acceleration to what the model may have, when it takes over from one."""
+    a, limit = c.reference_acceleration_enu_mps2, c.max_acceleration_vertical_mps2
+    factor = _shortening(a[0], a[1], c.max_acceleration_mps2)
+    a[0] *= factor
+    a[1] *= factor
+    a[2] = min(max(a[2], -limit), limit)
+
+
+@kernel
+def _choose_direct(c: np.record, s: np.record, x: np.record) -> None:
     to_reference, to_vehicle, difference = 0.0, 0.0, 0.0
     for i in range(3):
         p, v = s.position_enu_m[i], s.velocity_enu_mps[i]
         to_reference += (p - c.reference_position_enu_m[i]) ** 2
-        to_vehicle += (p - f.position_enu_m[i]) ** 2
+        to_vehicle += (p - x.position_enu_m[i]) ** 2
         difference += (v - c.reference_velocity_enu_mps[i]) ** 2
     if not math.isfinite(to_reference + difference):
         c.is_direct = 0
@@ -109,24 +122,47 @@ def _aim(c: np.record, s: np.record) -> None:
     speed = min(_approach_speed(distance, gain, 0.5 * c.max_acceleration_mps2), c.max_speed_mps)
     for i in range(3):
         left = s.position_enu_m[i] - c.reference_position_enu_m[i]
-        v = s.velocity_enu_mps[i]
-        target[i] = v if math.isfinite(v) else 0.0
+        target[i] = 0.0
         if not math.isfinite(left):
             continue
         if i < 2:
-            target[i] += left / max(distance, 1e-9) * speed
+            target[i] = left / max(distance, 1e-9) * speed
         else:
             climb = _approach_speed(abs(left), gain, 0.5 * c.max_acceleration_vertical_mps2)
             limit = c.max_climb_mps if left > 0.0 else c.max_descent_mps
-            target[i] += math.copysign(min(climb, limit), left)
-    factor = _shortening(target[0], target[1], c.max_speed_mps)
-    target[0] *= factor
-    target[1] *= factor
-    target[2] = min(max(target[2], -c.max_vertical_speed_mps), c.max_vertical_speed_mps)
+            target[i] = math.copysign(min(climb, limit), left)
+    _add_velocity(c, s)
 
 
 @kernel
-def _follow_by_model(c: np.record, s: np.record, f: np.record) -> None:
+def _add_velocity(c: np.record, s: np.record) -> None:
+    """Add the setpoint's velocity to the target, horizontally what the speed limit leaves of it.
+
+    The way to a far setpoint comes first: a vehicle that a fast one has left behind would else fly
+    beside it for ever.
+    """
+    target, limit = c.target, c.max_speed_mps
+    vx, vy = _finite(s.velocity_enu_mps[0]), _finite(s.velocity_enu_mps[1])
+    square = vx * vx + vy * vy
+    if square > 0.0 and math.hypot(target[0] + vx, target[1] + vy) > limit:
+        along = target[0] * vx + target[1] * vy
+        room = max(limit * limit - target[0] * target[0] - target[1] * target[1], 0.0)
+        share = (math.sqrt(along * along + square * room) - along) / square
+        vx *= share
+        vy *= share
+    target[0] += vx
+    target[1] += vy
+    limit = c.max_vertical_speed_mps
+    target[2] = min(max(target[2] + _finite(s.velocity_enu_mps[2]), -limit), limit)
+
+
+@kernel
+def _finite(value: float) -> float:
+    return value if math.isfinite(value) else 0.0
+
+
+@kernel
+def _follow_by_model(c: np.record, s: np.record, x: np.record) -> None:
     dt, jerk = c.dt_s, c.reference_jerk_enu_mps3
     _aim_jerk(c, s)
     for i in range(3):
@@ -136,8 +172,8 @@ def _follow_by_model(c: np.record, s: np.record, f: np.record) -> None:
         c.is_free[i] = 1 if _is_acceleration_only(s, i) else 0
         if c.is_free[i] == 1:
             c.reference_acceleration_enu_mps2[i] = s.acceleration_enu_mps2[i]
-            c.reference_velocity_enu_mps[i] = f.velocity_enu_mps[i]
-            c.reference_position_enu_m[i] = f.position_enu_m[i]
+            c.reference_velocity_enu_mps[i] = x.velocity_enu_mps[i]
+            c.reference_position_enu_m[i] = x.position_enu_m[i]
             jerk[i] = 0.0
 
 
@@ -189,20 +225,20 @@ def _model_acceleration(c: np.record, s: np.record, i: int) -> float:
 
 
 @kernel
-def _keep_on_leash(c: np.record, f: np.record) -> None:
+def _keep_on_leash(c: np.record, x: np.record) -> None:
     """Hold the reference near a vehicle that cannot follow, such as one that has landed."""
-    ex = c.reference_position_enu_m[0] - f.position_enu_m[0]
-    ey = c.reference_position_enu_m[1] - f.position_enu_m[1]
+    ex = c.reference_position_enu_m[0] - x.position_enu_m[0]
+    ey = c.reference_position_enu_m[1] - x.position_enu_m[1]
     factor = _shortening(ex, ey, c.leash_m)
-    c.reference_position_enu_m[0] = f.position_enu_m[0] + factor * ex
-    c.reference_position_enu_m[1] = f.position_enu_m[1] + factor * ey
-    ez = c.reference_position_enu_m[2] - f.position_enu_m[2]
+    c.reference_position_enu_m[0] = x.position_enu_m[0] + factor * ex
+    c.reference_position_enu_m[1] = x.position_enu_m[1] + factor * ey
+    ez = c.reference_position_enu_m[2] - x.position_enu_m[2]
     limit = 0.5 * c.leash_m
-    c.reference_position_enu_m[2] = f.position_enu_m[2] + min(max(ez, -limit), limit)
+    c.reference_position_enu_m[2] = x.position_enu_m[2] + min(max(ez, -limit), limit)
 
 
 @kernel
-def _turn(c: np.record, s: np.record, f: np.record) -> None:
+def _turn(c: np.record, s: np.record, x: np.record) -> None:
     """Yaw by a model of limited rate and angular acceleration."""
     dt = c.dt_s
     wanted = s.yaw_rate_radps if math.isfinite(s.yaw_rate_radps) else 0.0
@@ -215,7 +251,7 @@ def _turn(c: np.record, s: np.record, f: np.record) -> None:
     step = c.max_yaw_acceleration_radps2 * dt
     change = wanted - c.reference_yaw_rate_radps
     c.reference_yaw_rate_radps += min(max(change, -step), step)
-    yaw = yaw_from_quat(f.quat_wxyz)
+    yaw = yaw_from_quat(x.quat_wxyz)
     lead = wrap_angle(c.reference_yaw_rad + c.reference_yaw_rate_radps * dt - yaw)
     lead = min(max(lead, -_MAX_YAW_LEAD_RAD), _MAX_YAW_LEAD_RAD)
     c.reference_yaw_rad = wrap_angle(yaw + lead)

@@ -1,5 +1,6 @@
 """Error-state Kalman filter: where the vehicle is, from noisy sensors alone."""
 
-from autonomy.estimation.error_state import FILTER_DTYPE, EstimatorCfg, new_filter
+from autonomy.estimation.cfg import DragModel, EstimatorCfg
+from autonomy.estimation.error_state import FILTER_DTYPE, new_filter
 
-__all__ = ["FILTER_DTYPE", "EstimatorCfg", "new_filter"]
+__all__ = ["FILTER_DTYPE", "DragModel", "EstimatorCfg", "new_filter"]

@@ -6,7 +6,15 @@ import math
 
 import numpy as np
 
-from autonomy.estimation.error_state import ACCEL_BIAS, ATTITUDE, N_PAST, N_STATES
+from autonomy.estimation.error_state import (
+    ACCEL_BIAS,
+    ATTITUDE,
+    BARO_OFFSET,
+    GNSS_WANDER,
+    N_STATES,
+)
+from autonomy.estimation.fusion import correlate_with_wander
+from autonomy.estimation.past import restart_past
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, quat_from_rotation_vector, quat_multiply
 
@@ -46,31 +54,59 @@ def collect_vector(total: np.ndarray, sample: np.ndarray) -> None:
 
 
 @kernel
+def collect_fix(f: np.record, position_enu_m: np.ndarray, sigma_m: np.ndarray) -> None:
+    """Add a fix (3,) with its standard deviation (3,), beside the wander, to the mean."""
+    collect_vector(f.gnss_sum, position_enu_m)
+    for i in range(3):
+        f.gnss_sigma_m[i] = sigma_m[i]
+    f.n_gnss += 1
+
+
+@kernel
 def align_when_ready(f: np.record) -> None:
-    """Start the filter as soon as every sensor has been heard long enough."""
-    if f.n_imu < f.n_align or f.n_gnss < _MIN_FIXES:
+    """Start the filter as soon as every sensor has been heard long enough.
+
+    Without satellites it starts where it has been told that it stands, if it has been told.
+    """
+    has_fixes = f.n_gnss >= _MIN_FIXES
+    if f.n_imu < f.n_align or not (has_fixes or f.has_start == 1):
         return
     if f.n_mag < _MIN_SAMPLES or f.n_baro < _MIN_SAMPLES:
         return
     _align_attitude(f)
     for i in range(3):
         f.gyro_bias_flu_radps[i] = f.gyro_sum[i] / f.n_imu
-        f.position_enu_m[i] = f.gnss_sum[i] / f.n_gnss
+        f.position_enu_m[i] = f.gnss_sum[i] / f.n_gnss if has_fixes else f.start_enu_m[i]
         f.velocity_enu_mps[i] = 0.0
-        f.past_velocity_enu_mps[:, i] = 0.0
-        for slot in range(N_PAST):
-            f.past_position_enu_m[slot, i] = f.position_enu_m[i]
+    restart_past(f)
     f.baro_offset_m = f.baro_sum / f.n_baro - f.position_enu_m[2]
     _start_covariance(f)
-    f.last_gnss_tick = f.tick
+    _start_position_covariance(f, has_fixes)
+    f.last_gnss_tick = f.last_wander_tick = f.last_position_tick = f.tick
     f.is_aligned = 1
 
 
 @kernel
-def _start_covariance(f: np.record) -> None:
-    """Diagonal, but for the tilt: levelling takes an accelerometer's bias b for a tilt b/g.
+def _start_position_covariance(f: np.record, has_fixes: bool) -> None:
+    """Position by the mean of fixes, or as told; the barometer's offset leans on its height."""
+    P = f.covariance
+    for i in range(3):
+        if has_fixes:
+            correlate_with_wander(f, i, f.gnss_sigma_m[i] * f.gnss_sigma_m[i] / f.n_gnss)
+        else:
+            P[i, i] = f.start_sigma_m * f.start_sigma_m
+            P[GNSS_WANDER + i, GNSS_WANDER + i] = f.wander_variance_m2[i]
+    for j in range(N_STATES):
+        P[BARO_OFFSET, j] = P[j, BARO_OFFSET] = -P[2, j]
+    P[BARO_OFFSET, BARO_OFFSET] = P[2, 2] + f.baro_variance_m2 / f.n_baro
 
-    The tilt error theta hides the bias: g [e3]x theta = -R b, as long as the vehicle rests.
+
+@kernel
+def _start_covariance(f: np.record) -> None:
+    """Diagonal, but for the attitude: levelling takes an accelerometer's bias b for a tilt b/g.
+
+    The tilt error theta hides the bias: g [e3]x theta = -R b, as long as the vehicle rests. And the
+    heading is that of the field turned level: a tilt error leaks its vertical part into it.
     """
     P, R, g = f.covariance, f.work_R, f.gravity_mps2
     P[:] = 0.0
@@ -87,6 +123,14 @@ def _start_covariance(f: np.record) -> None:
         cross = tilt_x * tilt_y * P[k, k]
         P[ATTITUDE, ATTITUDE + 1] += cross
         P[ATTITUDE + 1, ATTITUDE] += cross
+    field = f.field_enu_ut
+    leak = field[2] / (field[0] * field[0] + field[1] * field[1])
+    yaw = ATTITUDE + 2
+    for j in range(N_STATES):
+        if j != yaw:
+            P[yaw, j] = leak * (field[0] * P[ATTITUDE, j] + field[1] * P[ATTITUDE + 1, j])
+            P[j, yaw] = P[yaw, j]
+    P[yaw, yaw] += leak * (field[0] * P[yaw, ATTITUDE] + field[1] * P[yaw, ATTITUDE + 1])
 
 
 @kernel

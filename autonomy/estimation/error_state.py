@@ -3,31 +3,50 @@
 The nominal state is integrated from the IMU; the Kalman filter estimates its small error. The
 attitude error is a rotation vector in the world frame: R_true = exp([theta]x) R.
 
-    index   error        unit
-    0-2     position     m        ENU
-    3-5     velocity     m/s      ENU
-    6-8     attitude     rad      rotation vector, ENU
-    9-11    gyro bias    rad/s    FLU
-    12-14   accel bias   m/s^2    FLU
-    15      barometer    m        height by the barometer minus ENU height
+    index   error         unit
+    0-2     position      m        ENU
+    3-5     velocity      m/s      ENU
+    6-8     attitude      rad      rotation vector, ENU
+    9-11    gyro bias     rad/s    FLU
+    12-14   accel bias    m/s^2    FLU
+    15      barometer     m        height by the barometer minus ENU height
+    16-18   GNSS wander   m        ENU, the slow error of the receiver
+    19-21   VIO origin    m        ENU, where the odometry's frame has its origin
+    22      VIO heading   rad      of the odometry's frame
+    23-24   wind          m/s      east and north
 
-The last one lets the barometer smooth the height without deciding what height is: GNSS does.
+The barometer smooths the height without deciding what height is: GNSS does. The wander keeps
+GNSS honest: its slow error does not average away. The VIO frame makes odometry a relative
+measurement: what it drifts by goes into its frame, and losing or finding GNSS resets nothing.
 
 Source: Sola 2017, "Quaternion kinematics for the error-state Kalman filter", chapter 7.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from autonomy.estimation.cfg import DragModel, EstimatorCfg
 from autonomy.model.quadrotor import Vector3
 
-N_STATES = 16
+N_STATES = 25
 POSITION, VELOCITY, ATTITUDE, GYRO_BIAS, ACCEL_BIAS, BARO_OFFSET = 0, 3, 6, 9, 12, 15
+GNSS_WANDER, VIO_ORIGIN, VIO_YAW, WIND = 16, 19, 22, 23
 N_PAST = 64
 """IMU ticks that the filter remembers; the oldest measurement that it can fuse."""
+
+MEASUREMENTS = (
+    "GNSS position",
+    "GNSS velocity",
+    "barometer",
+    "heading",
+    "VIO position",
+    "VIO heading",
+    "mocap position",
+    "mocap heading",
+    "drag",
+)
+"""Kinds of measurement, by their row in `innovation_square_sum`."""
 
 FILTER_DTYPE = np.dtype(
     [
@@ -38,12 +57,21 @@ FILTER_DTYPE = np.dtype(
         ("gyro_bias_flu_radps", "f8", 3),
         ("accel_bias_flu_mps2", "f8", 3),
         ("baro_offset_m", "f8"),
+        ("gnss_wander_enu_m", "f8", 3),
+        ("vio_origin_enu_m", "f8", 3),
+        ("vio_yaw_rad", "f8"),
+        ("wind_enu_mps", "f8", 2),
         ("angular_rate_flu_radps", "f8", 3),  # latest gyro less its bias
         ("acceleration_enu_mps2", "f8", 3),  # over the last interval
         ("covariance", "f8", (N_STATES, N_STATES)),
-        # the estimates of the last ticks, for measurements that arrive late
+        # the estimates of the last ticks (`autonomy.estimation.past`)
         ("past_position_enu_m", "f8", (N_PAST, 3)),
         ("past_velocity_enu_mps", "f8", (N_PAST, 3)),
+        ("past_yaw_rad", "f8", N_PAST),
+        ("moved_enu_m", "f8", 3),
+        ("moved_velocity_enu_mps", "f8", 3),
+        ("moved_moment_enu_m", "f8", 3),
+        ("moved_yaw_rad", "f8"),
         ("tick", "i8"),
         ("dt_s", "f8"),
         # how the last innovations stood against their gates: accepted below 1
@@ -53,12 +81,23 @@ FILTER_DTYPE = np.dtype(
         ("ratio_heading", "f8"),
         ("gnss_rejections", "i8"),
         ("last_gnss_tick", "i8"),
+        ("last_wander_tick", "i8"),
+        ("last_position_tick", "i8"),  # of whatever says where the vehicle is
+        # squared innovations over their variances, summed by kind of measurement: NIS
+        ("innovation_square_sum", "f8", len(MEASUREMENTS)),
+        ("n_innovations", "i8", len(MEASUREMENTS)),
         # surface below
         ("terrain_height_m", "f8"),
-        ("terrain_variance_m2", "f8"),
+        ("terrain_variance_m2", "f8"),  # against the estimated height
         ("terrain_rejections", "i8"),
+        # odometry
+        ("has_vio", "i8"),  # its frame has been placed
+        ("vio_rejections", "i8"),
+        ("last_vio_tick", "i8"),
         # alignment at rest
         ("is_aligned", "i8"),
+        ("has_start", "i8"),  # whether it has been told where it starts
+        ("start_enu_m", "f8", 3),
         ("n_imu", "i8"),
         ("n_gnss", "i8"),
         ("n_baro", "i8"),
@@ -68,6 +107,7 @@ FILTER_DTYPE = np.dtype(
         ("gyro_square_sum", "f8"),
         ("mag_sum", "f8", 3),
         ("gnss_sum", "f8", 3),
+        ("gnss_sigma_m", "f8", 3),  # white part of the last fix that was collected
         ("baro_sum", "f8"),
         # configuration, see EstimatorCfg
         ("gravity_mps2", "f8"),
@@ -80,61 +120,48 @@ FILTER_DTYPE = np.dtype(
         ("heading_variance_rad2", "f8"),
         ("gate_sigma", "f8"),
         ("max_gnss_rejections", "i8"),
+        ("wander_variance_m2", "f8", 3),
+        ("wander_correlation_s", "f8"),
+        ("max_gnss_step_m", "f8"),
+        ("vio_walk_m2pm", "f8", 3),
+        ("vio_yaw_walk_rad2pm", "f8"),
+        ("vio_variance_m2", "f8"),
+        ("vio_yaw_variance_rad2", "f8"),
+        ("mocap_variance_m2", "f8"),
+        ("mocap_yaw_variance_rad2", "f8"),
+        ("wind_variance_rate", "f8"),
+        ("drag_variance", "f8"),
+        ("drag_relative_sigma", "f8"),
+        ("drag_ticks", "i8"),  # between two uses, 0 without a model of drag
+        ("drag_rotor_mps_per_rad", "f8", 4),
+        ("drag_fuselage_per_m", "f8", 2),
+        ("thrust_m", "f8", 4),
         ("range_variance_m2", "f8"),
         ("terrain_slope", "f8"),
         ("field_enu_ut", "f8", 3),
         ("aligned_sigma", "f8", N_STATES),
+        ("start_sigma_m", "f8"),
         ("n_align", "i8"),
         ("max_align_rate_radps", "f8"),
         # scratch
         ("measurement_row", "f8", N_STATES),
         ("gain", "f8", N_STATES),
         ("work_quat", "f8", 4),
+        ("work_vector", "f8", 3),
         ("work_R", "f8", (3, 3)),
     ],
     align=True,
 )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class EstimatorCfg:
-    """Tuning of the filter. Densities stand above those of the sensors: they cover modelling."""
-
-    gyro_noise_density: float = 1.5e-3
-    """rad/s/sqrt(Hz)."""
-    accel_noise_density: float = 0.02
-    """m/s^2/sqrt(Hz)."""
-    gyro_bias_walk: float = 4e-5
-    """rad/s^2/sqrt(Hz)."""
-    accel_bias_walk: float = 3e-3
-    """m/s^3/sqrt(Hz)."""
-    baro_offset_walk: float = 0.01
-    """m/s/sqrt(Hz)."""
-    baro_sigma_m: float = 0.15
-    heading_sigma_rad: float = 0.03
-    gate_sigma: float = 5.0
-    """Innovations beyond this many standard deviations are refused."""
-    max_gnss_rejections: int = 20
-    """After so many refused fixes in a row position and velocity start again from the fix."""
-    range_sigma_m: float = 0.05
-    terrain_slope: float = 0.5
-    """The surface below may rise by this much a metre flown (1 sigma)."""
-    align_s: float = 1.0
-    """Rest before the filter starts."""
-    max_align_rate_radps: float = 0.05
-    """RMS angular rate, bias included, above which the vehicle does not count as resting."""
-    initial_tilt_sigma_rad: float = 0.003
-    """Beyond what the accelerometer's bias makes of it."""
-    initial_yaw_sigma_rad: float = 0.03
-    initial_velocity_sigma_mps: float = 0.05
-    initial_position_sigma_m: float = 0.5
-    initial_gyro_bias_sigma_radps: float = 0.002
-    initial_accel_bias_sigma_mps2: float = 0.2
-    initial_baro_sigma_m: float = 0.5
-
-
 def new_filter(
-    cfg: EstimatorCfg, *, dt_s: float, field_enu_ut: Vector3, gravity_mps2: float
+    cfg: EstimatorCfg,
+    *,
+    dt_s: float,
+    field_enu_ut: Vector3,
+    gravity_mps2: float,
+    drag: DragModel | None = None,
+    start_enu_m: Vector3 | None = None,
 ) -> np.ndarray:
     """A filter before its alignment, as one record in an array of shape (1,).
 
@@ -143,12 +170,33 @@ def new_filter(
         dt_s: Time between two IMU samples.
         field_enu_ut: Earth's magnetic field at the place of flight, by a geomagnetic model.
         gravity_mps2: Standard gravity at the place of flight.
+        drag: Of the vehicle; None estimates no wind.
+        start_enu_m: Where it stands, as it is told; None waits for satellites.
     """
     filters = np.zeros(1, FILTER_DTYPE)
     f = filters[0]
     f["quat_wxyz"][0] = 1.0
     f["dt_s"] = dt_s
     f["gravity_mps2"] = gravity_mps2
+    f["field_enu_ut"] = field_enu_ut
+    f["terrain_height_m"] = np.nan
+    f["n_align"] = round(cfg.align_s / dt_s)
+    f["max_align_rate_radps"] = cfg.max_align_rate_radps
+    f["aligned_sigma"] = _aligned_sigma(cfg)
+    f["start_sigma_m"] = cfg.start_sigma_m
+    if start_enu_m is not None:
+        f["has_start"], f["start_enu_m"] = 1, start_enu_m
+    _configure(f, cfg)
+    if drag is not None:
+        f["drag_ticks"] = round(cfg.drag_interval_s / dt_s)
+        f["drag_rotor_mps_per_rad"] = drag.rotor_mps_per_rad
+        f["drag_fuselage_per_m"] = drag.fuselage_per_m
+        f["thrust_m"] = drag.thrust_m
+    return filters
+
+
+def _configure(f: np.void, cfg: EstimatorCfg) -> None:
+    """Copy variances and limits."""
     f["gyro_variance_rate"] = cfg.gyro_noise_density**2
     f["accel_variance_rate"] = cfg.accel_noise_density**2
     f["gyro_bias_variance_rate"] = cfg.gyro_bias_walk**2
@@ -158,21 +206,34 @@ def new_filter(
     f["heading_variance_rad2"] = cfg.heading_sigma_rad**2
     f["gate_sigma"] = cfg.gate_sigma
     f["max_gnss_rejections"] = cfg.max_gnss_rejections
+    f["wander_variance_m2"] = _axes_squared(cfg.gnss_wander_sigma_m)
+    f["wander_correlation_s"] = cfg.gnss_wander_correlation_s
+    f["max_gnss_step_m"] = cfg.max_gnss_step_m
+    f["vio_walk_m2pm"] = _axes_squared(cfg.vio_position_walk)
+    f["vio_yaw_walk_rad2pm"] = cfg.vio_yaw_walk**2
+    f["vio_variance_m2"] = cfg.vio_position_sigma_m**2
+    f["vio_yaw_variance_rad2"] = cfg.vio_yaw_sigma_rad**2
+    f["mocap_variance_m2"] = cfg.mocap_position_sigma_m**2
+    f["mocap_yaw_variance_rad2"] = cfg.mocap_yaw_sigma_rad**2
+    f["wind_variance_rate"] = cfg.wind_walk**2
+    f["drag_variance"] = cfg.drag_sigma_mps2**2
+    f["drag_relative_sigma"] = cfg.drag_relative_sigma
     f["range_variance_m2"] = cfg.range_sigma_m**2
     f["terrain_slope"] = cfg.terrain_slope
-    f["terrain_height_m"] = np.nan
-    f["field_enu_ut"] = field_enu_ut
-    f["n_align"] = round(cfg.align_s / dt_s)
-    f["max_align_rate_radps"] = cfg.max_align_rate_radps
-    f["aligned_sigma"] = np.concatenate(
-        [
-            np.full(3, cfg.initial_position_sigma_m),
-            np.full(3, cfg.initial_velocity_sigma_mps),
-            np.full(2, cfg.initial_tilt_sigma_rad),
-            [cfg.initial_yaw_sigma_rad],
-            np.full(3, cfg.initial_gyro_bias_sigma_radps),
-            np.full(3, cfg.initial_accel_bias_sigma_mps2),
-            [cfg.initial_baro_sigma_m],
-        ]
-    )
-    return filters
+
+
+def _axes_squared(pair: tuple[float, float]) -> tuple[float, float, float]:
+    horizontal, vertical = pair
+    return (horizontal**2, horizontal**2, vertical**2)
+
+
+def _aligned_sigma(cfg: EstimatorCfg) -> np.ndarray:
+    """Standard deviations after the alignment, of what does not come from its measurements."""
+    sigma = np.zeros(N_STATES)
+    sigma[VELOCITY : VELOCITY + 3] = cfg.initial_velocity_sigma_mps
+    sigma[ATTITUDE : ATTITUDE + 2] = cfg.initial_tilt_sigma_rad
+    sigma[ATTITUDE + 2] = cfg.initial_yaw_sigma_rad
+    sigma[GYRO_BIAS : GYRO_BIAS + 3] = cfg.initial_gyro_bias_sigma_radps
+    sigma[ACCEL_BIAS : ACCEL_BIAS + 3] = cfg.initial_accel_bias_sigma_mps2
+    sigma[WIND : WIND + 2] = cfg.initial_wind_sigma_mps
+    return sigma

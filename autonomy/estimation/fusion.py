@@ -9,14 +9,17 @@ import numpy as np
 from autonomy.estimation.error_state import (
     ATTITUDE,
     BARO_OFFSET,
-    N_PAST,
+    GNSS_WANDER,
     N_STATES,
     POSITION,
     VELOCITY,
 )
+from autonomy.estimation.past import past_position, past_velocity, restart_past
 from autonomy.estimation.update import scalar_update
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, wrap_angle
+
+_GNSS_POSITION, _GNSS_VELOCITY, _BARO, _HEADING = 0, 1, 2, 3  # rows of MEASUREMENTS
 
 
 @kernel
@@ -35,10 +38,10 @@ def fuse_gnss(
         position_enu_m: Measured position (3,).
         velocity_enu_mps: Measured velocity (3,).
         age_ticks: IMU ticks since the time of validity, below `N_PAST`.
-        sigma_m: Standard deviation of each position component (3,).
+        sigma_m: Standard deviation of each position component (3,), beside the slow wander.
         sigma_mps: Standard deviation of each velocity component (3,).
     """
-    slot = (f.tick - age_ticks) % N_PAST
+    _let_wander(f)
     h = f.measurement_row
     f.ratio_gnss_position = 0.0
     f.ratio_gnss_velocity = 0.0
@@ -46,21 +49,58 @@ def fuse_gnss(
         h[:] = 0.0
         h[POSITION + i] = 1.0
         h[VELOCITY + i] = -age_ticks * f.dt_s
-        innovation = position_enu_m[i] - f.past_position_enu_m[slot, i]
-        ratio = scalar_update(f, innovation, sigma_m[i] * sigma_m[i])
+        h[GNSS_WANDER + i] = 1.0
+        innovation = position_enu_m[i] - past_position(f, age_ticks, i) - f.gnss_wander_enu_m[i]
+        variance = max(sigma_m[i] * sigma_m[i], _variance_of_a_small_step(f, i, innovation))
+        ratio = scalar_update(f, _GNSS_POSITION, innovation, variance)
         f.ratio_gnss_position = max(f.ratio_gnss_position, ratio)
         h[:] = 0.0
         h[VELOCITY + i] = 1.0
-        innovation = velocity_enu_mps[i] - f.past_velocity_enu_mps[slot, i]
-        ratio = scalar_update(f, innovation, sigma_mps[i] * sigma_mps[i])
+        innovation = velocity_enu_mps[i] - past_velocity(f, age_ticks, i)
+        ratio = scalar_update(f, _GNSS_VELOCITY, innovation, sigma_mps[i] * sigma_mps[i])
         f.ratio_gnss_velocity = max(f.ratio_gnss_velocity, ratio)
     if f.ratio_gnss_position <= 1.0:
         f.gnss_rejections = 0
-        f.last_gnss_tick = f.tick
+        f.last_gnss_tick = f.last_position_tick = f.tick
         return
     f.gnss_rejections += 1
     if f.gnss_rejections >= f.max_gnss_rejections:
         _restart(f, position_enu_m, velocity_enu_mps, age_ticks, sigma_m, sigma_mps)
+
+
+@kernel
+def _let_wander(f: np.record) -> None:
+    """Propagate the receiver's slow error, a first-order Gauss-Markov process, to this fix."""
+    interval_s = (f.tick - f.last_wander_tick) * f.dt_s
+    f.last_wander_tick = f.tick
+    decay = math.exp(-interval_s / f.wander_correlation_s)
+    P = f.covariance
+    for k in range(GNSS_WANDER, GNSS_WANDER + 3):
+        f.gnss_wander_enu_m[k - GNSS_WANDER] *= decay
+        for j in range(N_STATES):
+            P[k, j] *= decay
+        for j in range(N_STATES):
+            P[j, k] *= decay
+        P[k, k] += (1.0 - decay * decay) * f.wander_variance_m2[k - GNSS_WANDER]
+
+
+@kernel
+def _variance_of_a_small_step(f: np.record, i: int, innovation: float) -> float:
+    """Least variance with which a fix moves position i no farther than `max_gnss_step_m`.
+
+    Only while odometry carries the position: after a flight indoors GNSS then takes over in steps
+    that a controller does not feel. The weight of Huber 1964, bounded on the correction.
+    """
+    if f.has_vio == 0:
+        return 0.0
+    P, h = f.covariance, f.measurement_row
+    step = s = 0.0
+    for j in range(N_STATES):
+        if h[j] != 0.0:
+            step += P[i, j] * h[j]
+            for k in range(N_STATES):
+                s += h[j] * P[j, k] * h[k]
+    return step * abs(innovation) / f.max_gnss_step_m - s
 
 
 @kernel
@@ -75,22 +115,32 @@ def _restart(
     """Position and velocity start again from a fix; what is left keeps its estimate."""
     age_s = age_ticks * f.dt_s
     P = f.covariance
-    for i in range(6):
-        for j in range(N_STATES):
+    for j in range(N_STATES):
+        for i in range(6):
+            P[i, j] = P[j, i] = 0.0
+        for i in range(GNSS_WANDER, GNSS_WANDER + 3):
             P[i, j] = P[j, i] = 0.0
     for i in range(3):
         f.velocity_enu_mps[i] = velocity_enu_mps[i]
         f.position_enu_m[i] = position_enu_m[i] + age_s * velocity_enu_mps[i]
-        P[i, i] = sigma_m[i] * sigma_m[i]
-        P[3 + i, 3 + i] = sigma_mps[i] * sigma_mps[i]
-        for slot in range(N_PAST):
-            age = ((f.tick - slot) % N_PAST) * f.dt_s
-            f.past_velocity_enu_mps[slot, i] = velocity_enu_mps[i]
-            f.past_position_enu_m[slot, i] = f.position_enu_m[i] - age * velocity_enu_mps[i]
+        f.gnss_wander_enu_m[i] = 0.0
+        correlate_with_wander(f, i, sigma_m[i] * sigma_m[i])
+        P[VELOCITY + i, VELOCITY + i] = sigma_mps[i] * sigma_mps[i]
+    restart_past(f)
     # the restart may move the height by metres: what the barometer says then is no longer known
     P[BARO_OFFSET, BARO_OFFSET] += sigma_m[2] * sigma_m[2]
+    f.has_vio = 0
     f.gnss_rejections = 0
-    f.last_gnss_tick = f.tick
+    f.last_gnss_tick = f.last_position_tick = f.tick
+
+
+@kernel
+def correlate_with_wander(f: np.record, i: int, variance_m2: float) -> None:
+    """Covariance of a position that is a fix: what the receiver wanders by, it is wrong by."""
+    P, k, wander = f.covariance, GNSS_WANDER + i, f.wander_variance_m2[i]
+    P[i, i] = variance_m2 + wander
+    P[k, k] = wander
+    P[i, k] = P[k, i] = -wander
 
 
 @kernel
@@ -101,7 +151,7 @@ def fuse_barometer(f: np.record, altitude_m: float) -> None:
     h[POSITION + 2] = 1.0
     h[BARO_OFFSET] = 1.0
     innovation = altitude_m - f.position_enu_m[2] - f.baro_offset_m
-    f.ratio_baro = scalar_update(f, innovation, f.baro_variance_m2)
+    f.ratio_baro = scalar_update(f, _BARO, innovation, f.baro_variance_m2)
 
 
 @kernel
@@ -109,24 +159,24 @@ def heading_innovation(f: np.record, field_flu_ut: np.ndarray) -> float:
     """Heading by the magnetometer minus the estimated one, rad; its Jacobian goes to the row.
 
     The measured field, turned into the world by the estimate, is compared in azimuth with the
-    field that the geomagnetic model gives. A tilt error leaks the vertical field into it.
+    field that the geomagnetic model gives. A tilt error leaks the vertical field into it: the row
+    has the model's field, because a measured one would correlate the row with the innovation, and
+    noise alone would then tilt the estimate (40 mrad/s with an accelerometer off by 0.2 m/s^2).
     """
-    R, h = f.work_R, f.measurement_row
+    R, h, field = f.work_R, f.measurement_row, f.field_enu_ut
     matrix_from_quat(f.quat_wxyz, R)
     mx = R[0, 0] * field_flu_ut[0] + R[0, 1] * field_flu_ut[1] + R[0, 2] * field_flu_ut[2]
     my = R[1, 0] * field_flu_ut[0] + R[1, 1] * field_flu_ut[1] + R[1, 2] * field_flu_ut[2]
-    mz = R[2, 0] * field_flu_ut[0] + R[2, 1] * field_flu_ut[1] + R[2, 2] * field_flu_ut[2]
-    horizontal = mx * mx + my * my
+    leak = field[2] / (field[0] * field[0] + field[1] * field[1])
     h[:] = 0.0
-    h[ATTITUDE] = -mz * mx / horizontal
-    h[ATTITUDE + 1] = -mz * my / horizontal
+    h[ATTITUDE] = -leak * field[0]
+    h[ATTITUDE + 1] = -leak * field[1]
     h[ATTITUDE + 2] = 1.0
-    expected = math.atan2(f.field_enu_ut[1], f.field_enu_ut[0])
-    return wrap_angle(expected - math.atan2(my, mx))
+    return wrap_angle(math.atan2(field[1], field[0]) - math.atan2(my, mx))
 
 
 @kernel
 def fuse_magnetometer(f: np.record, field_flu_ut: np.ndarray) -> None:
     """Fuse the heading of a measured field; the tilt stays with gravity and GNSS."""
     innovation = heading_innovation(f, field_flu_ut)
-    f.ratio_heading = scalar_update(f, innovation, f.heading_variance_rad2)
+    f.ratio_heading = scalar_update(f, _HEADING, innovation, f.heading_variance_rad2)

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from autonomy.estimation.error_state import N_PAST, N_STATES
+from autonomy.estimation.error_state import BARO_OFFSET, N_STATES
+from autonomy.estimation.past import remember
 from autonomy.jit import kernel
 from autonomy.rotation import (
     matrix_from_quat,
@@ -42,7 +43,8 @@ def predict(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.ndarray
     quat_normalise(f.quat_wxyz)
     propagate_covariance(f.covariance, R, force, dt)
     add_process_noise(f)
-    _remember(f)
+    f.tick += 1
+    remember(f)
 
 
 @kernel
@@ -58,51 +60,52 @@ def propagate_covariance(P: np.ndarray, R: np.ndarray, force: np.ndarray, dt: fl
 
     F adds dt velocity to position; -dt ([force]x attitude + R accel bias) to velocity; and
     -dt R gyro bias to attitude. Each row needs only rows below it, so the order p, v, theta works
-    in place; columns likewise.
+    in place; columns likewise. All other states stay as they are.
     """
-    fx, fy, fz = force[0], force[1], force[2]
+    fx, fy, fz = dt * force[0], dt * force[1], dt * force[2]
+    r00, r01, r02 = dt * R[0, 0], dt * R[0, 1], dt * R[0, 2]
+    r10, r11, r12 = dt * R[1, 0], dt * R[1, 1], dt * R[1, 2]
+    r20, r21, r22 = dt * R[2, 0], dt * R[2, 1], dt * R[2, 2]
     for j in range(N_STATES):
-        for i in range(3):
-            P[i, j] += dt * P[3 + i, j]
+        P[0, j] += dt * P[3, j]
+        P[1, j] += dt * P[4, j]
+        P[2, j] += dt * P[5, j]
         x, y, z = P[6, j], P[7, j], P[8, j]
-        P[3, j] += dt * (fz * y - fy * z)
-        P[4, j] += dt * (fx * z - fz * x)
-        P[5, j] += dt * (fy * x - fx * y)
-        for i in range(3):
-            P[3 + i, j] -= dt * (R[i, 0] * P[12, j] + R[i, 1] * P[13, j] + R[i, 2] * P[14, j])
-            P[6 + i, j] -= dt * (R[i, 0] * P[9, j] + R[i, 1] * P[10, j] + R[i, 2] * P[11, j])
+        a, b, c = P[12, j], P[13, j], P[14, j]
+        P[3, j] += fz * y - fy * z - (r00 * a + r01 * b + r02 * c)
+        P[4, j] += fx * z - fz * x - (r10 * a + r11 * b + r12 * c)
+        P[5, j] += fy * x - fx * y - (r20 * a + r21 * b + r22 * c)
+        a, b, c = P[9, j], P[10, j], P[11, j]
+        P[6, j] -= r00 * a + r01 * b + r02 * c
+        P[7, j] -= r10 * a + r11 * b + r12 * c
+        P[8, j] -= r20 * a + r21 * b + r22 * c
     for j in range(N_STATES):
-        row = P[j]
-        for i in range(3):
-            row[i] += dt * row[3 + i]
-        x, y, z = row[6], row[7], row[8]
-        row[3] += dt * (fz * y - fy * z)
-        row[4] += dt * (fx * z - fz * x)
-        row[5] += dt * (fy * x - fx * y)
-        for i in range(3):
-            row[3 + i] -= dt * (R[i, 0] * row[12] + R[i, 1] * row[13] + R[i, 2] * row[14])
-            row[6 + i] -= dt * (R[i, 0] * row[9] + R[i, 1] * row[10] + R[i, 2] * row[11])
+        P[j, 0] += dt * P[j, 3]
+        P[j, 1] += dt * P[j, 4]
+        P[j, 2] += dt * P[j, 5]
+        x, y, z = P[j, 6], P[j, 7], P[j, 8]
+        a, b, c = P[j, 12], P[j, 13], P[j, 14]
+        P[j, 3] += fz * y - fy * z - (r00 * a + r01 * b + r02 * c)
+        P[j, 4] += fx * z - fz * x - (r10 * a + r11 * b + r12 * c)
+        P[j, 5] += fy * x - fx * y - (r20 * a + r21 * b + r22 * c)
+        a, b, c = P[j, 9], P[j, 10], P[j, 11]
+        P[j, 6] -= r00 * a + r01 * b + r02 * c
+        P[j, 7] -= r10 * a + r11 * b + r12 * c
+        P[j, 8] -= r20 * a + r21 * b + r22 * c
 
 
 @kernel
 def add_process_noise(f: np.record) -> None:
     """P <- P + Q dt, and rounding errors of the two triangles evened out."""
     P = f.covariance
-    for i in range(N_STATES):
+    for i in range(9):  # all that the propagation changes
         for j in range(i):
             P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
+        for j in range(9, N_STATES):
+            P[j, i] = P[i, j]
     for i in range(3):
         P[3 + i, 3 + i] += f.accel_variance_rate * f.dt_s
         P[6 + i, 6 + i] += f.gyro_variance_rate * f.dt_s
         P[9 + i, 9 + i] += f.gyro_bias_variance_rate * f.dt_s
         P[12 + i, 12 + i] += f.accel_bias_variance_rate * f.dt_s
-    P[15, 15] += f.baro_offset_variance_rate * f.dt_s
-
-
-@kernel
-def _remember(f: np.record) -> None:
-    f.tick += 1
-    slot = f.tick % N_PAST
-    for i in range(3):
-        f.past_position_enu_m[slot, i] = f.position_enu_m[i]
-        f.past_velocity_enu_mps[slot, i] = f.velocity_enu_mps[i]
+    P[BARO_OFFSET, BARO_OFFSET] += f.baro_offset_variance_rate * f.dt_s

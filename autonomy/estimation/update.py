@@ -6,19 +6,36 @@ state that the one before has corrected.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from autonomy.estimation.error_state import N_PAST, N_STATES
+from autonomy.estimation.error_state import (
+    ACCEL_BIAS,
+    ATTITUDE,
+    BARO_OFFSET,
+    GNSS_WANDER,
+    GYRO_BIAS,
+    N_STATES,
+    VELOCITY,
+    VIO_ORIGIN,
+    VIO_YAW,
+    WIND,
+)
 from autonomy.jit import kernel
 from autonomy.rotation import quat_from_rotation_vector, quat_multiply, quat_normalise
 
+_LEAST_LEVEL = 0.01
+"""Squared horizontal part of body x below which it has no heading."""
+
 
 @kernel
-def scalar_update(f: np.record, innovation: float, variance: float) -> float:
+def scalar_update(f: np.record, kind: int, innovation: float, variance: float) -> float:
     """Fuse a scalar whose Jacobian stands in `f.measurement_row`.
 
     Args:
         f: The filter.
+        kind: Row of `MEASUREMENTS`, for the statistics.
         innovation: Measurement minus prediction.
         variance: Of the measurement's noise.
 
@@ -26,42 +43,82 @@ def scalar_update(f: np.record, innovation: float, variance: float) -> float:
         Squared innovation over its squared gate: refused unless at most 1.
     """
     P, h, gain = f.covariance, f.measurement_row, f.gain
+    gain[:] = 0.0
+    for i in range(N_STATES):
+        if h[i] != 0.0:
+            for j in range(N_STATES):
+                gain[j] += h[i] * P[i, j]
     s = variance
     for i in range(N_STATES):
-        total = 0.0
-        for j in range(N_STATES):
-            total += P[i, j] * h[j]
-        gain[i] = total
-        s += h[i] * total
-    ratio = innovation * innovation / (f.gate_sigma * f.gate_sigma * s)
+        s += h[i] * gain[i]
+    square = innovation * innovation / s
+    ratio = square / (f.gate_sigma * f.gate_sigma)
     if not ratio <= 1.0:  # refuses NaN too
         return ratio
+    f.innovation_square_sum[kind] += square
+    f.n_innovations[kind] += 1
+    root = math.sqrt(s)
     for i in range(N_STATES):
-        scaled = gain[i] / s
-        for j in range(i, N_STATES):
-            P[i, j] -= scaled * gain[j]
-            P[j, i] = P[i, j]
+        gain[i] /= root
+    for i in range(N_STATES):  # the same product for both triangles: stays symmetric to the bit
+        for j in range(N_STATES):
+            P[i, j] -= gain[i] * gain[j]
     for i in range(N_STATES):
-        gain[i] *= innovation / s
+        gain[i] *= innovation / root
     inject(f, gain)
     return ratio
 
 
 @kernel
 def inject(f: np.record, error: np.ndarray) -> None:
-    """Add an estimated error (16,) to the nominal state and to the remembered estimates."""
+    """Add an estimated error (N_STATES,) to the nominal state and to the remembered estimates."""
+    now_s = f.tick * f.dt_s
     for i in range(3):
         f.position_enu_m[i] += error[i]
-        f.velocity_enu_mps[i] += error[3 + i]
-        f.gyro_bias_flu_radps[i] += error[9 + i]
-        f.accel_bias_flu_mps2[i] += error[12 + i]
-        f.angular_rate_flu_radps[i] -= error[9 + i]
-    f.baro_offset_m += error[15]
-    quat_from_rotation_vector(error[6], error[7], error[8], f.work_quat)
+        f.velocity_enu_mps[i] += error[VELOCITY + i]
+        f.gyro_bias_flu_radps[i] += error[GYRO_BIAS + i]
+        f.accel_bias_flu_mps2[i] += error[ACCEL_BIAS + i]
+        f.angular_rate_flu_radps[i] -= error[GYRO_BIAS + i]
+        f.gnss_wander_enu_m[i] += error[GNSS_WANDER + i]
+        f.vio_origin_enu_m[i] += error[VIO_ORIGIN + i]
+        f.moved_enu_m[i] += error[i]
+        f.moved_velocity_enu_mps[i] += error[VELOCITY + i]
+        f.moved_moment_enu_m[i] += now_s * error[VELOCITY + i]
+    f.baro_offset_m += error[BARO_OFFSET]
+    f.vio_yaw_rad += error[VIO_YAW]
+    f.wind_enu_mps[0] += error[WIND]
+    f.wind_enu_mps[1] += error[WIND + 1]
+    f.moved_yaw_rad += _turn_of_heading(f.quat_wxyz, error)
+    quat_from_rotation_vector(
+        error[ATTITUDE], error[ATTITUDE + 1], error[ATTITUDE + 2], f.work_quat
+    )
     quat_multiply(f.work_quat, f.quat_wxyz, f.quat_wxyz)
     quat_normalise(f.quat_wxyz)
-    for slot in range(N_PAST):
-        age = ((f.tick - slot) % N_PAST) * f.dt_s
-        for i in range(3):
-            f.past_position_enu_m[slot, i] += error[i] - age * error[3 + i]
-            f.past_velocity_enu_mps[slot, i] += error[3 + i]
+
+
+@kernel
+def write_heading_row(q: np.ndarray, h: np.ndarray) -> bool:
+    """Add the derivative of the heading by the attitude error to a row; False without heading.
+
+    Body x turns by theta x e; its azimuth by theta_z - e_z (e_x theta_x + e_y theta_y) / (e_x^2 +
+    e_y^2).
+    """
+    x = 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3])
+    y = 2.0 * (q[1] * q[2] + q[0] * q[3])
+    z = 2.0 * (q[1] * q[3] - q[0] * q[2])
+    level = x * x + y * y
+    if level < _LEAST_LEVEL:
+        return False
+    h[ATTITUDE] -= z * x / level
+    h[ATTITUDE + 1] -= z * y / level
+    h[ATTITUDE + 2] += 1.0
+    return True
+
+
+@kernel
+def _turn_of_heading(q: np.ndarray, error: np.ndarray) -> float:
+    x = 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3])
+    y = 2.0 * (q[1] * q[2] + q[0] * q[3])
+    z = 2.0 * (q[1] * q[3] - q[0] * q[2])
+    level = max(x * x + y * y, _LEAST_LEVEL)
+    return error[8] - z * (x * error[6] + y * error[7]) / level

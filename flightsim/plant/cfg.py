@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
 from autonomy.control import ControllerCfg
 from autonomy.estimation import EstimatorCfg
-from autonomy.model.quadrotor import Vector3
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from flightsim.environment.magnetic_field import FIELD_ENU_UT
+from flightsim.environment.wind import CALM, WindCfg
 from flightsim.sensors.barometer import BarometerCfg
-from flightsim.sensors.imu import ADIS16448, PX4_IMU, ImuCfg
+from flightsim.sensors.gnss import GRADES
+from flightsim.sensors.imu import ADIS16448, PX4_IMU
 from flightsim.sensors.magnetometer import MagnetometerCfg
+from flightsim.sensors.mocap import MocapCfg
 from flightsim.sensors.rangefinder import RangefinderCfg
+from flightsim.sensors.vio import VioCfg
 
 ADVANCE_HZ = 50
 """Calls of `Plant.advance` a simulated second: the rate of everything that is not the plant."""
+
+_PRESSURE_GRADIENT_PAPM = 11.6
+"""Of the standard atmosphere near 400 m above the sea."""
 
 IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
 
@@ -35,21 +44,33 @@ class PlantCfg:
     """Of every random number that the plant draws."""
     gnss: Literal["rtk", "standard"] = "rtk"
     """Decimetre or metre grade."""
+    aiding: Literal["gnss", "vio", "mocap", "auto"] = "gnss"
+    """What tells where the vehicle is: satellites (not heard in rooms), visual-inertial odometry,
+    motion capture; auto has satellites and odometry. All but gnss know where they start."""
     imu: Literal["px4", "adis16448"] = "px4"
     """PX4's noise, of a calibrated IMU, or RotorS's, whose biases cost a degree of tilt."""
+    state: Literal["estimate", "truth"] = "estimate"
+    """What the controller knows of the vehicle; the truth is for benchmarks of control alone."""
     physics_hz: int = 500
     control_hz: int = 250
     """Rate of the IMU, the estimator and the controller."""
-    wind_enu_mps: Vector3 = (0.0, 0.0, 0.0)
+    wind: WindCfg = CALM
     rotor_axial_limit_mps: float = 25.0
     """Axial speed at which a rotor makes no thrust any more (PX4's model)."""
     barometer: BarometerCfg = field(default_factory=BarometerCfg)
     magnetometer: MagnetometerCfg = field(default_factory=MagnetometerCfg)
     rangefinder: RangefinderCfg = field(default_factory=RangefinderCfg)
+    vio: VioCfg = field(default_factory=VioCfg)
+    mocap: MocapCfg = field(default_factory=MocapCfg)
     estimator: EstimatorCfg | None = None
-    """None: tuned to the IMU, `estimator_cfg_for`."""
+    """None: tuned to the sensors, `estimator_cfg_for`."""
     controller: ControllerCfg | None = None
     """None: gains for the airframe, `autonomy.control.cfg.controller_cfg_for`."""
+
+    @property
+    def has_gnss(self) -> bool:
+        """Whether there is a receiver."""
+        return self.aiding in ("gnss", "auto")
 
     def check(self, timestep_s: float) -> None:
         """Check the rates against each other and against the world's physics step.
@@ -72,7 +93,7 @@ class PlantCfg:
                 f"physics_hz = {self.physics_hz}: the world steps at {1.0 / timestep_s:g} Hz, "
                 "both must be the same"
             )
-        for name in ("barometer", "magnetometer", "rangefinder"):
+        for name in ("barometer", "magnetometer", "rangefinder", "vio", "mocap"):
             rate = getattr(self, name).rate_hz
             if rate <= 0 or self.control_hz % rate:
                 raise PlantError(
@@ -80,12 +101,35 @@ class PlantCfg:
                 )
 
 
-def estimator_cfg_for(imu: ImuCfg) -> EstimatorCfg:
-    """Tuning for an IMU, as by its data sheet: half more noise than it has, and floors."""
+def estimator_cfg_for(plant: PlantCfg) -> EstimatorCfg:
+    """Tuning for the sensors of a plant, as by their data sheets.
+
+    Noise as they have it, a twentieth more for the IMU, whose samples are integrated with errors of
+    their own; floors where a sheet says zero, which nothing real keeps.
+    """
+    imu, gnss, vio, mocap = IMUS[plant.imu], GRADES[plant.gnss], plant.vio, plant.mocap
+    dt_s = 1.0 / plant.control_hz
+    mag = plant.magnetometer
+    horizontal_ut = math.hypot(FIELD_ENU_UT[0], FIELD_ENU_UT[1])
+    gyro_noise, accel_noise = 1.05 * imu.gyro_noise_density, 1.05 * imu.accel_noise_density
     return EstimatorCfg(
-        gyro_noise_density=1.5 * imu.gyro_noise_density,
-        accel_noise_density=max(1.5 * imu.accel_noise_density, 0.01),
-        gyro_bias_walk=max(imu.gyro_bias_walk, 1e-5),
-        accel_bias_walk=max(imu.accel_bias_walk, 5e-4),
-        initial_accel_bias_sigma_mps2=max(imu.accel_turn_on_sigma_mps2, 0.03),
+        gyro_noise_density=gyro_noise,
+        accel_noise_density=accel_noise,
+        gyro_bias_walk=max(imu.gyro_bias_walk, 1e-6),
+        accel_bias_walk=max(imu.accel_bias_walk, 1e-4),
+        initial_tilt_sigma_rad=max(accel_noise / GRAVITY_MPS2, 1e-3),
+        initial_yaw_sigma_rad=4e-3,
+        initial_gyro_bias_sigma_radps=gyro_noise,
+        initial_accel_bias_sigma_mps2=max(imu.accel_turn_on_sigma_mps2, 5e-3),
+        heading_sigma_rad=mag.noise_density * math.sqrt(mag.rate_hz) / horizontal_ut,
+        baro_sigma_m=1.05 * plant.barometer.noise_pa / _PRESSURE_GRADIENT_PAPM,
+        gnss_wander_sigma_m=gnss.drift_sigma_m,
+        gnss_wander_correlation_s=gnss.drift_correlation_s,
+        vio_position_walk=vio.position_walk,
+        vio_yaw_walk=vio.yaw_walk,
+        vio_position_sigma_m=vio.position_noise_m,
+        vio_yaw_sigma_rad=vio.yaw_noise_rad,
+        mocap_position_sigma_m=mocap.position_noise_m,
+        mocap_yaw_sigma_rad=mocap.yaw_noise_rad,
+        drag_sigma_mps2=math.hypot(imu.accel_noise_density / math.sqrt(dt_s), 0.03),
     )

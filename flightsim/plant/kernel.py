@@ -9,13 +9,16 @@ import numpy as np
 
 from autonomy.control.controller import control
 from autonomy.estimation.alignment import align_when_ready, collect_imu, collect_vector
-from autonomy.estimation.fusion import fuse_barometer, fuse_gnss, fuse_magnetometer
+from autonomy.estimation.fusion import fuse_barometer, fuse_magnetometer
 from autonomy.estimation.predict import predict
 from autonomy.estimation.terrain import fuse_range
+from autonomy.estimation.wind import fuse_drag
 from autonomy.jit import kernel
+from flightsim.environment.air import move_air
+from flightsim.environment.motion import move_traffic
+from flightsim.plant.aiding import sense_pose, sense_satellites
 from flightsim.plant.mujoco_calls import call_mj_ray, call_mj_step
 from flightsim.sensors.barometer import sample_barometer
-from flightsim.sensors.gnss import follow_gnss, sample_gnss
 from flightsim.sensors.imu import sample_imu
 from flightsim.sensors.magnetometer import sample_magnetometer
 from flightsim.sensors.rangefinder import aim_ray, sample_rangefinder
@@ -30,12 +33,24 @@ def advance(
     applied: np.ndarray,
     constraint: np.ndarray,
     rotors: np.ndarray,
+    airs: np.ndarray,
+    traffic: np.ndarray,
+    movers: np.ndarray,
+    mover_points: np.ndarray,
+    mocap_pos: np.ndarray,
+    mocap_quat: np.ndarray,
+    geom_conaffinity: np.ndarray,
+    body_conaffinity: np.ndarray,
     imus: np.ndarray,
     receivers: np.ndarray,
     barometers: np.ndarray,
     magnetometers: np.ndarray,
     rangefinders: np.ndarray,
+    vios: np.ndarray,
+    mocaps: np.ndarray,
+    rooms: np.ndarray,
     filters: np.ndarray,
+    states: np.ndarray,
     controllers: np.ndarray,
     setpoints: np.ndarray,
     imu_normals: np.ndarray,
@@ -43,6 +58,9 @@ def advance(
     baro_normals: np.ndarray,
     mag_normals: np.ndarray,
     range_normals: np.ndarray,
+    vio_normals: np.ndarray,
+    mocap_normals: np.ndarray,
+    air_normals: np.ndarray,
     history: np.ndarray,
     reports: np.ndarray,
 ) -> None:
@@ -55,38 +73,71 @@ def advance(
         applied: Wrench on its body (6,), written here.
         constraint: Constraint forces (nv,); non-zero while it touches something.
         rotors: `ROTORS_DTYPE`.
+        airs: `AIR_DTYPE`.
+        traffic: `TRAFFIC_DTYPE`.
+        movers: `MOVER_DTYPE`, a row for each moving obstacle, as the next three.
+        mover_points: Control points of their paths (k, 3).
+        mocap_pos: MuJoCo's poses of their bodies (n, 3), written here.
+        mocap_quat: The same (n, 4).
+        geom_conaffinity: What the model's geoms may touch, written for movers.
+        body_conaffinity: The same of its bodies.
         imus: `IMU_DTYPE`.
         receivers: `GNSS_DTYPE`.
         barometers: `BAROMETER_DTYPE`.
         magnetometers: `MAGNETOMETER_DTYPE`.
         rangefinders: `RANGEFINDER_DTYPE`.
+        vios: `VIO_DTYPE`.
+        mocaps: `MOCAP_DTYPE`.
+        rooms: Where satellites are not heard (n, 8), `flightsim.sensors.rooms`.
         filters: `FILTER_DTYPE`.
+        states: `STATE_DTYPE`.
         controllers: `CONTROLLER_DTYPE`.
         setpoints: `SETPOINT_DTYPE`.
-        imu_normals: Standard normals for one second, a row for each sample, as the next four.
+        imu_normals: Standard normals for one second, a row for each sample, as the next six.
         gnss_normals: For the receiver.
         baro_normals: For the barometer.
         mag_normals: For the magnetometer.
         range_normals: For the rangefinder.
+        vio_normals: For visual-inertial odometry.
+        mocap_normals: For motion capture.
+        air_normals: For turbulence.
         history: `HISTORY_DTYPE`, a row for each control tick.
         reports: `REPORT_DTYPE`, written at the end.
     """
     e, r, f, c, s = engines[0], rotors[0], filters[0], controllers[0], setpoints[0]
     imu, gnss, baro = imus[0], receivers[0], barometers[0]
     mag, rangefinder = magnetometers[0], rangefinders[0]
+    vio, mocap = vios[0], mocaps[0]
+    x = states[0]
     e.contact_ticks = 0
     for i in range(e.ticks_per_advance):
-        control(c, s, f, e.has_new_setpoint == 1)
+        _tell_state(x, e, f, qpos, qvel)
+        control(c, s, x, e.has_new_setpoint == 1)
         e.has_new_setpoint = 0
+        move_air(airs[0], qpos[0:3], qvel[0:3], air_normals[e.tick % e.tick_hz], r.wind_enu_mps)
+        if len(movers) > 0:
+            move_traffic(
+                traffic[0],
+                movers,
+                mover_points,
+                qpos[0:3],
+                mocap_pos,
+                mocap_quat,
+                geom_conaffinity,
+                body_conaffinity,
+            )
         is_touching = _step_physics(e, r, c, qpos, qvel, applied, constraint)
         e.contact_ticks += is_touching
         e.tick += 1
         sample_imu(imu, qpos[3:7], qvel[0:3], imu_normals[(e.tick - 1) % e.tick_hz])
         if f.is_aligned == 1:
             predict(f, imu.accel_flu_mps2, imu.gyro_flu_radps)
+            fuse_drag(f, imu.accel_flu_mps2, r.speed_radps)
         else:
             collect_imu(f, imu.accel_flu_mps2, imu.gyro_flu_radps)
-        _sense_place(e, f, gnss, baro, qpos, qvel, gnss_normals, baro_normals)
+        sense_satellites(e, f, gnss, rooms, qpos, qvel, gnss_normals)
+        sense_pose(e, f, vio, mocap, qpos, vio_normals, mocap_normals)
+        _sense_pressure(e, f, baro, qpos, baro_normals)
         _sense_field_and_range(e, f, mag, rangefinder, qpos, mag_normals, range_normals)
         if f.is_aligned == 0:
             align_when_ready(f)
@@ -94,6 +145,23 @@ def advance(
     reports[0].contact_ticks = e.contact_ticks
     _report(reports[0], history[-1], f, c)
     _report_sensors(reports[0], imu, gnss, baro, mag, rangefinder)
+
+
+@kernel
+def _tell_state(
+    x: np.record, e: np.record, f: np.record, qpos: np.ndarray, qvel: np.ndarray
+) -> None:
+    """What the controller may know: the estimate, or the truth for benchmarks of control alone."""
+    is_true = e.knows_truth == 1
+    for i in range(3):
+        change = (qvel[i] - x.velocity_enu_mps[i]) * e.tick_hz
+        x.acceleration_enu_mps2[i] = change if is_true else f.acceleration_enu_mps2[i]
+        x.position_enu_m[i] = qpos[i] if is_true else f.position_enu_m[i]
+        x.velocity_enu_mps[i] = qvel[i] if is_true else f.velocity_enu_mps[i]
+        rate = qvel[3 + i] if is_true else f.angular_rate_flu_radps[i]
+        x.angular_rate_flu_radps[i] = rate
+    for i in range(4):
+        x.quat_wxyz[i] = qpos[3 + i] if is_true else f.quat_wxyz[i]
 
 
 @kernel
@@ -130,32 +198,9 @@ def _row(e: np.record, period_ticks: int) -> int:
 
 
 @kernel
-def _sense_place(
-    e: np.record,
-    f: np.record,
-    gnss: np.record,
-    baro: np.record,
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-    gnss_normals: np.ndarray,
-    baro_normals: np.ndarray,
+def _sense_pressure(
+    e: np.record, f: np.record, baro: np.record, qpos: np.ndarray, baro_normals: np.ndarray
 ) -> None:
-    follow_gnss(gnss, e.tick, qpos[0:3], qvel[0:3])
-    is_due = _is_due(e, gnss.period_ticks) and e.tick > gnss.delay_ticks
-    if is_due and gnss.is_enabled == 1:
-        sample_gnss(gnss, e.tick, gnss_normals[_row(e, gnss.period_ticks)])
-        if f.is_aligned == 1:
-            fuse_gnss(
-                f,
-                gnss.position_enu_m,
-                gnss.velocity_enu_mps,
-                gnss.delay_ticks,
-                gnss.reported_sigma_m,
-                gnss.velocity_sigma_mps,
-            )
-        else:
-            collect_vector(f.gnss_sum, gnss.position_enu_m)
-            f.n_gnss += 1
     if _is_due(e, baro.period_ticks) and baro.is_enabled == 1:
         sample_barometer(baro, e.tick, qpos[2], baro_normals[_row(e, baro.period_ticks)])
         if f.is_aligned == 1:
@@ -218,6 +263,7 @@ def _log(
     for i in range(3):
         row.position_true_enu_m[i] = qpos[i]
         row.velocity_true_enu_mps[i] = qvel[i]
+        row.wind_enu_mps[i] = r.wind_enu_mps[i]
         row.angular_rate_true_flu_radps[i] = qvel[3 + i]
         row.position_est_enu_m[i] = f.position_enu_m[i]
         row.velocity_est_enu_mps[i] = f.velocity_enu_mps[i]
@@ -257,6 +303,8 @@ def _report(report: np.record, row: np.record, f: np.record, c: np.record) -> No
     report.terrain_height = f.terrain_height_m
     report.is_aligned = f.is_aligned
     report.gnss_age_ticks = f.tick - f.last_gnss_tick
+    report.wind[0] = f.wind_enu_mps[0]
+    report.wind[1] = f.wind_enu_mps[1]
     report.ratios[0] = f.ratio_gnss_position
     report.ratios[1] = f.ratio_gnss_velocity
     report.ratios[2] = f.ratio_baro
@@ -279,6 +327,8 @@ def _report_sensors(
         report.gnss_velocity[i] = gnss.velocity_enu_mps[i]
         report.field[i] = mag.field_flu_ut[i]
     report.gnss_tick = gnss.tick
+    report.gnss_settling = gnss.settling_sigma_m
+    report.hears_satellites = gnss.under_sky_ticks >= gnss.reacquire_ticks
     report.baro_tick = baro.tick
     report.mag_tick = mag.tick
     report.pressure = baro.pressure_pa

@@ -10,11 +10,15 @@ import logging
 import math
 from typing import Literal
 
+import numpy as np
+
 from autonomy.control.record import setpoint_row
 from autonomy.jit import compile_ahead
 from autonomy.model.quadrotor import Vector3
 from autonomy.types import OFF, ControlLevel, Quaternion, Setpoint, State
-from flightsim.environment.wind import wind_towards
+from flightsim.environment.motion import MAX_RATE
+from flightsim.environment.movers import MOVER_KINDS, MoverName, ObstacleStates
+from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import ADVANCE_HZ, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, example_arguments
@@ -28,7 +32,7 @@ _LOG = logging.getLogger(__name__)
 _COMPILE_SECONDS = 12.0
 _ADVANCE_US = 1_000_000 // ADVANCE_HZ
 
-SensorName = Literal["gnss", "baro", "mag", "range"]
+SensorName = Literal["gnss", "baro", "mag", "range", "vio", "mocap"]
 
 
 class Plant:
@@ -59,7 +63,7 @@ class Plant:
         self.n_refused_setpoints = 0
         self._gnss_cfg = GRADES[cfg.gnss]
         self._n_advances = 0
-        self._has_gnss = True
+        self._has_gnss = cfg.has_gnss
         self._memory = PlantMemory(world, cfg, self.data)
         self._arguments = self._memory.arguments()
         self._report_slices = report_slices()
@@ -67,7 +71,7 @@ class Plant:
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
         self._memory.describe_start()
         self._read_report()
-        self.wind_enu_mps = cfg.wind_enu_mps
+        self.wind = cfg.wind
         self.apply(OFF)
 
     def advance(self) -> None:
@@ -77,7 +81,7 @@ class Plant:
             PhysicsDivergedError: If the physics engine had to give the state up.
         """
         if self._n_advances % ADVANCE_HZ == 0:
-            self._memory.normals.draw()
+            self._memory.draw_normals()
         advance(*self._arguments)
         self._n_advances += 1
         self.time_us += _ADVANCE_US
@@ -138,7 +142,7 @@ class Plant:
     def estimator(self) -> EstimatorStatus:
         """Health of the estimate."""
         if self._status is None:
-            self._status = self._report.estimator(self._gnss_cfg)
+            self._status = self._report.estimator()
         return self._status
 
     @property
@@ -169,6 +173,16 @@ class Plant:
         return self._report.scalar("terrain_height")
 
     @property
+    def wind_est_enu_mps(self) -> tuple[float, float]:
+        """Estimated velocity of the air, east and north; zero before the first flight."""
+        return self._report.vector("wind")
+
+    @property
+    def filter(self) -> np.void:
+        """The filter's own record (`autonomy.estimation.error_state`), for those who judge it."""
+        return self._memory.filters[0]
+
+    @property
     def reference(self) -> tuple[Vector3, Vector3]:
         """Position and velocity that the controller tracks just now, ENU."""
         row = self.history[-1]
@@ -178,14 +192,45 @@ class Plant:
         )
 
     @property
-    def wind_enu_mps(self) -> Vector3:
-        """Velocity of the air; set it to let another wind blow from the next advance on."""
-        return self._wind_enu_mps
+    def wind(self) -> WindCfg:
+        """What wind blows; set it to let another blow from the next advance on."""
+        return self._wind
 
-    @wind_enu_mps.setter
-    def wind_enu_mps(self, velocity_enu_mps: Vector3) -> None:
-        self._wind_enu_mps = wind_towards(velocity_enu_mps)
-        self._memory.rotors["wind_enu_mps"][0] = self._wind_enu_mps
+    @wind.setter
+    def wind(self, cfg: WindCfg) -> None:
+        self._wind = cfg
+        self._memory.set_wind(cfg)
+
+    @property
+    def air_velocity_true_enu_mps(self) -> Vector3:
+        """Velocity of the air now: wind, turbulence and gusts."""
+        east, north, up = self._memory.rotors["wind_enu_mps"][0].tolist()
+        return (east, north, up)
+
+    @property
+    def obstacles_true(self) -> ObstacleStates:
+        """Where everything that moves by itself is now."""
+        movers = self._memory.movers
+        kinds: tuple[MoverName, ...] = tuple(obstacle.kind for obstacle in self.world.obstacles)
+        size_m = np.array([MOVER_KINDS[kind].size_m for kind in kinds]).reshape(-1, 3)
+        return ObstacleStates(
+            kinds=kinds,
+            position_enu_m=movers["position_enu_m"] + size_m * (0.0, 0.0, 0.5),
+            velocity_enu_mps=movers["velocity_enu_mps"].copy(),
+            yaw_rad=movers["yaw_rad"].copy(),
+            size_m=size_m,
+        )
+
+    @property
+    def traffic_speed(self) -> float:
+        """How fast the movers' time runs, 1 as it is and 0 not at all; it changes gradually."""
+        return float(self._memory.traffic["rate_cmd"][0])
+
+    @traffic_speed.setter
+    def traffic_speed(self, rate: float) -> None:
+        if not 0.0 <= rate <= MAX_RATE:
+            raise PlantError(f"traffic_speed = {rate}: 0 to {MAX_RATE:g} are valid")
+        self._memory.traffic["rate_cmd"] = rate
 
     def set_rotor_effectiveness(self, rotor: int, effectiveness: float) -> None:
         """Let a rotor (0 to 3) make only this share, 0 to 1, of its thrust and torque.

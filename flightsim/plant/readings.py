@@ -22,7 +22,6 @@ class EstimatorStatus:
     is_attitude_valid: bool
     is_position_valid: bool
     sigma_horizontal_m: float
-    """What the receiver's own error leaves: the filter's deviation and eph, in quadrature."""
     sigma_vertical_m: float
     sigma_velocity_mps: float
     sigma_tilt_rad: float
@@ -119,18 +118,17 @@ class Report:
             angular_rate_flu_radps=self.vector(f"rate_{kind}"),
         )
 
-    def estimator(self, gnss: GnssCfg) -> EstimatorStatus:
-        """Status of the filter; `gnss` gives the receiver's own accuracy."""
+    def estimator(self) -> EstimatorStatus:
+        """Status of the filter."""
         v = self.vector("variance")
-        eph, epv = gnss.reported_accuracy_m
         is_aligned = self.scalar("is_aligned") == 1.0
         sigma_horizontal = math.sqrt(v[0] + v[1]) if is_aligned else math.inf
         ratios = self.vector("ratios")
         return EstimatorStatus(
             is_attitude_valid=is_aligned,
             is_position_valid=sigma_horizontal < _MAX_HORIZONTAL_SIGMA_M,
-            sigma_horizontal_m=math.hypot(sigma_horizontal, eph),
-            sigma_vertical_m=math.hypot(math.sqrt(v[2]), epv) if is_aligned else math.inf,
+            sigma_horizontal_m=sigma_horizontal,
+            sigma_vertical_m=math.sqrt(v[2]) if is_aligned else math.inf,
             sigma_velocity_mps=math.sqrt(v[3] + v[4] + v[5]) if is_aligned else math.inf,
             sigma_tilt_rad=math.sqrt(v[6] + v[7]) if is_aligned else math.inf,
             sigma_yaw_rad=math.sqrt(v[8]) if is_aligned else math.inf,
@@ -145,7 +143,9 @@ class Report:
 
     def sensors(self, gnss: GnssCfg, *, has_gnss: bool) -> SensorReadings:
         """Latest readings; without signal the receiver reports no fix."""
-        is_fixed = has_gnss and self.scalar("gnss_tick") >= 0.0
+        is_heard = has_gnss and self.scalar("hears_satellites") == 1.0
+        is_fixed = is_heard and self.scalar("gnss_tick") >= 0.0
+        settling = self.scalar("gnss_settling")
         return SensorReadings(
             imu=ImuReading(
                 time_us=self._time_us,
@@ -157,8 +157,8 @@ class Report:
                 position_enu_m=self.vector("gnss_position"),
                 velocity_enu_mps=self.vector("gnss_velocity"),
                 fix_type=gnss.fix_type if is_fixed else 1,
-                eph_m=gnss.reported_accuracy_m[0] if is_fixed else math.inf,
-                epv_m=gnss.reported_accuracy_m[1] if is_fixed else math.inf,
+                eph_m=math.hypot(gnss.reported_accuracy_m[0], settling) if is_fixed else math.inf,
+                epv_m=math.hypot(gnss.reported_accuracy_m[1], settling) if is_fixed else math.inf,
                 n_satellites=gnss.n_satellites if is_fixed else 0,
             ),
             baro=BaroReading(

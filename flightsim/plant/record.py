@@ -15,6 +15,7 @@ ENGINE_DTYPE = np.dtype(
         ("ticks_per_advance", "i8"),
         ("has_new_setpoint", "i8"),
         ("has_power", "i8"),
+        ("knows_truth", "i8"),  # the controller, instead of the estimate
         ("contact_ticks", "i8"),
         ("step_address", "i8"),
         ("ray_address", "i8"),
@@ -34,6 +35,7 @@ HISTORY_DTYPE = np.dtype(
         ("velocity_true_enu_mps", "f8", 3),
         ("quat_true_wxyz", "f8", 4),
         ("angular_rate_true_flu_radps", "f8", 3),
+        ("wind_enu_mps", "f8", 3),
         ("position_est_enu_m", "f8", 3),
         ("velocity_est_enu_mps", "f8", 3),
         ("quat_est_wxyz", "f8", 4),
@@ -73,9 +75,12 @@ REPORT_DTYPE = np.dtype(
         ("accel_bias", "f8", 3),
         ("ratios", "f8", 4),  # GNSS position, GNSS velocity, barometer, heading
         ("gnss_age_ticks", "f8"),
+        ("wind", "f8", 2),
         ("accel", "f8", 3),
         ("gyro", "f8", 3),
         ("gnss_tick", "f8"),
+        ("gnss_settling", "f8"),
+        ("hears_satellites", "f8"),
         ("gnss_position", "f8", 3),
         ("gnss_velocity", "f8", 3),
         ("baro_tick", "f8"),

@@ -86,7 +86,9 @@ class GlCameraRenderer:
         if self._fine_light is None:
             self._fine_light = FineLight(self._world)
         colours = rgb.astype(np.float32) / 255
-        return self._fine_light.frame(view, time_us, colours, depth_m, stage.vehicle_enu_m())
+        movers_enu_m, _ = self._world.movers.triangles_enu(stage.poses.data)
+        moving_enu_m = np.concatenate([stage.vehicle_enu_m(), movers_enu_m])
+        return self._fine_light.frame(view, time_us, colours, depth_m, moving_enu_m)
 
     def close(self) -> None:
         """See `CameraRenderer`."""
@@ -163,7 +165,7 @@ class _Stage:
         self._aim(view)
         groups = self._option.geomgroup
         groups[:] = 0
-        groups[GeomGroup.SCENE] = groups[GeomGroup.DECOR] = 1
+        groups[GeomGroup.SCENE] = groups[GeomGroup.DECOR] = groups[GeomGroup.MOVING] = 1
         groups[GeomGroup.VEHICLE_LOOKS] = has_vehicle
         self._gather(view)
         # MuJoCo clears these after each picture.

@@ -34,7 +34,7 @@ class FineLight:
         time_us: int,
         colours: np.ndarray,
         depth_m: np.ndarray,
-        vehicle_enu_m: np.ndarray,
+        moving_enu_m: np.ndarray,
     ) -> RgbdFrame:
         """Light a picture and bring it to its size.
 
@@ -43,11 +43,11 @@ class FineLight:
             time_us: When.
             colours: (2 h, 2 w, 3), 0 to 1: of the surfaces, in plain white light.
             depth_m: (2 h, 2 w), inf in the sky.
-            vehicle_enu_m: Triangles of the vehicle, (t, 3, 3).
+            moving_enu_m: Triangles of the vehicle and of movers, (t, 3, 3).
         """
         height, width = depth_m.shape
         rays = view.rays_enu(width, height)
-        seen = self._light.light(view.position_enu_m, rays, vehicle_enu_m)
+        seen = self._light.light(view.position_enu_m, rays, moving_enu_m)
         rgb = colours * seen.rgb
         haze = (1.0 - np.exp(-np.where(np.isfinite(depth_m), depth_m, 0.0) / _HAZE_M))[..., None]
         rgb += haze * (np.array(HORIZON_RGB, dtype=np.float32) - rgb)

@@ -1,7 +1,8 @@
 """Satellite navigation receiver: late, at a low rate, with an error that wanders.
 
 The position error is a first-order Gauss-Markov process plus white noise; velocity has white
-noise. A fix is delivered `delay_s` after the time for which it is valid.
+noise. A fix is delivered `delay_s` after the time for which it is valid. In a room there is no
+fix; back under the sky the first one comes after `reacquire_s`, and its extra error decays.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 
 from autonomy.jit import kernel
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
+from flightsim.sensors.rooms import is_in_room
 
 N_GNSS_PAST = 64
 """IMU ticks that the receiver remembers; the longest delay."""
@@ -36,6 +38,14 @@ class GnssCfg:
     velocity_noise_mps: tuple[float, float]
     reported_accuracy_m: tuple[float, float]
     """What the receiver says of itself: eph and epv."""
+    reacquire_s: float = 1.0
+    """Under the sky again until the first fix; hot start and reacquisition of a u-blox F9 or M10
+    take 1 to 2 s by their data sheets."""
+    reacquired_sigma_m: float = 1.5
+    """Extra white error of the first fix."""
+    settle_s: float = 1.5
+    """In which the extra error falls to 1/e: below 1 cm after 8 s, where the F9's data sheet has
+    RTK fixed in less than 10 s."""
 
 
 RTK = GnssCfg(
@@ -75,7 +85,12 @@ GNSS_DTYPE = np.dtype(
         ("drift_sigma_m", "f8", 3),
         ("position_sigma_m", "f8", 3),
         ("velocity_sigma_mps", "f8", 3),
-        ("reported_sigma_m", "f8", 3),
+        ("present_sigma_m", "f8", 3),  # white error of the last fix
+        ("reacquire_ticks", "i8"),
+        ("reacquired_sigma_m", "f8"),
+        ("settle_decay", "f8"),  # from one fix to the next
+        ("settling_sigma_m", "f8"),  # extra error just now
+        ("under_sky_ticks", "i8"),  # since the last room
         ("delay_ticks", "i8"),
         ("period_ticks", "i8"),
         ("is_enabled", "i8"),
@@ -101,11 +116,14 @@ def new_gnss(cfg: GnssCfg, rng: np.random.Generator, *, tick_hz: int) -> np.ndar
     for name, pair in (
         ("position_sigma_m", cfg.position_noise_m),
         ("velocity_sigma_mps", cfg.velocity_noise_mps),
-        ("reported_sigma_m", cfg.reported_accuracy_m),
     ):
         r[name] = (pair[0], pair[0], pair[1])
     r["delay_ticks"] = round(cfg.delay_s * tick_hz)
     r["period_ticks"] = tick_hz // cfg.rate_hz
+    r["reacquire_ticks"] = round(cfg.reacquire_s * tick_hz)
+    r["reacquired_sigma_m"] = cfg.reacquired_sigma_m
+    r["settle_decay"] = math.exp(-1.0 / (cfg.settle_s * cfg.rate_hz))
+    r["under_sky_ticks"] = r["reacquire_ticks"]
     r["is_enabled"] = 1
     r["tick"] = -1
     return records
@@ -116,6 +134,7 @@ def follow_gnss(
     r: np.record, tick: int, position_enu_m: np.ndarray, velocity_enu_mps: np.ndarray
 ) -> None:
     """Let the receiver see the true state of an IMU tick."""
+    r.under_sky_ticks += 1
     slot = tick % N_GNSS_PAST
     for i in range(3):
         r.past_position_enu_m[slot, i] = position_enu_m[i]
@@ -123,13 +142,24 @@ def follow_gnss(
 
 
 @kernel
+def hears_satellites(r: np.record, rooms: np.ndarray, position_enu_m: np.ndarray) -> bool:
+    """Whether there is a fix at a true position, outside of all `rooms` (`ROOM_COLUMNS`)."""
+    if is_in_room(rooms, position_enu_m):
+        r.under_sky_ticks = 0
+        r.settling_sigma_m = r.reacquired_sigma_m
+    return r.under_sky_ticks >= r.reacquire_ticks
+
+
+@kernel
 def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
     """Deliver at `tick` the fix that is valid for `delay_ticks` before it."""
     r.tick = tick - r.delay_ticks
+    r.settling_sigma_m *= r.settle_decay
     slot = r.tick % N_GNSS_PAST
     advance_drift(r.drift_enu_m, r.decay, r.drift_sigma_m, normals, 0)
     for i in range(3):
-        noise = r.position_sigma_m[i] * normals[3 + i]
+        r.present_sigma_m[i] = math.hypot(r.position_sigma_m[i], r.settling_sigma_m)
+        noise = r.present_sigma_m[i] * normals[3 + i]
         r.position_enu_m[i] = r.past_position_enu_m[slot, i] + r.drift_enu_m[i] + noise
         noise = r.velocity_sigma_mps[i] * normals[6 + i]
         r.velocity_enu_mps[i] = r.past_velocity_enu_mps[slot, i] + noise

@@ -67,7 +67,8 @@ class RaycastCameraRenderer:
             self._ids = _Ids(self._world, self._poses.data)
         view = self._poses.viewpoint(camera_name)
         rays = view.rays_enu(self._width, self._height)
-        ids = self._ids.seen(view.position_enu_m, rays.reshape(-1, 3))
+        movers_enu_m, _ = self._world.movers.triangles_enu(self._poses.data)
+        ids = self._ids.seen(view.position_enu_m, rays.reshape(-1, 3), movers_enu_m)
         return ids.reshape(self._height, self._width)
 
     def render_view(
@@ -93,11 +94,11 @@ class RaycastCameraRenderer:
         stage, light = self._fine
         width, height = SAMPLES * self._width, SAMPLES * self._height
         picture = stage.cast(view, width, height)
-        vehicle_enu_m, vehicle_rgb = self._vehicle()
-        picture = _with_vehicle(picture, view, width, height, vehicle_enu_m, vehicle_rgb)
+        moving_enu_m, moving_rgb = self._moving(has_vehicle=True)
+        picture = _with_moving(picture, view, width, height, moving_enu_m, moving_rgb)
         shape = (height, width)
         colours, depth_m = picture.rgb.reshape(*shape, 3), picture.depth_m.reshape(shape)
-        return light.frame(view, time_us, colours, depth_m, vehicle_enu_m)
+        return light.frame(view, time_us, colours, depth_m, moving_enu_m)
 
     def close(self) -> None:
         """See `CameraRenderer`."""
@@ -105,18 +106,22 @@ class RaycastCameraRenderer:
 
     def _cast(self, view: Viewpoint, *, has_vehicle: bool) -> _Picture:
         picture = self._fast.cast(view, self._width, self._height)
-        if not has_vehicle:
+        corners, rgb = self._moving(has_vehicle=has_vehicle)
+        if not len(corners):
             return picture
-        corners, rgb = self._vehicle()
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
         everywhere = np.ones(len(normals))
         lit_rgb = rgb * light_rgb(surface_light(normals, everywhere, everywhere))
-        return _with_vehicle(picture, view, self._width, self._height, corners, lit_rgb)
+        return _with_moving(picture, view, self._width, self._height, corners, lit_rgb)
 
-    def _vehicle(self) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles of the vehicle, (t, 3, 3), and their colours."""
-        return vehicle_triangles(self._world.model, self._poses.data)
+    def _moving(self, *, has_vehicle: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Triangles of the movers and perhaps of the vehicle, (t, 3, 3), and their colours."""
+        corners, rgb = self._world.movers.triangles_enu(self._poses.data)
+        if not has_vehicle:
+            return corners, rgb
+        vehicle_enu_m, vehicle_rgb = vehicle_triangles(self._world.model, self._poses.data)
+        return np.concatenate([vehicle_enu_m, corners]), np.concatenate([vehicle_rgb, rgb])
 
     def _frame(self, view: Viewpoint, time_us: int, picture: _Picture) -> RgbdFrame:
         shape = (self._height, self._width)
@@ -146,7 +151,7 @@ class _Stage:
         return _Picture(hits.distance.astype(np.float32), rgb)
 
 
-def _with_vehicle(
+def _with_moving(
     picture: _Picture,
     view: Viewpoint,
     width: int,
@@ -180,13 +185,25 @@ class _Ids:
         self._id = np.append(
             np.repeat(world.geom_object_id[geom_ids], counts), NO_OBJECT_ID
         ).astype(np.int32)
+        is_mover = model.geom_group == GeomGroup.MOVING
+        self._mover_id = np.repeat(
+            world.geom_object_id[is_mover], world.movers.triangle_counts()
+        ).astype(np.int32)
         self._rays = RayScene(np.concatenate(parts))
         self._far_m = _far_m(model)
 
-    def seen(self, eye_enu_m: np.ndarray, rays_enu: np.ndarray) -> np.ndarray:
+    def seen(
+        self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, movers_enu_m: np.ndarray
+    ) -> np.ndarray:
         """(n,) int32: object id that each ray meets first."""
         eyes = np.broadcast_to(eye_enu_m.astype(np.float32), rays_enu.shape)
-        return self._id[self._rays.first_hits(eyes, rays_enu).within(self._far_m).triangle]
+        hits = self._rays.first_hits(eyes, rays_enu).within(self._far_m)
+        ids = self._id[hits.triangle]
+        if len(movers_enu_m):
+            moving = RayScene(movers_enu_m).first_hits(eyes, rays_enu)
+            is_nearer = moving.distance < hits.distance
+            ids[is_nearer] = self._mover_id[moving.triangle[is_nearer]]
+        return ids
 
 
 def _far_m(model: mujoco.MjModel) -> float:

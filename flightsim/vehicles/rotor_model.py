@@ -22,6 +22,7 @@ import math
 
 import numpy as np
 
+from autonomy.estimation import DragModel
 from autonomy.jit import kernel
 from autonomy.model.quadrotor import QuadrotorParams, Vector3
 from autonomy.rotation import matrix_from_quat
@@ -87,11 +88,26 @@ def new_rotors(
     r["share_up"] = [1.0 - math.exp(-dt_s / rotor.time_constant_up_s) for rotor in rotors]
     r["share_down"] = [1.0 - math.exp(-dt_s / rotor.time_constant_down_s) for rotor in rotors]
     r["axial_limit_mps"] = axial_limit_mps
-    x, y, z = body_size_m
-    r["fuselage_drag"] = np.array([y * z, x * z, x * y]) * (
-        0.5 * AIR_DENSITY_KGPM3 * _BOX_DRAG_COEFFICIENT
-    )
+    r["fuselage_drag"] = _fuselage_drag(body_size_m)
     return records
+
+
+def drag_model(quadrotor: QuadrotorParams, body_size_m: Vector3) -> DragModel:
+    """What an estimator needs to know of the air's resistance to find the wind."""
+    mass = quadrotor.mass_kg
+    x, y, _ = (_fuselage_drag(body_size_m) / mass).tolist()
+    a, b, c, d = ((r.drag_coefficient / mass, r.thrust_constant / mass) for r in quadrotor.rotors)
+    return DragModel(
+        rotor_mps_per_rad=(a[0], b[0], c[0], d[0]),
+        fuselage_per_m=(x, y),
+        thrust_m=(a[1], b[1], c[1], d[1]),
+    )
+
+
+def _fuselage_drag(body_size_m: Vector3) -> np.ndarray:
+    """Half the density times CdA of a box along each axis, kg/m."""
+    x, y, z = body_size_m
+    return np.array([y * z, x * z, x * y]) * (0.5 * AIR_DENSITY_KGPM3 * _BOX_DRAG_COEFFICIENT)
 
 
 @kernel

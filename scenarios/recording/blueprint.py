@@ -128,6 +128,7 @@ def _plots() -> rrb.Container:
         plot("Velocity", layout.VELOCITY_TRUE, layout.VELOCITY_EST, layout.VELOCITY_REF),
         plot("Position error", layout.POSITION_ERROR, f"{layout.POSITION_SIGMA}/**"),
         plot("Attitude error", layout.ATTITUDE_ERROR),
+        plot("Wind", layout.WIND),
         plot("Accelerometer", layout.ACCELERATION),
         plot("Gyroscope", layout.ANGULAR_RATE),
         plot("Motors", layout.MOTOR_COMMAND, layout.MOTOR_SPEED),

@@ -37,7 +37,7 @@ def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
             send_scalars(stream, series.entity, fast_time, fast[series.field])
         elif slow_time is not None:
             send_scalars(stream, series.entity, slow_time, slow[series.field])
-    _send_pose(
+    send_pose(
         stream, layout.VEHICLE, fast_time, fast["position_true_enu_m"], fast["quat_true_wxyz"]
     )
     if slow_time is not None:
@@ -48,7 +48,7 @@ def _send_errors(stream: rr.RecordingStream, time: rr.TimeColumn, rows: np.ndarr
     from scenarios.scoring import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
 
     position_m, quat = rows["position_est_enu_m"], rows["quat_est_wxyz"]
-    _send_pose(stream, layout.ESTIMATE, time, position_m, quat)
+    send_pose(stream, layout.ESTIMATE, time, position_m, quat)
     error_m = position_m - rows["position_true_enu_m"]
     distance_m = np.linalg.norm(error_m, axis=1, keepdims=True)
     send_scalars(stream, layout.POSITION_ERROR, time, np.hstack([error_m, distance_m]))
@@ -66,13 +66,14 @@ def send_scalars(
     stream.send_columns(entity, [time], [column])
 
 
-def _send_pose(
+def send_pose(
     stream: rr.RecordingStream,
     entity: str,
     time: rr.TimeColumn,
     position_enu_m: Float[np.ndarray, "n 3"],
     quat_wxyz: Float[np.ndarray, "n 4"],
 ) -> None:
+    """Write rows of an entity's pose in the world."""
     stream.send_columns(
         entity,
         [time],

@@ -12,6 +12,7 @@ LANDING_AREAS = "world/landing_areas"
 PERCHING_AREAS = "world/perching_areas"
 LANDING_MAP = "world/landing_map"
 TOUCHDOWN = "world/landing_map/touchdown"
+TRAFFIC = "world/traffic"
 VEHICLE = "world/vehicle"
 FUSELAGE = "world/vehicle/fuselage"
 ROTORS = "world/vehicle/rotors"
@@ -31,6 +32,8 @@ POSITION_ERROR = "error/position"
 ATTITUDE_ERROR = "error/attitude"
 POSITION_SIGMA = "error/sigma"
 
+WIND = "environment/wind"
+
 ACCELERATION = "sensors/imu/acceleration"
 ANGULAR_RATE = "sensors/imu/angular_rate"
 RANGE = "sensors/rangefinder"
@@ -49,6 +52,11 @@ RUN = "run"
 
 RUN_PROPERTY = "run"
 VERDICT_PROPERTY = "verdict"
+
+
+def mover(name: str) -> str:
+    """Entity of the mover `name`: a person, a car or another drone."""
+    return f"{TRAFFIC}/{name}"
 
 
 def camera(name: str) -> str:

@@ -26,6 +26,7 @@ from scenarios.recording.metadata import RunInfo, log_run, log_verdict
 from scenarios.recording.scene import log_scene
 from scenarios.recording.series import log_legends
 from scenarios.recording.status import StatusLog
+from scenarios.recording.traffic import TrafficLog
 from scenarios.recording.vehicle import log_vehicle
 
 if TYPE_CHECKING:
@@ -128,6 +129,7 @@ class Recorder:
         self._log_styles()
         self._frames = FrameLog(self._stream)
         self._status = StatusLog(self._stream)
+        self._traffic = TrafficLog(self._stream)
 
     def _open_sinks(self, serve_port: int | None) -> list[rr.FileSink | rr.GrpcServerSink]:
         sinks: list[rr.FileSink | rr.GrpcServerSink] = []
@@ -155,6 +157,7 @@ class Recorder:
         self._history.append(plant.history.tobytes())
         self._dtype = plant.history.dtype
         self._status.on_tick(plant, autopilot)
+        self._traffic.on_tick(plant)
         if plant.time_us >= self._flush_due_us:
             self._flush_due_us = plant.time_us + FLUSH_PERIOD_US
             self.flush()
@@ -167,6 +170,7 @@ class Recorder:
             send_history(self._stream, history)
             self._executed.send(self._stream, history)
         self._status.flush()
+        self._traffic.flush()
 
     def log_frame(self, frame: RgbdFrame) -> None:
         """Write a camera frame."""

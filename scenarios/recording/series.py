@@ -57,6 +57,7 @@ SERIES: tuple[ScalarSeries, ...] = (
         _axes("reference", " m/s"),
         _REF,
     ),
+    ScalarSeries(layout.WIND, "wind_enu_mps", _axes("air", " m/s"), _TRUE),
     ScalarSeries(
         layout.ACCELERATION, "accel_flu_mps2", _axes("acceleration", " m/s²"), _TRUE, is_fast=True
     ),

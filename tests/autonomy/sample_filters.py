@@ -5,6 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from autonomy.estimation import EstimatorCfg, new_filter
 from autonomy.estimation.error_state import N_STATES
+from autonomy.estimation.past import restart_past
 
 DT = 0.004
 G = 9.81
@@ -20,6 +21,7 @@ def filter_at(rng, **cfg):
     )
     f["gyro_bias_flu_radps"] = 0.01 * rng.normal(size=3)
     f["accel_bias_flu_mps2"] = 0.1 * rng.normal(size=3)
+    f["wind_enu_mps"] = rng.normal(size=2)
     root = 0.1 * rng.normal(size=(N_STATES, N_STATES))
     f["covariance"] = root @ root.T
     f["is_aligned"] = 1
@@ -34,6 +36,10 @@ def add_error(f, e):
     f["gyro_bias_flu_radps"] += e[9:12]
     f["accel_bias_flu_mps2"] += e[12:15]
     f["baro_offset_m"] += e[15]
+    f["gnss_wander_enu_m"] += e[16:19]
+    f["vio_origin_enu_m"] += e[19:22]
+    f["vio_yaw_rad"] += e[22]
+    f["wind_enu_mps"] += e[23:25]
 
 
 def error_between(g, f):
@@ -47,16 +53,24 @@ def error_between(g, f):
             g["gyro_bias_flu_radps"] - f["gyro_bias_flu_radps"],
             g["accel_bias_flu_mps2"] - f["accel_bias_flu_mps2"],
             [g["baro_offset_m"] - f["baro_offset_m"]],
+            g["gnss_wander_enu_m"] - f["gnss_wander_enu_m"],
+            g["vio_origin_enu_m"] - f["vio_origin_enu_m"],
+            [g["vio_yaw_rad"] - f["vio_yaw_rad"]],
+            g["wind_enu_mps"] - f["wind_enu_mps"],
         ]
     )
 
 
-def moving_filter(velocity, sigma=1.0):
-    """Level flight at constant velocity with an exact estimate and a wide covariance."""
-    f = filter_at(np.random.default_rng(0))
-    for name in ("position_enu_m", "gyro_bias_flu_radps", "accel_bias_flu_mps2"):
+def moving_filter(velocity, sigma=1.0, **cfg):
+    """Level flight at constant velocity with an exact estimate and a wide covariance.
+
+    Of the receiver it knows that it hardly wanders.
+    """
+    f = filter_at(np.random.default_rng(0), **{"gnss_wander_sigma_m": (1e-3, 1e-3)} | cfg)
+    for name in ("position_enu_m", "gyro_bias_flu_radps", "accel_bias_flu_mps2", "wind_enu_mps"):
         f[name] = 0.0
     f["quat_wxyz"] = (1.0, 0.0, 0.0, 0.0)
     f["velocity_enu_mps"] = velocity
-    f["covariance"] = np.diag([sigma**2] * 6 + [1e-4] * 9 + [0.01])
+    f["covariance"] = np.diag([sigma**2] * 6 + [1e-4] * 9 + [0.01] + [1e-6] * 3 + [0.0] * 6)
+    restart_past(f)
     return f

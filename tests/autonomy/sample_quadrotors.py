@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from autonomy.control import ControllerCfg, new_controller
-from autonomy.estimation import EstimatorCfg, new_filter
+from autonomy.control import STATE_DTYPE, ControllerCfg, new_controller
 from autonomy.model import QuadrotorParams, RotorParams
 
 G = 9.81
@@ -43,9 +42,10 @@ HOVER = np.sqrt(IRIS.mass_kg * G / sum(r.thrust_constant for r in IRIS.rotors))
 
 
 def hovering():
-    """Controller and filter in perfect hover over the origin."""
+    """Controller and its vehicle's state in perfect hover over the origin."""
     c = new_controller(IRIS, ControllerCfg(), dt_s=0.004)[0]
-    f = new_filter(EstimatorCfg(), dt_s=0.004, field_enu_ut=(0, 21, -43), gravity_mps2=G)[0]
+    x = np.zeros(1, STATE_DTYPE)[0]
+    x["quat_wxyz"][0] = 1.0
     c["R"] = np.eye(3)
     c["rotor_model_radps"] = HOVER
-    return c, f
+    return c, x

@@ -18,6 +18,7 @@ from autonomy.model.dynamics import thrust_torque_matrix
 from tests.autonomy.sample_quadrotors import IRIS, G, hovering
 
 vectors = hnp.arrays(float, 3, elements=st.floats(-1.0, 1.0))
+rotations = st.integers(0, 2**32 - 1).map(lambda seed: Rotation.random(random_state=seed))
 
 
 def test_hover_needs_weight_and_nothing_else():
@@ -56,9 +57,40 @@ def test_wind_seen_by_the_accelerometer_is_flown_against():
     c, f = hovering()
     f["acceleration_enu_mps2"] = (1.5, 0.0, 0.0)
     for _ in range(500):
-        estimate_acceleration(c, f)
-    demand_force(c, f)
+        demand_force(c, f)
     np.testing.assert_allclose(c["force_enu_mps2"], (-1.5, 0.0, G), atol=1e-4)
+
+
+def test_the_ground_that_holds_a_pressing_vehicle_is_no_wind():
+    c, x = hovering()
+    c["force_enu_mps2"] = (0.0, 0.0, 0.5 * G)
+    c["disturbance_mps2"] = (0.3, 0.0, -0.2)
+    x["acceleration_enu_mps2"] = (1.5, 0.0, 5.0)
+    for _ in range(250):
+        estimate_acceleration(c, x)
+    np.testing.assert_allclose(c["disturbance_mps2"], (0.0, 0.0, -0.2), atol=1e-3)
+
+
+def test_a_vehicle_that_presses_down_hardly_leans():
+    c, x = hovering()
+    x["position_enu_m"] = (2.0, -1.0, 0.8)
+    c["disturbance_mps2"] = (0.0, 0.0, 1.5)  # the ground bears a part of it
+    demand_force(c, x)
+    force = c["force_enu_mps2"]
+    assert np.degrees(np.arctan(np.hypot(*force[:2]) / force[2])) < 6.0
+
+
+def test_lost_thrust_is_made_up_for_further_than_a_push_from_below():
+    c, x = hovering()
+    held = []
+    for climbing in (-20.0, 20.0):
+        c["force_enu_mps2"] = (0.0, 0.0, G)
+        x["acceleration_enu_mps2"] = (0.0, 0.0, climbing)
+        for _ in range(200):
+            estimate_acceleration(c, x)
+        held.append(c["disturbance_mps2"][2])
+    limit = c["max_disturbance_mps2"]
+    np.testing.assert_allclose(held, (-0.5 * limit, 0.25 * limit))
 
 
 def test_integral_removes_a_lasting_error_within_its_limit():
@@ -99,18 +131,70 @@ def test_commanded_rates_are_the_derivative_of_the_commanded_attitude(t):
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
 
 
-@given(vectors)
-def test_torque_turns_towards_the_command(turn):
+def turning(attitude, command=None):
+    """Angular acceleration asked for, over the gains."""
     c, _ = hovering()
-    c["R"] = Rotation.from_rotvec(2.0 * turn).as_matrix()
-    c["R_cmd"] = np.eye(3)
+    c["R"] = attitude.as_matrix()
+    c["R_cmd"] = np.eye(3) if command is None else command.as_matrix()
     attitude_torque(c, np.zeros(3))
-    alpha = c["torque_flu_nm"] / c["inertia_flu_kgm2"]
-    angle = np.linalg.norm(2.0 * turn)
-    if 1e-3 < angle < np.pi - 1e-3:
-        # eq. (10): e_R is sin(angle) along the axis, here against the error
-        expected = -c["attitude_gain"] * turn * (2.0 * np.sin(angle) / angle)
-        np.testing.assert_allclose(alpha, expected, atol=1e-9)
+    return c["torque_flu_nm"] / c["inertia_flu_kgm2"] / c["attitude_gain"]
+
+
+@given(vectors)
+def test_small_errors_are_those_of_lee(turn):
+    attitude = Rotation.from_rotvec(1e-3 * turn)
+    R = attitude.as_matrix()
+    e_R = 0.5 * (R - R.T)[[2, 0, 1], [1, 2, 0]]  # eq. (10) for R_d = 1
+    np.testing.assert_allclose(turning(attitude), -e_R, atol=1e-6)
+
+
+@given(rotations)
+def test_tilt_is_turned_back_the_shortest_way_and_harder_the_larger_it_is(attitude):
+    up_flu = attitude.inv().apply((0.0, 0.0, 1.0))
+    tilt = np.arccos(np.clip(up_flu[2], -1.0, 1.0))
+    turn = turning(attitude)
+    assert np.hypot(turn[0], turn[1]) == pytest.approx(2.0 * np.sin(0.5 * tilt), abs=1e-6)
+    if 1e-3 < tilt < np.pi - 1e-3:
+        axis = np.cross((0.0, 0.0, 1.0), up_flu) / np.sin(tilt)
+        assert turn @ axis == pytest.approx(2.0 * np.sin(0.5 * tilt), abs=1e-6)
+
+
+@given(rotations, st.floats(-3.0, 3.0))
+def test_yaw_error_does_not_change_how_the_tilt_is_turned_back(attitude, yaw):
+    command = Rotation.from_euler("z", yaw)
+    tilted = turning(attitude)
+    np.testing.assert_allclose(turning(attitude, command)[:2], tilted[:2], atol=1e-9)
+
+
+@given(st.floats(-np.pi, np.pi), st.floats(0.0, 2.0 * np.pi), st.floats(-3.0, 3.0))
+def test_yaw_counts_less_the_larger_the_tilt(tilt, about, yaw):
+    lean = Rotation.from_rotvec(tilt * np.array([np.cos(about), np.sin(about), 0.0]))
+    turn = turning(lean, Rotation.from_euler("z", yaw))
+    assert turn[2] == pytest.approx(np.sin(yaw) * np.cos(0.5 * tilt) ** 2, abs=1e-9)
+
+
+@given(st.floats(0.0, 2.0 * np.pi))
+def test_upside_down_it_goes_on_turning_about_the_axis_it_turns_about(about):
+    c, _ = hovering()
+    c["R"], c["R_cmd"] = np.diag((1.0, -1.0, -1.0)), np.eye(3)
+    axis = np.array([np.cos(about), np.sin(about), 0.0])
+    c["angular_rate_gain"] = 0.0
+    attitude_torque(c, 1e-3 * axis)
+    turn = c["torque_flu_nm"] / c["inertia_flu_kgm2"] / c["attitude_gain"]
+    np.testing.assert_allclose(turn, 2.0 * axis, atol=1e-5)
+
+
+def test_a_limited_feedback_adds_no_rate():
+    rates = []
+    for position, acceleration in ((0.0, 0.0), (9.0, 0.0), (9.0, 4.0)):
+        c, x = hovering()
+        x["position_enu_m"] = (position, 0.0, 0.0)
+        x["acceleration_enu_mps2"] = (acceleration, 0.0, 0.0)
+        demand_force(c, x)
+        command_attitude(c, x)
+        assert c["is_limited"][0] == (position > 0.0)
+        rates.append(c["rate_cmd_flu_radps"].copy())
+    np.testing.assert_allclose(rates, 0.0, atol=1e-12)
 
 
 @given(vectors)

@@ -219,3 +219,35 @@ def test_yaw_rate_alone_turns_on_and_zero_holds():
     r.follow(2.0, velocity_enu_mps=(0.0, 0.0, 0.0))
     assert r.c["reference_yaw_rad"] == pytest.approx(held, abs=0.1)
     assert r.c["reference_yaw_rate_radps"] == 0.0
+
+
+def test_a_far_setpoint_is_approached_however_fast_it_moves():
+    """A stream that circles at twice the speed limit draws the reference to its middle."""
+
+    def at(t):
+        s = 1.2 * t
+        x, y = 20.0 * math.cos(s), 20.0 * math.sin(s)
+        return {
+            "position_enu_m": (60.0 + x, y, 0.0),
+            "velocity_enu_mps": (-1.2 * y, 1.2 * x, 0.0),
+        }
+
+    r = Follower().follow(25.0, at=at)
+    p = r.column("reference_position_enu_m")[-1500:]
+    assert np.hypot(p[:, 0] - 60.0, p[:, 1]).max() < 25.0
+    v = r.column("reference_velocity_enu_mps")
+    assert np.hypot(v[:, 0], v[:, 1]).max() < r.c["max_speed_mps"] * 1.05
+
+
+def test_where_a_trajectory_ends_its_acceleration_falls_to_the_limit_at_once():
+    r = Follower().follow(
+        0.02,
+        position_enu_m=(0.0, 0.0, 0.0),
+        velocity_enu_mps=(0.0, 0.0, 0.0),
+        acceleration_enu_mps2=(6.0, -8.0, 9.0),
+    )
+    assert r.c["is_direct"] == 1
+    r.follow(0.02, position_enu_m=(0.0, 0.0, 0.0))
+    a = r.rows[5]["reference_acceleration_enu_mps2"]
+    assert np.hypot(a[0], a[1]) <= r.c["max_acceleration_mps2"] * (1.0 + 1e-6)
+    assert abs(a[2]) <= r.c["max_acceleration_vertical_mps2"] * (1.0 + 1e-6)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
-from flightsim.environment.wind import WindError
+from flightsim.environment.wind import WindCfg, WindError
 from flightsim.plant import Plant
 from flightsim.plant.cfg import PlantCfg, PlantError
 from flightsim.plant.kernel import advance
@@ -153,7 +153,7 @@ def test_standard_gnss_is_metre_grade_and_flies(worlds):
 
 def test_wind_is_held_against(worlds):
     flight = Flight(worlds["iris"]).take_off()
-    flight.plant.wind_enu_mps = (4.0, 3.0, 0.0)
+    flight.plant.wind = WindCfg.towards((4.0, 3.0, 0.0))
     h = flight.fly(6.0, position(*flight.hover))
     off = np.linalg.norm(h["position_est_enu_m"] - flight.hover, axis=1)
     assert off.max() < 0.25
@@ -374,7 +374,7 @@ def test_a_world_without_vehicle_is_no_plant():
 def test_impossible_wind_and_rotor_are_refused(worlds):
     plant = Plant(worlds["iris"], PlantCfg(seed=0))
     with pytest.raises(WindError):
-        plant.wind_enu_mps = (100.0, 0.0, 0.0)
+        plant.wind = WindCfg.towards((100.0, 0.0, 0.0))
     with pytest.raises(PlantError, match="0 to 3"):
         plant.set_rotor_effectiveness(4, 0.5)
 

@@ -11,7 +11,6 @@ from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
 from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa
-from flightsim.environment.wind import WindError, wind_from, wind_towards
 from flightsim.sensors.barometer import BarometerCfg, new_barometer, sample_barometer
 from flightsim.sensors.drift import density_of, drift_terms
 from flightsim.sensors.gnss import RTK, STANDARD, follow_gnss, new_gnss, sample_gnss
@@ -249,14 +248,3 @@ def test_streams_are_independent_of_each_other():
     first = short.blocks[0].copy()
     short.draw()
     assert np.all(short.blocks[0] != first)
-
-
-def test_wind_comes_from_where_it_is_said_to():
-    np.testing.assert_allclose(wind_from(90.0, 5.0), (-5.0, 0.0, 0.0), atol=1e-12)
-    np.testing.assert_allclose(wind_from(0.0, 5.0), (0.0, -5.0, 0.0), atol=1e-12)
-
-
-@pytest.mark.parametrize("wind", [(math.nan, 0.0, 0.0), (40.0, 0.0, 0.0)])
-def test_an_impossible_wind_is_refused_with_what_is_valid(wind):
-    with pytest.raises(WindError, match="at most 30 m/s"):
-        wind_towards(wind)

@@ -8,6 +8,7 @@ import pytest
 from autonomy.types import ControlLevel
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
+from flightsim.environment.wind import WindCfg
 from flightsim.frames import Geodetic
 from tests.flightsim.autopilot.bench import GROUND_AMSL_M, NAN, Bench
 from tests.flightsim.handmade import slope
@@ -245,7 +246,7 @@ def test_arming_again_after_a_landing_flies_again():
 
 
 def test_wind_does_not_move_the_hold():
-    bench = Bench(wind_enu_mps=(5.0, 0.0, 0.0)).take_off(4.0)
+    bench = Bench(wind=WindCfg.towards((5.0, 0.0, 0.0))).take_off(4.0)
     bench.run(8.0)
     assert bench.position == pytest.approx((0.0, 0.0, 4.0), abs=0.4)
 
@@ -295,7 +296,8 @@ def test_the_same_seed_and_requests_fly_the_same_flight():
 @pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_wandering_estimate_does_not_make_the_landing_dance(vehicle, seed):
-    bench = Bench(vehicle, gnss="standard", seed=seed, wind_enu_mps=(4.0, 2.0, 0.0)).take_off(5.0)
+    wind = WindCfg.towards((4.0, 2.0, 0.0))
+    bench = Bench(vehicle, gnss="standard", seed=seed, wind=wind).take_off(5.0)
     bench.pilot.goto(bench.geodetic(6.0, 3.0))
     bench.run(8.0)
     assert not bench.says("Landing detected")

@@ -7,6 +7,7 @@ import pytest
 from autonomy.types import ControlLevel
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
+from flightsim.environment.wind import WindCfg
 from tests.flightsim.autopilot.bench import Bench
 
 REJECTED = CommandResult.TEMPORARILY_REJECTED
@@ -129,7 +130,7 @@ def test_modes_that_cannot_be_entered_say_why_and_nothing_changes(mode, result, 
 
 @pytest.mark.parametrize("mode", [Mode.POSITION, Mode.ALTITUDE])
 def test_without_sticks_the_guided_stick_modes_hold(mode):
-    bench = Bench(wind_enu_mps=(3.0, 0.0, 0.0)).take_off()
+    bench = Bench(wind=WindCfg.towards((3.0, 0.0, 0.0))).take_off()
     assert bench.pilot.set_mode(mode).is_accepted
     bench.run(6.0)
     assert bench.position == pytest.approx((0.0, 0.0, 3.0), abs=0.5)

@@ -52,7 +52,8 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
     path = tmp_path_factory.mktemp("recording") / "flight.rrd"
     rows: list[np.ndarray] = []
     frames: list[RgbdFrame] = []
-    with Testbench(TestbenchCfg(seed=5, speed="max"), has_network=False) as bench:
+    cfg = TestbenchCfg(seed=5, speed="max", wind=2.0, traffic="drones=1")
+    with Testbench(cfg, has_network=False) as bench:
         primitives = tuple(scene_primitives(bench.scene))
         recorder = Recorder(
             path,

@@ -1,0 +1,155 @@
+"""Visual-inertial odometry: position and heading in a frame of its own, which drifts.
+
+    symbol   name                                     unit
+    p        position of the vehicle, ENU             m
+    o, a     origin and heading of the VIO frame      m, rad
+    m, b     position and heading that VIO reports    m, rad
+
+    p = o + Rz(a) m + noise,   heading(q) = a + b + noise
+
+Both drift per metre flown: o by a random walk, a by another about the place where the vehicle is,
+so that a turn of the frame moves its origin and not the vehicle. GNSS and magnetometer tie the
+frame to the world; without them its drift becomes the uncertainty of position and heading.
+
+Source: Lynen et al. 2013, "A robust and modular multi-sensor fusion approach applied to MAV
+navigation", section IV-C (drift states of relative measurements).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.estimation.error_state import (
+    N_STATES,
+    POSITION,
+    VELOCITY,
+    VIO_ORIGIN,
+    VIO_YAW,
+)
+from autonomy.estimation.past import past_position, past_yaw
+from autonomy.estimation.update import scalar_update, write_heading_row
+from autonomy.jit import kernel
+from autonomy.rotation import wrap_angle
+
+_VIO_POSITION, _VIO_YAW = 4, 5  # rows of MEASUREMENTS
+_MAX_REJECTIONS = 30
+"""After so many refused poses in a row the odometry counts as restarted elsewhere."""
+
+
+@kernel
+def fuse_vio(f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_ticks: int) -> None:
+    """Fuse a pose that was valid `age_ticks` ago.
+
+    Args:
+        f: The filter.
+        position_vio_m: m of the module's notation (3,).
+        yaw_vio_rad: b of the module's notation.
+        age_ticks: IMU ticks since the time of validity, below `N_PAST`.
+    """
+    if f.has_vio == 0:
+        _place_frame(f, position_vio_m, yaw_vio_rad, age_ticks)
+        return
+    _let_drift(f, position_vio_m)
+    h = f.measurement_row
+    worst = 0.0
+    for i in range(3):
+        east, north = _turned(f, position_vio_m)
+        turned = east if i == 0 else (north if i == 1 else position_vio_m[2])
+        h[:] = 0.0
+        h[POSITION + i] = 1.0
+        h[VELOCITY + i] = -age_ticks * f.dt_s
+        h[VIO_ORIGIN + i] = -1.0
+        h[VIO_YAW] = north if i == 0 else (-east if i == 1 else 0.0)
+        innovation = f.vio_origin_enu_m[i] + turned - past_position(f, age_ticks, i)
+        worst = max(worst, scalar_update(f, _VIO_POSITION, innovation, f.vio_variance_m2))
+    h[:] = 0.0
+    if write_heading_row(f.quat_wxyz, h):
+        h[VIO_YAW] = -1.0
+        innovation = wrap_angle(yaw_vio_rad + f.vio_yaw_rad - past_yaw(f, age_ticks))
+        worst = max(worst, scalar_update(f, _VIO_YAW, innovation, f.vio_yaw_variance_rad2))
+    _count(f, worst)
+
+
+@kernel
+def _count(f: np.record, worst: float) -> None:
+    if worst <= 1.0:
+        f.vio_rejections = 0
+        f.last_position_tick = f.tick
+        return
+    f.vio_rejections += 1
+    if f.vio_rejections >= _MAX_REJECTIONS:
+        f.vio_rejections = 0
+        f.has_vio = 0
+
+
+@kernel
+def _turned(f: np.record, position_vio_m: np.ndarray) -> tuple[float, float]:
+    """East and north of Rz(a) m."""
+    c, s = math.cos(f.vio_yaw_rad), math.sin(f.vio_yaw_rad)
+    x, y = position_vio_m[0], position_vio_m[1]
+    return c * x - s * y, s * x + c * y
+
+
+@kernel
+def _let_drift(f: np.record, position_vio_m: np.ndarray) -> None:
+    """Process noise of the frame over the way flown since the pose before.
+
+    A turn w of the frame about the vehicle moves its origin by -w ez x Rz(a) m.
+    """
+    v = f.velocity_enu_mps
+    speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    way_m = speed * (f.tick - f.last_vio_tick) * f.dt_s
+    f.last_vio_tick = f.tick
+    P = f.covariance
+    for i in range(3):
+        P[VIO_ORIGIN + i, VIO_ORIGIN + i] += f.vio_walk_m2pm[i] * way_m
+    east, north = _turned(f, position_vio_m)
+    g = f.gain  # free until the next update
+    g[0], g[1], g[2], g[3] = north, -east, 0.0, 1.0
+    for i in range(4):
+        for j in range(4):
+            P[VIO_ORIGIN + i, VIO_ORIGIN + j] += f.vio_yaw_walk_rad2pm * way_m * g[i] * g[j]
+
+
+@kernel
+def _place_frame(
+    f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_ticks: int
+) -> None:
+    """Lay the frame so that its pose agrees with the estimate, and correlate it with that."""
+    h = f.measurement_row
+    h[:] = 0.0
+    if not write_heading_row(f.quat_wxyz, h):
+        return
+    f.vio_yaw_rad = wrap_angle(past_yaw(f, age_ticks) - yaw_vio_rad)
+    east, north = _turned(f, position_vio_m)
+    _clone(f, VIO_YAW, f.vio_yaw_variance_rad2)
+    for i in range(3):
+        turned = east if i == 0 else (north if i == 1 else position_vio_m[2])
+        f.vio_origin_enu_m[i] = past_position(f, age_ticks, i) - turned
+        h[:] = 0.0
+        h[POSITION + i] = 1.0
+        h[VELOCITY + i] = -age_ticks * f.dt_s
+        h[VIO_YAW] = north if i == 0 else (-east if i == 1 else 0.0)
+        _clone(f, VIO_ORIGIN + i, f.vio_variance_m2)
+    f.has_vio = 1
+    f.last_vio_tick = f.tick
+
+
+@kernel
+def _clone(f: np.record, k: int, variance: float) -> None:
+    """Make state k the combination of the others in `f.measurement_row`, plus noise."""
+    P, h, row = f.covariance, f.measurement_row, f.gain
+    for j in range(N_STATES):
+        P[k, j] = P[j, k] = 0.0
+    for j in range(N_STATES):
+        row[j] = 0.0
+        for i in range(N_STATES):
+            row[j] += h[i] * P[i, j]
+    total = variance
+    for j in range(N_STATES):
+        total += h[j] * row[j]
+    for j in range(N_STATES):
+        P[k, j] = P[j, k] = row[j]
+    P[k, k] = total

@@ -1,0 +1,112 @@
+"""The air around the vehicle, once a control tick: steady wind, turbulence and gusts.
+
+A gust is a "one minus cosine" bump, v(t) = A / 2 (1 - cos(2 pi t / D)) for 0 <= t <= D
+(CS-25.341, there over the distance flown), along the wind.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.jit import kernel
+from flightsim.environment.dryden import N_NORMALS, N_STATES, stationary_states, step_turbulence
+from flightsim.environment.wind import WindCfg
+
+AIR_NORMALS = N_NORMALS
+
+AIR_DTYPE = np.dtype(
+    [
+        ("is_steady", "i8"),  # nothing to do in a tick
+        ("dt_s", "f8"),
+        ("steady_enu_mps", "f8", 3),
+        ("axis_enu", "f8", 2),
+        ("turbulence_mps", "f8"),
+        ("gust_mps", "f8"),
+        ("gust_s", "f8"),
+        ("gust_period_s", "f8"),
+        ("gust_clock_s", "f8"),
+        ("states", "f8", N_STATES),
+        ("turbulence_wind_mps", "f8", 3),  # along, left, up
+    ],
+    align=True,
+)
+
+
+def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
+    """Calm air, in an array of shape (1,).
+
+    Args:
+        generator: Of the turbulence's first state.
+        dt_s: Control tick.
+    """
+    airs = np.zeros(1, AIR_DTYPE)
+    airs["dt_s"] = dt_s
+    airs["states"][0] = stationary_states(generator)
+    set_wind(airs, WindCfg())
+    return airs
+
+
+def set_wind(airs: np.ndarray, cfg: WindCfg) -> None:
+    """Let another wind blow from the next tick on; the clock of the gusts starts anew."""
+    air = airs[0]
+    air["is_steady"] = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
+    air["steady_enu_mps"] = cfg.steady_enu_mps
+    air["axis_enu"] = cfg.axis_enu
+    for name in ("turbulence_mps", "gust_mps", "gust_s", "gust_period_s"):
+        air[name] = getattr(cfg, name)
+    air["gust_clock_s"] = 0.0
+
+
+@kernel
+def move_air(
+    air: np.record,
+    position_enu_m: np.ndarray,
+    velocity_enu_mps: np.ndarray,
+    normals: np.ndarray,
+    wind_enu_mps: np.ndarray,
+) -> None:
+    """Advance by one control tick.
+
+    Args:
+        air: Changed.
+        position_enu_m: True position of the vehicle; its height is above the ground plane.
+        velocity_enu_mps: True velocity.
+        normals: Standard normals (5,).
+        wind_enu_mps: Result (3,), velocity of the air.
+    """
+    if air.is_steady == 1:
+        return
+    steady = air.steady_enu_mps
+    if air.turbulence_mps > 0.0:
+        x = velocity_enu_mps[0] - steady[0]
+        y = velocity_enu_mps[1] - steady[1]
+        z = velocity_enu_mps[2] - steady[2]
+        speed = math.sqrt(x * x + y * y + z * z)
+        step_turbulence(
+            air.states,
+            air.turbulence_wind_mps,
+            position_enu_m[2],
+            speed,
+            air.turbulence_mps,
+            air.dt_s,
+            normals,
+        )
+    else:
+        air.turbulence_wind_mps[:] = 0.0
+    air.gust_clock_s += air.dt_s
+    along = air.turbulence_wind_mps[0] + _gust(air)
+    left = air.turbulence_wind_mps[1]
+    wind_enu_mps[0] = steady[0] + along * air.axis_enu[0] - left * air.axis_enu[1]
+    wind_enu_mps[1] = steady[1] + along * air.axis_enu[1] + left * air.axis_enu[0]
+    wind_enu_mps[2] = steady[2] + air.turbulence_wind_mps[2]
+
+
+@kernel
+def _gust(air: np.record) -> float:
+    """What the present gust adds along the wind."""
+    since = air.gust_clock_s % air.gust_period_s
+    if air.gust_clock_s < air.gust_period_s or since > air.gust_s:
+        return 0.0
+    return 0.5 * air.gust_mps * (1.0 - math.cos(2.0 * math.pi * since / air.gust_s))

@@ -1,0 +1,123 @@
+"""Where there is room to walk, drive or fly at one height: a scene seen from above, in cells.
+
+A column's floor is the top of what it is filled with from the ground up; what stands in the band
+of a mover's height above it is in the way, and so is a step. Cells are occupied when anything may
+reach into them, so distances to obstacles are never too long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from aeroscene.freespace import distance_to_occupied
+from aeroscene.scene import Scene, SceneObject
+from aeroscene.shapes import Primitive
+from aeroscene.voxels import Grid, voxelise
+
+CELL_M = 0.25
+CLEARANCE_CAP_M = 3.0
+_HIGHEST_FLOOR_M = 1.6
+_STEP_M = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A scene's solids in cells, from the lowest height that is flown at up to a few metres."""
+
+    grid: Grid
+    occupied: Bool[np.ndarray, "nx ny nz"]
+
+    @classmethod
+    def of(cls, scene: Scene, solids: Iterable[Primitive], height_m: float) -> Columns:
+        """Voxelise solids up to a height above the scene's lowest."""
+        low = np.array(scene.extent_min_enu_m)
+        span = np.array(scene.extent_max_enu_m) - low
+        nx, ny = (max(1, ceil(s / CELL_M - 1e-6)) for s in span[:2].tolist())
+        x, y, z = (low + CELL_M / 2).tolist()
+        grid = Grid((x, y, z), CELL_M, (nx, ny, ceil(height_m / CELL_M)))
+        return cls(grid, voxelise(solids, grid))
+
+    @property
+    def centres_enu_m(self) -> tuple[Float[np.ndarray, "nx 1"], Float[np.ndarray, "1 ny"]]:
+        """Coordinates of the columns' middles."""
+        nx, ny, _ = self.grid.shape
+        x0, y0, _ = self.grid.origin_enu_m
+        return (x0 + CELL_M * np.arange(nx)[:, None], y0 + CELL_M * np.arange(ny)[None, :])
+
+    def floor(self, height_m: float) -> Floor:
+        """Room for what stands on the lowest floors and is this high."""
+        full = self.occupied.all(axis=2)
+        layer = np.where(full, self.occupied.shape[2], np.argmin(self.occupied, axis=2))
+        bottom_m = self.grid.origin_enu_m[2] - CELL_M / 2
+        level_m = bottom_m + CELL_M * layer
+        filled = np.concatenate(
+            [np.zeros((*layer.shape, 1), int), np.cumsum(self.occupied, axis=2)], axis=2
+        )
+        top = np.minimum(layer + ceil(height_m / CELL_M), self.occupied.shape[2])
+        at_floor = np.take_along_axis(filled, layer[..., None], axis=2)[..., 0]
+        in_band = np.take_along_axis(filled, top[..., None], axis=2)[..., 0] - at_floor
+        blocked = full | (in_band > 0) | (level_m - bottom_m > _HIGHEST_FLOOR_M)
+        return Floor(self, level_m, _clearance_m(blocked | _is_at_step(level_m)))
+
+    def layer(self, bottom_m: float, height_m: float) -> Floor:
+        """Room for what flies between two heights."""
+        base_m = self.grid.origin_enu_m[2] - CELL_M / 2
+        first = max(0, int((bottom_m - base_m) / CELL_M))
+        last = ceil((bottom_m + height_m - base_m) / CELL_M)
+        blocked = np.any(self.occupied[:, :, first:last], axis=2)
+        level_m = np.full(blocked.shape, bottom_m)
+        return Floor(self, level_m, _clearance_m(blocked))
+
+    def covered_by(self, objects: Sequence[SceneObject]) -> Bool[np.ndarray, "nx ny"]:
+        """Columns whose middle lies in the footprint of one of some objects."""
+        x, y = self.centres_enu_m
+        inside = np.zeros(self.grid.shape[:2], dtype=bool)
+        for obj in objects:
+            yaw = obj.bbox.yaw_rad
+            dx, dy = x - obj.bbox.p[0], y - obj.bbox.p[1]
+            u = np.cos(yaw) * dx + np.sin(yaw) * dy
+            v = np.cos(yaw) * dy - np.sin(yaw) * dx
+            inside |= (np.abs(u) <= obj.bbox.s[0] / 2) & (np.abs(v) <= obj.bbox.s[1] / 2)
+        return inside
+
+
+@dataclass(frozen=True, eq=False)
+class Floor:
+    """Room to move on one level, by column."""
+
+    columns: Columns
+    level_m: Float[np.ndarray, "nx ny"]
+    """Height of the floor, up to a cell too high."""
+    clearance_m: Float[np.ndarray, "nx ny"]
+    """From a column's middle to what is in the way, in plan, capped."""
+
+    def cells(self, points_enu_m: Float[np.ndarray, "n _"]) -> tuple[np.ndarray, np.ndarray]:
+        """Indices of the columns that hold points; of points outside the nearest ones."""
+        grid = self.columns.grid
+        index = np.rint((points_enu_m[:, :2] - np.array(grid.origin_enu_m[:2])) / CELL_M)
+        i, j = np.clip(index.astype(int), 0, np.array(grid.shape[:2]) - 1).T
+        return i, j
+
+
+def _is_at_step(level_m: np.ndarray) -> Bool[np.ndarray, "nx ny"]:
+    """Columns beside one whose floor is higher or lower by more than a step."""
+    is_step = np.zeros(level_m.shape, dtype=bool)
+    x = np.abs(np.diff(level_m, axis=0)) > _STEP_M
+    y = np.abs(np.diff(level_m, axis=1)) > _STEP_M
+    is_step[:-1] |= x
+    is_step[1:] |= x
+    is_step[:, :-1] |= y
+    is_step[:, 1:] |= y
+    return is_step
+
+
+def _clearance_m(blocked: Bool[np.ndarray, "nx ny"]) -> Float[np.ndarray, "nx ny"]:
+    """Distances, with the rim of the scene in the way too."""
+    rimmed = np.pad(blocked, 1, constant_values=True)
+    distance = distance_to_occupied(rimmed[:, :, None], CELL_M, CLEARANCE_CAP_M)
+    return distance[1:-1, 1:-1, 0]

@@ -1,0 +1,223 @@
+"""Where movers are at a time: one compiled call a control tick.
+
+A mover on a loop goes round at its speed. One that goes to and fro speeds up and slows down
+evenly, and rests at each end; a person turns round meanwhile. The clock of the traffic is time
+itself, but may run faster or slower, or stand, and its rate changes gradually.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from autonomy.jit import kernel
+from flightsim.environment.movers import MOVER_KINDS, MovingObstacle
+from flightsim.environment.paths import smooth_path
+
+MAX_RATE = 5.0
+_RATE_CHANGE_PER_S = 1.0
+_CONTACT_MARGIN_M = 2.0
+_STRAIGHT_UP = 1e-9
+
+TRAFFIC_DTYPE = np.dtype(
+    [("clock_s", "f8"), ("rate", "f8"), ("rate_cmd", "f8"), ("dt_s", "f8")], align=True
+)
+"""The clock that all movers share."""
+
+MOVER_DTYPE = np.dtype(
+    [
+        ("first", "i8"),  # of its control points
+        ("n_points", "i8"),
+        ("is_loop", "i8"),
+        ("turns_round", "i8"),
+        ("spacing_m", "f8"),
+        ("length_m", "f8"),
+        ("speed_mps", "f8"),
+        ("acceleration_mps2", "f8"),
+        ("pause_s", "f8"),
+        ("phase_s", "f8"),
+        ("radius_m", "f8"),
+        ("height_m", "f8"),
+        ("body", "i8"),
+        ("geom", "i8"),
+        ("contact_bits", "i8"),
+        ("distance_m", "f8"),
+        ("distance_rate_mps", "f8"),
+        ("turn", "f8"),  # half turns that it made at the ends of its path
+        ("tangent", "f8", 3),
+        ("yaw_rad", "f8"),
+        ("position_enu_m", "f8", 3),  # middle of its underside
+        ("velocity_enu_mps", "f8", 3),
+    ],
+    align=True,
+)
+
+
+def new_traffic(dt_s: float) -> np.ndarray:
+    """A clock at zero, in an array of shape (1,), for ticks of `dt_s`."""
+    traffic = np.zeros(1, TRAFFIC_DTYPE)
+    traffic["rate"] = traffic["rate_cmd"] = 1.0
+    traffic["dt_s"] = dt_s
+    return traffic
+
+
+def new_movers(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndarray]:
+    """Records of movers, (n,), and the control points of all their paths, (k, 3)."""
+    movers = np.zeros(len(obstacles), MOVER_DTYPE)
+    points = [np.zeros((0, 3))]
+    first = 0
+    for mover, obstacle in zip(movers, obstacles, strict=True):
+        path = smooth_path(obstacle.path_enu_m, is_loop=obstacle.is_loop)
+        kind = MOVER_KINDS[obstacle.kind]
+        speed = obstacle.speed_mps
+        if not obstacle.is_loop:
+            # On a short path it slows down before it is fast.
+            speed = min(speed, math.sqrt(path.length_m * kind.acceleration_mps2))
+        mover["first"], mover["n_points"] = first, len(path.points_enu_m)
+        mover["is_loop"], mover["turns_round"] = obstacle.is_loop, kind.turns_round
+        mover["spacing_m"], mover["length_m"] = path.spacing_m, path.length_m
+        mover["speed_mps"] = speed
+        mover["acceleration_mps2"], mover["pause_s"] = kind.acceleration_mps2, kind.pause_s
+        mover["radius_m"], mover["height_m"] = kind.radius_m, kind.size_m[2]
+        one_way_s = path.length_m / speed + speed / kind.acceleration_mps2 + kind.pause_s
+        period_s = path.length_m / speed if obstacle.is_loop else 2.0 * one_way_s
+        mover["phase_s"] = obstacle.phase * period_s
+        points.append(path.points_enu_m)
+        first += len(path.points_enu_m)
+    return movers, np.ascontiguousarray(np.concatenate(points))
+
+
+def start_poses(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (n, 3) and attitudes wxyz (n, 4) of movers at time zero."""
+    movers, points = new_movers(obstacles)
+    for mover in movers:
+        place_mover(mover, points, 0.0, 1.0)
+    half = movers["yaw_rad"] / 2
+    zero = np.zeros_like(half)
+    quat_wxyz = np.column_stack([np.cos(half), zero, zero, np.sin(half)])
+    return movers["position_enu_m"].copy(), quat_wxyz
+
+
+@kernel
+def move_traffic(
+    traffic: np.record,
+    movers: np.ndarray,
+    points: np.ndarray,
+    vehicle_enu_m: np.ndarray,
+    mocap_pos: np.ndarray,
+    mocap_quat: np.ndarray,
+    geom_conaffinity: np.ndarray,
+    body_conaffinity: np.ndarray,
+) -> None:
+    """Advance the clock by a tick and put every mover where it then is.
+
+    Args:
+        traffic: `TRAFFIC_DTYPE`, changed.
+        movers: `MOVER_DTYPE` (n,), changed.
+        points: Control points of all paths (k, 3).
+        vehicle_enu_m: Where the vehicle is: a mover far from it need not be looked at for contacts,
+            which would cost a third of a physics step.
+        mocap_pos: MuJoCo's (n, 3), written.
+        mocap_quat: MuJoCo's (n, 4), written.
+        geom_conaffinity: The model's, written for the movers' geoms.
+        body_conaffinity: The model's, written for the movers' bodies.
+    """
+    change = traffic.rate_cmd - traffic.rate
+    limit = _RATE_CHANGE_PER_S * traffic.dt_s
+    traffic.rate += min(max(change, -limit), limit)
+    traffic.clock_s += traffic.rate * traffic.dt_s
+    for i in range(len(movers)):
+        m = movers[i]
+        place_mover(m, points, traffic.clock_s, traffic.rate)
+        gap_squared = 0.0
+        for k in range(3):
+            mocap_pos[i, k] = m.position_enu_m[k]
+            lift = 0.5 * m.height_m if k == 2 else 0.0
+            gap_squared += (m.position_enu_m[k] + lift - vehicle_enu_m[k]) ** 2
+        mocap_quat[i, 0], mocap_quat[i, 3] = math.cos(0.5 * m.yaw_rad), math.sin(0.5 * m.yaw_rad)
+        is_near = gap_squared < (m.radius_m + _CONTACT_MARGIN_M) ** 2
+        bits = m.contact_bits if is_near else 0
+        geom_conaffinity[m.geom] = bits
+        body_conaffinity[m.body] = bits
+
+
+@kernel
+def place_mover(m: np.record, points: np.ndarray, clock_s: float, rate: float) -> None:
+    """Pose and velocity of one mover.
+
+    Args:
+        m: Of `MOVER_DTYPE`, changed.
+        points: Control points of all paths (k, 3).
+        clock_s: The traffic's time.
+        rate: Of its clock against simulated time.
+    """
+    time_s = clock_s + m.phase_s
+    if m.is_loop == 1:
+        m.distance_m, m.distance_rate_mps = (m.speed_mps * time_s) % m.length_m, m.speed_mps
+    else:
+        _go_to_and_fro(m, time_s)
+    _follow_path(m, points)
+    for k in range(3):
+        m.velocity_enu_mps[k] = m.tangent[k] * m.distance_rate_mps * rate
+    if m.tangent[0] ** 2 + m.tangent[1] ** 2 > _STRAIGHT_UP:
+        m.yaw_rad = math.atan2(m.tangent[1], m.tangent[0])
+        if m.turns_round == 1:
+            m.yaw_rad += math.pi * m.turn
+
+
+@kernel
+def _go_to_and_fro(m: np.record, time_s: float) -> None:
+    """Trapezoids of speed, with rests at the ends."""
+    ramp_s = m.speed_mps / m.acceleration_mps2
+    moving_s = m.length_m / m.speed_mps + ramp_s
+    one_way_s = moving_s + m.pause_s
+    since = time_s % (2.0 * one_way_s)
+    is_back = since >= one_way_s
+    if is_back:
+        since -= one_way_s
+    if since >= moving_s:
+        distance, speed = m.length_m, 0.0
+        share = (since - moving_s) / m.pause_s
+        m.turn = share * share * (3.0 - 2.0 * share)
+    else:
+        m.turn = 0.0
+        left = moving_s - since
+        if since < ramp_s:
+            speed = m.acceleration_mps2 * since
+            distance = 0.5 * speed * since
+        elif left < ramp_s:
+            speed = m.acceleration_mps2 * left
+            distance = m.length_m - 0.5 * speed * left
+        else:
+            speed = m.speed_mps
+            distance = m.speed_mps * (since - 0.5 * ramp_s)
+    if is_back:
+        m.turn += 1.0
+        distance, speed = m.length_m - distance, -speed
+    m.distance_m, m.distance_rate_mps = distance, speed
+
+
+@kernel
+def _follow_path(m: np.record, points: np.ndarray) -> None:
+    """Position and derivative by distance at `distance_m`."""
+    u = m.distance_m / m.spacing_m
+    i = int(u)
+    if m.is_loop == 0:
+        i = min(max(i, 0), m.n_points - 4)
+    t = u - i
+    s = 1.0 - t
+    a, d = s * s * s / 6.0, t * t * t / 6.0
+    b = ((3.0 * t - 6.0) * t * t + 4.0) / 6.0
+    c = 1.0 - a - b - d
+    da, dd = -0.5 * s * s, 0.5 * t * t
+    db = (1.5 * t - 2.0) * t
+    dc = -da - db - dd
+    n = m.n_points
+    w, x, y, z = i % n, (i + 1) % n, (i + 2) % n, (i + 3) % n
+    for k in range(3):
+        p, q = points[m.first + w, k], points[m.first + x, k]
+        r, o = points[m.first + y, k], points[m.first + z, k]
+        m.position_enu_m[k] = a * p + b * q + c * r + d * o
+        m.tangent[k] = (da * p + db * q + dc * r + dd * o) / m.spacing_m

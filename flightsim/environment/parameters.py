@@ -1,0 +1,39 @@
+"""Wind and traffic by parameter, while flying: ArduPilot's names where it has them.
+
+PX4 sets the wind of its simulators in their world files; ArduPilot's SIM_WIND_SPD, SIM_WIND_DIR
+and SIM_WIND_TURB are what ground stations and scripts know.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from flightsim.autopilot.parameters import Parameters, ParameterSpec
+from flightsim.environment.wind import WindCfg
+from flightsim.plant import Plant
+
+_TRAFFIC_SPEED = "SIM_TRAFFIC_SPD"
+_WIND_FIELDS = {
+    "SIM_WIND_SPD": "speed_mps",
+    "SIM_WIND_DIR": "from_deg",
+    "SIM_WIND_TURB": "turbulence_mps",
+    "SIM_WIND_GUST": "gust_mps",
+}
+
+
+def wind_parameters(wind: WindCfg) -> dict[str, float]:
+    """Values of the parameters that describe a wind."""
+    values = {name: getattr(wind, field) for name, field in _WIND_FIELDS.items()}
+    return values | {"SIM_WIND_DIR": wind.from_deg % 360.0}
+
+
+def follow_parameters(parameters: Parameters, plant: Plant) -> None:
+    """Let the air and the traffic follow an autopilot's parameters from now on."""
+
+    def listen(spec: ParameterSpec, value: float) -> None:
+        if spec.name in _WIND_FIELDS:
+            plant.wind = replace(plant.wind, **{_WIND_FIELDS[spec.name]: value})
+        elif spec.name == _TRAFFIC_SPEED:
+            plant.traffic_speed = value
+
+    parameters.add_listener(listen)

@@ -1,0 +1,69 @@
+"""Smooth paths: uniform cubic B-splines over points at equal distances.
+
+A spline lies within the hull of any four neighbouring points, so it cuts corners by less than the
+spacing and otherwise stays on the polyline; velocity and acceleration along it are continuous.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.model.quadrotor import Vector3
+
+_SPACING_M = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class SplinePath:
+    """Control points and what distance along the path means."""
+
+    points_enu_m: Float[np.ndarray, "n 3"]
+    """Of an open path with one more point beyond each end."""
+    spacing_m: float
+    is_loop: bool
+
+    @property
+    def length_m(self) -> float:
+        """From end to end, or once around."""
+        n = len(self.points_enu_m)
+        return (n if self.is_loop else n - 3) * self.spacing_m
+
+    def sample(self, distance_m: Float[np.ndarray, " k"]) -> Float[np.ndarray, "k 3"]:
+        """Points at distances from the beginning."""
+        u = np.asarray(distance_m, dtype=float) / self.spacing_m
+        n = len(self.points_enu_m)
+        i = np.floor(u).astype(int)
+        if not self.is_loop:
+            i = np.clip(i, 0, n - 4)
+        t = (u - i)[:, None]
+        weights = (
+            (1 - t) ** 3 / 6,
+            (3 * t**3 - 6 * t**2 + 4) / 6,
+            (-3 * t**3 + 3 * t**2 + 3 * t + 1) / 6,
+            t**3 / 6,
+        )
+        points = self.points_enu_m
+        return sum((w * points[(i + k) % n] for k, w in enumerate(weights)), np.zeros((len(u), 3)))
+
+
+def smooth_path(corners_enu_m: Sequence[Vector3], *, is_loop: bool) -> SplinePath:
+    """The path along a polyline, of two points or more."""
+    corners = np.array(corners_enu_m, dtype=float)
+    if is_loop:
+        corners = np.vstack([corners, corners[:1]])
+    steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    n_pieces = max(4 if is_loop else 1, math.ceil(along[-1] / _SPACING_M))
+    at = np.linspace(0.0, along[-1], n_pieces + 1)
+    points = np.column_stack([np.interp(at, along, corners[:, axis]) for axis in range(3)])
+    if is_loop:
+        # Piece i is governed by points i to i + 3 and lies between the middle two.
+        points = np.roll(points[:-1], 1, axis=0)
+    else:
+        points = np.vstack([2 * points[0] - points[1], points, 2 * points[-1] - points[-2]])
+    return SplinePath(points, float(along[-1]) / n_pieces, is_loop)

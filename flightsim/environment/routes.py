@@ -1,0 +1,113 @@
+"""Routes through free columns: the shortest way between two places, then rounded.
+
+A route is pulled straight like a rope, point by point, wherever that leaves it room enough.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from flightsim.environment.floor import CELL_M, Floor
+
+_SPACING_M = 0.25
+_PULLS = 200
+_WALL_COST_M = 0.5
+"""A cell at this clearance costs twice its length: routes keep off walls."""
+
+
+def find_route(
+    floor: Floor,
+    free: Bool[np.ndarray, "nx ny"],
+    length_m: tuple[float, float],
+    generator: np.random.Generator,
+) -> Float[np.ndarray, "n 2"] | None:
+    """A route through free columns from one place to another, both by chance.
+
+    Args:
+        floor: For the clearance that routes prefer.
+        free: Columns that it may pass through.
+        length_m: Least and greatest cost of the way.
+        generator: Of the choice.
+
+    Returns:
+        Points a quarter of a metre apart, or None where the place that chance chose leads nowhere.
+    """
+    # Start-up time: only runs with traffic search.
+    from scipy.sparse.csgraph import dijkstra  # noqa: PLC0415
+
+    cells = np.argwhere(free)
+    if not len(cells):
+        return None
+    start = int(generator.integers(len(cells)))
+    cost, before = dijkstra(
+        _graph(floor, free, cells), indices=start, limit=length_m[1], return_predecessors=True
+    )
+    goals = np.flatnonzero((cost >= length_m[0]) & np.isfinite(cost))
+    if not len(goals):
+        return None
+    node = int(goals[generator.integers(len(goals))])
+    chain = []
+    while node >= 0:
+        chain.append(node)
+        node = int(before[node])
+    origin = np.array(floor.columns.grid.origin_enu_m[:2])
+    return _resampled(origin + CELL_M * cells[chain[::-1]])
+
+
+def pull_straight(
+    route_enu_m: Float[np.ndarray, "n 2"], floor: Floor, free: Bool[np.ndarray, "nx ny"]
+) -> Float[np.ndarray, "n 2"]:
+    """Move every point but the ends between its neighbours, again and again, where that is free."""
+    points = route_enu_m.copy()
+    for pull in range(_PULLS):
+        # Odd and even points in turn: neighbours must not move at once.
+        inner = np.arange(1 + pull % 2, len(points) - 1, 2)
+        left, right = points[inner - 1], points[inner + 1]
+        moved = (left + right) / 2
+        is_free = free[floor.cells(moved)]
+        is_free &= free[floor.cells((left + moved) / 2)] & free[floor.cells((moved + right) / 2)]
+        points[inner[is_free]] = moved[is_free]
+    return _resampled(points)
+
+
+def _resampled(points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    at = np.linspace(0.0, along[-1], max(2, round(along[-1] / _SPACING_M) + 1))
+    return np.column_stack([np.interp(at, along, points[:, axis]) for axis in (0, 1)])
+
+
+def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> object:
+    """Free columns and their eight neighbours, with lengths that count more near obstacles."""
+    from scipy.sparse import coo_array  # noqa: PLC0415 - as above
+
+    number = np.full((free.shape[0] + 2, free.shape[1] + 2), -1)
+    number[1:-1, 1:-1][free] = np.arange(len(cells))
+    near = 1.0 + _WALL_COST_M / np.maximum(floor.clearance_m[free], 0.1)
+    rows, columns, lengths = [], [], []
+    for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
+        other = number[cells[:, 0] + 1 + di, cells[:, 1] + 1 + dj]
+        here = np.flatnonzero(other >= 0)
+        there = other[here]
+        if di and dj:
+            # Not across a corner.
+            beside = number[cells[here, 0] + 1 + di, cells[here, 1] + 1] >= 0
+            beside &= number[cells[here, 0] + 1, cells[here, 1] + 1 + dj] >= 0
+            here, there = here[beside], there[beside]
+        rows.append(here)
+        columns.append(there)
+        lengths.append(CELL_M * np.hypot(di, dj) * (near[here] + near[there]) / 2)
+    pairs = (np.concatenate(rows), np.concatenate(columns))
+    graph = coo_array((np.concatenate(lengths), pairs), shape=(len(cells),) * 2).tocsr()
+    return graph + graph.T
+
+
+def distance_to_points(
+    floor: Floor, points_enu_m: Float[np.ndarray, "n 2"]
+) -> Float[np.ndarray, "nx ny"]:
+    """Distance from each column's middle to the nearest of some points."""
+    x, y = floor.columns.centres_enu_m
+    squared = np.full(floor.level_m.shape, np.inf)
+    for px, py in points_enu_m:
+        np.minimum(squared, (x - px) ** 2 + (y - py) ** 2, out=squared)
+    return np.sqrt(squared)

@@ -1,0 +1,281 @@
+"""How many of what move in a scene, and paths for them: by seed, in free space, never crossing.
+
+People keep to pavements, squares, lawns and the floors of rooms, cars to roads and car parks,
+drones to one height each; where that leaves no room, people and cars go wherever they can. Every
+mover has its stretch to itself, so none ever meets another, and all keep away from the vehicle's
+start.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from math import ceil
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from aeroscene.scene import Scene
+from aeroscene.shapes import Primitive
+from flightsim.environment.floor import CELL_M, CLEARANCE_CAP_M, Columns, Floor
+from flightsim.environment.movers import (
+    MAX_MOVERS,
+    MOVER_KINDS,
+    MoverName,
+    MovingObstacle,
+)
+from flightsim.environment.paths import smooth_path
+from flightsim.environment.routes import distance_to_points, find_route, pull_straight
+
+SurfaceHeight = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, " n"]]
+
+_ROADS = ("road", "parking_lot")
+_WATERS = ("water",)
+_ATTEMPTS = 40
+_START_KEPT_FREE_M = 3.0
+_BETWEEN_MOVERS_M = 0.4
+_SEEN_HEIGHT_M = 9.0
+_GROUND_CLEARANCE_M = 0.02
+"""Movers hover by this much, and clear the ray that looks for the surface below them."""
+# Half a cell's diagonal and a bit: what is true of a column's middle is true of all of it.
+_SIDE_MARGIN_M = 0.2
+_ROUTE_M: dict[MoverName, tuple[float, float]] = {
+    "person": (4.0, 30.0),
+    "car": (6.0, 45.0),
+    "drone": (8.0, 40.0),
+}
+_WISHED_TIMES = 3.0
+"""A way so much longer than the least is looked for first."""
+_ACROSS = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""Where the ground is looked at, in half widths from the middle."""
+_LEAST_TURN_RADIUS_M = 4.0
+_FLYING_M = {"indoor": (1.2, 1.9), "outdoor": (3.0, 7.0), "mixed": (3.0, 7.0)}
+
+
+class TrafficError(ValueError):
+    """Traffic that cannot be had in a scene."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TrafficCfg:
+    """How many of what move, and by which seed."""
+
+    people: int = 0
+    cars: int = 0
+    drones: int = 0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that make no sense.
+
+        Raises:
+            TrafficError: Naming what is wrong and what is valid.
+        """
+        for name, count in self.counts.items():
+            if not 0 <= count <= MAX_MOVERS:
+                raise TrafficError(f"traffic {name}={count}: 0 to {MAX_MOVERS} are valid")
+        if sum(self.counts.values()) > MAX_MOVERS:
+            raise TrafficError(
+                f"traffic {sum(self.counts.values())} movers: {MAX_MOVERS} in all are valid"
+            )
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of movers by the plural of their kind."""
+        return {"people": self.people, "cars": self.cars, "drones": self.drones}
+
+    @classmethod
+    def parse(cls, text: str, seed: int) -> TrafficCfg:
+        """Read "people=3,cars=2,drones=1", any of them left out, or "none".
+
+        Raises:
+            TrafficError: Saying what is wrong and what is valid.
+        """
+        counts: dict[str, int] = {}
+        names = [field.name for field in fields(cls) if field.name != "seed"]
+        for item in () if text == "none" else text.split(","):
+            name, _, number = item.strip().partition("=")
+            if name not in names or name in counts or not number.isdecimal():
+                raise TrafficError(
+                    f"traffic {text!r}: {item!r} is not valid; valid: none, or some of "
+                    + ",".join(f"{name}=N" for name in names)
+                )
+            counts[name] = int(number)
+        return cls(**counts, seed=seed)
+
+
+def plan_traffic(
+    cfg: TrafficCfg, scene: Scene, solids: Sequence[Primitive], surface_height: SurfaceHeight
+) -> tuple[MovingObstacle, ...]:
+    """Paths for the movers of a scene.
+
+    Args:
+        cfg: How many of what.
+        scene: Where.
+        solids: All that stands there.
+        surface_height: Exact height of the first surface below points, (n, 3) to (n,).
+
+    Raises:
+        TrafficError: If there is no room for one of them.
+    """
+    counts: dict[MoverName, int] = {"person": cfg.people, "car": cfg.cars, "drone": cfg.drones}
+    kinds: list[MoverName] = [kind for kind, count in counts.items() for _ in range(count)]
+    if not kinds:
+        return ()
+    streets = _Streets(scene, solids, surface_height)
+    seeds = np.random.SeedSequence(cfg.seed).spawn(len(kinds))
+    return tuple(
+        streets.place(kind, np.random.default_rng(seed))
+        for kind, seed in zip(kinds, seeds, strict=True)
+    )
+
+
+class _Streets:
+    """Room for movers, and what of it is taken."""
+
+    def __init__(
+        self, scene: Scene, solids: Sequence[Primitive], surface_height: SurfaceHeight
+    ) -> None:
+        self._scene = scene
+        self._surface_height = surface_height
+        self._columns = Columns.of(scene, solids, _SEEN_HEIGHT_M)
+        self._taken: dict[bool, list[tuple[np.ndarray, float]]] = {True: [], False: []}
+        """Points of paths and half widths, of those that fly and of those that do not."""
+
+    def place(self, kind: MoverName, generator: np.random.Generator) -> MovingObstacle:
+        """A mover on a path that nothing crosses."""
+        low, high = MOVER_KINDS[kind].speed_mps
+        speed_mps, phase = float(generator.uniform(low, high)), float(generator.uniform())
+        for is_choosy in (True, False):
+            path = self._find(kind, generator, is_choosy=is_choosy)
+            if path is not None:
+                self._taken[kind == "drone"].append((path, half_width_m(kind)))
+                points = tuple((x, y, z) for x, y, z in path.tolist())
+                return MovingObstacle(
+                    kind=kind, path_enu_m=points, speed_mps=speed_mps, phase=phase
+                )
+        n_placed = len(self._taken[kind == "drone"])
+        raise TrafficError(
+            f"traffic: scene {self._scene.scene_id!r} ({self._scene.domain}) has no room for one "
+            f"more {kind} after {n_placed} that share its space; valid: fewer, or another scene"
+        )
+
+    def _find(
+        self, kind: MoverName, generator: np.random.Generator, *, is_choosy: bool
+    ) -> Float[np.ndarray, "n 3"] | None:
+        """A path where a kind belongs or, not choosy, anywhere; long ones are tried first."""
+        floor = self._floor(kind, generator)
+        free = self._free(kind, floor, is_choosy=is_choosy)
+        for attempt in range(_ATTEMPTS):
+            least_m, most_m = _ROUTE_M[kind]
+            if attempt < _ATTEMPTS // 2:
+                least_m *= _WISHED_TIMES
+            path = self._path(kind, floor, free, (least_m, most_m), generator)
+            if path is not None:
+                return path
+        return None
+
+    def _path(
+        self,
+        kind: MoverName,
+        floor: Floor,
+        free: Bool[np.ndarray, "nx ny"],
+        length_m: tuple[float, float],
+        generator: np.random.Generator,
+    ) -> Float[np.ndarray, "n 3"] | None:
+        """A path by chance, or None if chance chose none that will do."""
+        route = find_route(floor, free, length_m, generator)
+        if route is None:
+            return None
+        path = self._lifted(kind, pull_straight(route, floor, free), floor)
+        return path if path is not None and _has_room(kind, path, floor, free) else None
+
+    def _floor(self, kind: MoverName, generator: np.random.Generator) -> Floor:
+        height_m = MOVER_KINDS[kind].size_m[2]
+        if kind != "drone":
+            return self._columns.floor(height_m)
+        low, high = _FLYING_M[self._scene.domain]
+        above_m = float(generator.uniform(low, high))
+        return self._columns.layer(self._scene.extent_min_enu_m[2] + above_m, height_m)
+
+    def _free(self, kind: MoverName, floor: Floor, *, is_choosy: bool) -> Bool[np.ndarray, "nx ny"]:
+        half_m = half_width_m(kind)
+        free = floor.clearance_m >= half_m + _SIDE_MARGIN_M
+        if kind != "drone":
+            free &= self._zone(kind, is_choosy=is_choosy)
+        start = np.array([self._scene.start_position_enu_m[:2]])
+        free &= distance_to_points(floor, start) > _START_KEPT_FREE_M + half_m
+        for path, other_half_m in self._taken[kind == "drone"]:
+            apart_m = half_m + other_half_m + _BETWEEN_MOVERS_M
+            free &= distance_to_points(floor, path[:, :2]) > apart_m
+        return free
+
+    def _zone(self, kind: MoverName, *, is_choosy: bool) -> Bool[np.ndarray, "nx ny"]:
+        """Where a kind belongs, or, if it cannot be choosy, where it does not drown."""
+        objects = self._scene.objects
+        waters = self._columns.covered_by([o for o in objects if o.category in _WATERS])
+        if not is_choosy:
+            return ~waters & (kind != "car" or self._scene.domain != "indoor")
+        roads = self._columns.covered_by([o for o in objects if o.category in _ROADS])
+        return roads if kind == "car" else ~roads & ~waters
+
+    def _lifted(
+        self, kind: MoverName, route: Float[np.ndarray, "n 2"], floor: Floor
+    ) -> Float[np.ndarray, "n 3"] | None:
+        """The route on the surface below it; None if that is not where cells had it."""
+        if kind == "drone":
+            return np.column_stack([route, floor.level_m[floor.cells(route)]])
+        reach = ceil(MOVER_KINDS[kind].size_m[0] / 2 / CELL_M) + 1
+        tread = _prolonged(route, reach)
+        level_m = floor.level_m[floor.cells(tread)]
+        ahead = np.gradient(tread, axis=0)
+        left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+        left *= half_width_m(kind) / np.linalg.norm(left, axis=1, keepdims=True)
+        above = [np.column_stack([tread + side * left, level_m + CELL_M]) for side in _ACROSS]
+        surface_m = np.max([self._surface_height(points) for points in above], axis=0)
+        if not np.all(np.abs(surface_m - level_m) <= 2 * CELL_M):
+            return None
+        # On the highest that it stands on: a kerb lifts it, a step is a short ramp.
+        windows = np.lib.stride_tricks.sliding_window_view(surface_m, 2 * reach + 1)
+        return np.column_stack([route, windows.max(axis=1) + _GROUND_CLEARANCE_M])
+
+
+def _prolonged(route: Float[np.ndarray, "n 2"], n: int) -> Float[np.ndarray, "m 2"]:
+    """The route with n more points straight on at either end."""
+    steps = np.arange(1, n + 1)[:, None]
+    before = route[0] + steps[::-1] * (route[0] - route[1])
+    return np.vstack([before, route, route[-1] + steps * (route[-1] - route[-2])])
+
+
+def half_width_m(kind: MoverName) -> float:
+    """Half of a mover's width, or of what it sweeps turning on the spot if it does."""
+    x, y, _ = MOVER_KINDS[kind].size_m
+    return y / 2 if kind == "car" else math.hypot(x, y) / 2
+
+
+def _has_room(
+    kind: MoverName, path: Float[np.ndarray, "n 3"], floor: Floor, free: np.ndarray
+) -> bool:
+    """Whether the rounded path, and a long mover's ends on it, stay clear."""
+    spline = smooth_path([(x, y, z) for x, y, z in path.tolist()], is_loop=False)
+    if spline.length_m < _ROUTE_M[kind][0] / 2:
+        return False
+    points = spline.sample(np.arange(0.0, spline.length_m, CELL_M / 2))
+    if not np.all(free[floor.cells(points)]):
+        return False
+    if kind != "car":
+        return True
+    ahead = np.diff(points[:, :2], axis=0)
+    headings = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    window = round(1.0 / (CELL_M / 2))
+    if np.any(np.abs(headings[window:] - headings[:-window]) > 1.0 / _LEAST_TURN_RADIUS_M):
+        return False
+    directions = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+    least_m = min(half_width_m(kind) + _SIDE_MARGIN_M / 2, CLEARANCE_CAP_M)
+    for reach_m in np.linspace(-0.5, 0.5, 9) * MOVER_KINDS[kind].size_m[0]:
+        shifted = points[:-1, :2] + reach_m * directions
+        inside_m = least_m if abs(reach_m) < 0.4 * MOVER_KINDS[kind].size_m[0] else 0.0
+        if np.any(floor.clearance_m[floor.cells(shifted)] <= inside_m):
+            return False
+    return True

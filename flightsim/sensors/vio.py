@@ -1,0 +1,110 @@
+"""Visual-inertial odometry: pose in a frame that began at the start and drifts with the way flown.
+
+    m <- m + Rz(-a) (dp - s_p sqrt(|dp|) n),   a <- a + s_a sqrt(|dp|) n
+
+for the true step dp between two frames, position m and heading of the frame a: a random walk in
+position and another in heading, so that the error grows with the square root of the way and, where
+nothing ties the heading down, with its 3/2nd power.
+
+The default grade is that of VINS-Mono and OpenVINS on EuRoC: after 40 m some 0.25 m (0.6% of the
+way) and 0.8 degrees, as the relative errors in Delmerico and Scaramuzza 2018, "A benchmark
+comparison of monocular visual-inertial odometry algorithms for flying robots", and Geneva et al.
+2020, "OpenVINS: a research platform for visual-inertial estimation", section V. The growth with
+the square root is theirs too: their errors double, roughly, from 8 m to 40 m.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from autonomy.jit import kernel
+from autonomy.rotation import yaw_from_quat
+
+VIO_NORMALS = 8
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class VioCfg:
+    """Errors of visual-inertial odometry; pairs are horizontal (each axis) and vertical."""
+
+    rate_hz: int = 25
+    delay_s: float = 0.04
+    """From the exposure to the pose; at most one frame."""
+    position_walk: tuple[float, float] = (0.025, 0.02)
+    """m/sqrt(m flown)."""
+    yaw_walk: float = 2.1e-3
+    """rad/sqrt(m flown): 0.12 degrees."""
+    position_noise_m: float = 0.01
+    """White, each axis."""
+    yaw_noise_rad: float = 4e-3
+
+
+VIO_DTYPE = np.dtype(
+    [
+        ("position_vio_m", "f8", 3),
+        ("yaw_vio_rad", "f8"),
+        ("tick", "i8"),  # of validity of the last pose, -1 before the first
+        ("odometer_m", "f8", 3),  # position without its white noise
+        ("frame_yaw_rad", "f8"),
+        ("last_position_enu_m", "f8", 3),
+        ("position_walk", "f8", 3),
+        ("yaw_walk", "f8"),
+        ("position_noise_m", "f8"),
+        ("yaw_noise_rad", "f8"),
+        ("delay_ticks", "i8"),
+        ("period_ticks", "i8"),
+        ("is_enabled", "i8"),
+    ],
+    align=True,
+)
+
+
+def new_vio(
+    cfg: VioCfg, *, tick_hz: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray
+) -> np.ndarray:
+    """Odometry that begins at a true pose, in an array of shape (1,)."""
+    records = np.zeros(1, VIO_DTYPE)
+    r = records[0]
+    r["last_position_enu_m"] = position_enu_m
+    r["frame_yaw_rad"] = yaw_from_quat(quat_wxyz)
+    horizontal, vertical = cfg.position_walk
+    r["position_walk"] = (horizontal, horizontal, vertical)
+    r["yaw_walk"] = cfg.yaw_walk
+    r["position_noise_m"] = cfg.position_noise_m
+    r["yaw_noise_rad"] = cfg.yaw_noise_rad
+    r["period_ticks"] = tick_hz // cfg.rate_hz
+    r["delay_ticks"] = min(round(cfg.delay_s * tick_hz), r["period_ticks"])
+    r["is_enabled"] = 1
+    r["tick"] = -1
+    return records
+
+
+@kernel
+def sample_vio(
+    r: np.record, tick: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, normals: np.ndarray
+) -> None:
+    """Measure at a true pose; who reads it must wait `delay_ticks`."""
+    last, m = r.last_position_enu_m, r.odometer_m
+    dx, dy, dz = (
+        position_enu_m[0] - last[0],
+        position_enu_m[1] - last[1],
+        position_enu_m[2] - last[2],
+    )
+    root = math.sqrt(math.sqrt(dx * dx + dy * dy + dz * dz))
+    dx -= r.position_walk[0] * root * normals[0]
+    dy -= r.position_walk[1] * root * normals[1]
+    dz -= r.position_walk[2] * root * normals[2]
+    c, s = math.cos(r.frame_yaw_rad), math.sin(r.frame_yaw_rad)
+    m[0] += c * dx + s * dy
+    m[1] += c * dy - s * dx
+    m[2] += dz
+    r.frame_yaw_rad += r.yaw_walk * root * normals[3]
+    for i in range(3):
+        last[i] = position_enu_m[i]
+        r.position_vio_m[i] = m[i] + r.position_noise_m * normals[4 + i]
+    yaw = yaw_from_quat(quat_wxyz) - r.frame_yaw_rad
+    r.yaw_vio_rad = yaw + r.yaw_noise_rad * normals[7]
+    r.tick = tick

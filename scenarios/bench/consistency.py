@@ -1,0 +1,73 @@
+"""Is an estimator as good as it says? Normalised squared errors against their chi-square law.
+
+NEES is e^T P^-1 e for an error e and the covariance P that the filter claims; over consistent
+flights it is chi-square distributed with as many degrees of freedom as e has numbers.
+
+Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and
+navigation", section 5.4.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.estimation.error_state import ATTITUDE, POSITION, VELOCITY
+from flightsim.plant import Plant
+
+BLOCKS = {"position": POSITION, "velocity": VELOCITY, "attitude": ATTITUDE}
+"""Blocks of three states whose errors have a truth, by their first index."""
+_DIMENSION = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """Where the mean NEES of some flights lies with a probability of 95%."""
+
+    low: float
+    high: float
+
+
+def band(n_flights: int) -> Band:
+    """The 95% band of the mean NEES of a block over independent flights."""
+    from scipy.stats import chi2  # noqa: PLC0415 - half a second
+
+    freedom = _DIMENSION * n_flights
+    low, high = chi2.ppf((0.025, 0.975), freedom) / n_flights
+    return Band(float(low), float(high))
+
+
+def errors(plant: Plant) -> dict[str, Float[np.ndarray, " 3"]]:
+    """True minus estimated, for each of `BLOCKS`; attitude as a rotation vector, ENU."""
+    true, estimate = plant.truth, plant.estimate
+    return {
+        "position": np.subtract(true.position_enu_m, estimate.position_enu_m),
+        "velocity": np.subtract(true.velocity_enu_mps, estimate.velocity_enu_mps),
+        "attitude": attitude_error(np.array(true.quat_wxyz), np.array(estimate.quat_wxyz)),
+    }
+
+
+def attitude_error(
+    true_wxyz: Float[np.ndarray, " 4"], estimate_wxyz: Float[np.ndarray, " 4"]
+) -> Float[np.ndarray, " 3"]:
+    """Rotation vector in the world that turns the estimated attitude into the true one, rad."""
+    w, v = estimate_wxyz[0], -estimate_wxyz[1:]
+    scalar = true_wxyz[0] * w - true_wxyz[1:] @ v
+    vector = true_wxyz[0] * v + w * true_wxyz[1:] + np.cross(true_wxyz[1:], v)
+    norm = float(np.linalg.norm(vector))
+    if norm == 0.0:
+        return np.zeros(3)
+    angle = 2.0 * np.arctan2(norm, abs(scalar))
+    return np.copysign(1.0, scalar) * angle / norm * vector
+
+
+def nees(plant: Plant) -> dict[str, float]:
+    """NEES of each of `BLOCKS` now."""
+    covariance = plant.filter["covariance"]
+    found = {}
+    for block, e in errors(plant).items():
+        part = slice(BLOCKS[block], BLOCKS[block] + _DIMENSION)
+        found[block] = float(e @ np.linalg.solve(covariance[part, part], e))
+    return found

@@ -1,0 +1,166 @@
+"""`bench control`: how closely the controller tracks, and whether it ever loses the vehicle.
+
+Figure eights with a peak acceleration of 7 m/s^2, with the true state and with the estimator in the
+loop, in still air and in 5 m/s of wind with moderate turbulence; eights that no rotor can fly;
+recovery from random attitudes and rates. All in an empty field, in MuJoCo with rotor lag.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeroscene.scene import Scene
+from flightsim.environment.wind import CALM, TURBULENCE_MPS, WindCfg
+from flightsim.plant import Plant, PlantCfg, compile_kernels
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import World, build_world
+from scenarios.bench.figure_eight import FigureEight, Track, come_back, fly, take_off
+from scenarios.bench.recovery import Recovery, recover
+from scenarios.bench.row import Row
+
+VEHICLES = ("hummingbird", "iris")
+PEAK_ACCELERATION_MPS2 = 7.0
+WIND_MPS = 5.0
+LARGEST_RMSE_M = {
+    ("truth", "still air"): 0.05,
+    ("truth", "wind"): 0.15,
+    ("estimate", "still air"): 0.10,
+    ("estimate", "wind"): 0.20,
+}
+"""Of the Hummingbird; with the estimator in the loop the error is against the estimate."""
+LEAST_RECOVERED_PERCENT = 99.9
+_TARGET_VEHICLE = "hummingbird"
+_LAPS = 3
+_WIND_SETTLES_S = 4.0
+_TOO_FAST_MPS2 = (16.0, 20.0, 25.0, 30.0, 35.0)
+"""Peak accelerations of eights beyond what the tilt and thrust limits allow."""
+_TOO_FAST_S, _COME_BACK_S = 25.0, 10.0
+_LOST_RAD = math.radians(90.0)
+_BACK_M = 0.2
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControlBenchCfg:
+    """How many of each."""
+
+    trials: int
+    """Recoveries of each vehicle."""
+    flights: int
+    """Eights of each vehicle in wind, from as many directions."""
+    seed: int
+    vehicles: tuple[str, ...] = VEHICLES
+
+
+def rows(cfg: ControlBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
+    """Fly and judge.
+
+    Args:
+        cfg: How many of each.
+        on_progress: Called before each part with its title and the share done.
+    """
+    compile_kernels()
+    for i, name in enumerate(cfg.vehicles):
+        done = i / len(cfg.vehicles)
+        world = build_world(_field(), airframe_by_name(name))
+        on_progress(f"{name}: figure eights", done)
+        yield from _tracking(cfg, name, world)
+        on_progress(f"{name}: beyond its limits", done + 0.15 / len(cfg.vehicles))
+        yield from _saturation(cfg, name, world)
+        on_progress(f"{name}: recovery", done + 0.2 / len(cfg.vehicles))
+        yield from _recovery(cfg, name, world)
+    on_progress("done", 1.0)
+
+
+def _field() -> Scene:
+    """Nothing but ground."""
+    return Scene(
+        scene_id="field",
+        domain="outdoor",
+        seed=0,
+        extent_min_enu_m=(-100.0, -100.0, 0.0),
+        extent_max_enu_m=(100.0, 100.0, 200.0),
+        start_position_enu_m=(0.0, 0.0, 0.0),
+        start_yaw_rad=0.0,
+        latitude_deg=47.4,
+        longitude_deg=8.5,
+        altitude_m=488.0,
+        objects=(),
+    )
+
+
+def _tracking(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
+    for state in ("truth", "estimate"):
+        for air in ("still air", "wind"):
+            n_flights = cfg.flights if air == "wind" else 1
+            errors_m = []
+            for k in range(n_flights):
+                wind = _wind(360.0 * k / n_flights) if air == "wind" else CALM
+                plant = Plant(world, PlantCfg(seed=cfg.seed + k, state=state))
+                errors_m.append(_fly_eight(plant, wind).rmse_m(state))
+            target = LARGEST_RMSE_M[state, air] if name == _TARGET_VEHICLE else None
+            title = f"{name}, figure eight by {state}, {air}"
+            rmse_m = math.sqrt(np.mean(np.square(errors_m)))
+            yield Row(metric=title, value=rmse_m, unit="m RMSE", target=target, better="lower")
+            if n_flights > 1:
+                worst_m = max(errors_m)
+                metric = f"{title}, worst flight"
+                yield Row(metric=metric, value=worst_m, unit="m RMSE", better="lower")
+
+
+def _wind(from_deg: float) -> WindCfg:
+    return WindCfg(speed_mps=WIND_MPS, from_deg=from_deg, turbulence_mps=TURBULENCE_MPS["moderate"])
+
+
+def _fly_eight(plant: Plant, wind: WindCfg) -> Track:
+    hover_enu_m = take_off(plant)
+    plant.wind = wind
+    come_back(plant, hover_enu_m, _WIND_SETTLES_S)
+    eight = FigureEight(centre_enu_m=hover_enu_m, peak_acceleration_mps2=PEAK_ACCELERATION_MPS2)
+    return fly(plant, eight, _LAPS * eight.lap_s)
+
+
+def _saturation(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
+    """Eights that are too fast, then back to the hover: lost is what tips over or stays away."""
+    n_lost, tilt_rad, sunk_m = 0, 0.0, 0.0
+    for peak_mps2 in _TOO_FAST_MPS2:
+        plant = Plant(world, PlantCfg(seed=cfg.seed, state="truth"))
+        hover_enu_m = take_off(plant)
+        eight = FigureEight(centre_enu_m=hover_enu_m, peak_acceleration_mps2=peak_mps2)
+        away = fly(plant, eight, _TOO_FAST_S)
+        back = come_back(plant, hover_enu_m, _COME_BACK_S)
+        largest_rad = max(away.tilt_rad.max(), back.tilt_rad.max())
+        is_back = np.linalg.norm(back.error_true_m[-1]) < _BACK_M
+        has_touched = away.is_touching.any() or back.is_touching.any()
+        n_lost += largest_rad >= _LOST_RAD or has_touched or not is_back
+        tilt_rad = max(tilt_rad, largest_rad)
+        sunk_m = max(sunk_m, -away.error_true_m[:, 2].min())
+    title = f"{name}, references beyond its limits"
+    yield Row(
+        metric=f"{title}: lost", value=float(n_lost), unit="flights", target=0.0, better="lower"
+    )
+    tilt_deg = math.degrees(tilt_rad)
+    yield Row(metric=f"{title}: largest tilt", value=tilt_deg, unit="degrees", better="lower")
+    yield Row(metric=f"{title}: height lost", value=sunk_m, unit="m", better="lower")
+
+
+def _recovery(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
+    rng = np.random.default_rng(cfg.seed)
+    trials = [recover(world, cfg.seed, rng) for _ in range(cfg.trials)]
+    share = 100.0 * float(np.mean([trial.is_recovered for trial in trials]))
+    title = f"{name}, recovery from any attitude and rate"
+    yield Row(metric=title, value=share, unit="%", target=LEAST_RECOVERED_PERCENT)
+    yield from _spread(f"{title}: height lost", "m", trials, lambda trial: trial.height_lost_m)
+    yield from _spread(f"{title}: upright after", "s", trials, lambda trial: trial.upright_s)
+
+
+def _spread(
+    title: str, unit: str, trials: list[Recovery], value: Callable[[Recovery], float]
+) -> Iterator[Row]:
+    values = [value(trial) for trial in trials]
+    for name, share in (("median", 50.0), ("p95", 95.0), ("most", 100.0)):
+        figure = float(np.percentile(values, share))
+        yield Row(metric=f"{title}, {name}", value=figure, unit=unit, better="lower")

@@ -1,0 +1,176 @@
+"""A figure eight, and how closely a vehicle flies it.
+
+The lemniscate of Gerono, (a sin s, a/2 sin 2s), at a constant phase rate s' after a smooth start;
+its acceleration is a s'^2 |(sin s, 2 sin 2s)|, whose largest value sets s'.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
+from flightsim.plant import Plant
+from flightsim.plant.cfg import ADVANCE_HZ
+
+SETTLED_S = 4.0
+"""Length of the smooth start."""
+_PEAK_SHAPE = float(
+    np.max(np.hypot(np.sin(s := np.linspace(0.0, np.pi, 20_001)), 2.0 * np.sin(2.0 * s)))
+)
+_ALIGN_S, _IDLE_S, _CLIMB_S = 2.0, 0.5, 6.0
+_CLIMB_M = 15.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FigureEight:
+    """A level eight with its crossing in the centre."""
+
+    centre_enu_m: tuple[float, float, float]
+    peak_acceleration_mps2: float
+    half_length_m: float = 8.0
+
+    @property
+    def phase_rate_radps(self) -> float:
+        """Once it is under way."""
+        return math.sqrt(self.peak_acceleration_mps2 / (self.half_length_m * _PEAK_SHAPE))
+
+    @property
+    def peak_speed_mps(self) -> float:
+        """At the crossing."""
+        return math.sqrt(2.0) * self.half_length_m * self.phase_rate_radps
+
+    @property
+    def lap_s(self) -> float:
+        """Time of a lap."""
+        return 2.0 * math.pi / self.phase_rate_radps
+
+    def derivatives_enu(self, time_s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "4 n 3"]:
+        """Position and its first three derivatives."""
+        s, s1, s2, s3 = self._phase(time_s)
+        q = [np.stack([_sine(s, k), 0.5 * 2**k * _sine(2.0 * s, k), 0.0 * s], -1) for k in range(4)]
+        s1, s2, s3 = s1[:, None], s2[:, None], s3[:, None]
+        curve = np.stack(
+            [
+                q[0],
+                q[1] * s1,
+                q[2] * s1**2 + q[1] * s2,
+                q[3] * s1**3 + 3.0 * q[2] * s1 * s2 + q[1] * s3,
+            ]
+        )
+        curve *= self.half_length_m
+        curve[0] += self.centre_enu_m
+        return curve
+
+    def setpoint(self, time_s: float) -> Setpoint:
+        """What to ask for at a time."""
+        p, v, a, j = (tuple(row.tolist()) for row in self.derivatives_enu(np.array([time_s]))[:, 0])
+        return Setpoint(
+            level=ControlLevel.TRAJECTORY,
+            position_enu_m=p,
+            velocity_enu_mps=v,
+            acceleration_enu_mps2=a,
+            jerk_enu_mps3=j,
+            yaw_rad=0.0,
+        )
+
+    def _phase(self, time_s: Float[np.ndarray, " n"]) -> tuple[np.ndarray, ...]:
+        """Phase and three derivatives: its rate rises by a cubic, then stays."""
+        w, length = self.phase_rate_radps, SETTLED_S
+        u = np.clip(time_s / length, 0.0, 1.0)
+        after = np.maximum(time_s - length, 0.0)
+        is_rising = time_s < length
+        return (
+            w * length * (u**3 - 0.5 * u**4) + w * after,
+            w * (3.0 * u**2 - 2.0 * u**3),
+            w / length * (6.0 * u - 6.0 * u**2),
+            w / length**2 * (6.0 - 12.0 * u) * is_rising,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Track:
+    """A flight along an eight, a row for each control tick."""
+
+    time_s: Float[np.ndarray, " n"]
+    """Since its start."""
+    error_true_m: Float[np.ndarray, "n 3"]
+    """Where the vehicle is less where it should be."""
+    error_est_m: Float[np.ndarray, "n 3"]
+    """Where it believes to be less where it should be."""
+    tilt_rad: Float[np.ndarray, " n"]
+    is_touching: np.ndarray
+
+    def rmse_m(self, state: Literal["truth", "estimate"]) -> float:
+        """Root of the mean square error of one of the two, the smooth start left out."""
+        error = self.error_true_m if state == "truth" else self.error_est_m
+        return float(np.sqrt(np.mean(np.sum(error[self.time_s >= SETTLED_S] ** 2, axis=1))))
+
+
+def take_off(plant: Plant) -> tuple[float, float, float]:
+    """Align, arm, climb and hold; where it then should be."""
+    _repeat(plant, OFF, _ALIGN_S)
+    _repeat(plant, IDLE, _IDLE_S)
+    x, y, z = plant.estimate.position_enu_m
+    if plant.cfg.state == "truth":
+        x, y, z = plant.truth.position_enu_m
+    hover_enu_m = (x, y, z + _CLIMB_M)
+    _repeat(plant, hold(hover_enu_m), _CLIMB_S)
+    return hover_enu_m
+
+
+def hold(position_enu_m: tuple[float, float, float]) -> Setpoint:
+    """Stay there, looking east."""
+    return Setpoint(level=ControlLevel.TRAJECTORY, position_enu_m=position_enu_m, yaw_rad=0.0)
+
+
+def fly(plant: Plant, eight: FigureEight, seconds: float) -> Track:
+    """Follow an eight from its centre on."""
+    start_us = plant.time_us
+    rows = _record(plant, eight.setpoint, seconds)
+    time_s = 1e-6 * (rows["time_us"] - start_us)
+    where_enu_m = eight.derivatives_enu(time_s)[0]
+    return _track(rows, time_s, where_enu_m)
+
+
+def come_back(plant: Plant, position_enu_m: tuple[float, float, float], seconds: float) -> Track:
+    """Fly to a point and stay there."""
+    start_us = plant.time_us
+    rows = _record(plant, lambda _: hold(position_enu_m), seconds)
+    return _track(rows, 1e-6 * (rows["time_us"] - start_us), np.array(position_enu_m))
+
+
+def _track(rows: np.ndarray, time_s: np.ndarray, where_enu_m: np.ndarray) -> Track:
+    x, y = rows["quat_true_wxyz"][:, 1], rows["quat_true_wxyz"][:, 2]
+    return Track(
+        time_s=time_s,
+        error_true_m=rows["position_true_enu_m"] - where_enu_m,
+        error_est_m=rows["position_est_enu_m"] - where_enu_m,
+        tilt_rad=np.arccos(np.clip(1.0 - 2.0 * (x**2 + y**2), -1.0, 1.0)),
+        is_touching=rows["is_touching"] == 1,
+    )
+
+
+def _record(plant: Plant, setpoint: Callable[[float], Setpoint], seconds: float) -> np.ndarray:
+    rows = []
+    for k in range(round(seconds * ADVANCE_HZ)):
+        plant.apply(setpoint(k / ADVANCE_HZ))
+        plant.advance()
+        rows.append(plant.history.copy())
+    return np.concatenate(rows)
+
+
+def _repeat(plant: Plant, setpoint: Setpoint, seconds: float) -> None:
+    for _ in range(round(seconds * ADVANCE_HZ)):
+        plant.apply(setpoint)
+        plant.advance()
+
+
+def _sine(angle: np.ndarray, order: int) -> np.ndarray:
+    """Derivative of a sine."""
+    return np.sin(angle + 0.5 * np.pi * order)

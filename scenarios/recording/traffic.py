@@ -1,0 +1,71 @@
+"""Movers in a recording: their shapes once, their poses at every tick of the loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+from jaxtyping import Float
+
+from scenarios.recording import layout
+from scenarios.recording.columns import send_pose, sim_time
+
+if TYPE_CHECKING:
+    # Reading a recording should not load the simulator.
+    from flightsim.plant import Plant
+
+
+class TrafficLog:
+    """Gathers where movers are, and writes it now and then."""
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self._stream = stream
+        self._entities: list[str] = []
+        self._times_us: list[int] = []
+        self._poses: list[np.ndarray] = []
+
+    def on_tick(self, plant: Plant) -> None:
+        """Look at the movers after a tick."""
+        if not plant.world.obstacles:
+            return
+        if not self._entities:
+            self._log_shapes(plant)
+        states = plant.obstacles_true
+        ground_m = states.position_enu_m - states.size_m * (0.0, 0.0, 0.5)
+        self._times_us.append(plant.time_us)
+        self._poses.append(np.column_stack([ground_m, states.yaw_rad]))
+
+    def flush(self) -> None:
+        """Write the poses that wait."""
+        if not self._times_us:
+            return
+        time = sim_time(np.array(self._times_us))
+        poses = np.array(self._poses)
+        self._times_us.clear()
+        self._poses.clear()
+        for index, entity in enumerate(self._entities):
+            send_pose(self._stream, entity, time, poses[:, index, :3], _turned(poses[:, index, 3]))
+
+    def _log_shapes(self, plant: Plant) -> None:
+        from flightsim.environment.movers import mover_name  # noqa: PLC0415 - as above
+
+        obstacles = plant.world.obstacles
+        for index, looks in enumerate(plant.world.movers.looks):
+            entity = layout.mover(mover_name(index, obstacles))
+            self._entities.append(entity)
+            corners = looks.corners_m
+            normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+            mesh = rr.Mesh3D(
+                vertex_positions=corners.reshape(-1, 3).astype(np.float32),
+                vertex_normals=np.repeat(normals, 3, axis=0).astype(np.float32),
+                vertex_colors=np.repeat(np.round(255 * looks.rgb).astype(np.uint8), 3, axis=0),
+            )
+            self._stream.log(entity, mesh, static=True)
+
+
+def _turned(yaw_rad: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 4"]:
+    """Quaternions wxyz of turns about the vertical."""
+    zero = np.zeros_like(yaw_rad)
+    return np.column_stack([np.cos(yaw_rad / 2), zero, zero, np.sin(yaw_rad / 2)])
