@@ -34,13 +34,16 @@ class NotUprightError(ValueError):
 def rotation_matrix(quat_wxyz: ArrayLike) -> Float[np.ndarray, "*batch 3 3"]:
     """Rotation matrices, box to world, of quaternions of any norm above zero."""
     q = np.asarray(quat_wxyz, dtype=float)
-    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
-    rows = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-    )
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    unit = q / np.sqrt((q * q).sum(axis=-1, keepdims=True))
+    # Single ones are many: plain numbers take a fifth of the time of arrays.
+    w, x, y, z = unit.tolist() if unit.ndim == 1 else np.moveaxis(unit, -1, 0)
+    rotation = np.empty((*unit.shape[:-1], 3, 3))
+    rotation[..., 0, 0], rotation[..., 0, 1] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z)
+    rotation[..., 0, 2], rotation[..., 1, 0] = 2 * (x * z + w * y), 2 * (x * y + w * z)
+    rotation[..., 1, 1], rotation[..., 1, 2] = 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    rotation[..., 2, 0], rotation[..., 2, 1] = 2 * (x * z - w * y), 2 * (y * z + w * x)
+    rotation[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    return rotation
 
 
 def quat_from_yaw(yaw_rad: float) -> tuple[float, float, float, float]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import replace
 
 from aeroscene.areas.faces import Face, upward_faces
 from aeroscene.areas.finder import AreaFinder, Candidate, is_wide
@@ -64,8 +63,7 @@ def derive_interaction_areas(
     landing = _landing(scene, finder, bearers, limits)
     perches = _perch_faces(scene, faces, {candidate.face for candidate in landing})
     chosen = [*_limited(scene, landing, limits), *_perching(scene, finder, perches, limits)]
-    areas = (finder.area(candidate) for candidate in chosen)
-    return tuple(replace(area, id=number) for number, area in enumerate(areas))
+    return tuple(finder.area(candidate, number) for number, candidate in enumerate(chosen))
 
 
 def _may_bear(scene: Scene, object_id: int) -> bool:

@@ -74,9 +74,15 @@ def upward_faces(solids: Solids, is_wanted: Callable[[int], bool]) -> list[Face]
         object_id = int(solids.object_id[index])
         key = (object_id, *(round(value / _MERGE_M) for value in (gx, gy, height)))
         groups.setdefault(key, []).append((piece, (gx, gy, height)))
-    faces = [_united(key[0], group) for key, group in groups.items()]
     least_m2 = np.pi * PERCH_NEEDS.surface_radius_m**2
+    wide = [(key[0], group) for key, group in groups.items() if _about_m2(group) > least_m2]
+    faces = [_united(object_id, group) for object_id, group in wide]
     return [face for face in faces if face.outline.area > least_m2]
+
+
+def _about_m2(group: list[tuple[_Piece, tuple[float, float, float]]]) -> float:
+    """At least the area of the pieces: that of the rectangles about them."""
+    return sum(float(np.ptp(piece[2][:, :2], axis=0).prod()) for piece, _ in group)
 
 
 def _united(object_id: int, group: list[tuple[_Piece, tuple[float, float, float]]]) -> Face:

@@ -107,8 +107,8 @@ class AreaFinder:
         is_reached = self._reach.includes(_place(face, spot), needs)
         return Candidate(face, spot, "perching", "small") if is_reached else None
 
-    def area(self, candidate: Candidate) -> InteractionArea:
-        """The area that a candidate makes, not numbered yet."""
+    def area(self, candidate: Candidate, number: int) -> InteractionArea:
+        """The area that a candidate makes."""
         face, spot = candidate.face, candidate.spot
         needs = needs_of(candidate.kind, candidate.drone_class)
         disc = spot.centre.buffer(max(spot.radius_m, needs.body_radius_m))
@@ -116,7 +116,7 @@ class AreaFinder:
         ceiling_m = self._obstacles.lowest_above(face, disc, LEGS_M)
         clearance_m = min(ceiling_m, self._scene.extent_max_enu_m[2] - z)
         return InteractionArea(
-            id=0,
+            id=number,
             kind=candidate.kind,
             object_id=face.object_id,
             polygon=tuple(

@@ -59,8 +59,20 @@ def _without(outline: BaseGeometry, taken: np.ndarray) -> BaseGeometry:
     touching = taken[shapely.intersects(taken, outline)]
     if not len(touching):
         return outline
-    united = _areal(shapely.union_all(touching, grid_size=_GRID_M))
+    if shapely.covers(touching, outline).any():
+        return shapely.Polygon()
+    united = _areal(shapely.union_all(_outermost(touching), grid_size=_GRID_M))
     return shapely.difference(outline, united, grid_size=_GRID_M)
+
+
+def _outermost(outlines: np.ndarray) -> np.ndarray:
+    """Those that lie in no other: uniting on a grid costs more than finding them."""
+    inner, outer = shapely.STRtree(outlines).query(outlines, predicate="within")
+    within = np.zeros((len(outlines), len(outlines)), dtype=bool)
+    within[inner, outer] = True
+    # Of outlines that are alike the first stays.
+    is_inner = (within & (~within.T | np.tri(len(outlines), k=-1, dtype=bool))).any(axis=1)
+    return outlines[~is_inner]
 
 
 def _areal(shape: BaseGeometry) -> BaseGeometry:

@@ -12,6 +12,10 @@ from shapely.geometry.base import BaseGeometry
 MAX_RADIUS_M = 3.0
 """Circles are cut to this radius: an area is a spot, not a field."""
 _VERTICES = 12
+_CIRCLE = tuple(
+    (cos(2 * pi * (i + 0.5) / _VERTICES), sin(2 * pi * (i + 0.5) / _VERTICES))
+    for i in range(_VERTICES)
+)
 _TOLERANCE = 0.02
 """Of the largest circle's radius, as a share of the outline's size."""
 
@@ -78,13 +82,8 @@ class FreeOutline:
 
 
 def _round_spot(centre: shapely.Point, outer_m: float) -> Spot:
-    outline = tuple(
-        (
-            centre.x + outer_m * cos(2 * pi * (i + 0.5) / _VERTICES),
-            centre.y + outer_m * sin(2 * pi * (i + 0.5) / _VERTICES),
-        )
-        for i in range(_VERTICES)
-    )
+    x, y = centre.x, centre.y
+    outline = tuple((x + outer_m * u, y + outer_m * v) for u, v in _CIRCLE)
     return Spot(centre, outer_m * cos(pi / _VERTICES), outer_m, outline)
 
 

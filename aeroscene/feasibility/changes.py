@@ -16,16 +16,15 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import GROUND, cuttable
+from aeroscene.feasibility.roles import GROUND, cuttable, least_m
 
 NARROW_M = 8.0
 """Cuts of sides that are shorter than this cost more and may not go as deep."""
 DEEPEST_CUT = (0.2, 0.6)
 """Share of a side, narrow and wide, that both its cuts may take."""
-_LEAST_SHARE = 0.3
-"""Of a side that is left whatever was demanded."""
 _CUT_COST = 0.3
 """A metre cut off a wide side, in displaced objects."""
+_NO_CUT_M = 1e-9
 _GROUND_FACTOR = 3.0
 """By how much dearer it is to move ground, for which all else makes room, than its objects."""
 
@@ -49,6 +48,9 @@ class Changes:
         self.carries[:n] = layout.moves_with[:, movable]
         is_cuttable = np.array([cuttable(layout.objects[row]) for row in movable], dtype=bool)
         self._cut_of, self._cut_axis = np.nonzero(is_cuttable.reshape(m, 2))
+        least = np.array([least_m(layout.objects[row]) for row in movable]).reshape(m, 2)
+        spare = self._sides() - least[self._cut_of, self._cut_axis]
+        self._spare_m: Float[np.ndarray, " c"] = spare.clip(min=0.0)
         c = len(self._cut_of)
         self.width = 2 * m + 2 * c
         self._column = np.full((len(began), 4), -1)
@@ -85,8 +87,7 @@ class Changes:
             rows, axis = self._movable[self._cut_of], self._cut_axis
             high, low = x[2 * m : 2 * m + c], x[2 * m + c :]
             # Contradicting demands may ask for more than there is.
-            most = (1 - _LEAST_SHARE) * self._sides()
-            share = most / np.maximum(high + low, most)
+            share = np.minimum(1.0, self._spare_m / np.maximum(high + low, _NO_CUT_M))
             high, low = high * share, low * share
             offset = now.axes_of(rows)[np.arange(c), axis] * ((low - high) / 2)[:, None]
             np.add.at(now.centre_m[:, :2], rows, offset)
@@ -125,5 +126,5 @@ class Changes:
         demands = np.zeros((3 * c, self.width))
         demands[:, 2 * m :] = np.vstack([np.eye(2 * c), -np.hstack([np.eye(c), np.eye(c)])])
         sides = self._sides()
-        deepest = np.where(sides < NARROW_M, *DEEPEST_CUT) * sides
+        deepest = np.minimum(np.where(sides < NARROW_M, *DEEPEST_CUT) * sides, self._spare_m)
         return demands, np.concatenate([np.zeros(2 * c), -deepest])

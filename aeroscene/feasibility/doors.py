@@ -10,9 +10,13 @@ from aeroscene.scene import AttributeValue
 
 _JAMB_M = 0.15
 """Least wall beside an opening."""
-_LEAST_DOOR_M = (1.5, 2.2)
-"""Width and height of the smallest doors of the corpus: a drone has some room to spare."""
+_LEAST_DOOR_M = (1.65, 2.2)
+"""Width and height that a drone flies through with some room to spare: an Iris takes 1.6 m."""
+_CORPUS_DOOR_M = 1.5
+"""Width of the doors of the corpus' partitions, which stay as they are."""
 _LINTEL_M = 0.05
+_SAME_M = 1e-4
+"""Lengths that documents do not tell apart."""
 _APRON_M = 1.3
 """Depth of the air that stays free on either side, as curation keeps it."""
 _SILL_M = 0.1
@@ -24,11 +28,12 @@ def door_air(layout: Layout) -> Boxes:
     boxes = layout.boxes
     found: list[tuple[float, ...]] = []
     for row, obj in enumerate(layout.objects):
-        width = obj.attributes.get("door_m", 0.0)
+        openings = layout.attributes.get(row, obj.attributes)
+        width = openings.get("door_m", 0.0)
         is_door = obj.category == "wall" and layout.is_left[row] and isinstance(width, int | float)
         if not is_door or float(width) <= 0:
             continue
-        offset = float(obj.attributes.get("door_offset_m", 0.0))
+        offset = float(openings.get("door_offset_m", 0.0))
         x, y = boxes.centre_m[row, :2] + offset * boxes.frame(row)[1]
         low_m = float(boxes.base_m[row]) + _SILL_M
         half = (_APRON_M, float(width) / 2 + 0.1, (_LEAST_DOOR_M[1] - _SILL_M) / 2)
@@ -51,6 +56,7 @@ def fit_openings(layout: Layout) -> int:
         fitted = dict(obj.attributes)
         for name in ("door", "window"):
             _fit(fitted, name, length, height)
+        layout.attributes.pop(row, None)
         if fitted != dict(obj.attributes):
             layout.attributes[row] = fitted
             n_changed += 1
@@ -64,7 +70,8 @@ def _fit(
     if not isinstance(width, int | float) or width <= 0:
         return
     widest = length_m - 2 * _JAMB_M
-    least = _LEAST_DOOR_M[0] if name == "door" else 0.0
+    is_ours = name == "door" and abs(float(width) - _CORPUS_DOOR_M) > _SAME_M
+    least = _LEAST_DOOR_M[0] if is_ours else 0.0
     fitted = min(max(float(width), least), widest)
     if fitted <= 0:
         for key in ("m", "offset_m", "height_m", "sill_m"):
@@ -89,5 +96,5 @@ def _fit_head(attributes: dict[str, AttributeValue], name: str, height_m: float)
 def _set(attributes: dict[str, AttributeValue], key: str, value: float) -> None:
     """Write a length if it has changed by more than documents tell."""
     old = attributes.get(key)
-    if not isinstance(old, int | float) or abs(float(old) - value) > 1e-4:
+    if not isinstance(old, int | float) or abs(float(old) - value) > _SAME_M:
         attributes[key] = round(value, 4)

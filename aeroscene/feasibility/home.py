@@ -142,9 +142,10 @@ def _is_free(
     near = near[np.hypot(*(boxes.centre_m[near, :2] - spot).T) < reach]
     if not len(near):
         return True
+    found = strangers(boxes.centre_m[near], boxes.half_m[near], boxes.yaw_rad[near])
     square = _square(spot, yaw_rad, radius_m, base_m, base_m + _FREE_HEIGHT_M)
-    both = joined(boxes, square)
-    return bool((footprint_depth(both, near, np.full(len(near), len(boxes))) <= 0.001).all())
+    both, rows = joined(found, square), np.arange(len(near))
+    return bool((footprint_depth(both, rows, np.full(len(near), len(near))) <= 0.001).all())
 
 
 def _square(

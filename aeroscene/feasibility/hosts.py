@@ -33,36 +33,43 @@ def dissolve(layout: Layout, row: int) -> None:
 
 
 def rehome(layout: Layout) -> None:
-    """Leave to the ground below what a cut has left beside its own ground.
+    """Leave to the surface below what a cut has left beside its own.
 
     So that a cut displaces nothing: a bench stays where it is, on the lawn instead of the plaza.
+    Where no surface is below, fine objects keep theirs, or get one that is much nearer.
     """
     boxes = layout.boxes
-    for row in range(len(layout.objects)):
+    for row, obj in enumerate(layout.objects):
         host = int(boxes.parent[row])
-        if host < 0 or not layout.is_left[row] or layout.objects[host].category not in GROUND:
+        if host < 0 or not layout.is_left[row]:
+            continue
+        bearer = layout.objects[host]
+        is_surface = bearer.category in GROUND or (bearer.category == "room" and not obj.is_coarse)
+        if not is_surface or is_chained(obj, bearer):
             continue
         beside_m = _beside_m(layout, host, boxes.centre_m[row, :2])
-        if beside_m < _BESIDE_M or is_chained(layout.objects[row], layout.objects[host]):
+        if beside_m < _BESIDE_M:
             continue
         ground = _ground_below(layout, row, host)
-        if ground >= 0 or beside_m > _LOST_M:
+        if ground not in (-1, host) or (ground < 0 and beside_m > _LOST_M):
             layout.adopt(row, ground)
 
 
 def _ground_below(layout: Layout, row: int, host: int) -> int:
     """The surface like its own that lies below the middle of an object, -1 without one.
 
-    For what stood in a room it is, where no other room holds it, the nearest of the building.
+    For what is fine or stood in a room it is, where none holds it, the nearest one, its own if that
+    is still there.
     """
-    at = layout.boxes.centre_m[row, :2]
+    at, is_fine = layout.boxes.centre_m[row, :2], not layout.objects[row].is_coarse
     like = [g for g in _hosts_like(layout, host) if not layout.moves_with[g, row]]
     for ground in like:
         if _holds(layout, ground, at):
             return ground
-    if layout.objects[host].category != "room" or not like:
+    if not is_fine and layout.objects[host].category != "room":
         return -1
-    return min(like, key=lambda room: _beside_m(layout, room, at))
+    like = [host, *like] if layout.is_left[host] else like
+    return min(like, key=lambda ground: _beside_m(layout, ground, at), default=-1)
 
 
 def other_hosts(layout: Layout, row: int) -> list[int]:
@@ -77,6 +84,7 @@ def other_hosts(layout: Layout, row: int) -> list[int]:
     order = [like[k] for k in np.argsort(far, kind="stable").tolist() if is_wide[k]]
     order = [h for h in order if not layout.moves_with[h, row] and h != host]
     is_outside = host >= 0 and layout.objects[host].category in BEARING
+    is_outside &= layout.objects[row].is_coarse
     return [*order[:_MOST_HOSTS], *([-1] if is_outside else [])]
 
 
@@ -96,8 +104,11 @@ def _hosts_like(layout: Layout, host: int | None) -> list[int]:
         ]
     else:
         return []
-    # Small covers lie on large ones, and are met first.
-    return sorted(found, key=lambda row: float(layout.boxes.half_m[row, :2].prod()))
+    # Small covers lie on large ones, and are met first; what bears their own comes last.
+    found.sort(key=lambda row: float(layout.boxes.half_m[row, :2].prod()))
+    above = -1 if host is None else int(layout.boxes.parent[host])
+    is_bearer = above >= 0 and layout.objects[above].category in BEARING | {"room"}
+    return [*found, above] if is_bearer and above not in found else found
 
 
 def _rooms_beside(layout: Layout, room: int) -> list[int]:

@@ -34,11 +34,13 @@ class Place:
     shift_m: tuple[float, float]
     quarters: int
     """Quarter turns."""
+    swing_m: float
+    """How far on average these move what the object carries."""
 
     @property
     def distance_m(self) -> float:
-        """How far it is."""
-        return math.hypot(*self.shift_m)
+        """How far it is, by shift and turns together."""
+        return math.hypot(*self.shift_m) + self.swing_m
 
 
 def find_place(
@@ -49,6 +51,7 @@ def find_place(
     reach_m: float = math.inf,
     *,
     may_cut: bool = False,
+    among_coarse: bool = False,
 ) -> Place | None:
     """The nearest free place upon a host for an object with all it carries.
 
@@ -59,10 +62,14 @@ def find_place(
         obstacles: Boxes that must be left free, beside all objects of the layout.
         reach_m: How far to look.
         may_cut: Whether ground is no obstacle, because it can be cut.
+        among_coarse: Whether fine objects are none, because they make room afterwards.
     """
     boxes, group = layout.boxes, layout.carried(row)
-    group = group[layout.is_left[group]]
+    group = np.array([row, *group[layout.is_left[group] & (group != row)].tolist()])
     others = layout.is_left & ~layout.moves_with[:, row]
+    if among_coarse:
+        is_coarse = np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
+        group, others = group[is_coarse[group]], others & is_coarse
     rows = _rows(boxes, group)
     rise_m = 0.0
     if host != layout.host[row]:
@@ -77,8 +84,16 @@ def find_place(
         others &= [obj.category not in GROUND for obj in layout.objects]
     taken = np.concatenate([_rows(boxes, np.flatnonzero(others)), _all_rows(obstacles)])
     region, furthest_m = _region(layout, row, host)
-    x, y, turn = _nearest(rows, taken, region, _bounds(layout), min(reach_m, furthest_m))
-    return None if math.isnan(x) else Place(host, (x, y), turn)
+    swing_m = _swing_m(layout, row)
+    x, y, turn = _nearest(rows, taken, region, _bounds(layout), min(reach_m, furthest_m), swing_m)
+    return None if math.isnan(x) else Place(host, (x, y), turn, turn * swing_m)
+
+
+def _swing_m(layout: Layout, row: int) -> float:
+    """How far a quarter turn moves an object and all it carries, on average."""
+    group = layout.carried(row)
+    offset = layout.boxes.centre_m[group, :2] - layout.boxes.centre_m[row, :2]
+    return math.sqrt(2) * float(np.hypot(*offset.T).mean())
 
 
 def move_to(layout: Layout, row: int, place: Place) -> None:
@@ -146,15 +161,22 @@ def _nearest(
     region: Float[np.ndarray, " 6"],
     bounds: Float[np.ndarray, " 4"],
     reach_m: float,
+    swing_m: float,
 ) -> tuple[float, float, int]:
-    """Shift and quarter turns of a group about its first box, NaN without a place."""
+    """Shift and quarter turns of a group about its first box, NaN without a place.
+
+    A turn counts as a shift by `swing_m`.
+    """
     radius = 0.0
     while radius <= reach_m:
-        spokes = 1 if radius == 0.0 else _SPOKES
-        for spoke in range(spokes):
-            angle = 2.0 * math.pi * spoke / spokes
-            x, y = radius * math.cos(angle), radius * math.sin(angle)
-            for turn in range(2):
+        for turn in range(2):
+            ring = radius - turn * swing_m
+            if ring < 0.0:
+                continue
+            spokes = 1 if ring == 0.0 else _SPOKES
+            for spoke in range(spokes):
+                angle = 2.0 * math.pi * spoke / spokes
+                x, y = ring * math.cos(angle), ring * math.sin(angle)
                 if _is_free(group, taken, region, bounds, x, y, turn):
                     return x, y, turn
         radius = max(radius + _STEP_M, radius * _GROWTH)

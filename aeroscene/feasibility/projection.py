@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
 from shapely.errors import ShapelyError
 
+from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, snapshot, stage_report
 from aeroscene.feasibility.stages import finished, stages
+from aeroscene.freespace import build_distance_field
 from aeroscene.landing import AreaLimits, derive_interaction_areas
 from aeroscene.scene import Scene, SceneError
 from aeroscene.shapes import scene_primitives
 from aeroscene.solids import colliding
-from aeroscene.validation import validate
+from aeroscene.validation import Finding, validate
 from aeroscene.validation.claims import unlandable
 
 AWAY_M = 2.0
@@ -61,8 +64,8 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
             stage(layout)
             names.append(name)
             moments.append(snapshot(layout))
-        found = with_areas(finished(layout), cfg.limits)
-        rejection = _rejection(scene, found, cfg)
+        found, findings = _with_areas(finished(layout), cfg)
+        rejection = _rejection(scene, found, findings, cfg)
     except (SceneError, ShapelyError) as error:
         # Of a poor draw: no document can hold the layout, or its outlines have no area.
         found, rejection = scene, str(error)
@@ -77,18 +80,30 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     return Feasible(found, report)
 
 
-def with_areas(scene: Scene, limits: AreaLimits | None) -> Scene:
-    """A scene with the areas of its geometry, but for those that fail to be what they claim."""
+def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]]:
+    """A scene with the areas of its geometry, and what is wrong with it.
+
+    Areas that fail to be what they claim are left out, and so are their findings.
+    """
     primitives = scene_primitives(scene)
-    areas = derive_interaction_areas(scene, primitives, limits=limits)
+    field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
+    areas = derive_interaction_areas(scene, primitives, field, cfg.limits)
     scene = replace(scene, interaction_areas=areas)
-    wrong = {f.area_id for f in unlandable(scene, colliding(primitives))}
+    findings = (
+        validate(scene, primitives, field)
+        if cfg.is_validated
+        else tuple(unlandable(scene, colliding(primitives)))
+    )
+    wrong = {finding.area_id for finding in findings if finding.kind == "unlandable"}
     sound = [area for area in areas if area.id not in wrong]
     numbered = (replace(area, id=number) for number, area in enumerate(sound))
-    return replace(scene, interaction_areas=tuple(numbered)) if wrong else scene
+    left = [f for f in findings if f.area_id is None or f.area_id not in wrong]
+    return replace(scene, interaction_areas=tuple(numbered)) if wrong else scene, left
 
 
-def _rejection(began: Scene, found: Scene, cfg: FeasibilityCfg) -> str | None:
+def _rejection(
+    began: Scene, found: Scene, findings: Sequence[Finding], cfg: FeasibilityCfg
+) -> str | None:
     """Why a scene cannot be used, None if it can."""
     n_dropped, n = len(began.objects) - len(found.objects), len(began.objects)
     if n_dropped > cfg.most_dropped_share * n:
@@ -103,7 +118,6 @@ def _rejection(began: Scene, found: Scene, cfg: FeasibilityCfg) -> str | None:
             f"{n_away} landing areas away from the start can be reached, "
             f"valid: from {cfg.least_landing_areas}"
         )
-    findings = validate(found) if cfg.is_validated else ()
     if findings:
         return f"{len(findings)} findings, the first: {findings[0].detail}"
     return None

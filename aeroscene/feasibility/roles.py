@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from aeroscene.catalogue import CATALOGUE
 from aeroscene.scene import SceneObject
 from aeroscene.shapes.facade import WALL_M
 
@@ -15,6 +16,8 @@ COVERS = frozenset({"lawn", "plaza", "parking_lot", "sidewalk", "road", "water"}
 """Thin surfaces that tile the ground."""
 GROUND = COVERS | {"terrain"}
 """Covers and raised land."""
+TILING = frozenset({"lawn", "plaza", "parking_lot"})
+"""Covers that are laid as wide as what stands on them."""
 BUILDINGS = frozenset({"building", "house", "tower", "warehouse"})
 """What rooms, walls, floors and roofs are parts of."""
 FITTINGS = frozenset({"room", "wall", "floor"})
@@ -47,6 +50,12 @@ POSTS = frozenset({"street_lamp"})
 def cuttable(obj: SceneObject) -> tuple[bool, bool]:
     """Whether an object may become shorter along its own x and y."""
     return _CUTTABLE.get(obj.category, _NEITHER)
+
+
+def least_m(obj: SceneObject) -> tuple[float, float]:
+    """Shortest length and width that a cut leaves an object."""
+    category = CATALOGUE[obj.category_id]
+    return category.length_m[0], category.width_m[0]
 
 
 def is_chained(obj: SceneObject, parent: SceneObject) -> bool:

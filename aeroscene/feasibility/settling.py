@@ -18,20 +18,20 @@ from aeroscene.feasibility.boxes import (
 from aeroscene.feasibility.hosts import dissolve, other_hosts
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.places import Place, find_place, move_to
-from aeroscene.feasibility.roles import BUILDINGS, GROUND, cuttable
+from aeroscene.feasibility.roles import BUILDINGS, GROUND, cuttable, least_m
 
 TOUCH_M = 0.001
 _GAP_M = 0.0005
 _MOST_CUT = 0.6
 """Largest share of a side that a last cut may take."""
-_LEAST_SIDE_M = 0.8
-"""Shortest side that a cut may leave."""
 _BUILT = BUILDINGS | {"garage", "container", "kiosk", "bridge"}
 _ROUNDS = 3
 _FAR_M = 2.0
 """Further away than this, places upon other hosts are looked at."""
 _MUCH_TOO_FAR_M = 4.0
 """Rather than so far away a structure stands where ground has to be cut for it."""
+_WORTH = 0.5
+"""A structure goes where fine objects have to make room if that is nearer by this factor."""
 _LOYALTY_M = 1.0
 """By how much nearer another host's place must be."""
 
@@ -103,9 +103,13 @@ def give_up(layout: Layout, row: int, _: Boxes) -> None:
 
 def _nearest_place(layout: Layout, row: int, obstacles: Boxes) -> Place | None:
     """Upon an object's own host, or where that is much nearer upon another."""
-    place = find_place(layout, row, int(layout.host[row]), obstacles)
+    host = int(layout.host[row])
+    place = find_place(layout, row, host, obstacles)
     if place is not None and place.distance_m <= _FAR_M:
         return place
+    if layout.objects[row].is_coarse:
+        nearest_m = math.inf if place is None else _WORTH * place.distance_m
+        place = find_place(layout, row, host, obstacles, nearest_m, among_coarse=True) or place
     for other in other_hosts(layout, row):
         nearest_m = math.inf if place is None else place.distance_m - _LOYALTY_M
         found = find_place(layout, row, other, obstacles, nearest_m)
@@ -144,7 +148,7 @@ def _cuts(layout: Layout, row: int, other: int) -> Iterator[tuple[float, int, in
         for sign in (1.0, -1.0):
             depth_m = side / 2 - (sign * along - reach) + _GAP_M
             share = depth_m / side
-            if 0 < share <= _MOST_CUT and side - depth_m >= _LEAST_SIDE_M:
+            if 0 < share <= _MOST_CUT and side - depth_m >= least_m(layout.objects[row])[axis]:
                 yield share, row, axis, sign, depth_m
 
 

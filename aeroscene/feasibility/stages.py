@@ -18,10 +18,12 @@ from aeroscene.feasibility.heights import set_heights
 from aeroscene.feasibility.home import home_air, home_row, settle_home
 from aeroscene.feasibility.hosts import rehome
 from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.partitions import merge_walls
 from aeroscene.feasibility.plane import PlaneProblem
 from aeroscene.feasibility.roles import GROUND, is_chained
 from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_on_earth, settle
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
+from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
 from aeroscene.scene import Scene
 from aeroscene.shapes import scene_primitives
 from aeroscene.solids import colliding
@@ -45,6 +47,7 @@ def _support(layout: Layout) -> None:
     find_ground(layout)
     square_up(layout)
     fit_shells(layout)
+    merge_walls(layout)
     fit_extent(layout)
     set_heights(layout, _downwards(layout))
 
@@ -63,6 +66,7 @@ def _part_ground(layout: Layout) -> None:
         PlaneProblem(layout, is_ground, among=is_ground).solve()
         if not cut_overlaps(layout, is_ground):
             break
+    hold_children(layout)
     rehome(layout)
     find_ground(layout)
     set_heights(layout, _downwards(layout))
@@ -82,17 +86,21 @@ def _part_coarse(layout: Layout) -> None:
     resettle(layout, is_coarse, _nothing())
     cut_overlaps(layout, is_coarse)
     resettle(layout, is_coarse, _nothing())
+    hold_children(layout)
+    fill_buildings(layout)
     rehome(layout)
     set_heights(layout, _downwards(layout))
 
 
 def _part_fine(layout: Layout) -> None:
+    fit_openings(layout)
     is_fine = ~_is_coarse(layout)
     row = home_row(layout)
     if row is not None:
         settle_home(layout, row)
         is_fine[row] = False
     air = _air(layout)
+    make_room(layout, is_fine, air)
     PlaneProblem(layout, is_fine, air).solve()
     resettle(layout, is_fine, air)
     set_heights(layout, _downwards(layout))
@@ -122,8 +130,11 @@ def _clear_up(layout: Layout) -> None:
 
 
 def _mend_floating(layout: Layout) -> None:
-    """Set down what stands on nothing: upon its host, else upon the bare earth, else nowhere."""
-    for mend in (settle, set_on_earth, give_up):
+    """Set down what stands on nothing: upon its host, else upon the bare earth, else nowhere.
+
+    Upon its host twice: a room that goes leaves what stood in it to the next one.
+    """
+    for mend in (settle, settle, set_on_earth, give_up):
         rows = _floating(layout)
         if not rows:
             return

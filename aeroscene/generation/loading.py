@@ -12,10 +12,10 @@ from aeroscene.diffusion.schedule import Schedule
 from aeroscene.generation.flat import FlatProposer
 from aeroscene.generation.proposal import HierarchicalProposer, Proposer
 from aeroscene.generation.raw import GeometrySampler
+from aeroscene.guidance.config import GuidanceCfg
 from aeroscene.guidance.layout import flat_reader
 from aeroscene.guidance.objectives import Objectives
 from aeroscene.guidance.semantic import SemanticPrior
-from aeroscene.guidance.separation import SeparationCfg
 from aeroscene.model.network import HierarchicalDenoiser
 from aeroscene.skeleton.config import SkeletonError
 from aeroscene.skeleton.model import SkeletonModel
@@ -79,7 +79,7 @@ class _Loader:
             statistics,
             self._schedule,
             self._sampler(DEFAULT_SAMPLER),
-            SeparationCfg(),
+            GuidanceCfg(),
             self._device,
         )
         skeletons = self._skeletons().to(self._device)

@@ -118,7 +118,9 @@ class HierarchicalProposer:
         if request.outline_m is None:
             return channels[:0]
         channels[0, HEADING] = (1.0, 0.0)
-        channels[0, SIZE.start : SIZE.start + 2] = np.log(request.outline_m)
+        channels[0, SIZE.start : SIZE.start + 2] = self._statistics.codec.extents(
+            np.log(request.outline_m)
+        )
         return np.where(self._statistics.is_free[kind], (channels - mean) / spread, 0.0)
 
 

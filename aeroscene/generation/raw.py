@@ -11,11 +11,11 @@ from torch import Tensor
 from aeroscene.diffusion.loss import Denoiser
 from aeroscene.diffusion.sampling import Fixed, Moment, SamplerCfg, sample
 from aeroscene.diffusion.schedule import Schedule
-from aeroscene.guidance.borders import BorderGuidance, GuidanceChain
-from aeroscene.guidance.separation import SeparationCfg, SeparationGuidance
+from aeroscene.guidance.config import NO_GUIDANCE, GuidanceCfg, guidance_of
 from aeroscene.tokens.batch import Collator, TokenBatch, slots_of
 from aeroscene.tokens.boxes import Boxes
 from aeroscene.tokens.channels import Geometry
+from aeroscene.tokens.codec import DEFAULT_CODEC
 from aeroscene.tokens.decode import TreeDecoder
 from aeroscene.tokens.kinds import Vocabulary
 from aeroscene.tokens.skeleton import Skeleton, Wish
@@ -35,25 +35,19 @@ class GeometrySampler:
         statistics: Statistics,
         schedule: Schedule,
         sampler: SamplerCfg,
-        separation: SeparationCfg | None,
+        guidance: GuidanceCfg,
         device: torch.device,
     ) -> None:
         self._model = model
         self._vocabulary = vocabulary
         self._statistics = statistics
-        self._collator = Collator(vocabulary, statistics)
         self._decoder = TreeDecoder(vocabulary, statistics, device)
         self._schedule = schedule
         self._sampler = sampler
-        self._guidance = None
-        if separation is not None:
-            decoder = self._decoder
-            self._guidance = GuidanceChain(
-                (
-                    BorderGuidance(decoder, vocabulary, device),
-                    SeparationGuidance(decoder.decode, decoder.bounds, separation),
-                )
-            )
+        # Guidance reads the default's channels.
+        is_known = statistics.codec == DEFAULT_CODEC
+        guidance = guidance if is_known else NO_GUIDANCE
+        self._guidance = guidance_of(guidance, self._decoder, vocabulary, device)
         self._device = device
 
     def sample(
@@ -74,7 +68,9 @@ class GeometrySampler:
                 not sampled: the site, or the whole coarse part.
             on_step: Looks on.
         """
-        batch = self._collator.skeletons(skeletons, wishes).to(self._device)
+        # A new one each time: a collator keeps the heights of all skeletons that it has seen.
+        collator = Collator(self._vocabulary, self._statistics)
+        batch = collator.skeletons(skeletons, wishes).to(self._device)
         watch = None if on_step is None else self._watch(on_step, skeletons, batch)
         x0 = sample(
             self._model,

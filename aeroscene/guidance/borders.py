@@ -4,7 +4,8 @@ Rooms tile a building between walls, a pavement follows a road. A sampled border
 decimetres: no push can mend that, since tiles fill what they tile. Here the borders themselves
 move, late in the sampling and on predicted x0: what overlaps by little gives way on both sides,
 what leaves as little a gap closes it. Walls, stairs and whatever has a size of its own move as a
-whole. The paper has nothing of the kind; its collision objective also acts on s_i.
+whole, and so does what is as narrow as its kind can be. The paper has nothing of the kind; its
+collision objective also acts on s_i.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from aeroscene.catalogue import by_name
 from aeroscene.diffusion.sampling import Guidance, Moment
 from aeroscene.diffusion.schedule import DiffusionError
 from aeroscene.guidance.containment import contained
@@ -53,7 +55,7 @@ class BordersCfg:
     most_rise_m: float = 1.0
     """Walls and rooms that reach farther into the slab above them are left as they are."""
     least_share: float = 0.4
-    """No extent shrinks below this share of what was sampled."""
+    """No extent shrinks below this share of what was sampled, nor below the least of its kind."""
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -87,6 +89,7 @@ class BorderGuidance:
         self._is_tile, self._is_cover, self._is_part = map(flags, (_TILES, _COVERS, _PARTS))
         self._is_upright, self._is_slab = map(flags, (_UPRIGHTS, _SLABS))
         self._is_wall, self._is_room = flags(frozenset({"wall"})), flags(frozenset({"room"}))
+        self._least_m = _least_extents_m(self._is_tile, decoder, vocabulary)
         self.cfg = cfg or BordersCfg()
 
     def on_x0(self, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
@@ -100,7 +103,10 @@ class BorderGuidance:
         moved = self._decoder.with_footprints(x0, batch, before, after)
         boxes = self._decoder.decode(moved, batch)
         before = footprints_of(boxes, batch)
-        after = contained(before, boxes, batch, self._is_part[batch.kind])
+        # Extents that are relative have followed those of their parents.
+        after = contained(
+            self._long_enough(before, batch, at), boxes, batch, self._is_part[batch.kind]
+        )
         moved = self._decoder.with_footprints(moved, batch, before, after)
         boxes = self._decoder.decode(moved, batch)
         lowered = self._lowered(boxes, footprints_of(boxes, batch), batch)
@@ -152,7 +158,34 @@ class BorderGuidance:
         attracts |= is_wall[:, :, None] & (is_wall | is_room)[:, None]
         attracts |= (is_wall | is_room)[:, :, None] & is_wall[:, None]
         elastic = self._is_tile[kind] & self._decoder.has_free_extents(batch)[:, :n]
-        return _Faces(footprints, siblings, siblings & attracts, elastic & may, self.cfg)
+        least = 2 * self.cfg.least_share * footprints.reach_m
+        least = torch.maximum(least, self._least_of(footprints, batch))[:, :n]
+        return _Faces(footprints, siblings, siblings & attracts, elastic & may, least, self.cfg)
+
+    def _long_enough(self, outlines: Footprints, batch: TokenBatch, at: Moment) -> Footprints:
+        """The outlines, where they may change, at least as long and wide as their kinds are."""
+        reach = torch.maximum(outlines.reach_m, self._least_of(outlines, batch) / 2)
+        if at.fixed is not None:
+            reach = torch.where(at.fixed[..., None], outlines.reach_m, reach)
+        return replace(outlines, reach_m=reach)
+
+    def _least_of(self, footprints: Footprints, batch: TokenBatch) -> Float[Tensor, "batch n 2"]:
+        """Shortest extents of tiles along the axes of their parents, 0 where none is square."""
+        least = self._least_m[batch.kind] * self._decoder.is_aligned(batch)[..., None]
+        return torch.where(footprints.is_crosswise[..., None], least.flip(-1), least)
+
+
+def _least_extents_m(
+    is_tile: Bool[Tensor, " kinds"], decoder: TreeDecoder, vocabulary: Vocabulary
+) -> Float[Tensor, "kinds 2"]:
+    """Shortest length and width of each kind of tiles: in training; where relative, known ones."""
+    least = decoder.least_extents_m()
+    for k, kind in enumerate(vocabulary.kinds):
+        if is_tile[k]:
+            category = by_name()[kind.category]
+            known = least.new_tensor((category.length_m[0], category.width_m[0]))
+            least[k] = torch.where(least[k] > 0, least[k], known)
+    return least * is_tile[:, None]
 
 
 @dataclass(frozen=True)
@@ -165,6 +198,8 @@ class _Faces:
     attracts: Bool[Tensor, "batch c c"]
     """Those that close a small gap."""
     is_elastic: Bool[Tensor, "batch c"]
+    least_m: Float[Tensor, "batch c 2"]
+    """Shortest extents along the parent's axes."""
     cfg: BordersCfg
 
     def moved(self, n_steps: int) -> Footprints:
@@ -175,14 +210,12 @@ class _Faces:
         low, high = middle - reach, middle + reach
         for step in range(n_steps):
             closes = step < 2 * n_steps // 3
-            low, high = self._step(low, high, reach, closes=closes)
+            low, high = self._step(low, high, closes=closes)
         middles, reaches = first.middle_m.clone(), first.reach_m.clone()
         middles[:, :n], reaches[:, :n] = (low + high) / 2, (high - low) / 2
         return replace(first, middle_m=middles, reach_m=reaches)
 
-    def _step(
-        self, low: Tensor, high: Tensor, reach: Tensor, *, closes: bool
-    ) -> tuple[Tensor, Tensor]:
+    def _step(self, low: Tensor, high: Tensor, *, closes: bool) -> tuple[Tensor, Tensor]:
         """One Jacobi iteration: every border goes half of the way that its neighbours ask for."""
         # [b, i, j, axis]: by how much i reaches beyond the border of j that it faces.
         above = high[:, :, None] - low[:, None]
@@ -203,9 +236,16 @@ class _Faces:
         whole = (down - up) / 2
         new_high = high - torch.where(elastic, up, -whole)
         new_low = low + torch.where(elastic, down, whole)
-        shrunk = (new_high - new_low) < 2 * self.cfg.least_share * reach
-        keep = shrunk & elastic
-        return torch.where(keep, low, new_low), torch.where(keep, high, new_high)
+        return self._long_enough(new_low, new_high, down, up)
+
+    def _long_enough(
+        self, low: Tensor, high: Tensor, down: Tensor, up: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """Borders of tiles moved apart to their least extents, away from what pushes more."""
+        lack = (self.least_m - (high - low)).clamp_min(0) * self.is_elastic[..., None]
+        from_above, from_below = up.clamp_min(1e-6), down.clamp_min(1e-6)
+        share = from_above / (from_above + from_below)
+        return low - lack * share, high + lack * (1 - share)
 
     @staticmethod
     def _facing_axis(overlap: Tensor) -> Bool[Tensor, "batch c c 2"]:

@@ -17,6 +17,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from aeroscene.guidance.contacts import Pairs, near_pairs, overlap_along
+from aeroscene.guidance.push_loop import Freedom, Rules, Touching, iterate
 from aeroscene.guidance.tree import turn, turn_back
 from aeroscene.tokens.boxes import Boxes
 
@@ -80,9 +81,45 @@ def separate(
     """
     family = movable.lineage | movable.lineage.transpose(1, 2)
     pairs = near_pairs(boxes, family, margin_m)
-    moved = torch.zeros_like(movable.low_m)
     if len(pairs) == 0:
-        return moved
+        return torch.zeros_like(movable.low_m)
+    part = separate_in_loop if movable.low_m.device.type == "cpu" else separate_at_once
+    return part(pairs, movable, tolerance_m, n_steps, n_patient_steps)
+
+
+def separate_in_loop(
+    pairs: Pairs, movable: Movable, tolerance_m: float, n_steps: int, n_patient_steps: int
+) -> Float[Tensor, "batch n 3"]:
+    """As `separate`, pair by pair on the processor."""
+    touching = Touching(
+        token=torch.stack([pairs.first, pairs.second], dim=-1).numpy(),
+        axes=pairs.axes.double().numpy(),
+        reach_m=pairs.reach_m.double().numpy(),
+        offset_m=pairs.offset_m.double().numpy(),
+        above=_pairs_above(pairs, movable.parent).numpy(),
+    )
+    rules = Rules(tolerance_m, _STUCK_COST, _LEAST_SLOPE, _ENDLESS_M, _LEAST_HELP, _CHECK_EVERY)
+    moved = iterate(touching, _freedom(movable), rules, n_steps, n_patient_steps)
+    return torch.from_numpy(moved).to(movable.low_m).reshape(movable.low_m.shape)
+
+
+def _freedom(movable: Movable) -> Freedom:
+    """What may move whither, of all scenes in one list."""
+    n_scenes, n = movable.parent.shape
+    start = n * torch.arange(n_scenes)[:, None]
+    level = movable.lineage.sum(-1)
+    parent = torch.where(level > 1, movable.parent + start, -1)
+    rows = (movable.heading, movable.low_m, movable.high_m, movable.lightness[..., None])
+    heading, low, high, lightness = (row.flatten(0, 1).double().numpy() for row in rows)
+    order = level.flatten().argsort(stable=True).numpy()
+    return Freedom(order, parent.flatten().numpy(), heading, low, high, lightness[:, 0].copy())
+
+
+def separate_at_once(
+    pairs: Pairs, movable: Movable, tolerance_m: float, n_steps: int, n_patient_steps: int
+) -> Float[Tensor, "batch n 3"]:
+    """As `separate`, all pairs at once: for a GPU."""
+    moved = torch.zeros_like(movable.low_m)
     above = movable.lineage.to(moved)
     solver = _Solver(pairs, movable, tolerance_m)
     for step in range(n_steps):

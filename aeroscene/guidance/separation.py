@@ -98,7 +98,7 @@ class SeparationGuidance:
         if at.share_left > cfg.late_share and not at.is_last:
             return x0
         boxes = self._decode(x0, batch)
-        unit_m = self._units_m(x0, boxes, batch)
+        unit_m = self._units_m(boxes, batch)
         movable = self._movable(x0, unit_m, boxes, batch, at.fixed)
         if at.is_last:
             moved_m = self._settle(boxes, movable, batch)
@@ -137,18 +137,15 @@ class SeparationGuidance:
         """Nothing: the layout was moved where it was clean."""
         return mean
 
-    def _units_m(self, x0: Tensor, boxes: Boxes, batch: TokenBatch) -> Float[Tensor, "batch n 3"]:
+    @staticmethod
+    def _units_m(boxes: Boxes, batch: TokenBatch) -> Float[Tensor, "batch n 3"]:
         """Metres by which one unit of each channel of the place moves a box, 0 where none does."""
         is_free = channel_weight(batch)[..., :3] > 0
         # Storeys only: what stands on a slope has a free height, too, and must not leave it.
-        slot = torch.arange(is_free.shape[1], device=x0.device)
+        slot = torch.arange(is_free.shape[1], device=is_free.device)
         is_storey = (slot < batch.n_coarse_slots) & (batch.depth > 1)
         is_free[..., _HEIGHT] &= is_storey
-        raised = x0.clone()
-        raised[..., _HEIGHT] += 1.0
-        rise = (self._decode(raised, batch).center_enu_m - boxes.center_enu_m)[..., _HEIGHT]
-        rise = rise - rise.gather(1, batch.parent) * (batch.depth > 0)
-        return torch.cat([boxes.play_m, rise[..., None]], dim=-1) * is_free
+        return torch.cat([boxes.play_m, boxes.rise_m[..., None]], dim=-1) * is_free
 
     def _movable(
         self, x0: Tensor, unit_m: Tensor, boxes: Boxes, batch: TokenBatch, fixed: Tensor | None

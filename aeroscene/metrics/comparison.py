@@ -32,15 +32,15 @@ from aeroscene.metrics.novelty import (
     nearness,
     training_distances,
 )
-from aeroscene.metrics.semantics import Plausibility, SemanticPrior, mean_plausibility
+from aeroscene.metrics.semantics import NeighbourFrequencies, Plausibility, mean_plausibility
 from aeroscene.scene import Scene
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """What scenes are judged by, made once: six seconds for 812 and 204 scenes."""
+    """What scenes are judged by, made once: four seconds for 812 and 204 scenes."""
 
-    prior: SemanticPrior
+    neighbours: NeighbourFrequencies
     """Of training."""
     training: Sketches
     known: KnownSkeletons
@@ -54,21 +54,24 @@ class Reference:
 
     @classmethod
     def of(
-        cls, train: Sequence[Scene], test: Sequence[Scene], prior: SemanticPrior | None = None
+        cls,
+        train: Sequence[Scene],
+        test: Sequence[Scene],
+        neighbours: NeighbourFrequencies | None = None,
     ) -> Reference:
         """Look at the corpus.
 
         Args:
             train: The training split.
             test: Scenes of the same making that training never saw.
-            prior: Semantic prior of `train`, where the caller has it already.
+            neighbours: Frequencies of `train`, where the caller has them already.
         """
         trained = [scene_arrays(scene) for scene in train]
         tested = [scene_arrays(scene) for scene in test]
         training = sketches_of([layout_of(scene) for scene in train])
         sketches = sketches_of([layout_of(scene) for scene in test])
         return cls(
-            prior=prior or SemanticPrior.of_arrays(trained),
+            neighbours=neighbours or NeighbourFrequencies.of_arrays(trained),
             training=training,
             known=KnownSkeletons.of(trained),
             features=layout_features(tested),
@@ -112,7 +115,7 @@ def figures_of(scenes: Sequence[Scene], reference: Reference, rng: np.random.Gen
         n_scenes=len(group),
         collisions=_collisions(group),
         consistency=mean_consistency([consistency(arrays) for arrays in group]),
-        plausibility=mean_plausibility([reference.prior.plausibility(each) for each in group]),
+        plausibility=mean_plausibility([reference.neighbours.plausibility(each) for each in group]),
         divergences=divergences(frequencies(group), reference.frequencies),
         discrepancy=discrepancy(features, reference.features, rng),
         coverage=coverage(features, reference.features),

@@ -46,8 +46,8 @@ _PLACE_WEIGHT = 5.0
 _GENERAL_WEIGHT = 20.0
 
 
-class SemanticPriorError(SceneError):
-    """A file that holds no semantic prior; one line saying where, what and what is valid."""
+class NeighbourFrequenciesError(SceneError):
+    """A file that holds no neighbour frequencies; one line saying where, what and what is valid."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,19 +66,19 @@ class Plausibility:
 
 
 @dataclass(frozen=True, eq=False)
-class SemanticPrior:
-    """How often which category stands where beside which other; judges scenes by it."""
+class NeighbourFrequencies:
+    """How often which category stands where beside which other; judges scenes by that."""
 
     counts: Int[np.ndarray, "c c places"]
     """Ordered pairs of neighbours by category, neighbour's category and place."""
 
     @classmethod
-    def fit(cls, scenes: Iterable[Scene]) -> SemanticPrior:
+    def fit(cls, scenes: Iterable[Scene]) -> NeighbourFrequencies:
         """Count the neighbours in scenes; one second for 812."""
         return cls.of_arrays(map(scene_arrays, scenes))
 
     @classmethod
-    def of_arrays(cls, scenes: Iterable[SceneArrays]) -> SemanticPrior:
+    def of_arrays(cls, scenes: Iterable[SceneArrays]) -> NeighbourFrequencies:
         """As `fit`."""
         counts = np.zeros(np.prod(_SHAPE), dtype=np.int32)
         for arrays in scenes:
@@ -123,25 +123,26 @@ class SemanticPrior:
             )
 
     @classmethod
-    def load(cls, path: str | Path) -> SemanticPrior:
+    def load(cls, path: str | Path) -> NeighbourFrequencies:
         """Read what `save` wrote.
 
         Raises:
-            SemanticPriorError: If the file is missing, damaged, or of other bins or categories.
+            NeighbourFrequenciesError: If the file is missing, damaged, or of other bins or
+                categories.
         """
         try:
             with Path(path).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
                 version, shape = int(file["version"]), tuple(file["shape"].tolist())
                 cells, found = file["cells"], file["counts"]
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise SemanticPriorError(
-                f"semantic prior {str(path)!r} cannot be read ({error}), "
-                "valid: a file that SemanticPrior.save has written"
+            raise NeighbourFrequenciesError(
+                f"neighbour frequencies {str(path)!r} cannot be read ({error}), "
+                "valid: a file that NeighbourFrequencies.save has written"
             ) from None
         if (version, shape) != (_VERSION, _SHAPE):
-            raise SemanticPriorError(
-                f"semantic prior {str(path)!r}: version and shape are {version} and {shape}, "
-                f"valid: {_VERSION} and {_SHAPE}; fit it again"
+            raise NeighbourFrequenciesError(
+                f"neighbour frequencies {str(path)!r}: version and shape are {version} and "
+                f"{shape}, valid: {_VERSION} and {_SHAPE}; fit it again"
             )
         counts = np.zeros(_SHAPE, dtype=np.int32)
         counts.flat[cells] = found

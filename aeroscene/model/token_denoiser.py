@@ -11,7 +11,7 @@ from aeroscene.model.config import ModelCfg
 from aeroscene.model.embedding import TokenEmbedding
 from aeroscene.model.hierarchy import HierarchyBlock
 from aeroscene.model.prediction import Prediction
-from aeroscene.model.relations import relations_of
+from aeroscene.model.relations import Relations, relations_of
 from aeroscene.tokens.batch import TokenBatch
 
 
@@ -32,6 +32,7 @@ class TokenDenoiser(nn.Module):
         )
         self.modulation = nn.Linear(cfg.width, 2 * cfg.width + cfg.channels)
         self.head = nn.Linear(cfg.width, cfg.channels)
+        self._known: tuple[TokenBatch, Relations] | None = None
         for layer in (self.modulation, self.head):
             nn.init.zeros_(layer.weight)
             nn.init.zeros_(layer.bias)
@@ -42,7 +43,7 @@ class TokenDenoiser(nn.Module):
         """Predict for a batch of noisy layouts; zero before training."""
         real = batch.mask.unsqueeze(-1)
         x_t = x_t * real
-        relations = relations_of(batch, self.cfg.heads, self.cfg.width, self.cfg.has_narrow_heads)
+        relations = self._relations(batch)
         condition = self.embedding.condition(t, batch)
         token = self.embedding(x_t, batch)
         coarse, fine = token.split(
@@ -51,6 +52,15 @@ class TokenDenoiser(nn.Module):
         for block in self.blocks:
             coarse, fine = block(coarse, fine, condition, relations)
         return Prediction(self._head(torch.cat([coarse, fine], 1), condition, x_t) * real, None)
+
+    def _relations(self, batch: TokenBatch) -> Relations:
+        """Masks of a batch: sampling asks for those of one batch at every step."""
+        known = self._known
+        if known is None or known[0] is not batch:
+            cfg = self.cfg
+            found = relations_of(batch, cfg.heads, cfg.width, cfg.has_narrow_heads)
+            self._known = known = (batch, found)
+        return known[1]
 
     def _head(
         self,

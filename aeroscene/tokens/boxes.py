@@ -22,6 +22,8 @@ class Boxes:
     size_m: Float[Tensor, "batch n 3"]
     play_m: Float[Tensor, "batch n 2"]
     """Metres along the parent's axes by which one unit of channels 0 and 1 moves a box."""
+    rise_m: Float[Tensor, "batch n"]
+    """Metres by which one unit of channel 2 raises a box, 0 where its height is no channel."""
     openings_m: Float[Tensor, "batch n 7"]
     mask: Bool[Tensor, "batch n"]
 

@@ -20,7 +20,9 @@ from aeroscene.tokens.channels import (
     SITE_HEIGHT_M,
     SIZE,
 )
+from aeroscene.tokens.codec import DEFAULT_CODEC
 from aeroscene.tokens.kinds import OPENINGS, Vocabulary
+from aeroscene.tokens.recoding import default_channels
 from aeroscene.tokens.statistics import Statistics
 
 _OFFSETS = (OPENINGS.index("door_offset_m"), OPENINGS.index("window_offset_m"))
@@ -39,6 +41,7 @@ class TreeDecoder:
             dtype = torch.bool if values.dtype == bool else torch.float32
             return torch.as_tensor(values, dtype=dtype, device=device)
 
+        self._codec = statistics.codec
         self._mean = tensor(statistics.mean)
         self._spread = tensor(statistics.spread)
         self._low = tensor(statistics.low)
@@ -61,8 +64,17 @@ class TreeDecoder:
         is_free = self._is_free[kind]
         mean, spread = self._mean[kind], self._spread[kind]
         values = torch.where(is_free, x0 * spread + mean, mean)
-        boxes = place_boxes(values, self._is_relative[kind], self._is_aligned[kind], batch)
-        return replace(boxes, play_m=boxes.play_m * spread[..., PLACE])
+        flags = self._is_relative[kind], self._is_aligned[kind]
+        if self._codec != DEFAULT_CODEC:
+            values = default_channels(
+                values, self._codec, batch, lambda default: place_boxes(default, *flags, batch)
+            )
+        boxes = place_boxes(values, *flags, batch)
+        return replace(
+            boxes,
+            play_m=boxes.play_m * spread[..., PLACE],
+            rise_m=boxes.rise_m * spread[..., HEIGHT].squeeze(-1),
+        )
 
     def with_footprints(
         self,
@@ -115,6 +127,12 @@ class TreeDecoder:
         """Which tokens are of kinds whose length and width both vary."""
         return self._is_free[batch.kind][..., SIZE.start : SIZE.start + 2].all(-1)
 
+    def least_extents_m(self) -> Float[Tensor, "kinds 2"]:
+        """Shortest length and width of each kind in training, 0 where they are relative."""
+        extents = slice(SIZE.start, SIZE.start + 2)
+        log_m = (self._mean + self._low * self._spread)[:, extents]
+        return torch.where(self._is_relative[:, :2], torch.zeros_like(log_m), log_m.exp())
+
     def is_aligned(self, batch: TokenBatch) -> Bool[Tensor, "batch n"]:
         """Which tokens stand square to their parents."""
         return self._is_aligned[batch.kind]
@@ -126,7 +144,7 @@ def place_boxes(
     is_aligned: Bool[Tensor, "batch n"],
     batch: TokenBatch,
 ) -> Boxes:
-    """Boxes of channels that are not standardised; play for one unit of those.
+    """Boxes of channels that are not standardised; play and rise for one unit of those.
 
     Args:
         values: Channels.
@@ -136,10 +154,7 @@ def place_boxes(
     """
     relative = _headings(values[..., HEADING], is_aligned)
     relative = torch.where((batch.depth == 0)[..., None], _site_heading(values), relative)
-    center, heading, size, play = _Tree(batch, values, relative, is_relative).place()
-    openings = values[..., OPENING].clone()
-    openings[..., _OFFSETS] = openings[..., _OFFSETS] * size[..., 1:2] / 2
-    return Boxes(center, heading, size, play, openings, batch.mask)
+    return _Tree(batch, values, relative, is_relative).place()
 
 
 def _headings(raw: Tensor, is_aligned: Tensor) -> Tensor:
@@ -169,51 +184,67 @@ class _Tree:
         self._gather3 = place.expand(-1, -1, 3)
         self._gather2 = place.expand(-1, -1, 2)
 
-    def place(self) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-        """Centres, headings, sizes and play of all boxes."""
-        size = torch.exp(self._values[..., SIZE])
-        heading = self._relative
-        center = torch.cat([torch.zeros_like(size[..., :2]), size[..., 2:] / 2], dim=-1)
-        play = torch.ones_like(heading)
-        depth = self._batch.depth
-        for level in range(1, int(depth.max()) + 1):
-            here = (depth == level)[..., None]
-            parent_size = size.gather(1, self._gather3)
-            parent_heading = heading.gather(1, self._gather2)
-            parent_center = center.gather(1, self._gather3)
-            size = torch.where(here, self._sizes(size, parent_size), size)
-            offset, play_here = self._offsets(size, parent_size, parent_center)
-            turned = torch.cat([_turn(offset[..., :2], parent_heading), offset[..., 2:]], dim=-1)
-            base = torch.cat([parent_center[..., :2], torch.zeros_like(offset[..., 2:])], dim=-1)
-            center = torch.where(here, base + turned, center)
-            play = torch.where(here, play_here, play)
-            heading = torch.where(here, _turn(self._relative, parent_heading), heading)
-        return center, heading, size, play
+    def place(self) -> Boxes:
+        """All boxes: sizes and headings from above to below, then places."""
+        is_below = (self._batch.depth > 0)[..., None]
+        size, heading = self._sizes_and_headings()
+        parent_size = size.gather(1, self._gather3)
+        lift, rise = self._lifts(parent_size[..., 2])
+        play = self._play(size, parent_size)
+        turned = _turn(self._values[..., PLACE] * play, heading.gather(1, self._gather2))
+        foot = self._summed(torch.cat([turned, lift[..., None]], dim=-1) * is_below)
+        openings = self._values[..., OPENING].clone()
+        openings[..., _OFFSETS] = openings[..., _OFFSETS] * size[..., 1:2] / 2
+        return Boxes(
+            torch.cat([foot[..., :2], foot[..., 2:] + size[..., 2:] / 2], dim=-1),
+            heading,
+            size,
+            torch.where(is_below, play, torch.ones_like(play)),
+            rise,
+            openings,
+            self._batch.mask,
+        )
 
-    def _sizes(self, size: Tensor, parent_size: Tensor) -> Tensor:
-        cos, sin = self._relative.abs().unbind(-1)
-        px, py, pz = parent_size.unbind(-1)
-        along = torch.stack([cos * px + sin * py, sin * px + cos * py, pz], dim=-1)
+    def _levels(self) -> list[Tensor]:
+        """Which tokens are at each depth, from 1."""
+        depth = self._batch.depth[..., None]
+        return [depth == level for level in range(1, int(depth.max()) + 1)]
+
+    def _sizes_and_headings(self) -> tuple[Tensor, Tensor]:
         ratio = torch.exp(self._values[..., SIZE])
-        return torch.where(self._is_relative, ratio * along, size)
-
-    def _offsets(
-        self, size: Tensor, parent_size: Tensor, parent_center: Tensor
-    ) -> tuple[Tensor, Tensor]:
-        """Centre relative to the parent's in its axes, with the absolute height; and the play."""
         cos, sin = self._relative.abs().unbind(-1)
-        sx, sy, sz = size.unbind(-1)
+        size, heading = ratio, self._relative
+        for here in self._levels():
+            px, py, pz = size.gather(1, self._gather3).unbind(-1)
+            along = torch.stack([cos * px + sin * py, sin * px + cos * py, pz], dim=-1)
+            size = torch.where(here & self._is_relative, ratio * along, size)
+            turned = _turn(self._relative, heading.gather(1, self._gather2))
+            heading = torch.where(here, turned, heading)
+        return size, heading
+
+    def _play(self, size: Tensor, parent_size: Tensor) -> Tensor:
+        """How far from the middle of its parent each may be, along its axes."""
+        cos, sin = self._relative.abs().unbind(-1)
+        sx, sy, _ = size.unbind(-1)
         reach = torch.stack([cos * sx + sin * sy, sin * sx + cos * sy], dim=-1) / 2
         half = parent_size[..., :2] / 2
-        play = torch.maximum(half - reach, LEAST_PLAY * half)
-        low = parent_center[..., 2] - parent_size[..., 2] / 2
-        is_root = self._batch.depth == 1
-        unit = torch.where(is_root, torch.full_like(low, SITE_HEIGHT_M), parent_size[..., 2])
-        rise = self._values[..., HEIGHT].squeeze(-1) * unit
-        lift = torch.where(self._batch.lift_m.isnan(), rise, self._batch.lift_m)
-        lift = torch.where(self._batch.stands_on_top, parent_size[..., 2], lift)
-        place = self._values[..., PLACE] * play
-        return torch.cat([place, (low + lift + sz / 2)[..., None]], dim=-1), play
+        return torch.maximum(half - reach, LEAST_PLAY * half)
+
+    def _lifts(self, parent_height: Tensor) -> tuple[Tensor, Tensor]:
+        """Undersides above the parents', and what one unit of the channel adds to them."""
+        batch = self._batch
+        unit = torch.where(batch.depth == 1, SITE_HEIGHT_M, parent_height)
+        is_given = ~batch.lift_m.isnan()
+        lift = torch.where(is_given, batch.lift_m, self._values[..., HEIGHT].squeeze(-1) * unit)
+        lift = torch.where(batch.stands_on_top, parent_height, lift)
+        return lift, torch.where(is_given | batch.stands_on_top, 0.0, unit)
+
+    def _summed(self, step: Tensor) -> Tensor:
+        """Steps from parents to children, added up from the site."""
+        total = step
+        for here in self._levels():
+            total = torch.where(here, step + total.gather(1, self._gather3), total)
+        return total
 
 
 def _site_heading(values: Tensor) -> Tensor:

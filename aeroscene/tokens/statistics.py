@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.tokens.channels import HEADING, HEIGHT, MIRRORED, N_CHANNELS, PLACE, SIZE
+from aeroscene.tokens.codec import DEFAULT_CODEC, CodecCfg
 from aeroscene.tokens.kinds import DOMAINS, Vocabulary
 from aeroscene.tokens.skeleton import Skeleton
 
@@ -31,6 +32,8 @@ class Statistics:
     """Which channels vary; the others are their means."""
     is_relative: Bool[np.ndarray, "kinds 3"]
     """Which extents are taken relative to the parent's."""
+    codec: CodecCfg = field(default_factory=CodecCfg)
+    """What the channels stand for."""
 
 
 def standardise(
@@ -43,7 +46,8 @@ def standardise(
     kind = skeleton.kind_id
     channels = channels.copy()
     is_relative = statistics.is_relative[kind]
-    channels[:, SIZE] = np.where(is_relative, relative_size, channels[:, SIZE])
+    log_size = np.where(is_relative, relative_size, channels[:, SIZE])
+    channels[:, SIZE] = statistics.codec.extents(log_size)
     scaled = (channels - statistics.mean[kind]) / statistics.spread[kind]
     scaled = np.where(statistics.is_free[kind], scaled, 0.0)
     return scaled.clip(-_SPREAD_LIMIT, _SPREAD_LIMIT)
@@ -53,13 +57,15 @@ def measure(
     vocabulary: Vocabulary,
     skeletons: Sequence[Skeleton],
     raw: Sequence[tuple[np.ndarray, np.ndarray]],
+    codec: CodecCfg = DEFAULT_CODEC,
 ) -> Statistics:
     """Statistics of a corpus.
 
     Args:
         vocabulary: Its kinds.
         skeletons: Its scenes.
-        raw: What `channels_of` gives for each.
+        raw: What `channels_of` gives for each with this codec.
+        codec: What the channels stand for.
     """
     kind = np.concatenate([skeleton.kind_id for skeleton in skeletons])
     is_root = np.concatenate([skeleton.parent == 0 for skeleton in skeletons])
@@ -73,7 +79,10 @@ def measure(
             is_relative[k] = relative[rows].std(axis=0) < channels[rows][:, SIZE].std(axis=0)
             # The height of a site follows from what stands on it.
             is_relative[k, 2] &= not is_root[rows].any()
-    channels[:, SIZE] = np.where(is_relative[kind], relative, channels[:, SIZE])
+    channels[:, SIZE] = codec.extents(np.where(is_relative[kind], relative, channels[:, SIZE]))
+    roots = np.unique(kind[is_root])
+    # Kinds whose places feel a quarter turn of the scene.
+    turned = np.unique(kind) if codec.frame == "scene" else roots
     mean, spread = np.zeros((2, n, N_CHANNELS))
     low, high = np.zeros((2, n, N_CHANNELS))
     for k in range(n):
@@ -82,12 +91,17 @@ def measure(
             has_root = bool(is_root[kind == k].any())
             is_site = vocabulary.kinds[k].is_site
             mean[k], spread[k] = _moments(rows, has_root=has_root, is_site=is_site)
+            if k in turned and not has_root:
+                mean[k, PLACE] = 0.0
+                spread[k, PLACE] = np.sqrt(np.mean(rows[:, PLACE] ** 2))
             scaled = np.nan_to_num((rows - mean[k]) / np.maximum(spread[k], _LEAST_SPREAD))
             low[k], high[k] = scaled.min(axis=0), scaled.max(axis=0)
     is_free = spread > _LEAST_SPREAD / 10
     is_free[:, HEIGHT] &= np.array([[kind.attachment == "free"] for kind in vocabulary.kinds])
-    roots = np.unique(kind[is_root])
-    low, high = _symmetric(low, high, roots)
+    low, high = _symmetric(low, high, roots, turned)
+    if codec.yaw == "angle":
+        is_free[len(DOMAINS) :, HEADING.start] = False
+        low[roots, HEADING.stop - 1], high[roots, HEADING.stop - 1] = -2.0, 2.0
     return Statistics(
         mean,
         np.maximum(spread, _LEAST_SPREAD),
@@ -95,6 +109,7 @@ def measure(
         high.clip(0, _SPREAD_LIMIT),
         is_free,
         is_relative,
+        codec,
     )
 
 
@@ -124,13 +139,16 @@ def _moments(
 
 
 def _symmetric(
-    low: np.ndarray, high: np.ndarray, roots: Int[np.ndarray, " k"]
+    low: np.ndarray,
+    high: np.ndarray,
+    roots: Int[np.ndarray, " k"],
+    turned: Int[np.ndarray, " j"],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds that hold for the mirrored and turned scenes too; roots feel the turns."""
+    """Bounds that hold for mirrored and turned scenes too: roots turn, and places of `turned`."""
     widest = np.maximum(-low, high)
-    for first, second in ((0, 1), (3, 4)):
-        most = widest[roots][:, [first, second]].max(axis=1)
-        widest[roots, first] = widest[roots, second] = most
+    for kinds, first, second in ((turned, 0, 1), (roots, 3, 4)):
+        most = widest[kinds][:, [first, second]].max(axis=1)
+        widest[kinds, first] = widest[kinds, second] = most
     low, high = low.copy(), high.copy()
     for channel in {*MIRRORED, 0, 3}:
         low[:, channel], high[:, channel] = -widest[:, channel], widest[:, channel]

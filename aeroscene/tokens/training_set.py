@@ -12,6 +12,7 @@ from jaxtyping import Int
 
 from aeroscene.scene import Scene
 from aeroscene.tokens.batch import Collator, TokenBatch
+from aeroscene.tokens.codec import DEFAULT_CODEC, CodecCfg
 from aeroscene.tokens.examples import Example, encode_corpus, random_symmetry
 from aeroscene.tokens.kinds import Vocabulary, count_kinds
 from aeroscene.tokens.statistics import Statistics
@@ -52,7 +53,8 @@ class TrainingSet:
         start = int(rng.integers(len(self.examples)))
         picked = (start + rng.integers(n_window, size=size)) % len(self.examples)
         chosen = [self.examples[self._by_size[i]] for i in picked]
-        return self.collator.examples([random_symmetry(example, rng) for example in chosen])
+        codec = self.statistics.codec
+        return self.collator.examples([random_symmetry(each, rng, codec) for each in chosen])
 
     @cached_property
     def _by_size(self) -> Int[np.ndarray, " scenes"]:
@@ -65,8 +67,8 @@ class TrainingSet:
         return self.collator.examples(self.examples[start : start + size])
 
 
-def training_set(scenes: Sequence[Scene]) -> TrainingSet:
+def training_set(scenes: Sequence[Scene], codec: CodecCfg = DEFAULT_CODEC) -> TrainingSet:
     """The scenes of a corpus, its own kinds and statistics."""
     vocabulary = count_kinds(scenes)
-    examples, statistics = encode_corpus(scenes, vocabulary)
+    examples, statistics = encode_corpus(scenes, vocabulary, codec)
     return TrainingSet(vocabulary, statistics, tuple(examples))

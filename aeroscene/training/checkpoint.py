@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -27,8 +27,10 @@ from torch import Tensor, nn
 from aeroscene.catalogue import CATALOGUE
 from aeroscene.files import replacing
 from aeroscene.scene import SceneError
+from aeroscene.tokens.codec import CodecCfg
 from aeroscene.tokens.flat import FlatStatistics
 from aeroscene.tokens.statistics import Statistics
+from aeroscene.training.settings import section_from_plain
 
 FORMAT = "aeroscene-checkpoint"
 VERSION = 1
@@ -176,6 +178,9 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
             f"checkpoint {str(path)!r} lacks the statistics of its channels, "
             "valid: the file as aeroscene train has written it"
         ) from None
+    if isinstance(statistics, Statistics) and "codec" in facts.configs:
+        codec = section_from_plain(CodecCfg, facts.configs["codec"], "codec")
+        statistics = replace(statistics, codec=codec)
     single = {k: v.float() if v.dtype == torch.float16 else v for k, v in tensors.items()}
     parts: dict[Part, Weights] = {part: under(single, f"{part}.") for part in PARTS}
     return Checkpoint(
@@ -189,9 +194,13 @@ def under(tensors: Weights, prefix: str) -> dict[str, Tensor]:
 
 
 def statistics_tensors(statistics: AnyStatistics) -> dict[str, Tensor]:
-    """Statistics as tensors by the name of their field."""
-    arrays = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
-    return {name: torch.from_numpy(np.ascontiguousarray(a)) for name, a in arrays.items()}
+    """Statistics as tensors by the name of their field; the codec is a section of its own."""
+    values = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
+    return {
+        name: torch.from_numpy(np.ascontiguousarray(value))
+        for name, value in values.items()
+        if isinstance(value, np.ndarray)
+    }
 
 
 def statistics_from(tensors: Weights) -> AnyStatistics:
@@ -200,7 +209,7 @@ def statistics_from(tensors: Weights) -> AnyStatistics:
     Raises:
         TypeError: If one is missing, or one too many.
     """
-    arrays = {name: value.numpy() for name, value in tensors.items()}
+    arrays: dict[str, Any] = {name: value.numpy() for name, value in tensors.items()}
     is_flat = arrays.keys() == {field.name for field in fields(FlatStatistics)}
     return FlatStatistics(**arrays) if is_flat else Statistics(**arrays)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from aeroscene.dataset import open_dataset
 from aeroscene.layouts.neutral import read_neutral
 from aeroscene.scene import Scene
+from aeroscene.tokens.codec import DEFAULT_CODEC, CodecCfg
 from aeroscene.tokens.examples import encode
 from aeroscene.tokens.flat import FlatTrainingSet, encode_flat, flat_training_set
 from aeroscene.tokens.kinds import Vocabulary, count_kinds
@@ -39,7 +40,11 @@ class TrainingData:
 
 
 def open_training_data(
-    path: Path, *, is_flat: bool = False, on_scene: OnScene = lambda: None
+    path: Path,
+    *,
+    is_flat: bool = False,
+    codec: CodecCfg = DEFAULT_CODEC,
+    on_scene: OnScene = lambda: None,
 ) -> TrainingData:
     """Read what a user names.
 
@@ -47,6 +52,7 @@ def open_training_data(
         path: Folder of a dataset, whose training split is taken; or a file of neutral layouts.
         is_flat: As the paper has scenes, objects beside each other in the scene's frame; otherwise
             as trees, each object in the frame of its parent.
+        codec: What the channels of a tree stand for.
         on_scene: Called after each scene.
 
     Raises:
@@ -58,11 +64,16 @@ def open_training_data(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
             f"valid: {_LEAST_SCENES} or more"
         )
-    return prepared(path.name, train, held_out, is_flat=is_flat)
+    return prepared(path.name, train, held_out, is_flat=is_flat, codec=codec)
 
 
 def prepared(
-    name: str, train: Sequence[Scene], held_out: Sequence[Scene], *, is_flat: bool = False
+    name: str,
+    train: Sequence[Scene],
+    held_out: Sequence[Scene],
+    *,
+    is_flat: bool = False,
+    codec: CodecCfg = DEFAULT_CODEC,
 ) -> TrainingData:
     """Scenes as tokens.
 
@@ -71,8 +82,9 @@ def prepared(
         train: Scenes to train on.
         held_out: Scenes to watch the training by.
         is_flat: See `open_training_data`.
+        codec: See `open_training_data`.
     """
-    tree = training_set(train)
+    tree = training_set(train, codec)
     vocabulary = count_kinds(train)
     source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))
     skeletons = tuple((skeleton_of(scene, vocabulary), Wish.of(scene)) for scene in train)

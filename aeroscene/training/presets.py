@@ -13,6 +13,7 @@ from aeroscene.guidance.objectives import ObjectivesCfg
 from aeroscene.guidance.semantic import SemanticPriorCfg
 from aeroscene.model.config import ModelCfg, paper_cfg
 from aeroscene.skeleton.config import SkeletonCfg, SkeletonTrainingCfg
+from aeroscene.tokens.codec import DEFAULT_CODEC, CodecCfg
 from aeroscene.tokens.kinds import Vocabulary
 from aeroscene.training.checkpoint import Part
 from aeroscene.training.config import PAPER_TRAINING, Preset, TrainCfg, TrainingError
@@ -27,6 +28,7 @@ _DEFAULT: Sections = {
     "schedule": ScheduleCfg(),
     "loss": LossCfg(coarse_weight=3.0),
     "training": TrainCfg(),
+    "codec": CodecCfg(),
     "skeleton": SkeletonCfg(),
     "skeleton_training": SkeletonTrainingCfg(),
 }
@@ -71,10 +73,24 @@ def is_flat(sections: Sections) -> bool:
     return sections["model"].n_categories > 0
 
 
+def codec_of(sections: Sections) -> CodecCfg:
+    """What the channels stand for; trainings from before there was a choice have the default."""
+    return sections.get("codec", DEFAULT_CODEC)
+
+
 def fitted(sections: Sections, vocabulary: Vocabulary) -> dict[str, Any]:
-    """Sections for the kinds that there are."""
+    """Sections for the kinds that there are.
+
+    Raises:
+        TrainingError: If the network would see the borders of another codec.
+    """
     if is_flat(sections):
         return dict(sections)
+    if codec_of(sections) != DEFAULT_CODEC and sections["model"].has_borders:
+        raise TrainingError(
+            "model.has_borders is True beside another [codec], valid: false; borders are read "
+            "from the default's channels"
+        )
     return {**sections, "model": replace(sections["model"], n_kinds=vocabulary.n_kinds)}
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from aeroscene.freespace import VoxelField
 from aeroscene.scene import Scene
 from aeroscene.shapes import Primitive, scene_primitives
 from aeroscene.solids import colliding
@@ -19,7 +20,11 @@ from aeroscene.validation.support import floating
 __all__ = ["Finding", "FindingKind", "validate"]
 
 
-def validate(scene: Scene, primitives: Sequence[Primitive] | None = None) -> tuple[Finding, ...]:
+def validate(
+    scene: Scene,
+    primitives: Sequence[Primitive] | None = None,
+    field: VoxelField | None = None,
+) -> tuple[Finding, ...]:
     """Everything that is wrong with a scene; nothing where it is sound.
 
     `overlap`: boxes that share an IoU above 0.01 though neither belongs to the other. `floating`:
@@ -30,6 +35,7 @@ def validate(scene: Scene, primitives: Sequence[Primitive] | None = None) -> tup
     Args:
         scene: The scene.
         primitives: Its primitives, where the caller has them already.
+        field: Its distance field, likewise; capped no lower than `FIELD_CAP_M`.
     """
     primitives = scene_primitives(scene) if primitives is None else primitives
     solids = colliding(primitives)
@@ -37,6 +43,6 @@ def validate(scene: Scene, primitives: Sequence[Primitive] | None = None) -> tup
         *overlaps(scene),
         *floating(scene, solids),
         *outside(scene),
-        *unreachable(scene, primitives),
+        *unreachable(scene, primitives, field),
         *unlandable(scene, solids),
     )

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from aeroscene.areas.needs import area_needs
-from aeroscene.freespace import NoFreeSpaceError, build_distance_field, flood
+from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.freespace import NoFreeSpaceError, VoxelField, build_distance_field, flood
 from aeroscene.scene import Scene
 from aeroscene.shapes import Primitive
 from aeroscene.validation.findings import Finding
@@ -14,10 +15,19 @@ SMALLEST_BALL_M = 0.45
 """The start must let this one leave."""
 
 
-def unreachable(scene: Scene, primitives: Sequence[Primitive]) -> Iterator[Finding]:
-    """A start that nothing can leave, areas above which no drone of their class can get."""
+def unreachable(
+    scene: Scene, primitives: Sequence[Primitive], field: VoxelField | None = None
+) -> Iterator[Finding]:
+    """A start that nothing can leave, areas above which no drone of their class can get.
+
+    Args:
+        scene: The scene.
+        primitives: Its primitives.
+        field: Its distance field, where the caller has it already.
+    """
     radii = {SMALLEST_BALL_M, *(area_needs(a).flight_radius_m for a in scene.interaction_areas)}
-    field = build_distance_field(scene, primitives=primitives, cap_m=max(radii) + 0.1)
+    if field is None:
+        field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
     for radius_m in sorted(radii):
         areas = [a for a in scene.interaction_areas if area_needs(a).flight_radius_m == radius_m]
         try:

@@ -6,7 +6,7 @@ Nothing here knows how areas are found, so that a fault there shows.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -145,17 +145,19 @@ class _Claim:
         """What stands on the circle, beside it, or hangs lower than claimed."""
         area, needs = self._area, self._needs
         reach_m = max(area.radius, needs.body_radius_m)
-        for found in self._obstacles(STEP_M + STEP_TOLERANCE_M, area.radius, needs.clearance_m):
+        low_m = STEP_M + STEP_TOLERANCE_M
+        near = self._near(reach_m, max(area.clearance_m, needs.clearance_m))
+        for found in self._obstacles(near, low_m, area.radius, needs.clearance_m):
             name = self._name(int(self._solids.object_id[found.index]))
             yield f"{name} stands on it {found.distance_m:.2f} m from the middle"
-        for found in self._obstacles(LEGS_M + STEP_TOLERANCE_M, reach_m, needs.clearance_m):
+        for found in self._obstacles(near, LEGS_M + STEP_TOLERANCE_M, reach_m, needs.clearance_m):
             if found.distance_m > area.radius - EDGE_M:
                 name = self._name(int(self._solids.object_id[found.index]))
                 yield (
                     f"{name} stands {found.distance_m:.2f} m from the middle, "
                     f"valid: from {reach_m:.2f} m"
                 )
-        above = self._obstacles(STEP_M + STEP_TOLERANCE_M, area.radius, area.clearance_m)
+        above = self._obstacles(near, low_m, area.radius, area.clearance_m)
         hanging = [o for o in above if needs.clearance_m < o.rise_m < area.clearance_m - EDGE_M]
         if hanging:
             lowest = min(hanging, key=lambda o: o.rise_m)
@@ -164,15 +166,20 @@ class _Claim:
                 f"clearance_m is {area.clearance_m}, {name} hangs {lowest.rise_m:.2f} m above it"
             )
 
-    def _obstacles(self, low_m: float, radius_m: float, high_m: float) -> list[_Obstacle]:
-        """Solids that reach between two heights above the plane within a radius."""
+    def _near(self, radius_m: float, high_m: float) -> list[int]:
+        """Solids that may reach into the room of the area."""
         centre = self._plane.centre
         lift_m = radius_m * float(np.hypot(*self._plane.gradient))
-        near = self._solids.near(
-            centre + np.array((-radius_m, -radius_m, low_m - lift_m)),
+        return self._solids.near(
+            centre + np.array((-radius_m, -radius_m, STEP_M - lift_m)),
             centre + np.array((radius_m, radius_m, high_m + lift_m)),
-        )
-        found = [self._obstacle(i, low_m, high_m) for i in near.tolist()]
+        ).tolist()
+
+    def _obstacles(
+        self, near: Sequence[int], low_m: float, radius_m: float, high_m: float
+    ) -> list[_Obstacle]:
+        """Solids that reach between two heights above the plane within a radius."""
+        found = (self._obstacle(i, low_m, high_m) for i in near)
         return [o for o in found if o is not None and o.distance_m < radius_m - EDGE_M]
 
     def _obstacle(self, index: int, low_m: float, high_m: float) -> _Obstacle | None:
@@ -181,9 +188,9 @@ class _Claim:
         if plane.is_level and solids.is_upright[index] and not solids.is_mesh[index]:
             rise_m = float(solids.low_m[index, 2] - plane.centre[2])
             top_m = float(solids.high_m[index, 2] - plane.centre[2])
+            if rise_m >= high_m or top_m <= low_m:
+                return None
             if solids.is_box[index] or solids.is_cylinder[index]:
-                if rise_m >= high_m or top_m <= low_m:
-                    return None
                 return _Obstacle(index, rise_m, self._distance_upright(index))
         normal = np.array([*-plane.gradient, 1.0])
         base = float(normal @ plane.centre)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import shapely
-from jaxtyping import Int
+from jaxtyping import Bool, Float, Int
 from shapely.geometry.base import BaseGeometry
 
-from aeroscene.geometry import layer, penetration_depth
+from aeroscene.geometry import box_corners, layer, penetration_depth
 from aeroscene.outlines import outline_of
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.solids import Solids
@@ -27,29 +27,36 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
     """Objects that stand on nothing and hang on nothing."""
-    descendants = _descendants(scene)
-    for obj in scene.objects:
-        own = np.flatnonzero(solids.object_id == obj.id)
-        bottom_m = float(obj.bbox.corners()[:, 2].min())
-        if bottom_m <= GAP_M or not len(own):
+    if not scene.objects:
+        return
+    boxes = [obj.bbox for obj in scene.objects]
+    corners = box_corners(*([getattr(box, name) for box in boxes] for name in "pqs"))
+    bottoms_m = corners[..., 2].min(axis=1).tolist()
+    row = {obj.id: number for number, obj in enumerate(scene.objects)}
+    row_of_solid = np.array([row[i] for i in solids.object_id.tolist()], dtype=int)
+    family = _family(scene, row)
+    for number, obj in enumerate(scene.objects):
+        own = np.flatnonzero(row_of_solid == number)
+        if bottoms_m[number] <= GAP_M or not len(own):
             continue
-        is_other = ~np.isin(solids.object_id, list(descendants[obj.id]))
-        detail = _Stand(solids, own, is_other, bottom_m).objection()
+        is_other = ~family[number, row_of_solid]
+        detail = _Stand(solids, own, is_other, bottoms_m[number]).objection()
         if detail and not (_may_hang(obj) and _touches(solids, own, is_other)):
             yield Finding(
                 kind="floating",
                 scene_id=scene.scene_id,
                 object_id=obj.id,
-                detail=f"{obj.category} {obj.id} has its feet at {bottom_m:.2f} m, {detail}",
+                detail=f"{obj.category} {obj.id} has its feet at {bottoms_m[number]:.2f} m, "
+                f"{detail}",
             )
 
 
-def _descendants(scene: Scene) -> dict[int, set[int]]:
-    """Every object with all that belongs to it, itself included."""
-    family = {obj.id: {obj.id} for obj in scene.objects}
-    for obj in scene.objects:
+def _family(scene: Scene, row: Mapping[int, int]) -> Bool[np.ndarray, "n n"]:
+    """Whether an object (row) is, or is above, another one (column)."""
+    family = np.eye(len(row), dtype=bool)
+    for number, obj in enumerate(scene.objects):
         for ancestor in scene.ancestors(obj.id):
-            family[ancestor].add(obj.id)
+            family[row[ancestor], number] = True
     return family
 
 
@@ -98,7 +105,7 @@ class _Stand:
 
     def objection(self) -> str | None:
         """Why the object does not stand, None if it does."""
-        if self._is_on_one_box():
+        if self._is_on_one_box() or self._is_balanced():
             return None
         feet = shapely.union_all([outline_of(self._solids.points(i)) for i in self._feet])
         borne = [self._bearing(i, feet) for i in self._bearers]
@@ -114,11 +121,22 @@ class _Stand:
 
     def _is_on_one_box(self) -> bool:
         """The common case, settled without polygons."""
+        return self._is_within_box(self._corners, 1e-6)
+
+    def _is_balanced(self) -> bool:
+        """Whether a box bears the middle of an only foot, which is then borne by its own."""
+        s, foot = self._solids, self._feet[0]
+        if len(self._feet) > 1 or s.is_mesh[foot] or not s.is_upright[foot]:
+            return False
+        return self._is_within_box(s.centre_m[foot, None, :2], -1e-6)
+
+    def _is_within_box(self, points: Float[np.ndarray, "k 2"], slack_m: float) -> bool:
+        """Whether an upright box among what may bear the feet lies under all points."""
         s, near = self._solids, self._bearers
         near = near[s.is_box[near] & s.is_upright[near]]
-        offset = self._corners[None] - s.centre_m[near, None, :2]
+        offset = points[None] - s.centre_m[near, None, :2]
         local = np.abs(offset @ s.rotation[near, :2, :2])
-        return bool((local <= s.half_m[near, None, :2] + 1e-6).all(axis=(1, 2)).any())
+        return bool((local <= s.half_m[near, None, :2] + slack_m).all(axis=(1, 2)).any())
 
     def _bearing(self, index: int, feet: BaseGeometry) -> BaseGeometry:
         """Where a solid meets the feet at their height."""

@@ -17,26 +17,22 @@ from typing import Literal
 import numpy as np
 
 from aeroscene.corpus import scene_domain
-from aeroscene.dataset import Dataset, DatasetError, open_dataset
-from aeroscene.feasibility import FeasibilityCfg, make_feasible
 from aeroscene.generation.generator import Generated, Generator
 from aeroscene.generation.loading import SHIPPED
 from aeroscene.generation.request import Request
-from aeroscene.metrics.classifier import N_FOLDS
-from aeroscene.metrics.comparison import Figures, Reference, figures_of
 from aeroscene.scene import Scene
 from aeroscene.training.checkpoint import read_checkpoint
 from scenarios.bench.quality import (
     FEASIBLE,
     RAW,
     TEST,
-    TRAIN,
     Drawn,
     comparison,
     feasibility_rows,
     statistics_rows,
     validity_rows,
 )
+from scenarios.bench.reference import Splits, group_figures, open_corpus
 from scenarios.bench.row import Row
 
 OnProgress = Callable[[str, float], None]
@@ -77,14 +73,13 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     Raises:
         SceneError: If checkpoint, device or corpus cannot be used.
     """
-    corpus = _corpus(cfg.data)
+    corpus = open_corpus(cfg.data)
     generator = Generator.load(cfg.checkpoint, preset=cfg.preset, device=cfg.device)
     costs = _generate(generator, cfg, on_progress)
-    yield from _speed_rows(generator, cfg, costs)
+    yield from _speed_rows(generator, cfg, costs, on_progress)
     on_progress("reading the corpus", 0.6)
-    train = list(corpus.of_split("train").scenes())
-    test = list(corpus.of_split("test").scenes())
-    yield from _validity_rows(cfg, costs, test)
+    real = Splits.of(corpus)
+    yield from _validity_rows(cfg, costs, real.test)
     draws = [
         Drawn(raw=made.raw, projected=made.projected, is_rejected=made.scene is None)
         for made in (cost.made for cost in costs)
@@ -96,24 +91,15 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             "checking that scenes are sound", 0.7 + 0.2 * next(checked) / cfg.count
         ),
     )
-    on_progress("comparing with the corpus", 0.9)
-    yield from comparison(_figures(draws, train, test, cfg.seed))
     accepted = [draw.projected for draw in draws if not draw.is_rejected]
+    groups = {RAW: [draw.raw for draw in draws], FEASIBLE: accepted}
+    yield from comparison(
+        group_figures(
+            groups, real, cfg.seed, lambda what, share: on_progress(what, 0.9 + 0.1 * share)
+        )
+    )
     if accepted:
         yield from statistics_rows(accepted)
-
-
-def _corpus(folder: Path) -> Dataset:
-    """The scenes to compare with, before the minutes of work."""
-    corpus = open_dataset(folder)
-    for split in ("train", "test"):
-        count = len(corpus.of_split(split).entries)
-        if count < N_FOLDS:
-            raise DatasetError(
-                f"folder {str(folder)!r} has {count} scenes of the {split} split, valid: "
-                f"{N_FOLDS} or more; aeroscene dataset build makes all"
-            )
-    return corpus
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +113,7 @@ class _Cost:
 
 def _generate(generator: Generator, cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[_Cost]:
     on_progress("first scene, which compiles kernels", 0.0)
-    _one(generator, Request(seed=cfg.seed + cfg.count))
+    _one(generator, _request(cfg.seed, cfg.count))
     costs = []
     for number in range(cfg.count):
         on_progress(f"scene {number + 1} of {cfg.count}", 0.55 * number / cfg.count)
@@ -147,7 +133,7 @@ def _one(generator: Generator, request: Request) -> _Cost:
 
 
 def _speed_rows(
-    generator: Generator, cfg: GenerateBenchCfg, costs: Sequence[_Cost]
+    generator: Generator, cfg: GenerateBenchCfg, costs: Sequence[_Cost], on_progress: OnProgress
 ) -> Iterator[Row]:
     is_gpu = _is_gpu(generator.device)
     wall_s, n_objects = [c.wall_s for c in costs], [len(c.made.raw.objects) for c in costs]
@@ -156,32 +142,60 @@ def _speed_rows(
     yield _lower("one scene, median", median_s, "s", most_s)
     yield _lower("one scene, p95", float(np.quantile(wall_s, 0.95)), "s", None)
     yield _lower("its CPU time, median", float(np.median([c.cpu_s for c in costs])), "CPU s", None)
-    yield _lower("its feasibility, median", _feasibility_s(costs), "s", None)
+    on_progress("timing the stages", 0.55)
+    stages = _stages(generator, costs)
+    yield _lower("its skeleton, median", stages.skeleton_s, "s", None)
+    yield _lower("its sampling, median", stages.sampling_s, "s", None)
+    yield _lower("its feasibility, areas and validation, median", stages.rest_s, "s", None)
     yield Row(metric="its objects, mean", value=float(np.mean(n_objects)), unit="objects")
     if is_gpu:
-        yield from _gpu_rows(generator, cfg, _feasibility_s(costs))
+        yield from _gpu_rows(generator, cfg, stages.rest_s)
     yield _lower("peak memory", _peak_memory_gb(), "GB", MOST_MEMORY_GB)
 
 
-def _feasibility_s(costs: Sequence[_Cost]) -> float:
-    """Of a few scenes, once more by itself."""
-    seconds = []
-    for cost in costs[:_N_TIMED]:
-        start_s = time.perf_counter()
-        make_feasible(cost.made.raw, FeasibilityCfg())
-        seconds.append(time.perf_counter() - start_s)
-    return float(np.median(seconds))
+@dataclass(frozen=True, slots=True)
+class _Stages:
+    """Where the time of a scene goes, medians of a few."""
+
+    skeleton_s: float
+    sampling_s: float
+    """Sampling of the geometry; the paper's way has no other stage before feasibility."""
+    rest_s: float
 
 
-def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, feasibility_s: float) -> Iterator[Row]:
-    """Many at once; feasibility is the processor's work, and is taken off."""
+def _stages(generator: Generator, costs: Sequence[_Cost]) -> _Stages:
+    """Of a few scenes, generated once more with an eye on the denoising."""
+    measured = [_stages_of(generator, cost) for cost in costs[:_N_TIMED]]
+    return _Stages(*np.median(measured, axis=0).tolist())
+
+
+def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
+    """Seconds of the skeleton, of the sampling and of what follows.
+
+    Looking on takes time. The first step comes as long after the skeleton as the second after the
+    first; the sampling is what the other two leave of the scene's time when none looked on.
+    """
+    seen_s = [time.perf_counter()]
+    list(
+        generator.generate(
+            [cost.made.request], on_step=lambda *_: seen_s.append(time.perf_counter())
+        )
+    )
+    start_s, first_s, second_s, last_s = *seen_s[:3], seen_s[-1]
+    rest_s = time.perf_counter() - last_s
+    skeleton_s = max(0.0, first_s - start_s - (second_s - first_s))
+    return skeleton_s, max(0.0, cost.wall_s - skeleton_s - rest_s), rest_s
+
+
+def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, rest_s: float) -> Iterator[Row]:
+    """Many at once; what follows the sampling is the processor's work, and is taken off."""
     import torch  # noqa: PLC0415 - for a GPU only
 
     requests = [_request(cfg.seed, number) for number in range(_BATCH_SIZE)]
     start_s = time.perf_counter()
     n_made = sum(1 for _ in generator.generate(requests, batch_size=_BATCH_SIZE))
     wall_s = time.perf_counter() - start_s
-    model_s = max(wall_s - n_made * feasibility_s, 1e-3)
+    model_s = max(wall_s - n_made * rest_s, 1e-3)
     yield Row(
         metric=f"sampling in batches of {_BATCH_SIZE}",
         value=n_made / model_s,
@@ -204,25 +218,6 @@ def _validity_rows(
 
 def _is_gpu(device: str) -> bool:
     return not device.startswith("cpu")
-
-
-def _figures(
-    draws: Sequence[Drawn], train: Sequence[Scene], test: Sequence[Scene], seed: int
-) -> dict[str, Figures]:
-    rng = np.random.default_rng(seed)
-    reference = Reference.of(train, test)
-    chosen = rng.choice(len(train), min(len(draws), len(train)), replace=False).tolist()
-    groups = {
-        RAW: [draw.raw for draw in draws],
-        FEASIBLE: [draw.projected for draw in draws if not draw.is_rejected],
-        TEST: test,
-        TRAIN: [train[i] for i in chosen],
-    }
-    return {
-        name: figures_of(scenes, reference, rng)
-        for name, scenes in groups.items()
-        if len(scenes) >= N_FOLDS
-    }
 
 
 def _peak_memory_gb() -> float:

@@ -120,8 +120,8 @@ def comparison(figures: Mapping[str, Figures]) -> Iterator[Row]:
     """Every figure before and after feasibility beside the corpus's own.
 
     Args:
-        figures: Of `RAW`, of `FEASIBLE` where enough scenes were not rejected, of `TEST` and of as
-            many scenes of `TRAIN`.
+        figures: Of `RAW` where it is known what scenes were, of `FEASIBLE` where enough scenes were
+            not rejected, of `TEST` and of as many scenes of `TRAIN`.
     """
     table = {row.key: row for row in comparison_rows(figures)}
     for keys, truth in ((_BY_SCENE, TEST), (_OF_SETS, TRAIN), (_OF_COPIES, TEST)):
@@ -136,7 +136,7 @@ def _target(key: str, group: str, table: Mapping[str, ComparisonRow]) -> float |
         return None
     if key in _COLLISIONS:
         return table[key].values[TEST]
-    if key == "mmd":
+    if key == "mmd" and RAW in table[key].values:
         return table[key].values[RAW] + table["mmd_noise"].values[RAW]
     if key == "training_distance":
         return LEAST_DISTANCE_SHARE * table[key].values[TEST]

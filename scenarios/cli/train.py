@@ -142,7 +142,7 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
 
     from aeroscene.training.config import Budget, require  # noqa: PLC0415
     from aeroscene.training.devices import choose_device  # noqa: PLC0415
-    from aeroscene.training.presets import PARTS, fitted, is_flat  # noqa: PLC0415
+    from aeroscene.training.presets import PARTS, fitted  # noqa: PLC0415
     from aeroscene.training.procedure import Plan, taken_parts  # noqa: PLC0415
 
     device = choose_device(cfg.device)
@@ -155,7 +155,7 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     budget = Budget(cfg.steps, None if minutes is None else 60.0 * minutes)
     # What can be refused at once is, before the scenes are read.
     preset, sections = _sections(cfg, state)
-    data = _read_data(cfg.data, is_flat=is_flat(sections))
+    data = _read_data(cfg.data, sections)
     if state is None:
         sections = fitted(sections, data.vocabulary)
     parts = cfg.parts or PARTS[preset]
@@ -215,11 +215,14 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
         )
 
 
-def _read_data(path: Path, *, is_flat: bool) -> TrainingData:
+def _read_data(path: Path, sections: Mapping[str, Any]) -> TrainingData:
     from aeroscene.training.data import open_training_data  # noqa: PLC0415 - PyTorch
+    from aeroscene.training.presets import codec_of, is_flat  # noqa: PLC0415
 
     with progress_bar("reading scenes", _CORPUS_SIZE) as advance:
-        return open_training_data(path, is_flat=is_flat, on_scene=advance)
+        return open_training_data(
+            path, is_flat=is_flat(sections), codec=codec_of(sections), on_scene=advance
+        )
 
 
 def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> None:

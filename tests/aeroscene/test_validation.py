@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.catalogue import category_id
+from aeroscene.freespace import build_distance_field
 from aeroscene.geometry import quat_from_yaw
 from aeroscene.landing import derive_interaction_areas
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneObject
@@ -320,7 +322,26 @@ def test_findings_name_the_scene(sound):
     assert {finding.scene_id for finding in validate(broken)} == {"garden"}
 
 
-def test_primitives_may_be_handed_over(sound):
+def test_primitives_and_distances_may_be_handed_over(sound):
+    wall = replace(sound.object_by_id[CRATE], id=99)
+    shut = replace(sound, objects=(*sound.objects, wall), start_position_enu_m=wall.bbox.p)
+    for scene in (sound, shut):
+        given_solids = scene_primitives(scene)
+        field = build_distance_field(scene, primitives=given_solids, cap_m=FIELD_CAP_M)
+        assert validate(scene, given_solids, field) == validate(scene)
+    assert validate(shut) != ()
     given_solids = scene_primitives(sound)
-    assert validate(sound, given_solids) == validate(sound)
     assert len(colliding(given_solids)) <= len(given_solids)
+
+
+def test_a_box_with_its_middle_on_an_edge_of_another_is_not_held_by_its_corner(sound):
+    table = sound.object_by_id[TABLE].bbox
+    edge_m = table.p[0] + table.s[0] / 2
+    z = table.p[2] + table.s[2] / 2
+    floating = {}
+    for beyond_m in (-0.1, 0.1):
+        crate = thing(77, "box", (edge_m + beyond_m, table.p[1], z + 0.15), (0.3, 0.3, 0.3))
+        found = validate(replace(sound, objects=(*sound.objects, crate)))
+        floating[beyond_m] = [f for f in found if f.kind == "floating" and f.object_id == 77]
+    assert floating[-0.1] == []
+    assert len(floating[0.1]) == 1

@@ -27,7 +27,13 @@ def test_a_door_keeps_within_its_wall():
 
 
 def test_a_narrow_door_becomes_wide_enough_to_fly_through():
-    assert fitted((0.12, 4.0, 3.0), door_m=0.6, door_offset_m=0.0)["door_m"] == pytest.approx(1.5)
+    assert fitted((0.12, 4.0, 3.0), door_m=0.6, door_offset_m=0.0)["door_m"] >= 1.6
+
+
+def test_a_narrow_door_is_widened_no_further_than_its_wall_permits():
+    door = fitted((0.12, 1.8, 3.0), door_m=1.4, door_offset_m=0.3)
+    assert door["door_m"] == pytest.approx(1.5)
+    assert abs(door["door_offset_m"]) + door["door_m"] / 2 < 0.9
 
 
 def test_a_wall_too_short_for_its_door_loses_it():

@@ -5,6 +5,8 @@ import pytest
 
 from aeroscene.feasibility import FeasibilityCfg, make_feasible
 from aeroscene.feasibility.boxes import boxes_of, forbidden_overlaps
+from aeroscene.feasibility.layout import layout_of
+from aeroscene.feasibility.settling import cut_overlaps
 from aeroscene.scene import Scene
 from aeroscene.validation import validate
 from tests.aeroscene.conftest import cached_scene
@@ -70,6 +72,17 @@ def test_feet_come_down_to_what_bears_them():
     objects = make_feasible(garden(floating, sunk), QUICK).scene.object_by_id
     assert objects[CUP].bbox.p[2] == pytest.approx(0.86)
     assert objects[BENCH].bbox.p[2] == pytest.approx(0.46)
+
+
+@pytest.mark.parametrize(("width_m", "is_cut"), [(1.2, False), (1.6, True)])
+def test_ground_is_not_cut_narrower_than_its_category_can_be(width_m, is_cut):
+    pavement = thing(30, "sidewalk", (50.0, 0.0, 0.06), (6.0, width_m, 0.12))
+    kiosk = thing(31, "kiosk", (50.0, width_m / 2 + 1.1, 1.4), (4.0, 3.0, 2.8))
+    layout = layout_of(garden(pavement, kiosk))
+    assert cut_overlaps(layout, np.ones(len(layout.objects), dtype=bool)) == is_cut
+    row = next(row for row, obj in enumerate(layout.objects) if obj.id == 30)
+    wanted = width_m - 0.4 if is_cut else width_m
+    assert 2 * layout.boxes.half_m[row, 1] == pytest.approx(wanted, abs=0.001)
 
 
 def test_ground_is_cut_and_what_stands_on_it_stays():

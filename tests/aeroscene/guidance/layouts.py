@@ -66,6 +66,7 @@ def decode_metres(size_m: Tensor, heading: Tensor, low_m: Tensor):
             heading=heading,
             size_m=size_m,
             play_m=torch.ones_like(x0[..., :2]),
+            rise_m=torch.ones_like(x0[..., 0]),
             openings_m=torch.zeros(*x0.shape[:2], 7),
             mask=batch.mask,
         )

@@ -6,6 +6,7 @@ import pytest
 import torch
 from torch import Tensor
 
+from aeroscene.catalogue import by_name
 from aeroscene.curation import curate_scene
 from aeroscene.diffusion.sampling import Moment
 from aeroscene.diffusion.schedule import DiffusionError
@@ -64,6 +65,20 @@ def border_overlap_m(known: TrainingSet, x0: Tensor, batch: TokenBatch) -> float
     return total
 
 
+def n_too_small(known: TrainingSet, x0: Tensor, batch: TokenBatch) -> int:
+    """Ground and rooms, square to their parents, that are shorter or narrower than there are."""
+    size = decoder_of(known).decode(x0, batch).size_m
+    tiles = {"lawn", "plaza", "parking_lot", "road", "sidewalk", "terrain", "water", "room"}
+    count = 0
+    for row, column in batch.mask.nonzero().tolist():
+        kind = known.vocabulary.kinds[int(batch.kind[row, column])]
+        if kind.category in tiles and not kind.is_site and kind.is_aligned:
+            least = by_name()[kind.category]
+            length, width, _ = size[row, column].tolist()
+            count += length < least.length_m[0] - 0.01 or width < least.width_m[0] - 0.01
+    return count
+
+
 def test_scenes_of_the_corpus_stay_as_they_are(known: TrainingSet) -> None:
     batch = known.collator.examples(list(known.examples))
     moved = guidance(known).on_x0(batch.x0, batch, LAST)
@@ -81,7 +96,16 @@ def test_rooms_that_reach_into_each_other_give_way(known: TrainingSet) -> None:
     before = border_overlap_m(known, x0, batch)
     after = border_overlap_m(known, guidance(known).on_x0(x0, batch, LAST), batch)
     assert before > 5.0
-    assert after < 0.2 * before
+    # Those that are as small as any of the few here do not give way.
+    assert after < 0.25 * before
+
+
+def test_nothing_is_left_smaller_than_its_category_can_be(known: TrainingSet) -> None:
+    batch = known.collator.examples(list(known.examples))
+    x0 = shaken(batch, 0.3)
+    x0[:, 1 : batch.n_coarse_slots, 5:7] -= 4.0
+    assert n_too_small(known, x0, batch) >= 4
+    assert n_too_small(known, guidance(known).on_x0(x0, batch, LAST), batch) == 0
 
 
 def test_nothing_moves_early(known: TrainingSet) -> None:

@@ -22,6 +22,7 @@ def _boxes(seed: int, n: int, n_scenes: int = 2) -> Boxes:
         heading=torch.stack([yaw.cos(), yaw.sin()], dim=-1),
         size_m=0.1 + 3 * rand(3),
         play_m=torch.ones(n_scenes, n, 2),
+        rise_m=torch.ones(n_scenes, n),
         openings_m=torch.zeros(n_scenes, n, 7),
         mask=rand() < 0.9,
     )

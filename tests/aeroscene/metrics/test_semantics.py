@@ -7,7 +7,11 @@ from hypothesis import strategies as st
 
 from aeroscene.metrics.arrays import scene_arrays
 from aeroscene.metrics.neighbours import N_NEIGHBOURS, N_PLACES, neighbours_of
-from aeroscene.metrics.semantics import SemanticPrior, SemanticPriorError, mean_plausibility
+from aeroscene.metrics.semantics import (
+    NeighbourFrequencies,
+    NeighbourFrequenciesError,
+    mean_plausibility,
+)
 from tests.aeroscene.conftest import SAMPLE, cached_scene
 from tests.aeroscene.metrics.scenes import box, jittered, moved, scene_of, turned
 
@@ -19,7 +23,7 @@ def beside(name, dx, dy, yaw_deg=0.0):
     )
 
 
-DESKS = SemanticPrior.fit([beside("chair", 0.6, 0.0)] * 40 + [beside("bin", 0.0, 1.2)] * 10)
+DESKS = NeighbourFrequencies.fit([beside("chair", 0.6, 0.0)] * 40 + [beside("bin", 0.0, 1.2)] * 10)
 
 
 def test_what_is_usual_is_more_plausible_than_what_is_not():
@@ -67,34 +71,35 @@ def test_neighbours_are_the_nearest():
 
 
 def test_disturbed_scenes_are_less_plausible_the_more_they_are():
-    prior, rng = SemanticPrior.fit([cached_scene(i) for i in SAMPLE]), np.random.default_rng(0)
+    usual = NeighbourFrequencies.fit([cached_scene(i) for i in SAMPLE])
+    rng = np.random.default_rng(0)
     totals = [
         mean_plausibility(
-            [prior.plausibility(jittered(cached_scene(i), spread, rng)) for i in SAMPLE]
+            [usual.plausibility(jittered(cached_scene(i), spread, rng)) for i in SAMPLE]
         ).total
         for spread in (0.0, 0.1, 0.5, 2.0)
     ]
     assert totals[0] + 0.5 < totals[1] < totals[2] < totals[3]
 
 
-def test_a_saved_prior_judges_as_before(tmp_path):
-    DESKS.save(tmp_path / "prior.npz")
-    again = SemanticPrior.load(tmp_path / "prior.npz")
+def test_saved_frequencies_judge_as_before(tmp_path):
+    DESKS.save(tmp_path / "neighbours.npz")
+    again = NeighbourFrequencies.load(tmp_path / "neighbours.npz")
     assert np.array_equal(again.counts, DESKS.counts)
     scene = moved(beside("chair", 0.6, 0.0), [[0.1, 0.2, 0.0]] * 2)
     assert again.plausibility(scene) == DESKS.plausibility(scene)
 
 
-def test_a_file_that_is_no_prior_is_named(tmp_path):
-    path = tmp_path / "prior.npz"
-    with pytest.raises(SemanticPriorError, match=r"prior\.npz.*cannot be read"):
-        SemanticPrior.load(path)
+def test_a_file_that_holds_no_frequencies_is_named(tmp_path):
+    path = tmp_path / "neighbours.npz"
+    with pytest.raises(NeighbourFrequenciesError, match=r"neighbours\.npz.*cannot be read"):
+        NeighbourFrequencies.load(path)
     path.write_bytes(b"PK\x03\x04 cut short")
-    with pytest.raises(SemanticPriorError, match=r"prior\.npz.*cannot be read"):
-        SemanticPrior.load(path)
+    with pytest.raises(NeighbourFrequenciesError, match=r"neighbours\.npz.*cannot be read"):
+        NeighbourFrequencies.load(path)
     np.savez(path, version=1, shape=(3, 3, 3), cells=[1], counts=[1])
-    with pytest.raises(SemanticPriorError, match=r"\(3, 3, 3\).*fit it again"):
-        SemanticPrior.load(path)
+    with pytest.raises(NeighbourFrequenciesError, match=r"\(3, 3, 3\).*fit it again"):
+        NeighbourFrequencies.load(path)
 
 
 def test_a_scene_of_one_object_has_nothing_implausible():

@@ -1,0 +1,79 @@
+"""Partitions that run beside each other: in the corpus one wall parts two rooms, never two.
+
+What overlaps along its thin side is parted by decimetres and then stands twice. So of two walls
+side by side the shorter one ends where the longer one begins, in line with it where they are near;
+where nothing of it would be left it goes, and the longer one serves for both.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import BUILDINGS, least_m
+
+_APART_M = 1.1
+"""Walls whose middle lines are further apart leave room between them."""
+_IN_LINE_M = 0.5
+"""What is nearer than this to the line of another continues it."""
+_SHARED_M = 0.3
+"""Walls that run beside each other for less are parted as all else is."""
+_LEAST_HEIGHT_M = 0.5
+"""Walls that share less height are of different storeys."""
+_PARALLEL = 0.05
+"""Sine of the angle between walls up to which they are parallel."""
+_GAP_M = 0.0005
+
+
+def merge_walls(layout: Layout) -> None:
+    """Leave one of all walls of a building that run beside each other, the longest."""
+    half = layout.boxes.half_m
+    walls = [row for row in range(len(half)) if layout.is_left[row] and _is_partition(layout, row)]
+    walls.sort(key=lambda row: -float(half[row, 1]))
+    for place, longer in enumerate(walls):
+        for other in walls[place + 1 :]:
+            if layout.is_left[longer] and layout.is_left[other]:
+                away = _from(layout, longer, other)
+                if _is_doubled(layout, longer, other, away):
+                    _give_way(layout, longer, other, away)
+
+
+def _is_partition(layout: Layout, row: int) -> bool:
+    parent = layout.parent_of(row)
+    is_part = parent is not None and parent.category in BUILDINGS
+    return is_part and layout.objects[row].category == "wall"
+
+
+def _from(layout: Layout, longer: int, other: int) -> Float[np.ndarray, " 2"]:
+    """Where one wall's middle is from another's: across that and along it."""
+    boxes = layout.boxes
+    return boxes.frame(longer) @ (boxes.centre_m[other, :2] - boxes.centre_m[longer, :2])
+
+
+def _is_doubled(layout: Layout, longer: int, other: int, away: Float[np.ndarray, " 2"]) -> bool:
+    boxes = layout.boxes
+    pair = [longer, other]
+    across, along = np.abs(away)
+    return bool(
+        boxes.parent[longer] == boxes.parent[other]
+        and abs(np.sin(boxes.yaw_rad[longer] - boxes.yaw_rad[other])) < _PARALLEL
+        and boxes.top_m[pair].min() - boxes.base_m[pair].max() > _LEAST_HEIGHT_M
+        and across < _APART_M
+        and boxes.half_m[pair, 1].sum() - along > _SHARED_M
+    )
+
+
+def _give_way(layout: Layout, longer: int, other: int, away: Float[np.ndarray, " 2"]) -> None:
+    """Cut one wall to what reaches beyond another, or take it out where that is too short."""
+    boxes, (across, along) = layout.boxes, away
+    end_m = float(boxes.half_m[longer, 1]) + _GAP_M
+    left_m = abs(along) + float(boxes.half_m[other, 1]) - end_m
+    if left_m < least_m(layout.objects[other])[1]:
+        layout.drop(other)
+        return
+    wanted = np.array(
+        [0.0 if abs(across) < _IN_LINE_M else across, np.copysign(end_m + left_m / 2, along)]
+    )
+    layout.shift(other, np.array([*(boxes.frame(longer).T @ (wanted - away)), 0.0]))
+    boxes.half_m[other, 1] = left_m / 2

@@ -1,0 +1,142 @@
+"""Surfaces that tile a plan: rooms fill their building, open ground reaches under what is on it.
+
+Sampled surfaces leave gaps, and cuts widen them. In the corpus rooms and the walls between them
+cover 95% of a building's plan and more, and everything stands well within its ground. So surfaces
+grow, first over what stands on them, and rooms then up to what lies ahead of each of their sides.
+Nothing else moves for it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.feasibility.boxes import Boxes, forbidden_overlaps, joined
+from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import BUILDINGS, TILING, is_fitting, margin_m
+
+_TOUCH_M = 0.001
+_SAME_M = 0.01
+_GAP_M = 0.0005
+"""Left between neighbours."""
+_LEAST_M = 0.1
+"""Gaps narrower than this stay: jambs of the corpus leave six centimetres."""
+_MOST_M = 8.0
+"""How far a side of open ground moves out for what stands beside it."""
+_CROWDED_M = 0.05
+"""Things that overlap deeper than this need room."""
+_RIM_M = 0.1
+"""Of a surface beyond what stands on it."""
+
+
+def hold_children(layout: Layout) -> None:
+    """Let open ground grow under what belongs to it and lies beside it, where there is room."""
+    for row in _rows(layout, TILING):
+        _grow(layout, row, np.minimum(_beyond_m(layout, row), _MOST_M))
+
+
+def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> None:
+    """Let open ground grow on which things overlap, so that they find a place on it.
+
+    Args:
+        layout: Changed.
+        is_wanted: Objects that may be moved.
+        air: Boxes that they leave free beside all objects.
+    """
+    boxes = joined(layout.boxes, air)
+    is_left = np.ones(len(boxes), dtype=bool)
+    is_left[: len(layout.boxes)] = layout.is_left
+    rows = np.unique(forbidden_overlaps(boxes, _CROWDED_M, is_left).pairs)
+    rows = rows[rows < len(is_wanted)]
+    crowded = set(layout.host[rows[is_wanted[rows]]].tolist())
+    for row in _rows(layout, TILING):
+        if row in crowded:
+            _grow(layout, row, np.full((2, 2), _MOST_M))
+
+
+def fill_buildings(layout: Layout) -> None:
+    """Let rooms grow over what belongs to them, then up to walls, other rooms and the shell."""
+    rows = _rows(layout, frozenset({"room"}))
+    for row in rows:
+        _grow(layout, row, np.minimum(_beyond_m(layout, row), _within_m(layout, row)))
+    for row in rows:
+        _grow(layout, row, _within_m(layout, row))
+
+
+def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
+    """Surfaces of some categories that are parts of a building or of nothing."""
+    return [
+        row
+        for row, obj in enumerate(layout.objects)
+        if obj.category in categories
+        and layout.is_left[row]
+        and ((parent := layout.parent_of(row)) is None or parent.category in BUILDINGS)
+    ]
+
+
+def _beyond_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
+    """How far a surface's low and high sides must move out over the fine objects it bears."""
+    boxes = layout.boxes
+    is_child = (boxes.parent == row) & layout.is_left
+    is_child &= [not obj.is_coarse for obj in layout.objects]
+    middle, reach = _spans(layout, row, np.flatnonzero(is_child))
+    half = boxes.half_m[row, :2]
+    low = np.max(reach - middle - half, axis=0, initial=-np.inf)
+    high = np.max(middle + reach - half, axis=0, initial=-np.inf)
+    beyond = np.stack([low, high])
+    return np.where(beyond > _SAME_M, beyond + _RIM_M, 0.0)
+
+
+def _within_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
+    """How far a room's low and high sides are from the shell, and from the edges of its slab.
+
+    A room that is fitted into nothing stays as it is.
+    """
+    obj, parent = layout.objects[row], layout.parent_of(row)
+    if parent is None or not is_fitting(obj, parent):
+        return np.zeros((2, 2))
+    room = np.full((2, 2), np.inf)
+    half = layout.boxes.half_m[row, :2]
+    kept = {int(layout.host[row]): 0.0, int(layout.boxes.parent[row]): margin_m(obj, parent) or 0.0}
+    for bearer, kept_m in kept.items():
+        middle, reach = (found[0] for found in _spans(layout, row, np.array([bearer])))
+        room = np.minimum(room, np.stack([reach - middle, reach + middle]) - half - kept_m)
+    return room
+
+
+def _grow(layout: Layout, row: int, most_m: Float[np.ndarray, "2 2"]) -> None:
+    """Move the low and high sides of a surface out, up to what lies ahead of them."""
+    boxes = layout.boxes
+    middle, reach = _spans(layout, row, np.flatnonzero(_obstacles(layout, row)))
+    half, grown = boxes.half_m[row, :2], np.zeros((2, 2))
+    for axis in (0, 1):
+        other = 1 - axis
+        is_beside = (middle + reach)[:, other] > -half[other] - grown[0, other] + _TOUCH_M
+        is_beside &= (middle - reach)[:, other] < half[other] + grown[1, other] - _TOUCH_M
+        for end, sign in enumerate((-1.0, 1.0)):
+            along, reaches = sign * middle[is_beside, axis], reach[is_beside, axis]
+            is_ahead = along + reaches > half[axis] + _TOUCH_M
+            gap_m = np.min((along - reaches)[is_ahead], initial=np.inf) - half[axis] - _GAP_M
+            wanted_m = min(float(gap_m), float(most_m[end, axis]))
+            grown[end, axis] = wanted_m if wanted_m > _LEAST_M else 0.0
+    boxes.centre_m[row, :2] += boxes.frame(row).T @ ((grown[1] - grown[0]) / 2)
+    boxes.half_m[row, :2] += grown.sum(axis=0) / 2
+
+
+def _obstacles(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
+    """Coarse strangers at the height of a surface."""
+    boxes = layout.boxes
+    found = np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
+    found &= layout.is_left & ~boxes.is_kin[row]
+    rise = np.minimum(boxes.top_m, boxes.top_m[row]) - np.maximum(boxes.base_m, boxes.base_m[row])
+    return found & (rise > _TOUCH_M)
+
+
+def _spans(
+    layout: Layout, row: int, others: Int[np.ndarray, " k"]
+) -> tuple[Float[np.ndarray, "k 2"], Float[np.ndarray, "k 2"]]:
+    """Middles of others along a surface's axes from its own middle, and how far they reach."""
+    boxes, frame = layout.boxes, layout.boxes.frame(row)
+    middle = (boxes.centre_m[others, :2] - boxes.centre_m[row, :2]) @ frame.T
+    lean = np.abs(np.einsum("ai,kbi->kab", frame, boxes.axes_of(others)))
+    return middle, np.einsum("kab,kb->ka", lean, boxes.half_m[others, :2])

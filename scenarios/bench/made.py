@@ -1,0 +1,108 @@
+"""`bench generate --scenes`: how good scenes are that are made already, whoever made them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from aeroscene.dataset import MANIFEST, DatasetError, open_dataset
+from aeroscene.metrics.classifier import N_FOLDS
+from aeroscene.scene import Scene
+from aeroscene.scene_io import read_scene
+from aeroscene.shipped import open_shipped
+from scenarios.bench.quality import FEASIBLE, LEAST_SOUND, comparison, statistics_rows
+from scenarios.bench.reference import Splits, group_figures, open_corpus
+from scenarios.bench.row import Row
+from scenarios.bench.soundness import fault
+
+SHIPPED = "shipped"
+"""Names the scenes that come with the package."""
+MOST_CHECKED = 256
+"""Scenes looked at for soundness, a quarter of a second each; evenly chosen where there are more,
+since every one of a dataset was validated when it was made."""
+
+OnProgress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MadeBenchCfg:
+    """Which scenes to judge and with what to compare them."""
+
+    scenes: str
+    """`SHIPPED`, or a folder: a dataset, or scene JSON files."""
+    count: int | None
+    """The first so many; None for all."""
+    seed: int
+    """Of what is drawn to judge them: bootstraps, folds, the training scenes beside them."""
+    data: Path
+    """Folder of the corpus."""
+
+
+def rows(cfg: MadeBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Judge finished scenes: what `bench generate` says of scenes after feasibility.
+
+    Args:
+        cfg: Which scenes.
+        on_progress: Called with a title and the share done.
+
+    Raises:
+        SceneError: If scenes or corpus cannot be used.
+    """
+    corpus = open_corpus(cfg.data)
+    scenes = _read(cfg, on_progress)
+    yield from _soundness_rows(scenes, on_progress)
+    on_progress("reading the corpus", 0.7)
+    real = Splits.of(corpus)
+    yield from comparison(
+        group_figures(
+            {FEASIBLE: scenes},
+            real,
+            cfg.seed,
+            lambda what, share: on_progress(what, 0.75 + 0.25 * share),
+        )
+    )
+    yield from statistics_rows(scenes)
+
+
+def _read(cfg: MadeBenchCfg, on_progress: OnProgress) -> list[Scene]:
+    readers = _readers(cfg.scenes)
+    wanted = len(readers) if cfg.count is None else cfg.count
+    if not N_FOLDS <= wanted <= len(readers):
+        raise DatasetError(
+            f"{wanted} scenes of {cfg.scenes!r} are asked for, which has {len(readers)}, "
+            f"valid: from {N_FOLDS} to as many as there are"
+        )
+    scenes = []
+    for number, read in enumerate(readers[:wanted]):
+        on_progress(f"reading scene {number + 1} of {wanted}", 0.1 * number / wanted)
+        scenes.append(read())
+    return scenes
+
+
+def _readers(name: str) -> list[Callable[[], Scene]]:
+    """What reads each scene, in order."""
+    if name == SHIPPED:
+        shipped = open_shipped()
+        return [lambda entry=entry: shipped.read(entry) for entry in shipped.entries]
+    folder = Path(name)
+    paths = sorted(path for path in folder.glob("*.json*") if path.name != MANIFEST)
+    if paths and not (folder / MANIFEST).exists():
+        return [lambda path=path: read_scene(path) for path in paths]
+    dataset = open_dataset(folder)
+    return [lambda entry=entry: dataset.read(entry) for entry in dataset.entries]
+
+
+def _soundness_rows(scenes: Sequence[Scene], on_progress: OnProgress) -> Iterator[Row]:
+    chosen = scenes[:: -(-len(scenes) // MOST_CHECKED)]
+    n_sound = 0
+    for number, scene in enumerate(chosen):
+        on_progress("checking that scenes are sound", 0.1 + 0.6 * number / len(chosen))
+        n_sound += fault(scene) is None
+    yield Row(metric="scenes checked", value=len(chosen), unit=f"of {len(scenes)}")
+    yield Row(
+        metric=f"scenes sound, {FEASIBLE}",
+        value=100 * n_sound / len(chosen),
+        unit="%",
+        target=LEAST_SOUND,
+    )

@@ -1,0 +1,64 @@
+"""What was measured, row by row, so that a run that was stopped goes on."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from jaxtyping import Float
+
+from ablation.measure import Case, SceneOutcome
+from aeroscene.files import replacing
+
+
+class Outcome(msgspec.Struct, frozen=True, kw_only=True):
+    """What a row came to."""
+
+    key: str
+    """Differs where weights, skeletons or the way of sampling do."""
+    unguided: list[SceneOutcome] = []
+    """Without guidance; of rows that are trained."""
+    guided: list[SceneOutcome] = []
+    """As the row samples."""
+    step_cpu_s: float | None = None
+    """Of a training step."""
+
+
+def valid_shares(scenes: Sequence[SceneOutcome]) -> Float[np.ndarray, " scenes"]:
+    """Percent of each scene's objects that are free and rightly supported."""
+    return np.array([100 * scene.n_valid / scene.n_objects for scene in scenes])
+
+
+def outcome_key(digest: str, cases: Sequence[Case], settings: object) -> str:
+    """Sixteen hexadecimal digits.
+
+    Args:
+        digest: Of the weights.
+        cases: What is sampled.
+        settings: Whatever else decides the result, as its `repr`.
+    """
+    text = f"{digest} {[case.number for case in cases]} {settings!r}"
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def read_outcome(path: Path, key: str) -> Outcome | None:
+    """What was measured before, None where it was not, or of something else."""
+    try:
+        found = msgspec.json.decode(path.read_bytes(), type=Outcome)
+    except (FileNotFoundError, msgspec.DecodeError):
+        return None
+    return found if found.key == key else None
+
+
+def write_outcome(path: Path, outcome: Outcome) -> None:
+    """Keep what was measured.
+
+    Raises:
+        OSError: If it cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as file:
+        file.write(msgspec.json.encode(outcome))

@@ -1,0 +1,133 @@
+"""The small denoisers of the rows: found in their folders, or trained now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from ablation.rows import TrainedRow
+from aeroscene.dataset import open_dataset
+from aeroscene.model.config import ModelCfg
+from aeroscene.scene import Scene
+from aeroscene.training.checkpoint import Checkpoint, read_checkpoint
+from aeroscene.training.config import Budget, TrainCfg, TrainingError
+from aeroscene.training.data import TrainingData, prepared
+from aeroscene.training.presets import codec_of, fitted, preset_sections, sections_from_plain
+from aeroscene.training.procedure import CHECKPOINT, Plan, Training
+from aeroscene.training.settings import changed
+from aeroscene.training.state import STATE, read_state
+from scenarios.cli.progress import progress_bar
+from scenarios.cli.training_bar import TrainingBar, training_bar
+
+_NOT_COMPARED = ("skeleton", "skeleton_training")
+"""Sections of another part of the model."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trainer:
+    """Trains rows on one dataset, for equally many steps."""
+
+    data: Path
+    out: Path
+    steps: int
+    precision: str
+    """Of `TrainCfg`; rows that are there already may have another."""
+
+    def found(self, row: TrainedRow) -> Checkpoint | None:
+        """The trained row, None where it is missing or not at its end.
+
+        Raises:
+            TrainingError: If its folder holds something else.
+        """
+        path = self.out / row.name / CHECKPOINT
+        if not path.exists():
+            return None
+        checkpoint = read_checkpoint(path)
+        strange = _difference(_sections(row), checkpoint)
+        if strange:
+            raise TrainingError(
+                f"out {str(path.parent)!r} holds another training ([{strange}] differs), "
+                f"valid: one of row {row.name}, or another --out"
+            )
+        return checkpoint if checkpoint.facts.training.get("steps", 0) >= self.steps else None
+
+    def train(self, row: TrainedRow) -> Checkpoint:
+        """Train a row, from where it was stopped.
+
+        Raises:
+            SceneError: If data or folder cannot be used.
+            OSError: If a file cannot be written.
+        """
+        folder = self.out / row.name
+        state = read_state(folder / STATE)
+        data = self._prepared(row)
+        asked = changed(_sections(row), {"training": {"precision": self.precision}})
+        begun = None if state is None else sections_from_plain(state.facts.configs)
+        plan = Plan(
+            folder=folder,
+            preset="default",
+            sections=begun or fitted(asked, data.vocabulary),
+            data=data,
+            budget=Budget(steps=self.steps),
+            device=torch.device("cpu"),
+            parts=("denoiser",),
+        )
+        with training_bar() as bar:
+            Training(plan, _Watcher(bar, row.name)).run(state)
+        return read_checkpoint(folder / CHECKPOINT)
+
+    def _prepared(self, row: TrainedRow) -> TrainingData:
+        return prepared(self.data.name, *self._scenes, codec=codec_of(_sections(row)))
+
+    @cached_property
+    def _scenes(self) -> tuple[list[Scene], list[Scene]]:
+        """To train on and to watch by."""
+        dataset = open_dataset(self.data)
+        train: list[Scene] = []
+        held_out: list[Scene] = []
+        with progress_bar("reading scenes", len(dataset.entries)) as advance:
+            for entry in dataset.entries:
+                (train if entry.split == "train" else held_out).append(dataset.read(entry))
+                advance()
+        return train, held_out
+
+
+@dataclass(frozen=True)
+class _Watcher:
+    """Moves the bar of a row; Ctrl-C ends the tool, and what was saved goes on."""
+
+    bar: TrainingBar
+    row: str
+
+    def on_progress(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
+        del stage
+        self.bar.show(self.row, share, figures)
+
+    def wants_stop(self) -> bool:
+        return False
+
+
+def _sections(row: TrainedRow) -> dict[str, Any]:
+    return changed(preset_sections("default"), row.changes)
+
+
+def _difference(asked: Mapping[str, Any], checkpoint: Checkpoint) -> str | None:
+    """First section in which a checkpoint is not what was asked for."""
+    there = sections_from_plain(checkpoint.facts.configs)
+    for name, section in asked.items():
+        other = there.get(name, type(section)())
+        if name not in _NOT_COMPARED and _alike(section, other) != section:
+            return name
+    return None
+
+
+def _alike(here: Any, there: Any) -> Any:
+    """The section there, but for what is no choice of a row: speed, and the number of kinds."""
+    if isinstance(here, TrainCfg):
+        return replace(there, precision=here.precision)
+    return replace(there, n_kinds=here.n_kinds) if isinstance(here, ModelCfg) else there
