@@ -75,9 +75,7 @@ class LossCfg:
                 f"min_snr_gamma is {self.min_snr_gamma:g}, valid: above 0, or left out"
             )
         if self.guide_scenes is not None and self.guide_scenes < 1:
-            raise DiffusionError(
-                f"guide_scenes is {self.guide_scenes}, valid: from 1, or left out"
-            )
+            raise DiffusionError(f"guide_scenes is {self.guide_scenes}, valid: from 1, or left out")
 
 
 @dataclass(frozen=True)

@@ -46,11 +46,6 @@ def load_proposer(
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
-        if not checkpoint.exists():
-            raise CheckpointError(
-                f"preset {preset!r} comes without a checkpoint, valid: one that "
-                f"aeroscene train --preset {preset} has written, by --checkpoint"
-            )
     return _Loader(read_checkpoint(checkpoint), device, n_steps).proposer()
 
 
