@@ -51,14 +51,21 @@ def settle_home(layout: Layout, row: int) -> None:
     spot = layout.boxes.centre_m[row, :2].copy()
     host = int(layout.host[row])
     is_open_air = host >= 0 and layout.scene.domain != "indoor"
-    if is_open_air and _openness_m(layout, row, host, spot) < _WANTED_M:
+    is_level = host >= 0 and _is_level(layout, host)
+    if is_open_air and not (is_level and _openness_m(layout, row, host, spot) >= _WANTED_M):
         best = (
-            _best_spot(layout, row, [host])
+            _best_spot(layout, row, [host] if is_level else [])
             or _best_spot(layout, row, _grounds(layout, _GROUNDS))
             or _best_spot(layout, row, _grounds(layout, _LAST_RESORT))
         )
         if best is not None:
             _move_home(layout, row, *best)
+
+
+def _is_level(layout: Layout, ground: int) -> bool:
+    """Whether a pad lies flat on some ground: into a ramp or a mound it would sink."""
+    obj = layout.objects[ground]
+    return obj.category != "terrain" or obj.attributes.get("form") == "terrace"
 
 
 def _move_home(layout: Layout, row: int, ground: int, at: Float[np.ndarray, " 2"]) -> None:

@@ -17,7 +17,7 @@ from aeroscene.dataset import Dataset, DatasetError, SceneEntry, store_scene
 from aeroscene.provenance import sources_digest
 from aeroscene.scene import Scene
 from aeroscene.shipped import Provenance, write_archive
-from aeroscene.validation import validate
+from scenarios.bench.soundness import fault
 from scenarios.dataset.build import BuildPlan, plan_folder
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def code_digest() -> str:
 
 
 def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> SceneEntry:
-    """Draw a scene until validation finds nothing, and write its file.
+    """Draw a scene until it is sound and a vehicle can stand at its start, and write its file.
 
     Raises:
         DatasetError: If that never happens.
@@ -137,10 +137,10 @@ def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> S
         scene = maker.draw(number, attempt)
         if scene is None:
             continue
-        findings = validate(scene)
-        if not findings:
+        found = fault(scene)
+        if found is None:
             return store_scene(folder, scene, number, sources, attempt)
-        reason = f"has a finding: {findings[0].kind}, {findings[0].detail}"
+        reason = f"is not: {found}"
     raise DatasetError(
         f"scene {number}: none of {MOST_ATTEMPTS} draws is sound, the last {reason}; "
         "valid: a better checkpoint"

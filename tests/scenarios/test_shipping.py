@@ -54,7 +54,7 @@ def made(folder, numbers, maker):
     return numbers
 
 
-def test_a_scene_is_drawn_until_validation_finds_nothing(tmp_path):
+def test_a_scene_is_drawn_until_nothing_is_wrong_with_it(tmp_path):
     assert made(tmp_path, (5,), PickyMaker()) == [5]
     (entry,) = read_entries(tmp_path)
     assert (entry.index, entry.scene_id, entry.attempt) == (5, "aeroscene-0005", 2)
@@ -63,7 +63,7 @@ def test_a_scene_is_drawn_until_validation_finds_nothing(tmp_path):
 
 def test_a_number_that_is_never_sound_is_named_with_the_reason(tmp_path):
     with pytest.raises(
-        DatasetError, match=r"scene 3: none of 20 draws .* floating, .* valid: a be"
+        DatasetError, match=r"scene 3: none of 20 draws .* no landing area, .* valid: a be"
     ):
         made(tmp_path, (3,), HopelessMaker())
 

@@ -103,6 +103,13 @@ def test_the_air_over_the_home_pad_is_free():
     assert offset.max() >= 3.6 + 1.5 - 0.01
 
 
+def test_the_home_pad_does_not_sink_into_a_ramp():
+    ramp = thing(LAWN, "terrain", (0.0, 0.0, 0.7), (30.0, 30.0, 1.4), form="ramp", finish="grass")
+    pad = make_feasible(garden(ramp)).scene.object_by_id[HOME]
+    assert pad.parent_id == PLAZA
+    assert pad.bbox.p[2] == pytest.approx(0.125, abs=0.001)
+
+
 def test_what_has_no_place_is_dropped_with_what_it_bears_and_told():
     huge = thing(9, "table", (0.0, -4.0, 1.0), (1.4, 2.6, 0.8), TABLE)
     onto = thing(10, "plate", (0.0, -4.0, 1.4), (0.2, 0.2, 0.02), 9)
