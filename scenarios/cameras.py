@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from flightsim.plant import Plant
 from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
+from flightsim.sensors.depth_noise import DepthNoise
 from flightsim.world import World
 
 
@@ -17,9 +18,28 @@ class Cameras:
     """
 
     def __init__(
-        self, world: World, plant: Plant, *, width_px: int = 320, height_px: int = 240
+        self,
+        world: World,
+        plant: Plant,
+        *,
+        width_px: int = 320,
+        height_px: int = 240,
+        depth_noise: DepthNoise | None = None,
     ) -> None:
+        """Open a renderer.
+
+        Args:
+            world: What to render.
+            plant: Whose vehicle carries the cameras.
+            width_px: Of the images.
+            height_px: Of the images.
+            depth_noise: Errors of depth; None measures it exactly.
+
+        Raises:
+            CameraError: If there is no such size.
+        """
         self._plant = plant
+        self._depth_noise = depth_noise
         self._renderer = open_camera_renderer(world, width_px, height_px)
         self.backend = self._renderer.backend
         self._listeners: list[Callable[[RgbdFrame], None]] = []
@@ -35,6 +55,8 @@ class Cameras:
         if latest is not None and latest.time_us == self._plant.time_us:
             return latest
         frame = self._renderer.render(self._plant.data, camera, self._plant.time_us)
+        if self._depth_noise is not None:
+            frame = self._depth_noise.frame(frame)
         self._latest[camera] = frame
         for listener in self._listeners:
             listener(frame)

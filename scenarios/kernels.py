@@ -18,6 +18,7 @@ from scenarios.mission import Mission, plan_mission
 PILOT_MODULES = (
     "autonomy.perception.depth_image",
     "autonomy.perception.elevation",
+    "autonomy.perception.rasterise",
     "autonomy.perception.windows",
     "autonomy.planning.clearance",
     "autonomy.planning.corridor",

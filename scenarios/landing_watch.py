@@ -28,14 +28,17 @@ from scenarios.mission import Surroundings
 
 CAMERA = "down"
 FRAME_PERIOD_US = 200_000
-_SCATTER_M = 0.1
+SCATTER_M = 0.1
 """By how much a touchdown may miss: estimate, tracking and map together."""
+PERCHING_SCATTER_M = 0.05
+"""All that a perch leaves: places of 22 cm for feet of 17 cm."""
 _BORDER_M = 0.8
 """How far the map reaches beyond the area."""
 _MAX_HALF_EXTENT_M = 4.0
 _COLUMN_STEP_M = 0.25
 _COLUMN_MARGIN_M = 0.05
 _LEAST_CLEARANCE_M = 0.1
+_LEAST_PERCHING_CLEARANCE_M = 0.05
 
 
 class DepthFrame(Protocol):
@@ -67,11 +70,11 @@ class DepthFrame(Protocol):
         ...
 
 
-def landing_needs(airframe: Airframe) -> LandingNeeds:
-    """What an airframe needs to stand safely."""
+def landing_needs(airframe: Airframe, scatter_m: float = SCATTER_M) -> LandingNeeds:
+    """What an airframe needs to stand safely wherever a touchdown may scatter to."""
     return LandingNeeds(
-        footprint_radius_m=airframe.leg_spread_m + _SCATTER_M,
-        body_radius_m=airframe.collision_radius_m + _SCATTER_M,
+        footprint_radius_m=airframe.leg_spread_m + scatter_m,
+        body_radius_m=airframe.collision_radius_m + scatter_m,
     )
 
 
@@ -80,6 +83,8 @@ class LandingWatch:
 
     Attributes:
         n_frames: Depth images fused so far.
+        elevation: What was seen.
+        is_allowed: Cells of it that may be landed on: of the area, and free above.
         map: The latest judgement of the area, None before the first.
     """
 
@@ -99,16 +104,20 @@ class LandingWatch:
             frames: Renders the named camera now.
         """
         self._mount = next(m for m in surroundings.airframe.cameras if m.name == CAMERA)
-        self._needs = landing_needs(surroundings.airframe)
+        is_perch = area.kind == "perching"
+        self._needs = landing_needs(
+            surroundings.airframe, PERCHING_SCATTER_M if is_perch else SCATTER_M
+        )
+        self._least_m = _LEAST_PERCHING_CLEARANCE_M if is_perch else _LEAST_CLEARANCE_M
         self._frames = frames
         self._preferred_enu_m = area.centroid
         reach_m = max(math.dist(corner[:2], area.centroid[:2]) for corner in area.polygon)
         half_extent_m = min(reach_m + _BORDER_M, _MAX_HALF_EXTENT_M)
-        self._elevation = ElevationMap(area.centroid, half_extent_m=half_extent_m)
+        self.elevation = ElevationMap(area.centroid, half_extent_m=half_extent_m)
         is_open = _is_open_above(
-            self._elevation, surroundings, area.centroid[2], top_m=hover_enu_m[2]
+            self.elevation, surroundings, area.centroid[2], top_m=hover_enu_m[2]
         )
-        self._is_allowed = self._elevation.cells_within(area.polygon) & is_open
+        self.is_allowed = self.elevation.cells_within(area.polygon) & is_open
         self._due_us = 0
         self.n_frames = 0
         self.map: LandingMap | None = None
@@ -125,7 +134,7 @@ class LandingWatch:
             mount.position_flu_m,
             mount.pitch_down_rad,
         )
-        self._elevation.add(
+        self.elevation.add(
             DepthImage(
                 depth_m=frame.depth_m,
                 fx=frame.fx,
@@ -137,26 +146,26 @@ class LandingWatch:
             )
         )
         self.n_frames += 1
-        self.map = assess(self._elevation, self._needs, self._is_allowed)
+        self.map = assess(self.elevation, self._needs, self.is_allowed)
         return True
 
     def choose(self) -> LandingSite | None:
         """The best place on what was seen so far, None if none is safe."""
         if self.map is None:
             return None
-        site = choose_site(self.map, self._elevation, self._needs, self._preferred_enu_m)
-        return site if site is not None and site.clearance_m >= _LEAST_CLEARANCE_M else None
+        site = choose_site(self.map, self.elevation, self._needs, self._preferred_enu_m)
+        return site if site is not None and site.clearance_m >= self._least_m else None
 
     def objection(self, site: LandingSite) -> str | None:
         """What by now speaks against a place that was chosen, None if nothing does."""
         if self.map is None:
             return "nothing was seen yet"
-        return objection(self.map, self._elevation, self._needs, site.position_enu_m)
+        return objection(self.map, self.elevation, self._needs, site.position_enu_m)
 
     def again(self, site: LandingSite) -> LandingSite:
         """A place that was chosen, with the height and slope that are known by now."""
         latest = (
-            None if self.map is None else site_at(self.map, self._elevation, site.position_enu_m)
+            None if self.map is None else site_at(self.map, self.elevation, site.position_enu_m)
         )
         return site if latest is None else latest
 

@@ -5,13 +5,13 @@ from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.elevation import ElevationMap
 from autonomy.perception.landing import (
     LandingMap,
-    LandingNeeds,
     LandingSite,
     assess,
     choose_site,
     objection,
     site_at,
 )
+from autonomy.perception.needs import LandingNeeds
 
 __all__ = [
     "DepthImage",

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
 from autonomy.model.quadrotor import Vector3
+
+# Pixels farther apart than the windows of stereo matching, whose errors are alike.
+_APART = 6
+_EVERY_ROW = 20
+# Median of |x| of a normal variable is .6745 sigma; a half second difference has sigma sqrt(1.5).
+_SIGMA_PER_MEDIAN = 1.0 / (0.6745 * math.sqrt(1.5))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,6 +34,35 @@ class DepthImage:
     cy: float
     position_enu_m: Vector3
     rotation_enu_from_optical: Float[np.ndarray, "3 3"]
+
+    @property
+    def inverse_depth_sigma_pm(self) -> float:
+        """Standard deviation of the inverse depth of a pixel, 1/m, as the image itself shows it.
+
+        Inverse depth, or disparity, is linear over the image of a plane: what second differences
+        are left is noise. Their median lets nobody notice borders. Depth errs by its square times
+        this.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inverse = 1.0 / self.depth_m[::_EVERY_ROW]
+        curve = inverse[:, _APART:-_APART] - 0.5 * (
+            inverse[:, : -2 * _APART] + inverse[:, 2 * _APART :]
+        )
+        is_seen = np.isfinite(curve)
+        if not is_seen.any():
+            return 0.0
+        return float(np.median(np.abs(curve[is_seen]))) * _SIGMA_PER_MEDIAN
+
+    def halved(self) -> DepthImage:
+        """Every second pixel of every second row."""
+        return replace(
+            self,
+            depth_m=self.depth_m[::2, ::2],
+            fx=self.fx / 2,
+            fy=self.fy / 2,
+            cx=self.cx / 2,
+            cy=self.cy / 2,
+        )
 
     def points_enu_m(self) -> Float[np.ndarray, "n 3"]:
         """The point that each pixel with a measurement shows, row by row."""
@@ -71,11 +106,13 @@ def steepest_sight(
     step: float,
     n_bearings: int,
     n_steps: int,
+    inverse_sigma: float,
 ) -> Float[np.ndarray, "b s"]:
     """The steepest line of sight that reaches beyond each horizontal distance, per bearing.
 
     Entry (b, s) is the largest fall per metre of the lines in bearing b that end `s * step` or
-    farther from the eye; -inf where none does. Nothing stands above such a line before its end.
+    farther from the eye; -inf where none does. Nothing stands above such a line before its end,
+    which is taken two standard deviations of its depth nearer.
 
     Args:
         points: Ends of the lines.
@@ -84,6 +121,7 @@ def steepest_sight(
         step: Between distances, m.
         n_bearings: All around.
         n_steps: The last distance holds for all beyond.
+        inverse_sigma: Standard deviation of inverse depth, 1/m.
     """
     fall = np.full((n_bearings, n_steps), -np.inf)
     for k in range(len(points)):
@@ -92,14 +130,18 @@ def steepest_sight(
         if away == 0.0:
             continue
         drop = eye[2] - points[k, 2]
-        s = min(int(away / step), n_steps - 1)
+        surely = max(1.0 - 2.0 * inverse_sigma * (away + abs(drop)), 0.0)
+        s = min(int(surely * away / step), n_steps - 1)
         # Half a pixel along the diamond: d(turn) = d(angle) * (away / (|x| + |y|))^2.
         half = min(0.5 * pixel_rad * max(drop, 0.0) * away / (abs(x) + abs(y)) ** 2, 2.0)
         turn = bearing(x, y)
         first = math.floor((turn - half) * 0.25 * n_bearings)
         last = math.floor((turn + half) * 0.25 * n_bearings)
+        steepness = drop / away
         for b in range(first, last + 1):
-            fall[b % n_bearings, s] = max(fall[b % n_bearings, s], drop / away)
+            # Half a turn beyond either end at most.
+            around = b + n_bearings if b < 0 else b - n_bearings if b >= n_bearings else b
+            fall[around, s] = max(fall[around, s], steepness)
     for b in range(n_bearings):
         for s in range(n_steps - 2, -1, -1):
             fall[b, s] = max(fall[b, s], fall[b, s + 1])

@@ -1,18 +1,26 @@
 """Elevation map: depth images, levelled by the estimated attitude, fused on a grid in ENU.
 
-A cell keeps the mean height of the surface seen in it, averaged over frames with a bounded memory,
-and its highest and lowest points, which new frames move outwards at once and inwards slowly: a
-thin pole seen in one frame of several is not averaged away. Before it is fused, a frame is shifted
-vertically by the median difference to the map: the estimate's height wanders more between frames
-than the ground does. The map as a whole follows the mean of the frames.
+A cell keeps the mean height of the surface seen in it, each frame weighted by how well its range
+lets it know, with a bounded memory, and how surely that mean is known: by the noise of depth, which
+each image shows of itself, or by how much the frames disagree, whichever is worse. So frames from
+nearby, on the way down, soon outweigh those from above.
 
-A cell that no frame has seen still has a bound: whatever hides there does not break a line of
-sight that passed over it. So the ground behind the edge of a table is known not to reach above
-the table, while what stands behind a wall may be as high as the wall.
+Its highest and lowest points count as far as noise cannot have made them, and where three points of
+a frame agree: then they move outwards at once and inwards slowly. A thin pole seen in one frame of
+several is not averaged away; a pixel matched with something else altogether moves nothing.
+
+Before it is fused, a frame is shifted vertically by the median difference to the map: the
+estimate's height wanders more between frames than the ground does. The map as a whole follows the
+mean of the frames.
+
+A cell that no frame has seen still has a bound, once two frames agree: whatever hides there does
+not break a line of sight that passed over it. So the ground behind the edge of a table is known not
+to reach above the table, while what stands behind a wall may be as high as the wall.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,9 +29,10 @@ from jaxtyping import Bool, Float
 from autonomy.jit import kernel
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage, bound_hidden, steepest_sight
+from autonomy.perception.rasterise import OUTLYING_SIGMAS, rasterise
 
-MEMORY_FRAMES = 8
-"""A new frame weighs at least one in so many."""
+MEMORY_FRAMES = 12
+"""A new frame of the same quality weighs at least one in so many."""
 _MIN_COMMON_CELLS = 50
 _N_BEARINGS = 512
 # Lines of sight that end farther away than this many map widths are as good as endless.
@@ -38,8 +47,10 @@ class ElevationMap:
             and images have it. Without meaning where nothing was seen.
         top_m: Highest point of each cell.
         bottom_m: Lowest point of each cell.
-        hidden_m: Bound of the height of each cell by lines of sight over it; inf without one.
+        hidden_m: Bound of the height of each cell by lines of sight over it in two frames; inf
+            without.
         n_frames: In how many frames each cell was seen, 0 for never.
+        variance_m2: Of the mean height of each cell; inf where nothing was seen.
     """
 
     def __init__(
@@ -53,6 +64,10 @@ class ElevationMap:
         self.bottom_m = np.zeros((n, n), dtype=np.float32)
         self.hidden_m = np.full((n, n), np.inf, dtype=np.float32)
         self.n_frames = np.zeros((n, n), dtype=np.int32)
+        self.variance_m2 = np.full((n, n), np.inf, dtype=np.float32)
+        self._hidden_in_one_m = self.hidden_m.copy()
+        self._weight = np.zeros((n, n), dtype=np.float32)
+        self._scatter = np.zeros((n, n), dtype=np.float32)
         self._n_fused = 0
 
     @property
@@ -87,70 +102,96 @@ class ElevationMap:
 
     def add(self, image: DepthImage) -> None:
         """Fuse one depth image."""
-        points = image.points_enu_m()
-        frame = rasterise(points, np.array(self.center_enu_m), self.resolution_m, len(self.top_m))
-        hidden = self._bound_hidden(points, np.array(image.position_enu_m), 1.0 / image.fx)
-        seen = frame[3] > 0
-        self._align(frame[:3], hidden, seen)
-        self.n_frames[seen] += 1
-        height, top, bottom = (layer[seen] for layer in frame[:3])
-        self.height_m[seen] += (height - self.height_m[seen]) / self._frames_counted(seen)
-        self._stretch(self.top_m, top, seen, np.maximum)
-        self._stretch(self.bottom_m, bottom, seen, np.minimum)
-        np.minimum(self.hidden_m, hidden, out=self.hidden_m)
+        points, eye = image.points_enu_m(), np.array(image.position_enu_m, dtype=float)
+        inverse_sigma = image.inverse_depth_sigma_pm
+        n = len(self.height_m)
+        frame = rasterise(
+            points, np.array(self.center_enu_m), self.resolution_m, n, float(eye[2]), inverse_sigma
+        )
+        hidden = self._bound_hidden(image.halved(), eye, inverse_sigma)
+        self._align(frame, hidden)
+        fuse(
+            *(self.height_m, self.top_m, self.bottom_m, self.n_frames),
+            *(self._weight, self._scatter, self.variance_m2),
+            frame,
+        )
+        second = np.maximum(self._hidden_in_one_m, hidden)
+        np.minimum(self.hidden_m, second, out=self.hidden_m)
+        np.minimum(self._hidden_in_one_m, hidden, out=self._hidden_in_one_m)
         self._n_fused += 1
 
-    def _bound_hidden(self, points: np.ndarray, eye: np.ndarray, pixel_rad: float) -> np.ndarray:
-        n_steps = _SIGHT_WIDTHS * len(self.height_m)
-        fall = steepest_sight(points, eye, pixel_rad, self.resolution_m, _N_BEARINGS, n_steps)
-        return bound_hidden(fall, eye, self.resolution_m, *self.cell_centres())
+    def _bound_hidden(
+        self, image: DepthImage, eye: Float[np.ndarray, " 3"], inverse_sigma: float
+    ) -> Float[np.ndarray, "n n"]:
+        n_steps, step = _SIGHT_WIDTHS * len(self.height_m), self.resolution_m
+        points, pixel_rad = image.points_enu_m(), 1.0 / image.fx
+        fall = steepest_sight(points, eye, pixel_rad, step, _N_BEARINGS, n_steps, inverse_sigma)
+        return bound_hidden(fall, eye, step, *self.cell_centres())
 
-    def _align(
-        self, layers: Sequence[np.ndarray], hidden: np.ndarray, seen: Bool[np.ndarray, "n n"]
-    ) -> None:
+    def _align(self, frame: Float[np.ndarray, "4 n n"], hidden: np.ndarray) -> None:
         """Bring a frame and the map to the mean of their heights, each by its weight."""
-        common = seen & self.is_observed
+        common = (frame[3] > 0) & self.is_observed
         if np.count_nonzero(common) < _MIN_COMMON_CELLS:
             return
-        shift = float(np.median(layers[0][common] - self.height_m[common]))
+        shift = float(np.median(frame[0][common] - self.height_m[common]))
         follow = shift / min(self._n_fused + 1, MEMORY_FRAMES)
-        for new in (*layers, hidden):
+        for new in (*frame[:3], hidden):
             np.subtract(new, shift - follow, out=new)
-        for old in (self.height_m, self.top_m, self.bottom_m, self.hidden_m):
+        old_layers = (self.height_m, self.top_m, self.bottom_m)
+        for old in (*old_layers, self.hidden_m, self._hidden_in_one_m):
             np.add(old, follow, out=old)
-
-    def _frames_counted(self, seen: np.ndarray) -> np.ndarray:
-        return np.minimum(self.n_frames[seen], MEMORY_FRAMES).astype(np.float32)
-
-    def _stretch(
-        self, layer: np.ndarray, new: np.ndarray, seen: np.ndarray, outer: np.ufunc
-    ) -> None:
-        """Take a new extreme at once and let go of an old one slowly."""
-        old = layer[seen]
-        kept = np.where(self.n_frames[seen] > 1, old + (new - old) / MEMORY_FRAMES, new)
-        layer[seen] = outer(new, kept)
 
 
 @kernel
-def rasterise(
-    points: Float[np.ndarray, "k 3"], center: Float[np.ndarray, " 3"], resolution: float, n: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Mean, maximum, minimum and number of the heights of the points in each cell."""
-    mean = np.zeros((n, n))
-    top = np.full((n, n), -np.inf)
-    bottom = np.full((n, n), np.inf)
-    count = np.zeros((n, n), dtype=np.int32)
-    middle = n // 2 + 0.5
-    for k in range(len(points)):
-        column = int(np.floor((points[k, 0] - center[0]) / resolution + middle))
-        row = int(np.floor((points[k, 1] - center[1]) / resolution + middle))
-        if 0 <= row < n and 0 <= column < n:
-            height = points[k, 2]
-            mean[row, column] += height
-            top[row, column] = max(top[row, column], height)
-            bottom[row, column] = min(bottom[row, column], height)
-            count[row, column] += 1
+def fuse(
+    height: Float[np.ndarray, "n n"],
+    top: Float[np.ndarray, "n n"],
+    bottom: Float[np.ndarray, "n n"],
+    n_frames: np.ndarray,
+    weight: Float[np.ndarray, "n n"],
+    scatter: Float[np.ndarray, "n n"],
+    variance: Float[np.ndarray, "n n"],
+    frame: Float[np.ndarray, "4 n n"],
+) -> None:
+    """Take a frame, as `rasterise` makes it, into the layers of a map.
+
+    Args:
+        height: Mean of the frames, weighted by their certainty.
+        top: Highest; a new extreme is taken at once, an old one let go of slowly.
+        bottom: Lowest, likewise.
+        n_frames: That have seen each cell.
+        weight: Sum of the frames' inverse variances, fading.
+        scatter: Sum of the squares of their differences over their variances, fading.
+        variance: Of the mean.
+        frame: Mean, top, bottom, and variance of the mean, 0 for unseen.
+    """
+    n = len(height)
+    keep = 1.0 - 1.0 / MEMORY_FRAMES
     for row in range(n):
         for column in range(n):
-            mean[row, column] /= max(count[row, column], 1)
-    return mean, top, bottom, count
+            spread = frame[3, row, column]
+            if spread == 0.0:
+                continue
+            mean, high, low = frame[0, row, column], frame[1, row, column], frame[2, row, column]
+            n_frames[row, column] += 1
+            if n_frames[row, column] == 1:
+                weight[row, column] = 1.0 / spread
+                height[row, column], top[row, column], bottom[row, column] = mean, high, low
+                variance[row, column] = spread
+                continue
+            before = mean - height[row, column]
+            total = keep * weight[row, column] + 1.0 / spread
+            after = height[row, column] + before / (spread * total)
+            scattered = keep * scatter[row, column] + before * (mean - after) / spread
+            # What stuck out does so from the surface as far as noise has moved that, no farther.
+            noise = OUTLYING_SIGMAS * math.sqrt(spread)
+            doubt = OUTLYING_SIGMAS / math.sqrt(weight[row, column])
+            moved = after - height[row, column]
+            rise = top[row, column] - height[row, column] - min(moved + doubt, 0.0)
+            sink = height[row, column] - bottom[row, column] + max(moved - doubt, 0.0)
+            top[row, column] = after + max(high - noise - after, keep * rise)
+            bottom[row, column] = after - max(after - low - noise, keep * sink)
+            height[row, column], weight[row, column] = after, total
+            scatter[row, column] = scattered
+            excess = scattered / (min(n_frames[row, column], MEMORY_FRAMES) - 1)
+            variance[row, column] = max(excess, 1.0) / total

@@ -1,62 +1,50 @@
 """Where to land: slope, roughness and room on an elevation map, and the best place on it.
 
 A cell is safe as the vehicle's centre when, within the circle that holds its feet, everything was
-observed, the fitted plane is level enough and nothing stands out of it or drops below it, and when
-within the circle that holds the whole vehicle nothing rises above that plane into the rotors. What
-was not seen there counts as high as the lines of sight over it allow: beyond the edge of a roof,
-where the roof itself hides the ground, that is below the roof; elsewhere it is anything.
+observed in several frames that agree, the fitted plane is level enough and nothing stands out of it
+or drops below it, and when within the circle that holds the whole vehicle nothing rises above that
+plane into the rotors. What was not seen there counts as high as the lines of sight over it allow:
+beyond the edge of a roof, where the roof itself hides the ground, that is below the roof; elsewhere
+it is anything.
+
+Heights count less what noise may have done to them: else its extremes among a hundred cells would
+make every floor rough. So that nothing hides in the noise, heights that are too uncertain make a
+place unsafe, and means over three by three cells, which know a third as much noise, are judged
+beside the cells themselves. What is smaller than both can tell from above is seen on the way down.
 
 The camera sees the ground beneath an eave or a branch that is itself out of view. What overhangs a
 place shows from above that place: look again there before descending, and on the way down.
-
-Over a fully observed disc the least-squares plane separates into three correlations: with one,
-with x and with y.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
-from autonomy.jit import kernel
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception.elevation import ElevationMap
+from autonomy.perception.needs import LandingNeeds
+from autonomy.perception.windows import (
+    clearance,
+    disc,
+    extremes,
+    fit_planes,
+    highest,
+    moment_m2,
+    smoothed,
+)
 
+_SIGMAS = 2.5
+"""Noise that the extremes under the feet are granted."""
+_SLOPE_SIGMAS = 2.0
+_SAME_SURFACE = 1.6
+"""Neighbours whose heights differ by less than this times the noise lie on one surface."""
 _DISTANCE_PRICE = 0.1
 """Metres of room that a metre nearer to the preferred point is worth."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class LandingNeeds:
-    """What a vehicle needs to stand safely."""
-
-    footprint_radius_m: float
-    """Of its feet, plus the scatter of a touchdown."""
-    body_radius_m: float
-    """Of all of it, plus the scatter of a touchdown."""
-    max_slope_rad: float = math.radians(10.0)
-    max_roughness_m: float = 0.04
-    """Largest height range about the plane under the feet. With one foot so much higher a stance
-    of 0.28 m tilts by 8 deg; 0.06 let it stand on kerbs of 0.05 m."""
-    max_rise_m: float = 0.06
-    """How far things within the body's radius may rise above the plane: below the rotors."""
-    enough_clearance_m: float = 0.8
-    """Room beyond this makes a place no better."""
-
-    def __post_init__(self) -> None:
-        """Refuse what no vehicle needs."""
-        if not 0.0 < self.footprint_radius_m <= self.body_radius_m:
-            raise ValueError(
-                f"footprint_radius_m {self.footprint_radius_m} is not valid; valid: above 0, at "
-                f"most body_radius_m {self.body_radius_m}"
-            )
-        if not 0.0 < self.max_slope_rad < math.pi / 2:
-            raise ValueError(
-                f"max_slope_rad {self.max_slope_rad} is not valid; valid: above 0, below pi/2"
-            )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -84,18 +72,38 @@ class LandingMap:
     gradient: Float[np.ndarray, "2 n n"]
     """Rise of the plane per metre to the east and to the north."""
     slope_rad: Float[np.ndarray, "n n"]
+    slope_sigma_rad: Float[np.ndarray, "n n"]
+    """How uncertain the noise of depth makes it."""
     roughness_m: Float[np.ndarray, "n n"]
-    """Height range about the plane under the feet."""
+    """Height range about the plane under the feet, beyond what noise may do."""
+    sigma_m: Float[np.ndarray, "n n"]
+    """How uncertain the heights of the cells under the feet are, root mean square."""
     rise_m: Float[np.ndarray, "n n"]
     """How far anything within the body's radius may rise above the plane; inf: it is unknown."""
+    height_m: Float[np.ndarray, "n n"]
+    """Of the surface; without meaning where nothing was seen."""
     is_observed: Bool[np.ndarray, "n n"]
     is_safe: Bool[np.ndarray, "n n"]
     clearance_m: Float[np.ndarray, "n n"]
     """Distance to the nearest cell that is unsafe or not allowed; 0 in those."""
-    cells_enu_m: Float[np.ndarray, "m 3"]
-    """The observed cells as points."""
-    cost: Float[np.ndarray, " m"]
-    """Of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
+    enough_clearance_m: float
+    """Room beyond this costs no less."""
+    axes_enu_m: tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]
+    """East coordinates of the columns and north coordinates of the rows."""
+
+    @cached_property
+    def cells_enu_m(self) -> Float[np.ndarray, "m 3"]:
+        """The observed cells as points."""
+        east, north = self.axes_enu_m
+        rows, columns = np.nonzero(self.is_observed)
+        return np.column_stack([east[columns], north[rows], self.height_m[self.is_observed]])
+
+    @cached_property
+    def cost(self) -> Float[np.ndarray, " m"]:
+        """Of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
+        room = self.clearance_m[self.is_observed]
+        share = np.minimum(room / self.enough_clearance_m, 1.0)
+        return np.where(room > 0, 0.5 * (1.0 - share), 1.0)
 
 
 def assess(
@@ -112,39 +120,66 @@ def assess(
     """
     observed = elevation.is_observed
     # Heights about their mean, so that single precision keeps every digit that matters.
-    level = float(np.mean(elevation.height_m[observed])) if observed.any() else 0.0
-    foot = _disc(needs.footprint_radius_m, elevation.resolution_m)
-    height = np.where(observed, elevation.height_m - level, 0.0)
-    plane = _fit_planes(height, foot, elevation.resolution_m)
-    plane[:, ~_all_within(observed, foot)] = np.nan
-    top = np.where(observed, elevation.top_m - level, np.inf)
-    bottom = np.where(observed, elevation.bottom_m - level, -np.inf)
-    step = elevation.resolution_m
-    roughness = _highest(top, plane, foot, step) + _highest(-bottom, -plane, foot, step)
-    body = _disc(needs.body_radius_m, elevation.resolution_m)
-    rise = _highest(elevation.ceiling_m - level, plane, body, step)
-    slope = np.arctan(np.hypot(plane[1], plane[2]))
+    level = float(np.mean(elevation.height_m[observed], dtype=float)) if observed.any() else 0.0
+    ground = _ground(elevation, needs, level)
+    body, step = disc(needs.body_radius_m, elevation.resolution_m), elevation.resolution_m
+    noise = np.where(observed, np.float32(_SIGMAS) * np.sqrt(elevation.variance_m2), np.float32(0))
+    rise = highest(elevation.ceiling_m - level - noise, ground.plane, body, step)
     is_safe = (
-        (slope <= needs.max_slope_rad)
-        & (roughness <= needs.max_roughness_m)
+        (ground.slope_rad + _SLOPE_SIGMAS * ground.slope_sigma_rad <= needs.max_slope_rad)
+        & (ground.roughness_m <= needs.max_roughness_m)
+        & (ground.sigma_m <= needs.max_sigma_m)
         & (rise <= needs.max_rise_m)
     )
-    clearance = _clearance(is_safe if is_allowed is None else is_safe & is_allowed, step)
-    share = np.minimum(clearance / needs.enough_clearance_m, 1.0)
-    cost = np.where(clearance > 0, 0.5 * (1.0 - share), 1.0)
-    rows, columns = np.nonzero(observed)
-    east, north = elevation.cell_centres()
+    usable = is_safe if is_allowed is None else is_safe & is_allowed
     return LandingMap(
-        surface_m=plane[0] + level,
-        gradient=plane[1:],
-        slope_rad=slope,
-        roughness_m=roughness,
+        surface_m=ground.plane[0].astype(float) + level,
+        gradient=ground.plane[1:],
+        slope_rad=ground.slope_rad,
+        slope_sigma_rad=ground.slope_sigma_rad,
+        roughness_m=ground.roughness_m,
+        sigma_m=ground.sigma_m,
         rise_m=rise,
+        height_m=elevation.height_m.copy(),
         is_observed=observed,
         is_safe=is_safe,
-        clearance_m=clearance,
-        cells_enu_m=np.column_stack([east[columns], north[rows], elevation.height_m[observed]]),
-        cost=cost[observed],
+        clearance_m=clearance(usable, step),
+        enough_clearance_m=needs.enough_clearance_m,
+        axes_enu_m=elevation.cell_centres(),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Ground:
+    """What is under the feet of a vehicle at each cell; NaN where it is not known."""
+
+    plane: Float[np.ndarray, "3 n n"]
+    """Height there, rise to the east and to the north."""
+    slope_rad: Float[np.ndarray, "n n"]
+    slope_sigma_rad: Float[np.ndarray, "n n"]
+    roughness_m: Float[np.ndarray, "n n"]
+    sigma_m: Float[np.ndarray, "n n"]
+
+
+def _ground(elevation: ElevationMap, needs: LandingNeeds, level_m: float) -> _Ground:
+    step = elevation.resolution_m
+    known = elevation.n_frames >= needs.min_frames
+    foot = disc(needs.footprint_radius_m, step)
+    height = np.where(known, elevation.height_m - level_m, np.float32(0))
+    variance = np.where(known, elevation.variance_m2, np.float32(0))
+    fit = fit_planes(height, variance, known, foot, step)
+    plane, sigma = fit.plane, np.sqrt(fit.variance_m2)
+    noise = np.float32(_SIGMAS) * np.sqrt(variance)
+    mean = smoothed(height, noise, known, _SAME_SURFACE)
+    top = np.maximum(elevation.top_m - level_m - noise, mean - noise / 3)
+    bottom = np.minimum(elevation.bottom_m - level_m + noise, mean + noise / 3)
+    above, below = extremes(top, bottom, plane, foot, step)
+    return _Ground(
+        plane=plane,
+        slope_rad=np.arctan(np.hypot(plane[1], plane[2])),
+        slope_sigma_rad=sigma / math.sqrt(moment_m2(foot, step)),
+        roughness_m=np.maximum(above + below, 0.0) + 0.0 * plane[0],
+        sigma_m=sigma,
     )
 
 
@@ -193,13 +228,14 @@ def objection(
     """Why a place is not safe, by what a map holds by now; None if it is safe."""
     cell = elevation.cell(*place_enu_m[:2])
     if not _is_known(landing, cell):
-        return "not all of the ground under the feet was observed"
-    slope, roughness, rise = (
-        float(layer[cell]) for layer in (landing.slope_rad, landing.roughness_m, landing.rise_m)
-    )
-    if slope > needs.max_slope_rad:
-        most = math.degrees(needs.max_slope_rad)
-        return f"slope {math.degrees(slope):.1f} deg, at most {most:.1f} deg"
+        return f"not all of the ground under the feet was observed in {needs.min_frames} frames"
+    layers = (landing.slope_rad, landing.slope_sigma_rad, landing.roughness_m, landing.rise_m)
+    slope, slope_sigma, roughness, rise = (float(layer[cell]) for layer in layers)
+    if not slope + _SLOPE_SIGMAS * slope_sigma <= needs.max_slope_rad:
+        most, doubt = math.degrees(needs.max_slope_rad), math.degrees(_SLOPE_SIGMAS * slope_sigma)
+        return f"slope {math.degrees(slope):.1f} deg, up to {doubt:.1f} more, at most {most:.1f}"
+    if landing.sigma_m[cell] > needs.max_sigma_m:
+        return f"heights known to {landing.sigma_m[cell]:.3f} m, needed {needs.max_sigma_m} m"
     if roughness > needs.max_roughness_m:
         return f"height range {roughness:.2f} m under the feet, at most {needs.max_roughness_m} m"
     if math.isinf(rise):
@@ -212,90 +248,3 @@ def objection(
 def _is_known(landing: LandingMap, cell: tuple[int, int]) -> bool:
     n = len(landing.surface_m)
     return all(0 <= i < n for i in cell) and bool(np.isfinite(landing.surface_m[cell]))
-
-
-def _disc(radius_m: float, resolution_m: float) -> Float[np.ndarray, "k k"]:
-    """Window of cells, 1 where a cell is at least about half inside a circle, else 0."""
-    reach = math.floor(radius_m / resolution_m + 0.5)
-    offset = np.arange(-reach, reach + 1)
-    return (np.hypot(*np.meshgrid(offset, offset)) <= radius_m / resolution_m + 0.5).astype(float)
-
-
-def _all_within(mask: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """Cells whose whole window lies in a mask; beyond the border nothing does."""
-    import cv2  # noqa: PLC0415 - loads only where something lands
-
-    shape = window.astype(np.uint8)
-    border = {"borderType": cv2.BORDER_CONSTANT, "borderValue": (0,)}
-    return cv2.erode(mask.astype(np.uint8), shape, **border).astype(bool)
-
-
-def _fit_planes(
-    height: Float[np.ndarray, "n n"], window: Float[np.ndarray, "k k"], resolution_m: float
-) -> Float[np.ndarray, "3 n n"]:
-    """Least-squares plane in the window about each cell: height there, rise to east and north."""
-    import cv2  # noqa: PLC0415 - loads only where something lands
-
-    offset = (np.arange(len(window)) - len(window) // 2) * resolution_m
-    east = window * offset
-    moment = float(np.sum(east * offset)) or 1.0
-    weights = (window / window.sum(), east / moment, east.T / moment)
-    return np.stack([cv2.filter2D(height, -1, weight) for weight in weights])
-
-
-def _highest(
-    surface: Float[np.ndarray, "n n"],
-    plane: Float[np.ndarray, "3 n n"],
-    window: Float[np.ndarray, "k k"],
-    resolution_m: float,
-) -> Float[np.ndarray, "n n"]:
-    """How far a surface rises above each cell's plane within the window; inf beyond the border."""
-    reach = len(window) // 2
-    padded = np.pad(surface.astype(np.float32), reach, constant_values=np.inf)
-    height, east, north = plane.astype(np.float32)
-    offsets = np.argwhere(window > 0) - reach
-    return highest_above_planes(padded, height, east, north, offsets, reach, resolution_m)
-
-
-@kernel
-def highest_above_planes(
-    surface: Float[np.ndarray, "m m"],
-    height: Float[np.ndarray, "n n"],
-    east: Float[np.ndarray, "n n"],
-    north: Float[np.ndarray, "n n"],
-    offsets: Int[np.ndarray, "k 2"],
-    reach: int,
-    resolution: float,
-) -> Float[np.ndarray, "n n"]:
-    """Largest surface minus plane over a window about each cell.
-
-    Args:
-        surface: Heights, `reach` cells wider than the grid on every side.
-        height: Of each cell's plane over the cell.
-        east: Rise of each cell's plane per metre to the east (columns).
-        north: The same to the north (rows).
-        offsets: Rows and columns of the window's cells from its middle.
-        reach: The largest of them.
-        resolution: Size of a cell, m.
-    """
-    n = len(height)
-    highest = np.full((n, n), np.float32(-np.inf))
-    for i in range(n):
-        # Rows as arrays of their own: so the inner loop compiles to vector instructions.
-        best, level, east_row, north_row = highest[i], height[i], east[i], north[i]
-        for k in range(len(offsets)):
-            x, y = np.float32(offsets[k, 1] * resolution), np.float32(offsets[k, 0] * resolution)
-            right = offsets[k, 1] + reach
-            row = surface[i + offsets[k, 0] + reach, right : right + n]
-            for j in range(n):
-                above = row[j] - (level[j] + x * east_row[j] + y * north_row[j])
-                best[j] = max(above, best[j])
-    return highest
-
-
-def _clearance(is_usable: Bool[np.ndarray, "n n"], resolution_m: float) -> np.ndarray:
-    """Distance to the nearest cell that is not usable; the map's border is one."""
-    import cv2  # noqa: PLC0415 - loads only where something lands
-
-    padded = np.pad(is_usable.astype(np.uint8), 1)
-    return cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1] * resolution_m

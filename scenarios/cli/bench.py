@@ -283,6 +283,46 @@ class ControlCfg:
         return f"{self.flights} flights in wind, {self.count} recoveries, seed {self.seed}"
 
 
+@dataclass(frozen=True, kw_only=True)
+class LandCfg:
+    """Choose landing sites through a depth camera with its errors; judge them by the geometry.
+
+    Search and descent over landing areas of many scenes, Iris and Hummingbird by turns, from poses
+    that err as the estimate does; then flights of the whole stack. An unsafe site is one where the
+    vehicle itself breaks a limit of slope, height range or rise, by vertical rays onto the solids.
+    """
+
+    areas: int = 500
+    """Landing areas; places to perch on are looked at beside them."""
+    flights: int = 10
+    """Landings flown in the whole stack, a scene for each."""
+    camera: Literal["exact", "d435", "d455"] = "d435"
+    """Depth camera: without errors, or with those of a RealSense D435 or D455."""
+    seed: int = 0
+    """Seed of the areas and of all errors."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: rows, each with metric, value, unit and target."""
+
+    def rows(self, on_progress: OnProgress) -> Iterable[Row]:
+        """Measure."""
+        from scenarios.bench import land, sim  # noqa: PLC0415 - the whole stack
+
+        if not (self.areas >= 1 and self.flights >= 0 and self.seed >= 0):
+            raise sim.BenchError(
+                f"areas {self.areas}, flights {self.flights} or seed {self.seed} is out of range; "
+                "valid: 1 or more, 0 or more, 0 or more"
+            )
+        cfg = land.LandBenchCfg(
+            areas=self.areas, flights=self.flights, camera=self.camera, seed=self.seed
+        )
+        return land.rows(cfg, on_progress)
+
+    @property
+    def title(self) -> str:
+        """What was measured."""
+        return f"{self.areas} areas by {self.camera}, {self.flights} flights, seed {self.seed}"
+
+
 Bench = (
     Annotated[SimCfg, tyro.conf.subcommand("sim", prefix_name=False)]
     | Annotated[SceneCfg, tyro.conf.subcommand("scene", prefix_name=False)]
@@ -290,15 +330,17 @@ Bench = (
     | Annotated[EstimateCfg, tyro.conf.subcommand("estimate", prefix_name=False)]
     | Annotated[PlanCfg, tyro.conf.subcommand("plan", prefix_name=False)]
     | Annotated[ControlCfg, tyro.conf.subcommand("control", prefix_name=False)]
+    | Annotated[LandCfg, tyro.conf.subcommand("land", prefix_name=False)]
 )
 
-AnyCfg = SimCfg | SceneCfg | GenerateCfg | EstimateCfg | PlanCfg | ControlCfg
+AnyCfg = SimCfg | SceneCfg | GenerateCfg | EstimateCfg | PlanCfg | ControlCfg | LandCfg
 _NAMES: Mapping[type, str] = {
     SimCfg: "sim",
     SceneCfg: "scene",
     GenerateCfg: "generate",
     PlanCfg: "plan",
     ControlCfg: "control",
+    LandCfg: "land",
     EstimateCfg: "estimate",
 }
 

@@ -39,6 +39,41 @@ def test_pixels_without_a_measurement_give_no_point(nothing):
     np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-6)
 
 
+@given(tilts, st.floats(2e-4, 0.02), st.integers(0, 2**32 - 1))
+@settings(max_examples=10)
+def test_an_image_shows_how_noisy_it_is_whatever_it_looks_at(tilt, sigma, seed):
+    rng = np.random.default_rng(seed)
+    image = look_down((0.0, 0.0, 3.0), quat_of(tilt), boxes=[box((0.3, 0.2, 0.4), (0.6, 0.5, 0.8))])
+    assert image.inverse_depth_sigma_pm < 2e-4
+    disparity = 1.0 / image.depth_m + rng.normal(0.0, sigma, image.depth_m.shape)
+    noisy = dataclasses.replace(image, depth_m=(1.0 / disparity).astype(np.float32))
+    assert noisy.inverse_depth_sigma_pm == pytest.approx(sigma, rel=0.15)
+
+
+def test_an_image_without_depth_shows_no_noise():
+    image = look_down()
+    image.depth_m[:] = math.inf
+    assert image.inverse_depth_sigma_pm == 0.0
+
+
+def test_half_of_an_image_shows_points_of_the_whole():
+    image = look_down((0.3, 0.1, 3.0), quat_of((0.1, -0.05, 0.4)))
+    whole = image.points_enu_m().reshape(240, 320, 3)
+    np.testing.assert_allclose(
+        image.halved().points_enu_m(), whole[::2, ::2].reshape(-1, 3), atol=1e-9
+    )
+
+
+def test_lines_of_sight_end_where_their_depth_is_sure():
+    ends = np.array([[3.0, 0.0, 0.0]])
+    eye = np.array([0.0, 0.0, 3.0])
+    sure, unsure = (
+        np.isfinite(steepest_sight(ends, eye, 1e-3, STEP_M, 8, 100, sigma)).any(axis=0).sum()
+        for sigma in (0.0, 0.02)
+    )
+    assert (sure, unsure) == (61, 46)
+
+
 @given(st.lists(st.floats(1e-6, 6.283), min_size=2, max_size=30), st.floats(0.01, 100.0))
 def test_bearing_sorts_directions_like_the_angle(angles, length):
     turns = [bearing(length * math.cos(a), length * math.sin(a)) for a in sorted(angles)]
@@ -62,7 +97,7 @@ def test_nothing_hidden_is_higher_than_its_bound(place, size, other_place, other
     image = look_down((0.2, -0.1, 4.0), quat_of(np.array(tilt) * 0.3), boxes=boxes)
     eye = np.array(image.position_enu_m)
     axis = np.arange(-40, 41) * STEP_M
-    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 160)
+    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 160, 0.0)
     bound = bound_hidden(fall, eye, STEP_M, axis, axis)
     east, north = np.meshgrid(axis, axis)
     top = np.zeros_like(east)
@@ -85,7 +120,7 @@ def test_ground_behind_a_roof_edge_is_known_to_be_below_the_roof():
     image = look_down((0.0, 0.0, 4.0), boxes=[roof])
     axis = np.arange(-60, 61) * STEP_M
     eye = np.array(image.position_enu_m)
-    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 240)
+    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 240, 0.0)
     bound = bound_hidden(fall, eye, STEP_M, axis, axis)
     hidden = (axis > 1.05) & (axis < 1.95)
     assert np.all(bound[60, hidden] < 2.03)
@@ -98,7 +133,7 @@ def test_what_no_line_of_sight_passed_over_is_unbounded():
     image = look_down((0.0, 0.0, 2.0))
     axis = np.arange(-60, 61) * STEP_M
     eye = np.array(image.position_enu_m)
-    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 240)
+    fall = steepest_sight(image.points_enu_m(), eye, 1.0 / image.fx, STEP_M, 512, 240, 0.0)
     bound = bound_hidden(fall, eye, STEP_M, axis, axis)
     assert np.isinf(bound[60, 0])
     assert np.isinf(bound[0, 60])

@@ -1,0 +1,287 @@
+"""`bench land`: does the pilot choose places where a vehicle can stand, and land well on them?
+
+Landing areas of many scenes are looked at through a depth camera with its errors, from poses with
+the estimator's, as the pilot does from the hover point down; what is chosen is judged by vertical
+rays onto the solids of the physics. Some landings are flown in the whole stack.
+
+A place is unsafe if the vehicle itself, feet and rotors, without any margin, breaks a limit of
+slope, height range or rise there. A place is missed if it keeps them with the margin for scatter
+and is not taken for safe.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from aeroscene.scene import InteractionArea, Scene
+from aeroscene.sources import open_scene
+from autonomy.perception import DepthImage, ElevationMap, assess, camera_pose
+from flightsim.sensors.depth_noise import DEPTH_CAMERAS, measured_depth
+from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import WorldError, build_world
+from scenarios.bench.landing_flight import Landing, fly_landing
+from scenarios.bench.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, LookRig
+from scenarios.bench.landing_truth import ExactGround
+from scenarios.bench.plan_pairs import scene_numbers
+from scenarios.bench.row import Row
+from scenarios.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
+from scenarios.mission import MissionError, Surroundings, rank_areas, survey
+from scenarios.testbench import TestbenchCfg
+
+MOST_UNSAFE_SITES, MOST_UNSAFE_CELLS = 0.5, 2.0
+MOST_TOUCHDOWN_ERROR_M, MOST_TOUCHDOWN_SPEED_MPS = 0.10, 0.5
+MOST_UPDATE_MS = 8.0
+VEHICLES = ("iris", "hummingbird")
+_AREAS_A_SCENE = 10
+_PERCHES_A_SCENE = 2
+_N_UPDATES = 40
+_LOOK_SHARE = 0.85
+
+OnProgress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LandBenchCfg:
+    """What to look at, and what to fly."""
+
+    areas: int = 500
+    """Landing areas; perches are looked at beside them."""
+    flights: int = 10
+    camera: Literal["exact", "d435", "d455"] = "d435"
+    """Depth camera."""
+    seed: int = 0
+
+
+@dataclass(kw_only=True, slots=True)
+class _Tally:
+    """What was found so far of areas of one kind."""
+
+    n_areas: int = 0
+    n_found: int = 0
+    chosen: list[bool] = field(default_factory=list)
+    """Whether each site, as first chosen, is unsafe."""
+    committed: list[bool] = field(default_factory=list)
+    without_margin: list[bool] = field(default_factory=list)
+    """Whether each site committed to would be unsafe somewhere within the scatter."""
+    unsafe_cells: list[bool] = field(default_factory=list)
+    """Of those taken for safe."""
+    missed_cells: list[bool] = field(default_factory=list)
+    """Of those that are safe."""
+    slope_errors_deg: list[float] = field(default_factory=list)
+    aborts: Counter[str] = field(default_factory=Counter)
+
+
+def rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Look at areas, fly to some, time the map.
+
+    Args:
+        cfg: How many.
+        on_progress: Called before each scene with a title and the share done.
+    """
+    numbers = scene_numbers(max(2, math.ceil(cfg.areas / _AREAS_A_SCENE)))
+    landing, perching = _Tally(), _Tally()
+    for index, number in enumerate(numbers):
+        on_progress(f"scene {number}", _LOOK_SHARE * index / len(numbers))
+        airframe = airframe_by_name(VEHICLES[index % len(VEHICLES)])
+        share = cfg.areas * (index + 1) // len(numbers) - landing.n_areas
+        _look_at_scene(number, airframe, share, cfg, landing, perching)
+    yield from _site_rows("", landing, MOST_UNSAFE_SITES)
+    yield from _cell_rows(landing)
+    yield from _site_rows("perches: ", perching, None)
+    on_progress("map update", _LOOK_SHARE)
+    yield _lower("map update, 320 x 240, least", _update_ms(cfg), "CPU ms", MOST_UPDATE_MS)
+    yield from _flight_rows(cfg, on_progress)
+    on_progress("done", 1.0)
+
+
+def _look_at_scene(
+    number: int,
+    airframe: Airframe,
+    n_areas: int,
+    cfg: LandBenchCfg,
+    landing: _Tally,
+    perching: _Tally,
+) -> None:
+    scene = open_scene(str(number))
+    rng = np.random.default_rng([cfg.seed, number])
+    try:
+        surroundings, world = survey(scene, airframe), build_world(scene, airframe)
+    except (MissionError, WorldError):
+        return  # the vehicle cannot leave the start, or stand there
+    ground = ExactGround(world)
+    with LookRig(world, DEPTH_CAMERAS.get(cfg.camera)) as rig:
+        for areas, most, tally in (
+            (rank_areas(scene, airframe, cfg.seed), n_areas, landing),
+            (_perches(scene, airframe), _PERCHES_A_SCENE, perching),
+        ):
+            order = rng.permutation(len(areas)).tolist()
+            n_done = 0
+            for place in order:
+                hover = surroundings.hover_point(areas[place]) if n_done < most else None
+                if hover is not None:
+                    n_done += 1
+                    look = Looker(rig, surroundings, areas[place], hover, rng).land()
+                    _judge(look, areas[place], hover[2], surroundings, ground, tally)
+
+
+def _perches(scene: Scene, airframe: Airframe) -> list[InteractionArea]:
+    """Where the vehicle may perch: places made for the feet of small drones."""
+    if airframe.drone_class != "small":
+        return []
+    return [area for area in scene.interaction_areas if area.kind == "perching"]
+
+
+def _judge(
+    look: Look,
+    area: InteractionArea,
+    from_m: float,
+    surroundings: Surroundings,
+    ground: ExactGround,
+    tally: _Tally,
+) -> None:
+    scatter_m = PERCHING_SCATTER_M if area.kind == "perching" else SCATTER_M
+    bare = landing_needs(surroundings.airframe, 0.0)
+    wide = landing_needs(surroundings.airframe, scatter_m)
+    tally.n_areas += 1
+    tally.n_found += look.committed is not None
+    tally.aborts.update(reason.split()[0] for reason in look.aborts)
+    for sites, site, needs in (
+        (tally.chosen, look.chosen, bare),
+        (tally.committed, look.committed, bare),
+        (tally.without_margin, look.committed, wide),
+    ):
+        if site is not None:
+            is_safe = ground.judge(site.true_enu_m[None], from_m, needs).is_safe
+            sites.append(not is_safe[0])
+    if look.cells is None or not len(look.cells.is_safe):
+        return
+    cells, said = look.cells, look.cells.is_safe
+    exact = ground.judge(cells.true_enu_m, from_m, bare)
+    with_margin = ground.judge(cells.true_enu_m, from_m, wide).is_safe
+    tally.unsafe_cells += (~exact.is_safe[said]).tolist()
+    tally.missed_cells += (~said[with_margin]).tolist()
+    errors = np.abs(cells.slope_rad - exact.slope_rad)[said & exact.is_safe]
+    tally.slope_errors_deg += np.degrees(errors).tolist()
+
+
+def _update_ms(cfg: LandBenchCfg) -> float:
+    """Fusing and judging a frame of level ground 4 m below, on a map of 6 x 6 m."""
+    airframe = airframe_by_name(VEHICLES[0])
+    focal = HEIGHT_PX / 2 / math.tan(airframe.cameras[-1].vertical_fov_rad / 2)
+    eye, rotation = camera_pose((0.0, 0.0, 4.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), math.pi / 2)
+    rng, noise = np.random.default_rng(cfg.seed), DEPTH_CAMERAS.get(cfg.camera)
+    elevation, needs = ElevationMap((0.0, 0.0, 0.0)), landing_needs(airframe)
+    spent_s = []
+    for _ in range(_N_UPDATES):
+        depth_m = np.full((HEIGHT_PX, WIDTH_PX), 4.0, dtype=np.float32)
+        if noise is not None:
+            depth_m = measured_depth(depth_m, focal, noise, rng)
+        image = DepthImage(
+            depth_m=depth_m,
+            fx=focal,
+            fy=focal,
+            cx=(WIDTH_PX - 1) / 2,
+            cy=(HEIGHT_PX - 1) / 2,
+            position_enu_m=eye,
+            rotation_enu_from_optical=rotation,
+        )
+        begun_s = time.process_time()
+        elevation.add(image)
+        assess(elevation, needs)
+        spent_s.append(time.process_time() - begun_s)
+    return 1e3 * min(spent_s)
+
+
+def _flight_rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    landings: list[Landing] = []
+    n_without = 0
+    for index, number in enumerate(scene_numbers(cfg.flights) if cfg.flights else []):
+        share = _LOOK_SHARE + (1 - _LOOK_SHARE) * index / cfg.flights
+        on_progress(f"flight in scene {number}", share)
+        bench = TestbenchCfg(
+            scene=str(number),
+            vehicle=VEHICLES[index % len(VEHICLES)],
+            seed=cfg.seed,
+            speed="max",
+            depth_camera=cfg.camera,
+        )
+        try:
+            landings.append(fly_landing(bench))
+        except MissionError:
+            n_without += 1
+    if not landings:
+        return
+    done = [landing for landing in landings if landing.is_success]
+    yield Row(metric=f"flown: landed, of {len(landings)}", value=_share(done, landings), unit="%")
+    for reason in (landing.reason for landing in landings if not landing.is_success):
+        yield _lower(f"flown: {reason}", 1, "flights", None)
+    if n_without:
+        yield _lower("flown: scenes without a mission", n_without, "scenes", None)
+    errors = [landing.touchdown_error_m or 0.0 for landing in done]
+    speeds = [landing.touchdown_speed_mps for landing in done]
+    tilts = [landing.tilt_at_rest_deg for landing in done]
+    yield _lower("flown: touchdown error, median", _median(errors), "m", MOST_TOUCHDOWN_ERROR_M)
+    yield _lower("flown: touchdown error, worst", _worst(errors), "m", None)
+    yield _lower(
+        "flown: vertical speed at touchdown, worst", _worst(speeds), "m/s", MOST_TOUCHDOWN_SPEED_MPS
+    )
+    yield _lower("flown: tilt at rest, worst", _worst(tilts), "deg", None)
+    n_aborts = sum(landing.n_aborts for landing in landings)
+    yield _lower("flown: descents called off", n_aborts, "descents", None)
+
+
+def _site_rows(prefix: str, tally: _Tally, target: float | None) -> Iterator[Row]:
+    yield Row(metric=f"{prefix}areas looked at", value=tally.n_areas, unit="areas")
+    if not tally.n_areas:
+        return
+    found = 100 * tally.n_found / tally.n_areas
+    yield Row(metric=f"{prefix}areas with a site to land on", value=found, unit="%")
+    for title, sites, promised in (
+        ("unsafe sites, as first chosen", tally.chosen, target),
+        ("unsafe sites, committed to 1 m above", tally.committed, target),
+        ("committed to, unsafe within the scatter", tally.without_margin, None),
+    ):
+        yield _lower(f"{prefix}{title}", _percent(sites), f"% of {len(sites)}", promised)
+    yield _lower(f"{prefix}descents called off", tally.aborts.total(), "descents", None)
+    for word, count in sorted(tally.aborts.items()):
+        yield _lower(f"{prefix}called off: {word}", count, "descents", None)
+
+
+def _cell_rows(tally: _Tally) -> Iterator[Row]:
+    for title, cells, target in (
+        ("unsafe cells among those taken for safe", tally.unsafe_cells, MOST_UNSAFE_CELLS),
+        ("safe cells missed", tally.missed_cells, None),
+    ):
+        yield _lower(title, _percent(cells), f"% of {len(cells)}", target)
+    errors = tally.slope_errors_deg
+    yield _lower("slope error, median", _median(errors), "deg", None)
+    p95 = float(np.quantile(errors, 0.95)) if errors else math.nan
+    yield _lower("slope error, p95", p95, "deg", None)
+
+
+def _share(part: list[Landing], whole: list[Landing]) -> float:
+    return 100 * len(part) / len(whole)
+
+
+def _percent(flags: list[bool]) -> float:
+    return 100 * sum(flags) / len(flags) if flags else math.nan
+
+
+def _median(values: list[float]) -> float:
+    return float(np.median(values)) if values else math.nan
+
+
+def _worst(values: list[float]) -> float:
+    return max(values) if values else math.nan
+
+
+def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
+    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")

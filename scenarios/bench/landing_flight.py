@@ -1,0 +1,83 @@
+"""Our pilot lands in the whole stack; how well, by the truth."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import dataclass
+
+import numpy as np
+
+from flightsim.sensors.depth_noise import depth_noise
+from scenarios.cameras import Cameras
+from scenarios.mavlink_client import MavlinkClient
+from scenarios.mission import plan_mission
+from scenarios.pilot import Phase, Pilot
+from scenarios.scoring import score_flight
+from scenarios.testbench import Testbench, TestbenchCfg
+from scenarios.trial import MAX_TRIAL_S, SETTLE_S, judge
+
+_ALOFT_M = 0.2
+"""Above where it rests: there it does not touch the surface any more."""
+_BEFORE_S = 0.02
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Landing:
+    """One flight."""
+
+    is_success: bool
+    reason: str
+    touchdown_error_m: float | None
+    """Where it rests against the chosen point, horizontally."""
+    touchdown_speed_mps: float
+    """Fastest fall in the 20 ms before it touches."""
+    tilt_at_rest_deg: float
+    n_aborts: int
+    """Descents called off."""
+
+
+def fly_landing(cfg: TestbenchCfg) -> Landing:
+    """Plan a mission and fly it.
+
+    Raises:
+        MissionError: If the scene has no mission for the vehicle.
+    """
+    history: list[np.ndarray] = []
+    observers = []
+    with Testbench(cfg, has_network=False, observers=observers) as bench:
+        plant, leg_m = bench.plant, bench.airframe.leg_length_m
+        mission = plan_mission(bench.scene, bench.airframe, seed=cfg.seed)
+        noise = depth_noise(cfg.depth_camera, cfg.seed)
+        with closing(Cameras(bench.world, plant, depth_noise=noise)) as cameras:
+            client = MavlinkClient(bench.pilot_link.client, bench.frame)
+            pilot = Pilot(client, mission, cameras.render)
+            observers.append(lambda: history.append(plant.history.copy()))
+            observers.append(lambda: pilot.update(plant.time_us))
+            run = bench.simulator.run
+            run(until_us=round(MAX_TRIAL_S * 1e6), stop=lambda: pilot.is_done)
+            run(until_us=plant.time_us + round(SETTLE_S * 1e6))
+    flown = np.concatenate(history)
+    score = score_flight(flown, pilot.area, pilot.touchdown_enu_m, leg_m)
+    verdict = judge(pilot, score)
+    return Landing(
+        is_success=verdict.success,
+        reason=verdict.reason,
+        touchdown_error_m=score.touchdown_error_m,
+        touchdown_speed_mps=touchdown_speed_mps(flown),
+        tilt_at_rest_deg=score.tilt_at_rest_deg,
+        n_aborts=sum(change.target is Phase.CLIMB for change in pilot.transitions),
+    )
+
+
+def touchdown_speed_mps(history: np.ndarray) -> float:
+    """How fast it fell just before its last touchdown; 0 if it never rose."""
+    height_m = history["position_true_enu_m"][:, 2]
+    aloft = np.flatnonzero(height_m > height_m[-1] + _ALOFT_M)
+    if not aloft.size:
+        return 0.0
+    after = aloft[-1] + np.flatnonzero(history["is_touching"][aloft[-1] :] > 0)
+    if not after.size:
+        return 0.0
+    tick_s = (history["time_us"][1] - history["time_us"][0]) * 1e-6
+    before = max(after[0] - round(_BEFORE_S / tick_s), 0)
+    return float(-history["velocity_true_enu_mps"][before : after[0], 2].min())

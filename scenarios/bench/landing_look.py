@@ -1,0 +1,230 @@
+"""A landing as the pilot's eyes have it: search, choice and descent, without flying.
+
+The vehicle is put where it would be, every 0.2 s; its camera renders, with the errors of a depth
+camera; the watch fuses with a pose that errs as the estimator does.
+"""
+
+from __future__ import annotations
+
+import math
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from aeroscene.scene import InteractionArea
+from autonomy.model.quadrotor import Vector3
+from autonomy.perception import LandingSite
+from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
+from flightsim.sensors.depth_noise import DepthNoiseCfg, measured_depth
+from flightsim.world import World
+from scenarios.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
+from scenarios.mavlink_telemetry import Telemetry
+from scenarios.mission import Surroundings
+from scenarios.pilot import (
+    COMMIT_HEIGHT_M,
+    DESCENT_SPEED_MPS,
+    MAX_LOOKS,
+    MAX_SEARCH_FRAMES,
+    SEARCH_FRAMES,
+)
+
+WIDTH_PX, HEIGHT_PX = 320, 240
+N_CELLS = 80
+"""Cells of an area that are judged, drawn at random."""
+# The worst of 20 flights with RTK, docs/results.md: 0.15 m and 0.34 degrees in three axes.
+_POSITION_ERROR_M, _TILT_ERROR_RAD = 0.09, math.radians(0.2)
+_ERROR_CORRELATION_S = 10.0
+_WOBBLE_M, _WOBBLE_RAD, _WOBBLE_CORRELATION_S = 0.04, math.radians(1.5), 0.7
+_STEP_S = 1e-6 * FRAME_PERIOD_US
+
+
+class Wander:
+    """A first-order Gauss-Markov process, stationary from the start."""
+
+    def __init__(self, sigma: np.ndarray, correlation_s: float, rng: np.random.Generator) -> None:
+        self._sigma, self._rng = sigma, rng
+        self._keep = math.exp(-_STEP_S / correlation_s)
+        self.value = sigma * rng.standard_normal(len(sigma))
+
+    def step(self) -> None:
+        """Go on by the period of the frames."""
+        fresh = self._sigma * self._rng.standard_normal(len(self._sigma))
+        self.value = self._keep * self.value + math.sqrt(1.0 - self._keep**2) * fresh
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JudgedSite:
+    """A site and where the vehicle would really come down."""
+
+    site: LandingSite
+    true_enu_m: Float[np.ndarray, " 2"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SeenCells:
+    """What the map said of some cells when the first site was chosen, or the search given up."""
+
+    true_enu_m: Float[np.ndarray, "n 2"]
+    is_safe: Bool[np.ndarray, " n"]
+    slope_rad: Float[np.ndarray, " n"]
+
+
+@dataclass(kw_only=True, eq=False)
+class Look:
+    """How it went at one area."""
+
+    chosen: JudgedSite | None = None
+    """From the hover point, at the first search."""
+    committed: JudgedSite | None = None
+    """A metre above it, after the last check; None if the area was given up."""
+    cells: SeenCells | None = None
+    aborts: list[str] = field(default_factory=list)
+    """Why descents were called off."""
+
+
+class LookRig:
+    """A world with a vehicle to put anywhere and its downward camera."""
+
+    def __init__(self, world: World, camera: DepthNoiseCfg | None) -> None:
+        self._camera = camera
+        self._data = world.new_data()
+        with ExitStack() as stack:
+            self._renderer = stack.enter_context(
+                closing(open_camera_renderer(world, WIDTH_PX, HEIGHT_PX))
+            )
+            self._stack = stack.pop_all()
+
+    def frame(
+        self, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, rng: np.random.Generator
+    ) -> RgbdFrame:
+        """What the camera sees from a pose."""
+        self._data.qpos[:7] = (*position_enu_m, *quat_wxyz)
+        frame = self._renderer.render(self._data, CAMERA, 0)
+        if self._camera is not None:
+            frame.depth_m[:] = measured_depth(frame.depth_m, frame.fx, self._camera, rng)
+        return frame
+
+    def close(self) -> None:
+        """Free the renderer."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+class Looker:
+    """One landing on one area."""
+
+    def __init__(
+        self,
+        rig: LookRig,
+        surroundings: Surroundings,
+        area: InteractionArea,
+        hover_enu_m: Vector3,
+        rng: np.random.Generator,
+    ) -> None:
+        self._rig, self._rng = rig, rng
+        self._world, self._area, self._hover_enu_m = surroundings, area, hover_enu_m
+        self._yaw_rad = rng.uniform(-math.pi, math.pi)
+        ones = np.ones(3)
+        self._position_error = Wander(_POSITION_ERROR_M * ones, _ERROR_CORRELATION_S, rng)
+        self._turn_error = Wander(_TILT_ERROR_RAD * ones, _ERROR_CORRELATION_S, rng)
+        self._wobble = Wander(_WOBBLE_M * ones, _WOBBLE_CORRELATION_S, rng)
+        self._tilt = Wander(_WOBBLE_RAD * np.array([1.0, 1.0, 0.0]), _WOBBLE_CORRELATION_S, rng)
+        self._time_us = 0
+
+    def land(self) -> Look:
+        """Search, choose, descend; climb back and search again where the place turns bad."""
+        look = Look()
+        for _ in range(MAX_LOOKS):
+            watch = LandingWatch(self._world, self._area, self._hover_enu_m, lambda _: self._seen)
+            site = self._search(watch)
+            if look.cells is None:
+                look.cells = self._cells(watch)
+                look.chosen = self._judged(site)
+            if site is None:
+                break
+            site, reason = self._descend(watch, site)
+            if reason is None:
+                look.committed = self._judged(site)
+                break
+            look.aborts.append(reason)
+        return look
+
+    def _search(self, watch: LandingWatch) -> LandingSite | None:
+        while watch.n_frames < MAX_SEARCH_FRAMES:
+            self._glance(watch, np.array(self._hover_enu_m))
+            site = watch.choose() if watch.n_frames >= SEARCH_FRAMES else None
+            if site is not None:
+                return site
+        return None
+
+    def _descend(self, watch: LandingWatch, site: LandingSite) -> tuple[LandingSite, str | None]:
+        """The site as it is known from a metre above it, and why it is no good after all."""
+        height_m = self._hover_enu_m[2]
+        leg_m = self._world.airframe.leg_length_m
+        while height_m > site.position_enu_m[2] + leg_m + COMMIT_HEIGHT_M:
+            height_m -= DESCENT_SPEED_MPS * _STEP_S
+            self._glance(watch, np.array([*site.position_enu_m[:2], height_m]))
+            site = watch.again(site)
+            if reason := watch.objection(site):
+                return site, reason
+        return site, None
+
+    def _glance(self, watch: LandingWatch, commanded_enu_m: np.ndarray) -> None:
+        """One frame where the vehicle believes to be about there."""
+        for wander in (self._position_error, self._turn_error, self._wobble, self._tilt):
+            wander.step()
+        believed = commanded_enu_m + self._wobble.value
+        quat = _product(_turned(np.array([0.0, 0.0, self._yaw_rad])), _turned(self._tilt.value))
+        true = believed - self._position_error.value
+        self._seen = self._rig.frame(true, quat, self._rng)
+        believed_quat = _product(_turned(self._turn_error.value), quat)
+        telemetry = Telemetry(
+            position_enu_m=_vector3(believed), quat_wxyz=tuple(believed_quat.tolist())
+        )
+        self._time_us += FRAME_PERIOD_US
+        watch.look(self._time_us, telemetry)
+
+    def _judged(self, site: LandingSite | None) -> JudgedSite | None:
+        if site is None:
+            return None
+        true = np.array(site.position_enu_m[:2]) - self._position_error.value[:2]
+        return JudgedSite(site=site, true_enu_m=true)
+
+    def _cells(self, watch: LandingWatch) -> SeenCells:
+        assert watch.map is not None
+        rows, columns = np.nonzero(watch.is_allowed)
+        few = self._rng.permutation(len(rows))[:N_CELLS]
+        rows, columns = rows[few], columns[few]
+        east, north = watch.elevation.cell_centres()
+        believed = np.column_stack([east[columns], north[rows]])
+        return SeenCells(
+            true_enu_m=believed - self._position_error.value[:2],
+            is_safe=watch.map.is_safe[rows, columns],
+            slope_rad=watch.map.slope_rad[rows, columns],
+        )
+
+
+def _turned(turn_rad: np.ndarray) -> np.ndarray:
+    """Quaternion of a rotation vector."""
+    angle = float(np.linalg.norm(turn_rad))
+    axis = turn_rad / angle if angle > 0.0 else turn_rad
+    return np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)])
+
+
+def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.array(
+        [a[0] * b[0] - a[1:] @ b[1:], *(a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:]))]
+    )
+
+
+def _vector3(values: np.ndarray) -> Vector3:
+    x, y, z = values.tolist()
+    return (x, y, z)
