@@ -60,6 +60,7 @@ class WindCfg:
                 f"wind ({self.speed_mps}, up {self.up_mps}): finite speeds of at most "
                 f"{MAX_WIND_MPS:g} m/s are valid"
             )
+        self._check("wind", self.speed_mps, 0.0, MAX_WIND_MPS, "m/s")
         self._check("wind from", self.from_deg, -360.0, 360.0, "degrees clockwise from north")
         self._check("turbulence", self.turbulence_mps, 0.0, MAX_TURBULENCE_MPS, "m/s")
         self._check("gust", self.gust_mps, 0.0, MAX_GUST_MPS, "m/s")

@@ -47,6 +47,7 @@ def test_a_wind_by_its_velocity_blows_with_it(velocity):
     [
         ("speed_mps", math.nan, "at most 30 m/s"),
         ("speed_mps", 40.0, "at most 30 m/s"),
+        ("speed_mps", -3.0, "0 to 30 m/s"),
         ("turbulence_mps", -1.0, "0 to 5 m/s"),
         ("gust_mps", math.inf, "0 to 20 m/s"),
         ("gust_s", 0.0, "0.1 to 3600 s"),
