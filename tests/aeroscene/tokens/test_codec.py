@@ -5,12 +5,12 @@ import pytest
 import torch
 
 from aeroscene.scene import Scene
-from aeroscene.tokens.batch import slots_of
-from aeroscene.tokens.channels import Geometry, geometry_of
+from aeroscene.tokens.channels import geometry_of
 from aeroscene.tokens.codec import CodecCfg, quarter_turns
 from aeroscene.tokens.decode import TreeDecoder
-from aeroscene.tokens.examples import Example, mirrored, quarter_turned
+from aeroscene.tokens.examples import mirrored, quarter_turned
 from aeroscene.tokens.training_set import TrainingSet, training_set
+from tests.aeroscene.tokens.decoding import decoded
 
 CODECS = (
     CodecCfg(frame="parent"),
@@ -25,20 +25,6 @@ CODECS = (
 def known(request: pytest.FixtureRequest, scenes: list[Scene]) -> TrainingSet:
     torch.set_num_threads(1)
     return training_set(scenes[:5], request.param)
-
-
-def decoded(known: TrainingSet, example: Example) -> Geometry:
-    batch = known.collator.examples([example])
-    assert batch.x0 is not None
-    boxes = TreeDecoder(known.vocabulary, known.statistics).decode(batch.x0, batch)
-    slots = slots_of(example.skeleton, batch)
-    heading = boxes.heading[0, slots].numpy()
-    return Geometry(
-        boxes.center_enu_m[0, slots].numpy(),
-        np.arctan2(heading[:, 1], heading[:, 0]),
-        boxes.size_m[0, slots].numpy(),
-        boxes.openings_m[0, slots].numpy(),
-    )
 
 
 def test_boxes_come_back_where_they_were(known: TrainingSet, scenes: list[Scene]) -> None:

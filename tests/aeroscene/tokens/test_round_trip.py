@@ -10,32 +10,19 @@ from aeroscene.scene import Scene
 from aeroscene.tokens.assembly import assemble
 from aeroscene.tokens.batch import TokenBatch, slots_of
 from aeroscene.tokens.boxes import Boxes
-from aeroscene.tokens.channels import Geometry, geometry_of
+from aeroscene.tokens.channels import geometry_of
 from aeroscene.tokens.decode import TreeDecoder
-from aeroscene.tokens.examples import Example, mirrored, quarter_turned
+from aeroscene.tokens.examples import mirrored, quarter_turned
 from aeroscene.tokens.kinds import OPENINGS
 from aeroscene.tokens.skeleton import Wish, skeleton_of, token_order
 from aeroscene.tokens.training_set import TrainingSet
 from aeroscene.validation import validate
-
-
-def _decoded(known: TrainingSet, example: Example) -> Geometry:
-    batch = known.collator.examples([example])
-    assert batch.x0 is not None
-    boxes = TreeDecoder(known.vocabulary, known.statistics).decode(batch.x0, batch)
-    slots = slots_of(example.skeleton, batch)
-    heading = boxes.heading[0, slots].numpy()
-    return Geometry(
-        boxes.center_enu_m[0, slots].numpy(),
-        np.arctan2(heading[:, 1], heading[:, 0]),
-        boxes.size_m[0, slots].numpy(),
-        boxes.openings_m[0, slots].numpy(),
-    )
+from tests.aeroscene.tokens.decoding import decoded
 
 
 def test_boxes_come_back_where_they_were(known: TrainingSet, scenes: list[Scene]) -> None:
     for scene, example in zip(scenes, known.examples, strict=True):
-        truth, found = geometry_of(scene), _decoded(known, example)
+        truth, found = geometry_of(scene), decoded(known, example)
         # What stands 5 spreads off is cut; nothing in these scenes does by more than this.
         assert np.abs(found.center_enu_m - truth.center_enu_m)[1:].max() < 0.03
         assert np.abs(found.size_m - truth.size_m)[1:].max() < 0.03
@@ -84,7 +71,7 @@ def test_skeleton_is_coarse_first_and_parents_come_before_children(
 
 def test_quarter_turn_turns_the_scene(known: TrainingSet) -> None:
     for example in known.examples[:4]:
-        first, turned = _decoded(known, example), _decoded(known, quarter_turned(example))
+        first, turned = decoded(known, example), decoded(known, quarter_turned(example))
         x, y = first.center_enu_m[:, :2].T
         np.testing.assert_allclose(turned.center_enu_m[:, :2], np.stack([-y, x], 1), atol=2e-4)
         np.testing.assert_allclose(turned.size_m[1:], first.size_m[1:], atol=1e-4)
@@ -102,7 +89,7 @@ def test_four_quarter_turns_and_two_mirrors_change_nothing(known: TrainingSet) -
 
 def test_mirror_swaps_north_and_south(known: TrainingSet) -> None:
     for example in known.examples[:4]:
-        first, seen = _decoded(known, example), _decoded(known, mirrored(example))
+        first, seen = decoded(known, example), decoded(known, mirrored(example))
         np.testing.assert_allclose(seen.center_enu_m, first.center_enu_m * (1, -1, 1), atol=2e-4)
 
 
