@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aeroscene.scene import Scene
 from flightsim.environment.wind import CALM, TURBULENCE_MPS, WindCfg
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.figure_eight import FigureEight, Track, come_back, fly, take_off
+from scenarios.bench.manoeuvres import meadow
 from scenarios.bench.recovery import Recovery, recover
 from scenarios.bench.row import Row
 
@@ -65,7 +65,7 @@ def rows(cfg: ControlBenchCfg, on_progress: Callable[[str, float], None]) -> Ite
     compile_kernels()
     for i, name in enumerate(cfg.vehicles):
         done = i / len(cfg.vehicles)
-        world = build_world(_field(), airframe_by_name(name))
+        world = build_world(meadow(has_room=False), airframe_by_name(name))
         on_progress(f"{name}: figure eights", done)
         yield from _tracking(cfg, name, world)
         on_progress(f"{name}: beyond its limits", done + 0.15 / len(cfg.vehicles))
@@ -73,23 +73,6 @@ def rows(cfg: ControlBenchCfg, on_progress: Callable[[str, float], None]) -> Ite
         on_progress(f"{name}: recovery", done + 0.2 / len(cfg.vehicles))
         yield from _recovery(cfg, name, world)
     on_progress("done", 1.0)
-
-
-def _field() -> Scene:
-    """Nothing but ground."""
-    return Scene(
-        scene_id="field",
-        domain="outdoor",
-        seed=0,
-        extent_min_enu_m=(-100.0, -100.0, 0.0),
-        extent_max_enu_m=(100.0, 100.0, 200.0),
-        start_position_enu_m=(0.0, 0.0, 0.0),
-        start_yaw_rad=0.0,
-        latitude_deg=47.4,
-        longitude_deg=8.5,
-        altitude_m=488.0,
-        objects=(),
-    )
 
 
 def _tracking(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
