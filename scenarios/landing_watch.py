@@ -24,7 +24,7 @@ from autonomy.perception import (
 )
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mavlink_telemetry import Telemetry
-from scenarios.mission import Surroundings
+from scenarios.surroundings import Surroundings
 
 CAMERA = "down"
 FRAME_PERIOD_US = 200_000

@@ -129,8 +129,9 @@ class Sitl:
         # casadi and the kernels of planning and perception: only where our pilot flies.
         from scenarios.kernels import announce_pilot_kernels  # noqa: PLC0415
         from scenarios.mavlink_client import MavlinkClient  # noqa: PLC0415
-        from scenarios.mission import MissionError, plan_mission  # noqa: PLC0415
+        from scenarios.mission import plan_mission  # noqa: PLC0415
         from scenarios.pilot import Pilot  # noqa: PLC0415
+        from scenarios.surroundings import MissionError  # noqa: PLC0415
 
         announce_pilot_kernels()
         bench = self.bench

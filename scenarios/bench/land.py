@@ -33,7 +33,8 @@ from scenarios.bench.landing_truth import ExactGround
 from scenarios.bench.plan_pairs import scene_numbers
 from scenarios.bench.row import Row
 from scenarios.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
-from scenarios.mission import MissionError, Surroundings, rank_areas, survey
+from scenarios.mission import rank_areas
+from scenarios.surroundings import MissionError, Surroundings, survey
 from scenarios.testbench import TestbenchCfg
 
 MOST_UNSAFE_SITES, MOST_UNSAFE_CELLS = 0.5, 2.0

@@ -22,7 +22,6 @@ from flightsim.sensors.depth_noise import DepthNoiseCfg, measured_depth
 from flightsim.world import World
 from scenarios.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
 from scenarios.mavlink_telemetry import Telemetry
-from scenarios.mission import Surroundings
 from scenarios.pilot import (
     COMMIT_HEIGHT_M,
     DESCENT_SPEED_MPS,
@@ -30,6 +29,7 @@ from scenarios.pilot import (
     MAX_SEARCH_FRAMES,
     SEARCH_FRAMES,
 )
+from scenarios.surroundings import Surroundings
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 N_CELLS = 80

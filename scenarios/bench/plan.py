@@ -29,7 +29,8 @@ from scenarios.bench.plan_pairs import (
     scene_numbers,
 )
 from scenarios.bench.row import Row
-from scenarios.mission import MissionError, Surroundings, plan_mission, survey
+from scenarios.mission import plan_mission
+from scenarios.surroundings import MissionError, Surroundings, survey
 
 LEAST_SOLVED, LEAST_AVOIDED = 99.5, 95.0
 MOST_MISSION_MS, MOST_REPLAN_MS = 500.0, 20.0

@@ -11,7 +11,7 @@ import numpy as np
 from aeroscene.freespace import VoxelField, reachable
 from autonomy.model.quadrotor import Vector3
 from autonomy.planning import MovingObstacles, PlanningError, Trajectory
-from scenarios.mission import Surroundings
+from scenarios.surroundings import Surroundings
 
 SHIPPED_SCENES = 1016
 FAR_ENOUGH_M = 10.0

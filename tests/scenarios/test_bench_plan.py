@@ -15,7 +15,7 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.bench.joint_optimum import joint_optimum
 from scenarios.bench.plan import PlanBenchCfg, rows
 from scenarios.bench.plan_pairs import FAR_ENOUGH_M, draw_pairs, scene_numbers
-from scenarios.mission import survey
+from scenarios.surroundings import survey
 
 IRIS = airframe_by_name("iris")
 

@@ -8,14 +8,8 @@ import pytest
 
 from aeroscene.sources import open_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
-from scenarios.mission import (
-    FAR_ENOUGH_M,
-    MissionError,
-    plan_mission,
-    rank_areas,
-    survey,
-    takeoff_point,
-)
+from scenarios.mission import FAR_ENOUGH_M, plan_mission, rank_areas, takeoff_point
+from scenarios.surroundings import MissionError, survey
 from tests.scenarios.landing_scenes import (
     CONTAINER,
     ON_CONTAINER,
