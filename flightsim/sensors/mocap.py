@@ -16,8 +16,8 @@ MOCAP_NORMALS = 4
 class MocapCfg:
     """Errors of a motion capture system, Vicon or OptiTrack grade.
 
-    Sub-millimetre at rest, 1 to 2 mm in motion: Merriaux et al. 2017, "A study of Vicon system
-    positioning performance".
+    0.15 mm at rest, less than 2 mm in motion: Merriaux et al. 2017, "A study of Vicon system
+    positioning performance", abstract.
     """
 
     rate_hz: int = 125
