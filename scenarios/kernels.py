@@ -9,19 +9,27 @@ import numpy as np
 
 from aeroscene.sources import open_scene
 from autonomy.jit import announce_if_cold
+from autonomy.perception import MapAnchor, MoverTracker
 from flightsim.plant import compile_kernels
 from flightsim.vehicles.catalogue import airframe_by_name
-from scenarios.landing_watch import LandingWatch
 from scenarios.mavlink_telemetry import Telemetry
 from scenarios.mission import Mission, plan_mission
+from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 
 PILOT_MODULES = (
+    "autonomy.perception.cell_distances",
     "autonomy.perception.depth_image",
     "autonomy.perception.elevation",
+    "autonomy.perception.foreground",
+    "autonomy.perception.point_spread",
     "autonomy.perception.rasterise",
+    "autonomy.perception.registration",
+    "autonomy.perception.solid_index",
     "autonomy.perception.windows",
     "autonomy.planning.clearance",
     "autonomy.planning.corridor",
+    "autonomy.planning.feasibility",
     "autonomy.planning.search",
     "autonomy.planning.solids",
 )
@@ -56,6 +64,7 @@ def compile_everything(progress: Callable[[str, float], None]) -> None:
     compile_kernels()
     progress("planning kernels", 0.5)
     mission = plan_mission(open_scene(SCENE), airframe_by_name(VEHICLE))
+    mission.surroundings.brake(mission.trajectory, 0.0)
     progress("landing perception kernels", 0.8)
     _look_at_flat_ground(mission)
     progress("done", 1.0)
@@ -64,14 +73,13 @@ def compile_everything(progress: Callable[[str, float], None]) -> None:
 def _look_at_flat_ground(mission: Mission) -> None:
     height_m = mission.hover_enu_m[2] - mission.area.centroid[2]
     depth_m = np.full((240, 320), height_m, dtype=np.float32)
-    watch = LandingWatch(
-        mission.surroundings,
-        mission.area,
-        mission.hover_enu_m,
-        lambda _: _FlatGround(depth_m=depth_m),
-    )
+    watch = LandingWatch(mission.surroundings, mission.area, mission.hover_enu_m)
     telemetry = Telemetry(position_enu_m=mission.hover_enu_m, quat_wxyz=(1.0, 0.0, 0.0, 0.0))
-    watch.look(0, telemetry)
+    mount = camera_mount(mission.surroundings.airframe, CAMERA)
+    image = posed_image(_FlatGround(depth_m=depth_m), mount, telemetry)
+    watch.fuse(0, image)
+    MapAnchor(mission.surroundings.obstacles).update(0.0, image)
+    MoverTracker().update(0.0, image, mission.surroundings.clearance_m)
     site = watch.choose()
     if site is not None:
         watch.objection(site)

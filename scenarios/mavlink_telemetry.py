@@ -40,6 +40,8 @@ class Telemetry:
     is_armable: bool = False
     is_navigating: bool = False
     """Whether the estimator claims attitude, velocity and absolute position."""
+    horizontal_sigma_m: float = math.nan
+    """How exactly the estimator claims to know the horizontal position."""
     landed_state: int = 0
     """MAV_LANDED_STATE."""
     local_origin_enu_m: Vector3 | None = None
@@ -110,6 +112,7 @@ class TelemetryReader:
 
     def _estimator_status(self, m: Any) -> None:
         self.telemetry.is_navigating = m.flags & _NAVIGATING_BITS == _NAVIGATING_BITS
+        self.telemetry.horizontal_sigma_m = m.pos_horiz_accuracy
 
     def _extended_sys_state(self, m: Any) -> None:
         self.telemetry.landed_state = m.landed_state

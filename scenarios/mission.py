@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from flightsim.vehicles.airframe import Airframe
 from scenarios.surroundings import (
     DESCENT_MARGIN_M,
     HOVER_MARGIN_M,
+    MapSource,
     MissionError,
     Surroundings,
     survey,
@@ -27,6 +29,9 @@ _MAX_ATTEMPTS = 8
 _LUCK = 2.0
 """What chance adds to an area's appeal at most: twice what height above the ground does."""
 _CLASSES = ("small", "medium", "large")
+Target = Literal["landing", "perching", "any"]
+"""What kind of area is wanted."""
+_WANTED = {"landing": "landing area", "perching": "place to perch", "any": "area"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,35 +47,43 @@ class Mission:
     hover_enu_m: Vector3
     """From where the area is looked at."""
     trajectory: Trajectory
-    """From the end of the take-off to the hover point."""
+    """From above the start to the hover point; where the map grows, a stay above the start."""
 
 
 def plan_mission(
-    scene: Scene, airframe: Airframe, *, seed: int = 0, area: InteractionArea | None = None
+    scene: Scene,
+    airframe: Airframe,
+    *,
+    seed: int = 0,
+    area: InteractionArea | None = None,
+    target: Target = "landing",
+    map_source: MapSource = "truth",
 ) -> Mission:
-    """Choose a landing area (unless one is given) and plan the way to it.
+    """Choose an area (unless one is given) and plan the way to it.
 
     Args:
         scene: Where to fly.
         airframe: What flies.
         seed: Of the choice among good areas.
         area: Where to land, if that is settled.
+        target: What kind of area is chosen.
+        map_source: Whether the map is given, or grows with what the vehicle sees; then the way is
+            planned from above the start, and the areas are those of the brief.
 
     Raises:
         MissionError: If no area suits the vehicle, or none can be flown to.
     """
-    surroundings = survey(scene, airframe)
+    surroundings = survey(scene, airframe, map_source=map_source)
     takeoff = takeoff_point(surroundings)
-    start = FlatReference(position_enu_m=takeoff, yaw_rad=scene.start_yaw_rad)
-    candidates = [area] if area is not None else rank_areas(scene, airframe, seed)
-    reason = f"no landing area suits class {airframe.drone_class}"
+    candidates = [area] if area is not None else rank_areas(scene, airframe, seed, target)
+    reason = f"no {_WANTED[target]} suits class {airframe.drone_class}"
     for index, candidate in enumerate(candidates[:_MAX_ATTEMPTS]):
         hover = surroundings.hover_point(candidate)
         if hover is None:
             reason = f"area {candidate.id} has no free place to hover above it"
             continue
         try:
-            trajectory = surroundings.plan(start, hover)
+            trajectory = _first_way(surroundings, takeoff, hover)
         except PlanningError as error:
             reason = f"area {candidate.id}: {error}"
             continue
@@ -83,6 +96,19 @@ def plan_mission(
             trajectory=trajectory,
         )
     raise MissionError(f"scene {scene.scene_id}, {airframe.name}: {reason}")
+
+
+def _first_way(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3) -> Trajectory:
+    """From above the start to above the area; where nothing was seen yet, a stay above the start.
+
+    Raises:
+        PlanningError: If there is none.
+    """
+    yaw_rad = world.scene.start_yaw_rad
+    if not world.is_known:
+        return world.leg(takeoff_enu_m, takeoff_enu_m, yaw_rad)
+    start = FlatReference(position_enu_m=takeoff_enu_m, yaw_rad=yaw_rad)
+    return world.plan(start, hover_enu_m)
 
 
 def takeoff_point(surroundings: Surroundings) -> Vector3:
@@ -104,14 +130,16 @@ def takeoff_point(surroundings: Surroundings) -> Vector3:
     )
 
 
-def rank_areas(scene: Scene, airframe: Airframe, seed: int) -> list[InteractionArea]:
-    """Landing areas for the vehicle's class, best first: far, elevated, roomy, under the open sky.
+def rank_areas(
+    scene: Scene, airframe: Airframe, seed: int, target: Target = "landing"
+) -> list[InteractionArea]:
+    """Areas for the vehicle's class, best first: far, elevated, roomy, under the open sky.
 
     The seed settles the order among areas that are about as good.
     """
     fits = [
         area
-        for area in scene.landing_areas
+        for area in _areas(scene, target)
         if _CLASSES.index(area.drone_class) >= _CLASSES.index(airframe.drone_class)
     ]
     start = scene.start_position_enu_m
@@ -122,6 +150,12 @@ def rank_areas(scene: Scene, airframe: Airframe, seed: int) -> list[InteractionA
         return math.dist(area.centroid, start) < FAR_ENOUGH_M
 
     return sorted(fits, key=lambda area: (is_near(area), -score[area.id], area.id))
+
+
+def _areas(scene: Scene, target: Target) -> tuple[InteractionArea, ...]:
+    if target == "any":
+        return (*scene.landing_areas, *scene.perching_areas)
+    return scene.landing_areas if target == "landing" else scene.perching_areas
 
 
 def _appeal(scene: Scene, area: InteractionArea) -> float:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 
 import numpy as np
 
 from aeroscene.freespace import VoxelField
-from aeroscene.scene import Scene
+from aeroscene.scene import Scene, Vector3
 from aeroscene.shapes import Primitive
 from autonomy.planning import DistanceField, Obstacles, Shape
 from flightsim.looks.hull import hull_faces
@@ -19,6 +20,7 @@ _SHAPES = {
     "mesh": Shape.HULL,
 }
 _GROUND_DEPTH_M = 10.0
+_KEPT_HULLS = 4096
 
 
 def scene_obstacles(scene: Scene, primitives: Sequence[Primitive]) -> Obstacles:
@@ -47,9 +49,12 @@ def distance_field(voxels: VoxelField) -> DistanceField:
 
 def _faces(primitive: Primitive) -> np.ndarray:
     """Normals and offsets of a hull's faces, local; none for what is measured by its extents."""
-    if primitive.kind != "mesh":
-        return np.zeros((0, 4))
-    corners = np.array(primitive.vertices_m)
+    return _hull_planes(primitive.vertices_m) if primitive.kind == "mesh" else np.zeros((0, 4))
+
+
+@functools.lru_cache(maxsize=_KEPT_HULLS)
+def _hull_planes(vertices_m: tuple[Vector3, ...]) -> np.ndarray:
+    corners = np.array(vertices_m)
     return np.array([[*n, n @ corners[members[0]]] for n, members in hull_faces(corners)])
 
 

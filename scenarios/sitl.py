@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -23,11 +24,14 @@ from flightsim.world import WorldError
 from scenarios.cameras import Cameras
 from scenarios.scoring import FlightLog
 from scenarios.testbench import Testbench, TestbenchCfg, TestbenchError
-from scenarios.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, judge
+from scenarios.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge
 
 if TYPE_CHECKING:
+    from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
+
+_LOG = logging.getLogger(__name__)
 
 INPUT_ERRORS = (
     SceneError,
@@ -57,8 +61,15 @@ class SitlCfg:
     demo: bool = False
     """Fly our own mission: plan to a landing area, navigate, choose the touchdown point from
     depth, land, disarm; then print the verdict and end."""
+    map: Literal["truth", "onboard"] = "truth"
+    """What our mission knows of the place: truth is the scene's own map; onboard is nothing but the
+    flight volume and the areas, and the map grows from depth."""
+    target: Literal["landing", "perching", "any"] = "landing"
+    """What our mission lands on: a landing area, a place to perch on, or the best of both."""
     record: Path | None = None
     """Write a rerun recording to this .rrd file."""
+    pictures: Path | None = None
+    """Draw what was planned and flown, and the landing map, into this folder when the run ends."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves on loopback, native opens the rerun viewer."""
     camera_hz: float = 5.0
@@ -80,11 +91,14 @@ class SitlCfg:
             )
         if self.record is not None and self.record.suffix != ".rrd":
             raise TestbenchError(f"record {str(self.record)!r} is no .rrd file; valid: NAME.rrd")
+        if self.pictures is not None and self.pictures.exists() and not self.pictures.is_dir():
+            raise TestbenchError(f"pictures {str(self.pictures)!r} is a file; valid: a folder")
 
     def to_plain(self) -> dict[str, Any]:
         """The resolved configuration as plain data."""
         plain = asdict(self)
-        return plain | {"record": None if self.record is None else str(self.record)}
+        paths = {"record": self.record, "pictures": self.pictures}
+        return plain | {name: None if path is None else str(path) for name, path in paths.items()}
 
 
 class Sitl:
@@ -95,6 +109,7 @@ class Sitl:
         pilot: Our own pilot, in a demo.
         recorder: Where the run is recorded or watched.
         viewer_url: The page to watch, if a web viewer serves one.
+        pictures: What was drawn when the run ended.
     """
 
     def __init__(self, cfg: SitlCfg) -> None:
@@ -106,6 +121,7 @@ class Sitl:
         self.cfg = cfg
         self.recorder: Recorder | None = None
         self.viewer_url: str | None = None
+        self.pictures: list[Path] = []
         self._cameras: Cameras | None = None
         self._observers: list[Callable[[], None]] = []
         with ExitStack() as stack:
@@ -115,6 +131,7 @@ class Sitl:
             self.pilot = self._board_pilot(stack) if cfg.demo else None
             if cfg.record is not None or cfg.viewer != "off":
                 self._record(stack)
+            self._tape = None if cfg.pictures is None else self._open_tape()
             self._stack = stack.pop_all()
 
     def _open_cameras(self, stack: ExitStack) -> Cameras:
@@ -130,17 +147,24 @@ class Sitl:
         from scenarios.kernels import announce_pilot_kernels  # noqa: PLC0415
         from scenarios.mavlink_client import MavlinkClient  # noqa: PLC0415
         from scenarios.mission import plan_mission  # noqa: PLC0415
-        from scenarios.pilot import Pilot  # noqa: PLC0415
+        from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415
         from scenarios.surroundings import MissionError  # noqa: PLC0415
 
         announce_pilot_kernels()
         bench = self.bench
         try:
-            mission = plan_mission(bench.scene, bench.airframe, seed=self.cfg.bench.seed)
+            mission = plan_mission(
+                bench.scene,
+                bench.airframe,
+                seed=bench.cfg.seed,
+                target=self.cfg.target,
+                map_source=self.cfg.map,
+            )
         except MissionError as error:
             raise TestbenchError(str(error)) from error
         client = MavlinkClient(bench.pilot_link.client, bench.frame)
-        pilot = Pilot(client, mission, self._open_cameras(stack).render)
+        brief = PilotCfg(expects_traffic=bench.cfg.traffic_cfg.has_any)
+        pilot = Pilot(client, mission, self._open_cameras(stack).render, brief)
         self._observers.append(lambda: pilot.update(bench.plant.time_us))
         return pilot
 
@@ -185,6 +209,25 @@ class Sitl:
         self._observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
         self.recorder = recorder
 
+    def _open_tape(self) -> FlightTape:
+        from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
+
+        tape = FlightTape(self.bench.plant, self.bench.autopilot, self.pilot)
+        self._observers.append(tape.on_tick)
+        return tape
+
+    def _draw(self, ending: str) -> list[Path]:
+        """Draw what the tape holds; a folder that cannot be written costs no verdict."""
+        if self._tape is None or self.cfg.pictures is None or not self._tape.has_any:
+            return []
+        from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415 - as above
+
+        try:
+            return draw_pictures(self._tape.story(ending), self.cfg.pictures)
+        except PictureError as error:
+            _LOG.warning("%s", error)
+            return []
+
     def _shutter(self, cameras: Cameras) -> Callable[[], None]:
         """Renders each camera at the configured rate."""
         plant = self.bench.plant
@@ -223,7 +266,10 @@ class Sitl:
             self.recorder.close(verdict=result.to_plain())
         if self.cfg.record is not None:
             summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
+            if self.pilot is not None:
+                summary |= decisions(self.pilot)
             write_text(self.cfg.record.with_suffix(".json"), json.dumps(summary, indent=2) + "\n")
+        self.pictures = self._draw(result.reason)
         return result
 
     def _judge(self) -> TrialResult:

@@ -8,10 +8,13 @@ from typing import Literal
 
 import numpy as np
 
-from aeroscene.freespace import NoFreeSpaceError, build_distance_field, reachable
+from aeroscene.field_cache import kept_distance_field
+from aeroscene.freespace import NoFreeSpaceError, reachable
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.shapes import scene_primitives
+from autonomy.mapping import SeenMap, SeenMapCfg, plan_towards
 from autonomy.model.quadrotor import Vector3
+from autonomy.perception.depth_image import DepthImage
 from autonomy.planning import (
     NOTHING_MOVES,
     DistanceField,
@@ -20,6 +23,8 @@ from autonomy.planning import (
     Obstacles,
     PlannerCfg,
     Trajectory,
+    brake,
+    certify,
     plan_leg,
     plan_trajectory,
     replan,
@@ -33,10 +38,24 @@ HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6, 1.2)
 """Above an area, from where to look at it: the first that is free."""
 HOVER_MARGIN_M = 0.4
 DESCENT_MARGIN_M = 0.1
+_EXEMPT_STEP_M = 0.05
+NOTHING_STANDS = Obstacles.boxes(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)))
+MapSource = Literal["truth", "onboard"]
+"""Where the map of a flight comes from."""
 
 
 class MissionError(ValueError):
     """A scene in which the vehicle has no mission; says why."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GivenMap:
+    """The map of a scene that was given before the flight."""
+
+    obstacles: Obstacles
+    field: DistanceField
+    is_reachable: np.ndarray
+    """Cells of the field that the vehicle can fly to from the start."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,13 +64,34 @@ class Surroundings:
 
     scene: Scene
     airframe: Airframe
-    obstacles: Obstacles
-    field: DistanceField
-    is_reachable: np.ndarray
-    """Cells of the field that the vehicle can fly to from the start."""
+    map: GivenMap | SeenMap
+    """Where the obstacles are: given, or growing with what the vehicle sees."""
     limits: FlightLimits
     method: Literal["optimise", "primitives"] = "optimise"
     """How plans are made: see `PlannerCfg`."""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the whole map was given; else it grows with each image."""
+        return isinstance(self.map, GivenMap)
+
+    @property
+    def obstacles(self) -> Obstacles:
+        """What the vehicle must not touch: of a growing map all that was not seen free nearby."""
+        return self.map.obstacles
+
+    @property
+    def field(self) -> DistanceField:
+        """Distances to these obstacles."""
+        return self.map.field
+
+    def observe(self, image: DepthImage) -> None:
+        """Take a depth image into the map, of any camera; nothing where the map is known.
+
+        A cell counts as free from the second image on that shows it so.
+        """
+        if isinstance(self.map, SeenMap):
+            self.map.observe(image)
 
     @property
     def radius_m(self) -> float:
@@ -71,9 +111,16 @@ class Surroundings:
     def plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:
         """A certified trajectory through free space.
 
+        Where the map grows, it may end short of the goal, at rest within what was seen free, or
+        be a turn on the spot to look there: plan again from on the way, when more was seen.
+
         Raises:
             PlanningError: Saying why there is none.
         """
+        if isinstance(self.map, SeenMap):
+            return plan_towards(
+                self.map, start, goal_enu_m, self.limits, self.airframe.quadrotor, self.planner
+            )
         return plan_trajectory(
             start,
             goal_enu_m,
@@ -127,34 +174,153 @@ class Surroundings:
             limits = replace(limits, speed_vertical_mps=speed_mps)
         return plan_leg(start_enu_m, goal_enu_m, yaw_rad, limits, self.airframe.quadrotor)
 
+    def certified_leg(
+        self,
+        start_enu_m: Vector3,
+        goal_enu_m: Vector3,
+        yaw_rad: float,
+        speed_mps: float | None = None,
+        *,
+        moving: MovingObstacles = NOTHING_MOVES,
+        exempt_m: float = 0.0,
+    ) -> Trajectory:
+        """A straight line from rest to rest that is proved as any other plan.
+
+        Args:
+            start_enu_m: Where the vehicle rests.
+            goal_enu_m: Where it shall rest.
+            yaw_rad: Where it looks.
+            speed_mps: Up or down at most; None for the limit.
+            moving: What moves, predicted from now on.
+            exempt_m: Up to so much of the way the map is not asked about, for the way up from a
+                surface that the vehicle stands on; no more of it than needed is left out.
+
+        Raises:
+            PlanningError: If the line is not free or a limit is broken.
+        """
+        leg = self.leg(start_enu_m, goal_enu_m, yaw_rad, speed_mps)
+        quadrotor, cfg = self.airframe.quadrotor, self.planner
+        certify(leg, NOTHING_STANDS, self.radius_m, self.limits, quadrotor, moving=moving)
+        begin_enu_m = self._first_free(start_enu_m, goal_enu_m, exempt_m)
+        # Clearance of what stands depends on the way alone, not on when it is flown.
+        free = self.leg(begin_enu_m, goal_enu_m, yaw_rad, speed_mps)
+        proof = certify(
+            free,
+            self.obstacles,
+            self.radius_m,
+            self.limits,
+            quadrotor,
+            margin_m=cfg.min_margin_m,
+        )
+        return replace(leg, min_clearance_m=proof.min_clearance_m)
+
+    def _first_free(self, start_enu_m: Vector3, goal_enu_m: Vector3, most_m: float) -> Vector3:
+        """The first point of a line, within a distance of its start, where the vehicle has room."""
+        start, way = np.array(start_enu_m), np.subtract(goal_enu_m, start_enu_m)
+        length_m = float(np.linalg.norm(way))
+        if most_m == 0.0 or length_m == 0.0:
+            return start_enu_m
+        along_m = np.arange(0.0, min(most_m, length_m), _EXEMPT_STEP_M)
+        points = start + np.outer(along_m / length_m, way)
+        # The proof bounds from below, so a little more than it demands.
+        has_room = self.clearance_m(points) > self.planner.min_margin_m + _EXEMPT_STEP_M
+        x, y, z = points[np.argmax(has_room) if has_room.any() else -1].tolist()
+        return (x, y, z)
+
+    def brake(
+        self,
+        previous: Trajectory,
+        at_time_s: float,
+        *,
+        moving: MovingObstacles = NOTHING_MOVES,
+        start: FlatReference | None = None,
+    ) -> Trajectory:
+        """A certified trajectory to rest as soon as possible, aside where something comes along.
+
+        Args:
+            previous: Any trajectory.
+            at_time_s: Time of it from which the new one takes over.
+            moving: What moves, predicted from then on.
+            start: Where the vehicle is then; None for where the trajectory has it.
+
+        Raises:
+            PlanningError: If no stop can be proved.
+        """
+        return brake(
+            previous,
+            at_time_s,
+            self.obstacles,
+            self.limits,
+            self.airframe.quadrotor,
+            self.planner,
+            moving=moving,
+            start=start,
+        )
+
     def hover_point(self, area: InteractionArea) -> Vector3 | None:
-        """Where to look at an area from: above it, free all the way down; None if nowhere."""
+        """Where to look at an area from: above it, free all the way down; None if nowhere.
+
+        Where the map grows, what was not seen yet counts as free: ask again when nearer.
+        """
         x, y, z = area.centroid
         for height_m in HOVER_HEIGHTS_M:
             point = (x, y, z + height_m)
             if not self.field.contains(np.array(point)):
                 continue
-            if not self.is_reachable[tuple(self.field.cells(np.array(point)))]:
+            if not self._may_be_reached(point):
                 continue
             # From where the sphere touches the surface up.
-            heights = np.arange(self.radius_m + 2 * DESCENT_MARGIN_M, height_m, 0.1)
+            lowest_m = self.radius_m + 2 * DESCENT_MARGIN_M
+            # A cell that was seen occupied reaches above the surface in it.
+            lowest_m += 0.0 if self.is_known else FIELD_RESOLUTION_M
+            heights = np.arange(lowest_m, height_m, 0.1)
             column = np.column_stack(
                 [np.full_like(heights, x), np.full_like(heights, y), z + heights]
             )
-            room_m = self.clearance_m(np.vstack([column, [point]]))
+            room_m = self._room_as_known_m(np.vstack([column, [point]]))
             if room_m[-1] >= HOVER_MARGIN_M and np.all(room_m >= DESCENT_MARGIN_M):
                 return point
         return None
 
+    def _may_be_reached(self, point_enu_m: Vector3) -> bool:
+        """Whether free cells join a point to the start; of a growing map nobody knows."""
+        if isinstance(self.map, SeenMap):
+            return True
+        return bool(self.map.is_reachable[tuple(self.field.cells(np.array(point_enu_m)))])
 
-def survey(scene: Scene, airframe: Airframe, limits: FlightLimits | None = None) -> Surroundings:
+    def _room_as_known_m(self, points_enu_m: np.ndarray) -> np.ndarray:
+        """Clearance of what is known to be there, the unseen taken as free."""
+        if isinstance(self.map, SeenMap):
+            return self.map.distance_to_seen_m(points_enu_m) - self.radius_m
+        return self.clearance_m(points_enu_m)
+
+
+def survey(
+    scene: Scene,
+    airframe: Airframe,
+    limits: FlightLimits | None = None,
+    *,
+    map_source: MapSource = "truth",
+) -> Surroundings:
     """Obstacles and free space of a scene, for a vehicle.
+
+    Args:
+        scene: Where to fly.
+        airframe: What flies.
+        limits: Of the motion; None for the usual ones.
+        map_source: "truth" gives the scene's own map, "onboard" one that knows the flight volume
+            and the air above the start, and grows with what the vehicle sees.
 
     Raises:
         MissionError: If the vehicle cannot leave the start.
     """
+    limits = FlightLimits() if limits is None else limits
+    if map_source == "onboard":
+        return Surroundings(
+            scene=scene, airframe=airframe, map=_unseen(scene, airframe), limits=limits
+        )
     primitives = scene_primitives(scene)
-    voxels = build_distance_field(scene, FIELD_RESOLUTION_M, primitives)
+    voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
     radius_m = max(
         airframe.collision_radius_m, math.hypot(airframe.leg_spread_m, airframe.leg_length_m)
     )
@@ -162,11 +328,22 @@ def survey(scene: Scene, airframe: Airframe, limits: FlightLimits | None = None)
         flood = reachable(voxels, scene.start_position_enu_m, radius_m)
     except NoFreeSpaceError as error:
         raise MissionError(str(error)) from None
-    return Surroundings(
-        scene=scene,
-        airframe=airframe,
+    given = GivenMap(
         obstacles=scene_obstacles(scene, primitives),
         field=distance_field(voxels),
         is_reachable=flood,
-        limits=FlightLimits() if limits is None else limits,
     )
+    return Surroundings(scene=scene, airframe=airframe, map=given, limits=limits)
+
+
+def _unseen(scene: Scene, airframe: Airframe) -> SeenMap:
+    """A map of a flight volume in which nothing was seen; the air above the start is free."""
+    camera = next(mount for mount in airframe.cameras if mount.name == "forward")
+    cfg = SeenMapCfg(
+        resolution_m=FIELD_RESOLUTION_M,
+        camera_pitch_down_rad=camera.pitch_down_rad,
+        camera_vertical_fov_rad=camera.vertical_fov_rad,
+    )
+    growing = SeenMap(scene.extent_min_enu_m, scene.extent_max_enu_m, cfg)
+    growing.assume_free_column(scene.start_position_enu_m)
+    return growing

@@ -9,6 +9,7 @@ from typing import Literal, Self
 from aeroscene.scene import Scene
 from aeroscene.sources import open_scene
 from flightsim.autopilot.autopilot import Autopilot
+from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.parameters import follow_parameters, wind_parameters
 from flightsim.environment.traffic import TrafficCfg
 from flightsim.environment.wind import WindCfg, turbulence_mps
@@ -112,12 +113,14 @@ class Testbench:
         cfg: TestbenchCfg,
         *,
         scene: Scene | None = None,
+        traffic: Sequence[MovingObstacle] | None = None,
         has_network: bool = True,
         extra_links: Sequence[Link] = (),
         observers: Sequence[Callable[[], None]] = (),
     ) -> None:
         """Open the scene (or take the one given), build its world and open the links.
 
+        `traffic` are movers on paths of their own instead of those of the configuration.
         `extra_links` are MAVLink links besides the in-process one and the network's.
 
         Raises:
@@ -129,7 +132,9 @@ class Testbench:
         self.cfg = cfg
         self.scene = open_scene(cfg.scene) if scene is None else scene
         self.airframe = airframe_by_name(cfg.vehicle)
-        self.world: World = build_world(self.scene, self.airframe, traffic=cfg.traffic_cfg)
+        self.world: World = build_world(
+            self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
+        )
         self.plant = Plant(
             self.world,
             PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg),

@@ -55,6 +55,24 @@ class Verdict:
     reason: str
 
 
+def decisions(pilot: Pilot) -> dict[str, list[dict[str, Any]]]:
+    """Every change of phase and every plan made anew, with its time and reason, as plain data."""
+    transitions = [
+        {
+            "time_s": round(change.time_us * 1e-6, 2),
+            "from": change.source.value,
+            "to": change.target.value,
+            "reason": change.reason,
+        }
+        for change in pilot.transitions
+    ]
+    replans = [
+        {"time_s": round(replan.time_us * 1e-6, 2), "reason": replan.reason}
+        for replan in pilot.replans
+    ]
+    return {"transitions": transitions, "replans": replans}
+
+
 def judge(pilot: Pilot, score: FlightScore) -> Verdict:
     """A trial succeeds when the pilot says so and the truth agrees."""
     objections: tuple[tuple[bool, str], ...] = (

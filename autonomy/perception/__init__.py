@@ -11,14 +11,22 @@ from autonomy.perception.landing import (
     objection,
     site_at,
 )
+from autonomy.perception.map_anchor import AnchorFix, MapAnchor
+from autonomy.perception.map_anchor_cfg import MapAnchorCfg
+from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg
 from autonomy.perception.needs import LandingNeeds
 
 __all__ = [
+    "AnchorFix",
     "DepthImage",
     "ElevationMap",
     "LandingMap",
     "LandingNeeds",
     "LandingSite",
+    "MapAnchor",
+    "MapAnchorCfg",
+    "MoverTracker",
+    "MoverTrackerCfg",
     "assess",
     "camera_pose",
     "choose_site",

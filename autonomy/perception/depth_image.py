@@ -45,6 +45,8 @@ class DepthImage:
         """
         with np.errstate(divide="ignore", invalid="ignore"):
             inverse = 1.0 / self.depth_m[::_EVERY_ROW]
+        # Sky is even, but nothing was measured there.
+        inverse[~((inverse > 0.0) & (inverse < np.inf))] = np.nan
         curve = inverse[:, _APART:-_APART] - 0.5 * (
             inverse[:, : -2 * _APART] + inverse[:, 2 * _APART :]
         )

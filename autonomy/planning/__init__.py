@@ -1,5 +1,6 @@
 """Planning: from a map and a goal to a trajectory that is proved safe before it is flown."""
 
+from autonomy.planning.braking import brake
 from autonomy.planning.certificate import Certificate, certify
 from autonomy.planning.errors import (
     BlockedError,
@@ -14,6 +15,7 @@ from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles, Shape
 from autonomy.planning.planner import PlannerCfg, plan_leg, plan_trajectory
+from autonomy.planning.program import prepare
 from autonomy.planning.replanning import replan
 from autonomy.planning.trajectory import Trajectory
 
@@ -33,8 +35,10 @@ __all__ = [
     "Shape",
     "Trajectory",
     "UnreachableError",
+    "brake",
     "certify",
     "plan_leg",
     "plan_trajectory",
+    "prepare",
     "replan",
 ]

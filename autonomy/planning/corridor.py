@@ -26,6 +26,8 @@ MAX_PLANES = 20
 REACHES_M = (6.0, 3.0, 1.5, 0.75)
 """How far a polytope may extend beyond its leg along each axis: the first that needs few planes."""
 _SLACK_M = 1e-6
+_PARALLEL = 1e-10
+"""Of three planes' normals: the determinant below which they have no corner in common."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -193,7 +195,50 @@ def polytope_about(
         planes[count, :3] = -near[n, :3]
         planes[count, 3] = -near[n, 3] - kept
         count += 1
-    return planes, True
+    return _without_idle(planes, count), True
+
+
+@kernel
+def _without_idle(
+    planes: Float[np.ndarray, "planes 4"], count: int
+) -> Float[np.ndarray, "planes 4"]:
+    """The same polytope by the planes that have a corner of it, first of all; it is bounded."""
+    has_corner = np.zeros(count, dtype=np.bool_)
+    for i in range(count):
+        for j in range(i + 1, count):
+            across = _cross(planes[i], planes[j])
+            for k in range(j + 1, count):
+                f = planes[k]
+                det = across[0] * f[0] + across[1] * f[1] + across[2] * f[2]
+                if abs(det) < _PARALLEL or (has_corner[i] and has_corner[j] and has_corner[k]):
+                    continue
+                corner = planes[i, 3] * _cross(planes[j], f) + planes[j, 3] * _cross(f, planes[i])
+                corner = (corner + f[3] * across) / det
+                if _is_inside(corner, planes[:count]):
+                    has_corner[i], has_corner[j], has_corner[k] = True, True, True
+    kept = np.zeros_like(planes)
+    kept[:, 3] = 1.0
+    n = 0
+    for i in range(count):
+        if has_corner[i]:
+            kept[n] = planes[i]
+            n += 1
+    return kept
+
+
+@kernel
+def _cross(a: Float[np.ndarray, " 4"], b: Float[np.ndarray, " 4"]) -> Point:
+    x, y = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]
+    return np.array([x, y, a[0] * b[1] - a[1] * b[0]])
+
+
+@kernel
+def _is_inside(point: Point, planes: Float[np.ndarray, "k 4"]) -> bool:
+    for n in range(len(planes)):
+        f = planes[n]
+        if f[0] * point[0] + f[1] * point[1] + f[2] * point[2] > f[3] + _SLACK_M:
+            return False
+    return True
 
 
 @kernel

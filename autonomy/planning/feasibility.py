@@ -13,13 +13,30 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from autonomy.jit import kernel
-from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.model.flatness import hover_drag_per_s
+from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.planning.clearance import clearance_along
+from autonomy.planning.limits import FlightLimits, MotionBounds
 from autonomy.planning.moving import Movers
 from autonomy.planning.solids import Solids
 
 _N_SAMPLES = 24
 _LEAST_SECTION_S = 0.02
+
+
+def allowances(
+    bounds: MotionBounds, limits: FlightLimits, quadrotor: QuadrotorParams, share: float
+) -> Float[np.ndarray, " 8"]:
+    """What `first_feasible` allows: a share of the limits."""
+    return np.array(
+        [
+            *(share * bounds.as_array()),
+            share * limits.max_specific_thrust_mps2(quadrotor),
+            share * limits.body_rate_radps,
+            math.tan(share * limits.tilt_rad),
+            hover_drag_per_s(quadrotor),
+        ]
+    )
 
 
 @kernel

@@ -55,6 +55,12 @@ class FlightLimits:
                 raise LimitsError(f"{name} {value} is not valid; valid: a positive number")
         if not self.thrust_fraction <= 1:
             raise LimitsError(f"thrust_fraction {self.thrust_fraction} exceeds 1; valid: 0 to 1")
+        for name in ("acceleration_mps2", "acceleration_vertical_mps2"):
+            if getattr(self, name) < MIN_ACCELERATION_MPS2:
+                raise LimitsError(
+                    f"{name} {getattr(self, name)} is too little to fly by; "
+                    f"valid: at least {MIN_ACCELERATION_MPS2:.2f}"
+                )
         if not self.tilt_rad < math.pi / 2:
             raise LimitsError(f"tilt_rad {self.tilt_rad} is not valid; valid: below pi/2")
 

@@ -19,26 +19,28 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.planning.bezier import control_points
 from autonomy.planning.corridor import Corridor
 from autonomy.planning.errors import LimitsError, PlanningError
 from autonomy.planning.limits import MotionBounds
-from autonomy.planning.program import PLANES, build
+from autonomy.planning.solver import Solver
 
-MIN_PIECE_S, MAX_PIECE_S = 0.05, 60.0
+_STEP = 0.25
+"""Of the logarithms of the times: about what the search's first step changes them by."""
+_FIRST_END_S = 1.5
 COLD = {"maxiter": 40, "ftol": 5e-4}
-WARM = {"maxiter": 2, "maxfun": 3, "ftol": 2e-3, "gtol": 0.05}
-"""For times that were good a moment ago."""
+WARM = {"maxiter": 2, "maxfun": 3, "ftol": 2e-3, "gtol": 0.2 * _STEP}
+"""For times that were good a moment ago: good enough where a per cent of a time's change brings no
+more than two thousandths of a second."""
 EVADING = {"maxiter": 8, "maxfun": 8, "ftol": 2e-3}
 """For times that were good without the obstacle."""
 _MAX_TIGHTENINGS = 5
 _MAX_STRETCHES = 25
-_INSIDE_M = 1e-3
+_STRICT_STRETCHES = 5
+"""After so many twice the tolerance is good enough."""
 _TOLERANCE = 1e-3
 """Share of a limit that a piece may exceed it by."""
 
@@ -98,12 +100,16 @@ def optimise(
 
 
 def first_times(corridor: Corridor, bounds: MotionBounds) -> Float[np.ndarray, " n"]:
-    """Times at 60% of the speed limits, with what starting and stopping takes on top."""
+    """Times at 60% of the speed limits, and short ones at the ends.
+
+    The cost of the times has several valleys. The deep ones have short pieces for starting and
+    stopping, at the ends of long ones for cruising.
+    """
     ways = np.abs(np.diff(corridor.gates_enu_m, axis=0))
     horizontal = np.hypot(ways[:, 0], ways[:, 1]) / bounds.speed_horizontal_mps
     vertical = ways[:, 2] / bounds.speed_vertical_mps
     times = np.maximum(np.maximum(horizontal, vertical) / 0.6, 0.5)
-    times[[0, -1]] += 0.5 * bounds.speed_horizontal_mps / bounds.acceleration_horizontal_mps2
+    times[[0, -1]] = np.minimum(times[[0, -1]], _FIRST_END_S)
     return times
 
 
@@ -113,36 +119,46 @@ def _best_times(solve: Solver, log_times: np.ndarray, options: Mapping[str, floa
     low, high = solve.log_times_range
     worst, gradient = solve.cost_and_gradient(log_times)
 
-    def cost_and_gradient(times: np.ndarray) -> tuple[float, np.ndarray]:
+    def cost_and_gradient(steps: np.ndarray) -> tuple[float, np.ndarray]:
         # Where planes move, some times have no solution: too dear for the line search to stay.
         try:
-            return solve.cost_and_gradient(times)
+            cost, slope = solve.cost_and_gradient(_STEP * steps)
         except PlanningError:
-            return 10 * worst, -gradient
+            return 10 * worst, -_STEP * gradient
+        return cost, _STEP * slope
 
-    return minimize(
+    steps = minimize(
         cost_and_gradient,
-        log_times,
+        log_times / _STEP,
         jac=True,
         method="L-BFGS-B",
-        bounds=list(zip(low, high, strict=True)),
+        bounds=list(zip(low / _STEP, high / _STEP, strict=True)),
         options=dict(options),
     ).x
+    return np.clip(_STEP * steps, low, high)
 
 
 def _within_limits(solve: Solver, log_times: np.ndarray, excess: Excess | None) -> Solution:
-    """Give pieces that exceed a limit more time until none does."""
-    for _ in range(_MAX_STRETCHES):
-        nodes, beyond, cost = solve.nodes(log_times), solve.slack(log_times), solve.cost(log_times)
-        beyond = np.where(beyond > 0.5 * _TOLERANCE, beyond + 0.5 * _TOLERANCE, 0.0)
+    """Give pieces that exceed a limit more time until none does.
+
+    The first one less, where more makes it worse: its velocity at the start leads on for longer.
+    """
+    first, before = 1.0, math.inf
+    for n in range(_MAX_STRETCHES):
+        nodes, slack, cost = solve.nodes(log_times), solve.slack(log_times), solve.cost(log_times)
+        granted = _TOLERANCE if n < _STRICT_STRETCHES else 2 * _TOLERANCE
+        beyond = np.where(slack > 0.5 * granted, slack + 0.5 * granted, 0.0)
         if excess is not None:
             force, rate = excess(nodes, np.exp(log_times))
-            beyond = np.maximum(beyond, np.maximum(force, rate) - _TOLERANCE)
+            beyond = np.maximum(beyond, np.maximum(force, rate) - granted)
         if np.all(beyond <= 0):
             return Solution(nodes=nodes, durations_s=np.exp(log_times), cost=cost)
-        log_times = log_times + np.log1p(np.maximum(beyond, 0.0))
-        log_times = np.clip(log_times, *solve.log_times_range)
-    if excess is None or np.max(solve.slack(log_times)) > _TOLERANCE:
+        first = -first if beyond[0] > max(before, 0.0) else first
+        before = beyond[0]
+        stretch = np.log1p(np.maximum(beyond, 0.0))
+        stretch[0] *= first
+        log_times = np.clip(log_times + stretch, *solve.log_times_range)
+    if excess is None or np.max(solve.slack(log_times)) > 2 * _TOLERANCE:
         raise LimitsError(solve.name_worst(log_times))
     force, rate = excess(solve.nodes(log_times), np.exp(log_times))
     name = "body rate" if np.max(rate) > np.max(force) else "thrust or tilt, with rotor drag,"
@@ -150,144 +166,3 @@ def _within_limits(solve: Solver, log_times: np.ndarray, excess: Excess | None) 
         f"{name} stays {max(np.max(force), np.max(rate)):.0%} beyond its limit however slow the "
         "flight; valid: a higher limit, or a start nearer to hover"
     )
-
-
-class Solver:
-    """The inner problem of one corridor; remembers its last solution."""
-
-    def __init__(
-        self, start: np.ndarray, goal: np.ndarray, corridor: Corridor, bounds: MotionBounds
-    ) -> None:
-        n = self._n = len(corridor)
-        used = int(np.max(np.count_nonzero(np.any(corridor.planes[:, :, :3] != 0, 2), axis=1)))
-        self._planes = next(size for size in PLANES if size >= used)
-        self._program = build(n, self._planes)
-        self._corridor, self._bounds, self._ends = corridor, bounds, (start, goal)
-        self._share = np.ones(n)
-        self._solved: tuple[bytes, dict[str, Any]] = (b"", {})
-        planes = np.concatenate([corridor.planes, corridor.rates_mps[:, :, None]], axis=2)
-        self._fixed = np.concatenate(
-            [start.ravel(), goal.ravel(), _filled(planes, self._planes).ravel(), bounds.as_array()]
-        )
-        low, high = np.full(n, math.log(MIN_PIECE_S)), np.full(n, math.log(MAX_PIECE_S))
-        high[0] = math.log(_longest_first_piece_s(start, corridor))
-        self.log_times_range = low, high
-
-    def tighten(self, factor: np.ndarray) -> None:
-        """Lower the accelerations of pieces by factors."""
-        self._share = self._share / factor
-        self._solved = (b"", {})
-
-    def cost_and_gradient(self, log_times: np.ndarray) -> tuple[float, np.ndarray]:
-        """Optimum at fixed times, and its gradient with respect to their logarithms."""
-        solution = self._solve(log_times)
-        parameters = self._parameters(log_times)
-        gradient = self._program.gradient(solution["x"], parameters, solution["lam_g"])
-        return float(solution["f"]), np.array(gradient).ravel()
-
-    def cost(self, log_times: np.ndarray) -> float:
-        """Optimum at fixed times."""
-        return float(self._solve(log_times)["f"])
-
-    def nodes(self, log_times: np.ndarray) -> np.ndarray:
-        """Node states (n + 1, 3, 3)."""
-        x = np.array(self._solve(log_times)["x"]).ravel()
-        inner = x[: 9 * (self._n - 1)].reshape(self._n - 1, 3, 3)
-        tau = np.exp((log_times[:-1] + log_times[1:]) / 2)
-        scale = np.stack([np.ones_like(tau), tau, tau**2], axis=1)
-        start, goal = self._ends
-        return np.concatenate([start[None], inner / scale[:, :, None], goal[None]])
-
-    def slack(self, log_times: np.ndarray) -> np.ndarray:
-        """By what share of its limits each piece exceeds them."""
-        return np.array(self._solve(log_times)["x"]).ravel()[9 * (self._n - 1) :]
-
-    def name_worst(self, log_times: np.ndarray) -> str:
-        """Which limit is exceeded most, by how much and where."""
-        nodes, times, b = self.nodes(log_times), np.exp(log_times), self._bounds
-        worst = (-math.inf, "")
-        for k in range(self._n):
-            _, velocity, acceleration, _ = control_points(
-                tuple(nodes[k]), tuple(nodes[k + 1]), times[k]
-            )
-            v, a = np.array(velocity), np.array(acceleration)
-            x, y, z = nodes[k, 0]
-            for name, value, limit in (
-                ("horizontal speed", np.hypot(v[:, 0], v[:, 1]), b.speed_horizontal_mps),
-                ("vertical speed", abs(v[:, 2]), b.speed_vertical_mps),
-                (
-                    "horizontal acceleration",
-                    np.hypot(a[:, 0], a[:, 1]) / self._share[k],
-                    b.acceleration_horizontal_mps2,
-                ),
-                (
-                    "vertical acceleration",
-                    abs(a[:, 2]) / self._share[k],
-                    b.acceleration_vertical_mps2,
-                ),
-            ):
-                share = float(np.max(value)) / limit
-                where = f"after ({x:.1f}, {y:.1f}, {z:.1f}) m"
-                text = f"{name} needs {share * limit:.2f} {where}, however slow the flight; "
-                worst = max(worst, (share, f"{text}valid: at most {limit:.2f}"))
-        return worst[1] + ", or a start that can stop in the free space ahead of it"
-
-    def _parameters(self, log_times: np.ndarray) -> np.ndarray:
-        return np.concatenate([log_times, self._fixed, self._share])
-
-    def _solve(self, log_times: np.ndarray) -> dict[str, Any]:
-        key = log_times.tobytes()
-        if self._solved[0] == key:
-            return self._solved[1]
-        solve = self._program.solve
-        solution = solve(p=self._parameters(log_times), lbg=-math.inf, ubg=0.0)
-        stats = solve.stats()
-        if not stats["success"]:
-            raise PlanningError(
-                f"no curve of {self._n} pieces stays in the free space about the path "
-                f"({stats.get('return_status')}); "
-                "valid: a start that can stop in the free space ahead of it"
-            )
-        self._solved = (key, solution)
-        return solution
-
-
-def _filled(planes: np.ndarray, size: int) -> np.ndarray:
-    """Polytopes of a size, with planes that bound nothing."""
-    filled = np.zeros((len(planes), size, 5))
-    filled[:, :, 3] = 1.0
-    kept = min(size, planes.shape[1])
-    filled[:, :kept] = planes[:, :kept]
-    return filled
-
-
-def _longest_first_piece_s(start: np.ndarray, corridor: Corridor) -> float:
-    """Longest first piece whose control points that the start fixes lie in its polytope.
-
-    Raises:
-        LimitsError: If not even the shortest will do.
-    """
-    p, v, a = start
-    normals, offsets, rates = (
-        corridor.planes[0, :, :3],
-        corridor.planes[0, :, 3],
-        corridor.rates_mps[0],
-    )
-    times = np.geomspace(MIN_PIECE_S, MAX_PIECE_S, 120)[:, None]
-    second, third = p + v * times / 5, p + 2 * v * times / 5 + a * times**2 / 20
-    inside = np.all(second @ normals.T <= offsets + rates * times / 5, axis=1)
-    inside &= np.all(third @ normals.T <= offsets + rates * 2 * times / 5, axis=1)
-    n_inside = len(times) if inside.all() else int(np.argmin(inside))
-    if np.any(normals @ p > offsets + _INSIDE_M):
-        x, y, z = p
-        raise PlanningError(
-            f"start ({x:.2f}, {y:.2f}, {z:.2f}) m is outside the free space about the path; "
-            "valid: a start on it, or a new search"
-        )
-    if n_inside == 0:
-        speed = float(np.linalg.norm(v))
-        raise LimitsError(
-            f"start's velocity of {speed:.2f} m/s leads out of the free space within "
-            f"{MIN_PIECE_S} s; valid: a start that can stop in the free space ahead of it"
-        )
-    return float(times[n_inside - 1, 0])

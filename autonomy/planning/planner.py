@@ -27,8 +27,9 @@ from autonomy.planning.yaw import STEP_S, yaw_along_path
 from autonomy.types import ZERO3, FlatReference
 
 _MIN_LEG_S = 0.5
-_START_TOLERANCE = 2e-3
-"""What a plan's own states may be beyond its limits, by the optimiser's tolerance."""
+_START_TOLERANCE = 5e-3
+"""Share by which a plan's own states may be beyond its limits, after many replans; the proof
+grants twice that."""
 _MOVING_MPS = 0.3
 """A start faster than this gets a short first piece: its velocity fixes where that one leads."""
 
@@ -51,6 +52,22 @@ class PlannerCfg:
     """Longer legs are flown in several pieces."""
     min_pieces: int = 1
     """More pieces can bend more often, and take longer to plan."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no plan can be made by."""
+        checks = {
+            "vehicle_radius_m": (0 < self.vehicle_radius_m < math.inf, "a positive number"),
+            "method": (self.method in ("optimise", "primitives"), "'optimise' or 'primitives'"),
+            "margins_m": (
+                len(self.margins_m) > 0 and all(0 <= m < math.inf for m in self.margins_m),
+                "one or more, none negative",
+            ),
+            "min_margin_m": (0 <= self.min_margin_m < math.inf, "not negative"),
+            "max_piece_m": (self.max_piece_m > 0, "a positive number"),
+        }
+        for name, (is_valid, valid) in checks.items():
+            if not is_valid:
+                raise PlanningError(f"{name} {getattr(self, name)!r} is not valid; valid: {valid}")
 
 
 def plan_trajectory(
@@ -142,7 +159,7 @@ def plan_leg(
 def bounds_for(
     start: FlatReference, limits: FlightLimits, quadrotor: QuadrotorParams
 ) -> MotionBounds:
-    """Bounds of a motion that goes on from a start.
+    """Bounds of a motion that goes on from a start, which is within them.
 
     Raises:
         LimitsError: If the limits contradict themselves or the start is beyond them.
@@ -150,19 +167,20 @@ def bounds_for(
     bounds = limits.motion_bounds(quadrotor)
     speed = math.hypot(*start.velocity_enu_mps[:2])
     acceleration = math.hypot(*start.acceleration_enu_mps2[:2])
-    for name, value, limit in (
-        ("horizontal speed", speed, bounds.speed_horizontal_mps),
-        ("vertical speed", abs(start.velocity_enu_mps[2]), bounds.speed_vertical_mps),
-        ("horizontal acceleration", acceleration, bounds.acceleration_horizontal_mps2),
-        (
-            "vertical acceleration",
-            abs(start.acceleration_enu_mps2[2]),
-            bounds.acceleration_vertical_mps2,
-        ),
+    raised: dict[str, float] = {}
+    for name, value in (
+        ("speed_horizontal_mps", speed),
+        ("speed_vertical_mps", abs(start.velocity_enu_mps[2])),
+        ("acceleration_horizontal_mps2", acceleration),
+        ("acceleration_vertical_mps2", abs(start.acceleration_enu_mps2[2])),
     ):
-        if value > limit * (1 + _START_TOLERANCE):
-            raise LimitsError(f"start has a {name} of {value:.2f}; valid: at most {limit:.2f}")
-    return bounds
+        limit = getattr(bounds, name)
+        # Not "above": what is not finite passes nothing.
+        if not value <= limit * (1 + _START_TOLERANCE):
+            what = " ".join(reversed(name.split("_")[:2]))
+            raise LimitsError(f"start has a {what} of {value:.2f}; valid: at most {limit:.2f}")
+        raised[name] = max(limit, value)
+    return dataclasses.replace(bounds, **raised)
 
 
 def _require_room(
@@ -170,6 +188,8 @@ def _require_room(
 ) -> None:
     x, y, z = point_enu_m
     where = f"{name} ({x:.2f}, {y:.2f}, {z:.2f}) m"
+    if not all(map(math.isfinite, point_enu_m)):
+        raise BlockedError(f"{where} is no place; valid: finite numbers")
     if not field.contains(np.array(point_enu_m)):
         low, high = field.bounds_enu_m
         raise BlockedError(f"{where} is outside the map; valid: {low.round(1)} to {high.round(1)}")

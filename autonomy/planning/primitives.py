@@ -12,16 +12,14 @@ they follow the way that the search found.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.flatness import hover_drag_per_s
 from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.errors import CertificateError
-from autonomy.planning.feasibility import first_feasible
+from autonomy.planning.feasibility import allowances, first_feasible
 from autonomy.planning.limits import FlightLimits, MotionBounds
 from autonomy.planning.moving import NOTHING_MOVES
 from autonomy.planning.obstacles import Obstacles
@@ -75,15 +73,7 @@ def fly_primitives(
         CertificateError: If every choice of primitives ends where none goes on.
     """
     way = _Way(way_enu_m)
-    allowed = np.array(
-        [
-            *(_RESERVE * bounds.as_array()),
-            _RESERVE * limits.max_specific_thrust_mps2(quadrotor),
-            _RESERVE * limits.body_rate_radps,
-            math.tan(_RESERVE * limits.tilt_rad),
-            hover_drag_per_s(quadrotor),
-        ]
-    )
+    allowed = allowances(bounds, limits, quadrotor, _RESERVE)
     stack = [_expand(start, 0.0, way, bounds)]
     taken: list[tuple[np.ndarray, float]] = []
     for _ in range(_MAX_EXPANSIONS):

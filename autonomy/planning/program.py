@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,10 +36,12 @@ JERK_WEIGHT_M2PS5 = 40.0
 """How much squared jerk, integrated, is worth one second."""
 OCTAGON = math.cos(math.pi / 8)
 """Of an octagon inside the unit circle: distance of its sides from the middle."""
-PLANES = (12, 24)
+PLANES = (8, 12, 16, 24)
 """Sizes of polytopes that programs are built for."""
 PIECES = (1, 2, 3, 4, 6, 8, 10, 12, 16, 20)
 """Numbers of pieces that they are built for; beyond, for each number."""
+REPLANNED = (6, 8, 10, 12)
+"""Numbers of pieces that nearly all replans in flight have."""
 _DIRECTIONS = [(math.cos(n * math.pi / 4), math.sin(n * math.pi / 4)) for n in range(8)]
 
 
@@ -82,7 +85,8 @@ def build(n_pieces: int, n_planes: int) -> Program:
             "corridor",
             "piqp",
             {"x": s.unknowns, "p": parameters, "f": s.cost, "g": s.rows},
-            {"error_on_fail": False},
+            # Scaling the rows again and again costs more time than it saves iterations.
+            {"error_on_fail": False, "piqp": {"preconditioner_iter": 1}},
         ),
         gradient=ca.Function(
             "gradient",
@@ -91,6 +95,17 @@ def build(n_pieces: int, n_planes: int) -> Program:
         ),
         n_unknowns=s.unknowns.shape[0],
     )
+
+
+def prepare(pieces: Iterable[int] = REPLANNED) -> None:
+    """Build programs ahead, so that no replan in flight waits for one; some three seconds.
+
+    Args:
+        pieces: For which numbers of pieces.
+    """
+    for n_pieces in pieces:
+        for n_planes in PLANES[1:]:
+            build(n_pieces, n_planes)
 
 
 def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.ndarray, " n"]:

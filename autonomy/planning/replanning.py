@@ -6,48 +6,36 @@ along with it, so for motion that is straight in the obstacle's frame one plane 
 the hull of the control points proves it for the whole piece. On which side to pass is tried: where
 the plan already clears the obstacle the side that it is on, else left, right, above and below, as
 seen along the motion relative to the obstacle, and flying more slowly. The first that can be proved
-and costs little time is taken, else the quickest.
+and costs little time is taken, else the quickest; where none can, the rest of the plan as it is, if
+that can.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import functools
-import math
-from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.certificate import certify
-from autonomy.planning.corridor import Corridor, refine
+from autonomy.planning.corridor import Corridor
 from autonomy.planning.demand import excess
 from autonomy.planning.errors import EvasionError, PlanningError
+from autonomy.planning.evasion import Rest, remainder
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import EVADING, WARM, optimise
 from autonomy.planning.planner import PlannerCfg, as_node, bounds_for, with_yaw
-from autonomy.planning.program import pieces_to_fill
 from autonomy.planning.trajectory import Trajectory, coefficients_from_nodes
 from autonomy.types import ZERO3, FlatReference
 
 MOVING_MARGIN_M = 0.3
 """Wanted beyond the vehicle's sphere and the predicted obstacle; the proof demands less."""
-_NEAR_M = 3.0
-"""Obstacles that stay farther away than this need no plane."""
-_MOST_NEAR = 4
-"""The nearest so many get planes; the proof knows all."""
-_STEP_S = 0.1
-_PIECE_S = 0.8
-"""Pieces near a moving obstacle are cut to about this, so that they can bend around it."""
-_LEAST_PIECE_S = 0.25
-_MAX_PIECES = 20
 _SMALL_DELAY_S = 1.0
 """A way past that costs no more than this is taken without a look at the other sides."""
-_SLOW_SHARES = (0.6, 0.3)
-"""Of the plan's speed: what waiting for an obstacle to pass is tried with."""
 
 
 def replan(
@@ -85,39 +73,13 @@ def replan(
             f"plan_trajectory by method 'optimise', 0 to {previous.duration_s:.2f} s"
         )
     begin = previous.sample(at_time_s) if start is None else start
-    rest = _Rest(previous, previous.corridor, at_time_s, moving)
-    bounds = bounds_for(begin, limits, quadrotor)
-    beyond = functools.partial(excess, limits=limits, quadrotor=quadrotor)
-    goal = np.array([rest.goal_enu_m, ZERO3, ZERO3])
+    rest = Rest(previous, previous.corridor, at_time_s, moving)
+    task = _Task(begin, obstacles, limits, quadrotor, cfg, moving)
     reason: PlanningError | None = None
     best: Trajectory | None = None
     for corridor, first_s in rest.problems(cfg.vehicle_radius_m + MOVING_MARGIN_M):
         try:
-            solution = optimise(
-                as_node(begin),
-                goal,
-                corridor,
-                bounds,
-                excess=beyond,
-                first_s=first_s,
-                search=WARM if corridor.moving_mps is None else EVADING,
-            )
-            trajectory = with_yaw(
-                coefficients_from_nodes(solution.nodes, solution.durations_s),
-                solution.durations_s,
-                begin.yaw_rad,
-                limits,
-                begin.yaw_rate_radps,
-            )
-            proof = certify(
-                trajectory,
-                obstacles,
-                cfg.vehicle_radius_m,
-                limits,
-                quadrotor,
-                margin_m=cfg.min_margin_m,
-                moving=moving,
-            )
+            trajectory = task.solve(corridor, first_s, rest.goal_enu_m)
         except PlanningError as error:
             reason = error
             continue
@@ -125,13 +87,17 @@ def replan(
             best = dataclasses.replace(
                 trajectory,
                 corridor=dataclasses.replace(corridor, moving_mps=None, planes=rest.planes),
-                min_clearance_m=proof.min_clearance_m,
             )
         if best.duration_s <= rest.duration_s + _SMALL_DELAY_S:
             break
     if best is not None:
         return best
     assert reason is not None
+    if start is None:
+        try:
+            return task.prove(*remainder(previous, previous.corridor, at_time_s))
+        except PlanningError as error:
+            reason = error
     if len(moving):
         raise EvasionError(
             f"no way past what moves ({reason}); valid: hold, wait or plan anew"
@@ -139,120 +105,56 @@ def replan(
     raise reason
 
 
-class _Rest:
-    """What is left of a plan: free space and times, finer where something moves nearby."""
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """What is to be planned."""
 
-    def __init__(
-        self, previous: Trajectory, corridor: Corridor, at_s: float, moving: MovingObstacles
-    ) -> None:
-        first = int(np.searchsorted(previous.ends_s, at_s, side="right"))
-        times = previous.durations_s[first:].copy()
-        times[0] = previous.ends_s[first] - at_s
-        gates = corridor.gates_enu_m[first:].copy()
-        self.goal_enu_m = gates[-1].copy()
-        gates[0] = previous.positions(np.array([at_s]))[0]
-        planes = corridor.planes[first:]
-        if times[0] < _LEAST_PIECE_S and len(times) > 1 and _contains(planes[1], gates[0]):
-            # Too short to steer in, and the next free space already holds where it begins.
-            times = np.concatenate([[times[0] + times[1]], times[2:]])
-            gates, planes = np.delete(gates, 1, axis=0), planes[1:]
-        self._moving, self._previous, self._since = moving, previous, at_s
-        self._at = np.arange(0.0, min(moving.horizon_s, times.sum()) + _STEP_S, _STEP_S)
-        self._path = previous.positions(at_s + self._at)
-        self._distance, self._away = moving.distances(self._path, self._at)
-        self.duration_s = float(times.sum())
-        fine = Corridor(planes=planes, gates_enu_m=gates)
-        for cut in (self._counts, pieces_to_fill):
-            counts = cut(times)
-            fine, times = refine(fine, counts), np.repeat(times / counts, counts)
-        self.durations_s = times
-        self._gates, self.planes = fine.gates_enu_m, fine.planes
+    begin: FlatReference
+    obstacles: Obstacles
+    limits: FlightLimits
+    quadrotor: QuadrotorParams
+    cfg: PlannerCfg
+    moving: MovingObstacles
 
-    def problems(self, keep_m: float) -> Iterator[tuple[Corridor, np.ndarray]]:
-        """Free space with planes against what moves, and times: one choice after another."""
-        nearest = self._distance.min(axis=1, initial=math.inf)
-        order = np.argsort(nearest, kind="stable")[:_MOST_NEAR].tolist()
-        near = [i for i in order if nearest[i] < keep_m + _NEAR_M]
-        if not near:
-            yield Corridor(planes=self.planes, gates_enu_m=self._gates), self.durations_s
-            return
-        hits = [i for i in near if self._distance[i].min() < keep_m]
-        # Who is met first is evaded; for others the side is kept that this evasion leads past.
-        hit = min(hits, key=lambda i: int(np.argmax(self._distance[i] < keep_m)), default=None)
-        guesses = [(self._path, 1.0)] if hit is None else self._evasions(hit, keep_m)
-        for path, speed_share in guesses:
-            times = self.durations_s / speed_share
-            yield self._parted(path, times, near, keep_m), times
+    def solve(self, corridor: Corridor, first_s: np.ndarray, goal_enu_m: np.ndarray) -> Trajectory:
+        """A certified trajectory through a corridor.
 
-    def _counts(self, times: np.ndarray) -> np.ndarray:
-        """Into how many each piece is cut."""
-        counts = np.ones(len(times), dtype=np.int64)
-        if len(self._moving) and self._distance.min() < 2 * _NEAR_M:
-            since = np.cumsum(times) - times
-            within = np.clip(self._moving.horizon_s - since, 0.0, times)
-            counts = np.maximum(1, np.round(within / _PIECE_S)).astype(np.int64)
-        while counts.sum() > max(_MAX_PIECES, len(times)):
-            counts[np.argmax(counts)] -= 1
-        return counts
-
-    def _evasions(self, hit: int, keep_m: float) -> list[tuple[np.ndarray, float]]:
-        """Paths bent to either side of an obstacle that would be hit, least bend first; slow ones.
-
-        With each its share of the plan's speed.
+        Raises:
+            PlanningError: If there is none.
         """
-        worst = int(np.argmin(self._distance[hit]))
-        at, velocity = self._at, self._moving.velocity_enu_mps[hit]
-        centers = self._moving.position_enu_m[hit] + velocity * at[:, None]
-        relative = self._path - centers
-        ahead, behind = min(worst + 3, len(at) - 1), max(worst - 3, 0)
-        along = relative[ahead] - relative[behind]
-        along = along / max(float(np.linalg.norm(along)), 1e-6)
-        left = np.cross((0.0, 0.0, 1.0), along)
-        norm = float(np.linalg.norm(left))
-        left = left / norm if norm > 1e-3 else np.array([1.0, 0.0, 0.0])
-        up = np.cross(along, left)
-        half_s = max(at[worst], 1.0)
-        bump = np.cos(np.clip((at - at[worst]) / half_s, -1.0, 1.0) * math.pi / 2) ** 2
-        growth = self._moving.growth_mps * at[worst]
-        bent = []
-        for side in (left, -left, up, -up):
-            need = self._moving.reach_m(hit, side) + growth + keep_m - relative[worst] @ side
-            shift = max(need, 0.0)
-            bent.append((shift, self._path + (1.1 * shift * bump)[:, None] * side))
-        bent.sort(key=lambda pair: pair[0])
-        slow = [
-            (self._previous.positions(self._since + share * at), share) for share in _SLOW_SHARES
-        ]
-        return [(path, 1.0) for _, path in bent] + slow
+        solution = optimise(
+            as_node(self.begin),
+            np.array([goal_enu_m, ZERO3, ZERO3]),
+            corridor,
+            bounds_for(self.begin, self.limits, self.quadrotor),
+            excess=functools.partial(excess, limits=self.limits, quadrotor=self.quadrotor),
+            first_s=first_s,
+            search=WARM if corridor.moving_mps is None else EVADING,
+        )
+        coefficients = coefficients_from_nodes(solution.nodes, solution.durations_s)
+        return self.prove(coefficients, solution.durations_s, corridor)
 
-    def _parted(
-        self, path: np.ndarray, durations_s: np.ndarray, near: list[int], keep_m: float
-    ) -> Corridor:
-        """The corridor with a plane between a path and each obstacle nearby."""
-        # Room for planes that move; unused ones are (0, 0, 0, 1).
-        spare = np.zeros((len(self.planes), _MOST_NEAR, 4))
-        spare[:, :, 3] = 1.0
-        planes = np.concatenate([self.planes, spare], axis=1)
-        rates = np.zeros(planes.shape[:2])
-        distance, away = self._moving.distances(path, self._at)
-        since = np.cumsum(durations_s) - durations_s
-        for k, (begin, time) in enumerate(zip(since, durations_s, strict=True)):
-            in_piece = np.flatnonzero((self._at >= begin - _STEP_S) & (self._at <= begin + time))
-            for i in near:
-                if not len(in_piece) or distance[i, in_piece].min() > keep_m + _NEAR_M:
-                    continue
-                nearest = in_piece[np.argmin(distance[i, in_piece])]
-                free = int(np.argmin(np.any(planes[k, :, :3] != 0, axis=1)))
-                normal = away[i, nearest]
-                # What is not known yet at the start is not asked of it.
-                kept = min(keep_m, max(float(self._distance[i, 0]), 0.0)) if k == 0 else keep_m
-                offset = self._moving.reach_m(i, normal) + kept
-                offset += float(normal @ self._moving.position_enu_m[i])
-                planes[k, free] = [*-normal, -offset]
-                rates[k, free] = -float(normal @ self._moving.velocity_enu_mps[i])
-                rates[k, free] -= self._moving.growth_mps
-        return Corridor(planes=planes, gates_enu_m=self._gates, moving_mps=rates)
+    def prove(
+        self, coefficients: np.ndarray, durations_s: np.ndarray, corridor: Corridor
+    ) -> Trajectory:
+        """A trajectory with its heading, certified.
 
-
-def _contains(planes: Float[np.ndarray, "planes 4"], point: np.ndarray) -> bool:
-    return bool(np.all(planes[:, :3] @ point <= planes[:, 3]))
+        Raises:
+            CertificateError: If it breaks the clearance or a limit.
+        """
+        begin = self.begin
+        trajectory = with_yaw(
+            coefficients, durations_s, begin.yaw_rad, self.limits, begin.yaw_rate_radps
+        )
+        proof = certify(
+            trajectory,
+            self.obstacles,
+            self.cfg.vehicle_radius_m,
+            self.limits,
+            self.quadrotor,
+            margin_m=self.cfg.min_margin_m,
+            moving=self.moving,
+        )
+        return dataclasses.replace(
+            trajectory, corridor=corridor, min_clearance_m=proof.min_clearance_m
+        )

@@ -5,6 +5,9 @@ free, so that it cuts no corner. A step costs its length times the mean price of
 the price is 1 where the distance is comfortable and rises with the square of what is lacking to
 `1 + NARROWNESS_PRICE` where the distance is just enough. The heuristic is the distance on an empty
 grid, which is consistent, so the path is optimal.
+
+Where a map grows, climbing through cells that were not seen may have a price of its own: a camera
+that looks ahead sees where to climb only from far away.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ import math
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from autonomy.jit import kernel
 from autonomy.planning.errors import UnreachableError
@@ -23,6 +26,10 @@ from autonomy.planning.field import DistanceField
 NARROWNESS_PRICE = 4.0
 Cell = Int[np.ndarray, " 3"]
 Grid = Float[np.ndarray, "nx ny nz"]
+Marks = Bool[np.ndarray, "nx ny nz"]
+_MOST_SEARCHED = 400_000
+"""Cells, before a message is written without the narrowest place."""
+_ALL_SEEN = np.ones((1, 1, 1), dtype=np.bool_)
 _SQRT_2, _SQRT_3 = math.sqrt(2.0), math.sqrt(3.0)
 
 
@@ -33,6 +40,8 @@ def shortest_path(
     *,
     required_m: float,
     comfortable_m: float,
+    is_seen: Marks | None = None,
+    climb_price: float = 0.0,
 ) -> Int[np.ndarray, "n 3"]:
     """Cells from start to goal, neighbours in a row, both ends included.
 
@@ -42,20 +51,40 @@ def shortest_path(
         goal_cell: Index of the last cell.
         required_m: Cells with less distance than this are not entered.
         comfortable_m: From this distance on closeness has no price.
+        is_seen: Cells in which climbing costs no more than its length; None for all.
+        climb_price: Of a rise by one cell elsewhere, in cells.
 
     Raises:
         UnreachableError: If free cells do not join the two.
     """
     # Backwards: a goal shut in a room empties its room and fails fast, a start rarely is shut in.
     path = search_grid(
-        field.distance_m, goal_cell, start_cell, required_m, max(comfortable_m, required_m + 1e-3)
+        field.distance_m,
+        goal_cell,
+        start_cell,
+        required_m,
+        max(comfortable_m, required_m + 1e-3),
+        _ALL_SEEN if is_seen is None else is_seen,
+        0.0 if is_seen is None else climb_price,
     )
     if len(path) == 0:
+        narrowest = _narrowest_place(field, goal_cell, start_cell)
         raise UnreachableError(
             f"goal is cut off from the start for a vehicle that needs {required_m:.2f} m to every "
-            "obstacle; valid: a goal that free space joins to the start"
+            f"obstacle{narrowest}; valid: a goal that free space joins to the start"
         )
     return path
+
+
+def _narrowest_place(field: DistanceField, start_cell: Cell, goal_cell: Cell) -> str:
+    """Where the widest way there is narrowest, for a message; nothing where there is none."""
+    room_m, cell = widest_way(
+        field.distance_m, start_cell, goal_cell, field.resolution_m / 4, _MOST_SEARCHED
+    )
+    if room_m <= 0.0:
+        return ""
+    x, y, z = field.centres(cell)
+    return f", and the widest way has {room_m:.2f} m at ({x:.1f}, {y:.1f}, {z:.1f}) m"
 
 
 @kernel
@@ -85,11 +114,30 @@ def _is_block_free(
 
 
 @kernel
+def _highest(marks: Marks) -> int:
+    for k in range(marks.shape[2] - 1, -1, -1):
+        if marks[:, :, k].any():
+            return k
+    return -1
+
+
+@kernel
 def search_grid(
-    distance: Grid, start: Cell, goal: Cell, required: float, comfortable: float
+    distance: Grid,
+    start: Cell,
+    goal: Cell,
+    required: float,
+    comfortable: float,
+    is_seen: Marks,
+    climb_price: float,
 ) -> Int[np.ndarray, "n 3"]:
-    """Cells from goal back to start, so from end to end of a search that began at `start`."""
+    """Cells from goal back to start, so from end to end of a search that began at `start`.
+
+    The way is to be flown from `goal` to `start`: so the search descends where the flight climbs.
+    """
     nx, ny, nz = distance.shape
+    # All that is above what was seen has to be climbed unseen.
+    top = max(_highest(is_seen), goal[2]) if climb_price > 0.0 else nz
     cost = np.full(distance.size, np.inf, dtype=np.float32)
     came_from = np.full(distance.size, -1, dtype=np.int32)
     is_done = np.zeros(distance.size, dtype=np.bool_)
@@ -118,6 +166,8 @@ def search_grid(
                     length = math.sqrt(di * di + dj * dj + dk * dk)
                     price = _price(distance, u, v, w, required, comfortable)
                     total = cost[here] + length * 0.5 * (price_here + price)
+                    if dk < 0 and climb_price > 0.0:
+                        total += 0.0 if is_seen[u, v, w] and is_seen[i, j, k] else climb_price
                     if total >= cost[there]:
                         continue
                     if not _is_block_free(distance, i, j, k, u, v, w, required):
@@ -125,8 +175,52 @@ def search_grid(
                     cost[there] = total
                     came_from[there] = here
                     ahead = _empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
+                    ahead += climb_price * max(w - top, 0)
                     heapq.heappush(queue, (total + ahead, ahead, there))
     return _trace(came_from, is_done, last, ny, nz)
+
+
+@kernel
+def widest_way(
+    distance: Grid, start: Cell, goal: Cell, least: float, most_searched: int
+) -> tuple[float, Cell]:
+    """The narrowest place of the way whose narrowest place is widest.
+
+    A way may begin and end closer to something than that. Of places that are equally good the one
+    nearer to the goal is gone on from.
+
+    Returns:
+        Least distance on that way and the cell, or 0 and any cell if there is no way with at least
+        `least`, or none was found among the first `most_searched` cells.
+    """
+    nx, ny, nz = distance.shape
+    is_met = np.zeros(distance.size, dtype=np.bool_)
+    first = (start[0] * ny + start[1]) * nz + start[2]
+    last = (goal[0] * ny + goal[1]) * nz + goal[2]
+    queue: list[Any] = [(-np.inf, 0.0, first)]
+    is_met[first] = True
+    narrowest, at = np.inf, first
+    for _ in range(most_searched):
+        if len(queue) == 0:
+            break
+        room, _, here = heapq.heappop(queue)
+        if -room < narrowest:
+            narrowest, at = -room, here
+        i, j, k = here // (ny * nz), here // nz % ny, here % nz
+        if here == last:
+            return narrowest, np.array([at // (ny * nz), at // nz % ny, at % nz])
+        for di, dj, dk in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+            u, v, w = i + di, j + dj, k + dk
+            if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
+                continue
+            there = (u * ny + v) * nz + w
+            own = np.inf if there == last else float(distance[u, v, w])
+            if is_met[there] or own < least:
+                continue
+            is_met[there] = True
+            ahead = _empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
+            heapq.heappush(queue, (-own, ahead, there))
+    return 0.0, start
 
 
 @kernel

@@ -98,6 +98,23 @@ class Trajectory:
         return derivative_at(self.coefficients, index, since, order)
 
 
+def rest_of(trajectory: Trajectory, at_s: float) -> tuple[np.ndarray, np.ndarray, int]:
+    """What is left of a trajectory at a time before its end.
+
+    Returns:
+        Coefficients and durations of its pieces, and which piece of the whole is its first.
+    """
+    first = bisect_right(trajectory.ends_s, at_s)
+    durations = trajectory.durations_s[first:].copy()
+    durations[0] = trajectory.ends_s[first] - at_s
+    since = trajectory.durations_s[first] - durations[0]
+    coefficients = trajectory.coefficients[first:].copy()
+    for power in range(DEGREE + 1):
+        value = derivative_at(coefficients, np.zeros(1, dtype=int), np.array([since]), power)[0]
+        coefficients[0, power] = value / math.factorial(power)
+    return coefficients, durations, first
+
+
 def derivative_at(
     coefficients: Float[np.ndarray, "n 6 3"],
     piece: Int[np.ndarray, " k"],

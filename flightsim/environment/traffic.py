@@ -85,6 +85,11 @@ class TrafficCfg:
         """Number of movers by the plural of their kind."""
         return {"people": self.people, "cars": self.cars, "drones": self.drones}
 
+    @property
+    def has_any(self) -> bool:
+        """Whether anything is to move at all."""
+        return any(self.counts.values())
+
     @classmethod
     def parse(cls, text: str, seed: int) -> TrafficCfg:
         """Read "people=3,cars=2,drones=1", any of them left out, or "none".

@@ -32,8 +32,8 @@ from scenarios.bench.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, Look
 from scenarios.bench.landing_truth import ExactGround
 from scenarios.bench.plan_pairs import scene_numbers
 from scenarios.bench.row import Row
-from scenarios.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
 from scenarios.mission import rank_areas
+from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
 from scenarios.surroundings import MissionError, Surroundings, survey
 from scenarios.testbench import TestbenchCfg
 

@@ -11,7 +11,7 @@ from flightsim.sensors.depth_noise import depth_noise
 from scenarios.cameras import Cameras
 from scenarios.mavlink_client import MavlinkClient
 from scenarios.mission import plan_mission
-from scenarios.pilot import Phase, Pilot
+from scenarios.pilot import Phase, Pilot, PilotCfg
 from scenarios.scoring import score_flight
 from scenarios.testbench import Testbench, TestbenchCfg
 from scenarios.trial import MAX_TRIAL_S, SETTLE_S, judge
@@ -50,7 +50,8 @@ def fly_landing(cfg: TestbenchCfg) -> Landing:
         noise = depth_noise(cfg.depth_camera, cfg.seed)
         with closing(Cameras(bench.world, plant, depth_noise=noise)) as cameras:
             client = MavlinkClient(bench.pilot_link.client, bench.frame)
-            pilot = Pilot(client, mission, cameras.render)
+            pilot_cfg = PilotCfg(expects_traffic=cfg.traffic_cfg.has_any)
+            pilot = Pilot(client, mission, cameras.render, pilot_cfg)
             observers.append(lambda: history.append(plant.history.copy()))
             observers.append(lambda: pilot.update(plant.time_us))
             run = bench.simulator.run

@@ -20,15 +20,16 @@ from autonomy.perception import LandingSite
 from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
 from flightsim.sensors.depth_noise import DepthNoiseCfg, measured_depth
 from flightsim.world import World
-from scenarios.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
 from scenarios.mavlink_telemetry import Telemetry
-from scenarios.pilot import (
+from scenarios.pilot.area import (
     COMMIT_HEIGHT_M,
     DESCENT_SPEED_MPS,
     MAX_LOOKS,
     MAX_SEARCH_FRAMES,
     SEARCH_FRAMES,
 )
+from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
 from scenarios.surroundings import Surroundings
 
 WIDTH_PX, HEIGHT_PX = 320, 240
@@ -138,12 +139,13 @@ class Looker:
         self._wobble = Wander(_WOBBLE_M * ones, _WOBBLE_CORRELATION_S, rng)
         self._tilt = Wander(_WOBBLE_RAD * np.array([1.0, 1.0, 0.0]), _WOBBLE_CORRELATION_S, rng)
         self._time_us = 0
+        self._mount = camera_mount(surroundings.airframe, CAMERA)
 
     def land(self) -> Look:
         """Search, choose, descend; climb back and search again where the place turns bad."""
         look = Look()
         for _ in range(MAX_LOOKS):
-            watch = LandingWatch(self._world, self._area, self._hover_enu_m, lambda _: self._seen)
+            watch = LandingWatch(self._world, self._area, self._hover_enu_m)
             site = self._search(watch)
             if look.cells is None:
                 look.cells = self._cells(watch)
@@ -184,13 +186,13 @@ class Looker:
         believed = commanded_enu_m + self._wobble.value
         quat = _product(_turned(np.array([0.0, 0.0, self._yaw_rad])), _turned(self._tilt.value))
         true = believed - self._position_error.value
-        self._seen = self._rig.frame(true, quat, self._rng)
+        frame = self._rig.frame(true, quat, self._rng)
         believed_quat = _product(_turned(self._turn_error.value), quat)
         telemetry = Telemetry(
             position_enu_m=_vector3(believed), quat_wxyz=tuple(believed_quat.tolist())
         )
         self._time_us += FRAME_PERIOD_US
-        watch.look(self._time_us, telemetry)
+        watch.fuse(self._time_us, posed_image(frame, self._mount, telemetry))
 
     def _judged(self, site: LandingSite | None) -> JudgedSite | None:
         if site is None:

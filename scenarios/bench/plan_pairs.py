@@ -1,27 +1,19 @@
-"""Starts and goals in the free space of scenes, and obstacles that cross a plan, by seed."""
+"""Starts and goals in the free space of scenes, by seed."""
 
 from __future__ import annotations
 
 import math
-import time
-from dataclasses import dataclass
 
 import numpy as np
 
 from aeroscene.freespace import VoxelField, reachable
 from autonomy.model.quadrotor import Vector3
-from autonomy.planning import MovingObstacles, PlanningError, Trajectory
 from scenarios.surroundings import Surroundings
 
 SHIPPED_SCENES = 1016
 FAR_ENOUGH_M = 10.0
 _TRIES = 60
 _CLOSE_M = 1.5
-_PERSON_RADIUS_M = 0.35
-_PERSON_HALF_HEIGHT_M = 0.6
-_MOST_SPEED_MPS = 3.0
-_REPLAN_EVERY_S = 0.5
-_GROWTH_MPS = 0.1
 
 
 def scene_numbers(count: int) -> list[int]:
@@ -73,63 +65,3 @@ def _point(
         return None
     x, y, z = point.tolist()
     return (x, y, z)
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Crossing:
-    """How a flight past somebody who walks across the plan went."""
-
-    is_avoided: bool
-    n_refused: int
-    """Replans without a result."""
-    replans_ms: tuple[float, ...]
-
-
-def fly_past_a_crossing(
-    world: Surroundings, plan: Trajectory, rng: np.random.Generator
-) -> Crossing | None:
-    """Follow a plan exactly, replanning twice a second, while somebody crosses it.
-
-    Somebody is an upright capsule that moves at .5 to 3 m/s on a straight line through a point of
-    the plan and is there when the vehicle would be, 2 to 4 s after the beginning. What cannot be
-    replanned is flown as planned before. None where the plan is too short for that, or somebody
-    would begin in the vehicle.
-    """
-    at_s = rng.uniform(2.0, 4.0)
-    speed, heading = rng.uniform(0.5, _MOST_SPEED_MPS), rng.uniform(-math.pi, math.pi)
-    if plan.duration_s < at_s + 0.5:
-        return None
-    velocity = speed * np.array([math.cos(heading), math.sin(heading), 0.0])
-    meet = plan.positions(np.array([at_s]))[0]
-    somebody = _capsule(meet - velocity * at_s, velocity, growth_mps=0.0)
-    begin = plan.positions(np.zeros(1))
-    if somebody.distances(begin, np.zeros(1))[0][0, 0] < world.radius_m + 0.6:
-        return None
-    since_s, now_s, n_refused, spent = 0.0, 0.0, 0, []
-    is_avoided = True
-    while now_s < at_s + 2.0 and now_s - since_s < plan.duration_s:
-        seen = _capsule(somebody.position_enu_m[0] + velocity * now_s, velocity)
-        begun = time.process_time()
-        try:
-            plan, since_s = world.replan(plan, now_s - since_s, moving=seen), now_s
-        except PlanningError:
-            n_refused += 1
-        spent.append(1e3 * (time.process_time() - begun))
-        t = np.arange(0.0, _REPLAN_EVERY_S, 0.02) + now_s
-        gap = somebody.distances(plan.positions(t - since_s), t)[0][0]
-        is_avoided &= bool(np.all(gap > world.radius_m))
-        now_s += _REPLAN_EVERY_S
-    return Crossing(is_avoided=is_avoided, n_refused=n_refused, replans_ms=tuple(spent))
-
-
-def _capsule(
-    position_enu_m: np.ndarray, velocity_enu_mps: np.ndarray, growth_mps: float = _GROWTH_MPS
-) -> MovingObstacles:
-    return MovingObstacles(
-        position_enu_m=position_enu_m[None],
-        velocity_enu_mps=velocity_enu_mps[None],
-        radius_m=np.array([_PERSON_RADIUS_M]),
-        half_extent_m=np.array([[0.0, 0.0, _PERSON_HALF_HEIGHT_M]]),
-        yaw_rad=np.zeros(1),
-        growth_mps=growth_mps,
-    )

@@ -23,7 +23,7 @@ _PROG = "aeroscene replay"
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayCfg:
-    """Open a recording in rerun's viewer, or say what is in it.
+    """Open a recording in rerun's viewer, draw pictures of it, or say what is in it.
 
     A recording whose run was killed opens up to the last second that was written.
     """
@@ -32,6 +32,9 @@ class ReplayCfg:
     """The .rrd file."""
     viewer: Literal["auto", "native", "web"] = "auto"
     """native opens a window, web serves a page on loopback; auto takes native if it can."""
+    pictures: Path | None = None
+    """Draw what was planned and flown, and the landing map, into this folder instead of opening the
+    viewer; needs no display."""
     summary: bool = False
     """Print what is in the recording instead of opening it; needs no display."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
@@ -48,11 +51,25 @@ def run(cfg: ReplayCfg) -> int:
     try:
         if cfg.json or cfg.summary:
             _print_summary(summarise(cfg.recording), is_json=cfg.json)
+        elif cfg.pictures is not None:
+            _draw(cfg.recording, cfg.pictures)
         else:
             _show(cfg)
     except (UnreadableRecordingError, ViewerError, RerunMissingError) as error:
         fail(_PROG, str(error))
     return EXIT_DONE
+
+
+def _draw(recording: Path, folder: Path) -> None:
+    # The renderer and matplotlib: only where pictures are drawn.
+    from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415
+    from scenarios.pictures.recorded import read_story  # noqa: PLC0415
+
+    try:
+        for picture in draw_pictures(read_story(recording), folder):
+            print(picture)
+    except PictureError as error:
+        fail(_PROG, str(error))
 
 
 def _show(cfg: ReplayCfg) -> None:

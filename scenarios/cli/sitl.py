@@ -55,6 +55,8 @@ def run(cfg: SitlCfg) -> int:
         print(json.dumps(result.to_plain()))
     else:
         _print_result(Console(), result)
+        for picture in sitl.pictures:
+            print(f"Picture: {picture}")
     return EXIT_NEGATIVE if result.success is False else EXIT_DONE
 
 

@@ -16,6 +16,8 @@ _SKY_RGB = (158, 184, 208)
 _EYE_AZIMUTH_RAD = math.radians(-125.0)
 _EYE_ELEVATION_RAD = math.radians(38.0)
 _EYE_DISTANCE_PER_EXTENT = 0.76
+SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE)
+"""Layers of the landing map that lie where its safety is shown; the viewer switches them on."""
 _CHASE_OFFSET_M = (-6.0, -4.0, 3.5)
 
 
@@ -79,7 +81,12 @@ def _scene_view(
             eye_up=(0.0, 0.0, 1.0),
             tracking_entity=tracking,
         ),
-        overrides={layout.EXECUTED: until_now},
+        overrides={
+            layout.EXECUTED: until_now,
+            layout.EARLIER_PLANS: until_now,
+            layout.CHOICES: until_now,
+            **dict.fromkeys(SWITCHED_OFF, rrb.EntityBehavior(visible=False)),
+        },
     )
 
 
@@ -139,7 +146,7 @@ def _plots() -> rrb.Container:
 
 
 def _states() -> rrb.View:
-    states = [layout.MODE, layout.ARMED, layout.LANDED, layout.FAILSAFE]
+    states = [layout.PHASE, layout.MODE, layout.ARMED, layout.LANDED, layout.FAILSAFE]
     contents = [f"+ /{state}" for state in states]
     return rrb.StateTimelineView(name="Mode and state", origin="/", contents=contents)
 

@@ -27,6 +27,11 @@ def sim_time(time_us: Int[np.ndarray, " n"]) -> rr.TimeColumn:
     return rr.TimeColumn(layout.TIMELINE, duration=time_us.astype("timedelta64[us]"))
 
 
+def set_sim_time(stream: rr.RecordingStream, time_us: int) -> None:
+    """What is logged next happened at this time."""
+    stream.set_time(layout.TIMELINE, duration=np.timedelta64(time_us, "us"))
+
+
 def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
     """Write a stretch of `Plant.history` rows, oldest first."""
     fast, slow = history, history[SLOW_STEP - 1 :: SLOW_STEP]

@@ -9,6 +9,8 @@ from typing import Any
 
 import rerun as rr
 
+from aeroscene.scene import Scene
+from aeroscene.scene_io import scene_to_json
 from scenarios.recording import layout
 
 
@@ -28,7 +30,7 @@ class RunInfo:
         return f"scene {self.scene}, {self.vehicle}, seed {self.seed}"
 
 
-def log_run(stream: rr.RecordingStream, info: RunInfo) -> None:
+def log_run(stream: rr.RecordingStream, info: RunInfo, scene: Scene) -> None:
     """Write which run this is, before it begins."""
     stream.send_recording_name(info.title)
     stream.send_property(
@@ -40,6 +42,9 @@ def log_run(stream: rr.RecordingStream, info: RunInfo) -> None:
             config=json.dumps(info.config, sort_keys=True),
         ),
     )
+    # All of it, so that pictures can be drawn of the recording alone.
+    document = rr.AnyValues(json=scene_to_json(scene).decode())
+    stream.log(layout.SCENE_DOCUMENT, document, static=True)
     _log_page(stream, info, verdict=None)
 
 

@@ -10,6 +10,8 @@ from scenarios.pilot import Phase, Pilot
 from scenarios.recording.recorder import Recorder
 
 _SAMPLE_S = 0.1
+_TRACK_PERIOD_US = 200_000
+"""What is seen to move is written so often: as often as the pilot looks."""
 
 
 class PilotLog:
@@ -18,26 +20,43 @@ class PilotLog:
     def __init__(self, pilot: Pilot, recorder: Recorder) -> None:
         self._pilot = pilot
         self._recorder = recorder
-        self._legs_enu_m: dict[Trajectory, np.ndarray] = {}
+        self._plan: Trajectory | None = None
         self._landing_map: object = None
+        self._tracks_due_us = 0
         self._n_transitions = 0
+        self._n_replans = 0
+        recorder.log_phase(0, pilot.phase.value)
 
     def on_tick(self, time_us: int) -> None:
-        """Record a new plan, a new landing map, new transitions."""
+        """Record a new plan, a new landing map, what is seen to move, new transitions."""
         pilot, recorder = self._pilot, self._recorder
-        leg = pilot.trajectory
-        if leg not in self._legs_enu_m:
-            times_s = np.arange(0.0, leg.duration_s + _SAMPLE_S, _SAMPLE_S)
-            self._legs_enu_m[leg] = leg.positions(times_s)
-            recorder.log_plan(time_us, list(self._legs_enu_m.values()))
+        if pilot.trajectory is not self._plan:
+            self._plan = pilot.trajectory
+            recorder.plans.log(time_us, _points(self._plan), self._plan.duration_s)
         landing_map = pilot.landing_map
         if landing_map is not None and landing_map is not self._landing_map:
             self._landing_map = landing_map
-            recorder.log_landing_map(
-                time_us, landing_map.cells_enu_m, landing_map.cost, pilot.touchdown_enu_m
-            )
+            recorder.landing.log(time_us, landing_map, pilot.touchdown_enu_m)
+        if time_us >= self._tracks_due_us:
+            self._tracks_due_us = time_us + _TRACK_PERIOD_US
+            recorder.tracks.log(time_us, pilot.moving)
+        self._log_decisions()
+
+    def _log_decisions(self) -> None:
+        pilot, recorder = self._pilot, self._recorder
         for transition in pilot.transitions[self._n_transitions :]:
             severity = Severity.ERROR if transition.target is Phase.FAILED else Severity.INFO
             text = f"pilot: {transition.target.value}: {transition.reason}"
             recorder.log_statustext(transition.time_us, severity, text)
+            recorder.log_phase(transition.time_us, transition.target.value)
         self._n_transitions = len(pilot.transitions)
+        for replan in pilot.replans[self._n_replans :]:
+            text = f"pilot: new plan: {replan.reason}"
+            recorder.log_statustext(replan.time_us, Severity.INFO, text)
+        self._n_replans = len(pilot.replans)
+
+
+def _points(plan: Trajectory) -> np.ndarray:
+    """Along a plan, evenly in time, its end among them."""
+    n_steps = max(1, round(plan.duration_s / _SAMPLE_S))
+    return plan.positions(np.linspace(0.0, plan.duration_s, n_steps + 1))

@@ -4,28 +4,29 @@ from __future__ import annotations
 
 import logging
 import socket
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 from uuid import uuid4
 
 import numpy as np
 import rerun as rr
-from jaxtyping import Float
 
 from aeroscene.scene import Scene
 from aeroscene.shapes import Primitive
-from autonomy.model.quadrotor import Vector3
 from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
-from scenarios.recording.columns import ExecutedPath, send_history
+from scenarios.recording.columns import ExecutedPath, send_history, set_sim_time
 from scenarios.recording.frames import FrameLog
+from scenarios.recording.landing_log import LandingLog
 from scenarios.recording.metadata import RunInfo, log_run, log_verdict
+from scenarios.recording.plan_log import PlanLog
 from scenarios.recording.scene import log_scene
 from scenarios.recording.series import log_legends
 from scenarios.recording.status import StatusLog
+from scenarios.recording.track_log import TrackLog
 from scenarios.recording.traffic import TrafficLog
 from scenarios.recording.vehicle import log_vehicle
 
@@ -45,9 +46,7 @@ _SERVER_MEMORY = "512MiB"
 # A process that is killed while it writes a chunk leaves a file that needs mending: small chunks
 # make that rare. One camera image is about this large.
 _CHUNK_BYTES = 64 * 1024
-_PLANNED_RGB, _EXECUTED_RGB = (255, 80, 200), (255, 235, 60)
-_TOUCHDOWN_RGB, _TOUCHDOWN_RADIUS_M = (255, 255, 255), 0.08
-_SAFE_RGB, _UNSAFE_RGB, _CELL_RADIUS_M = (60, 200, 90), (220, 50, 40), 0.025
+_EXECUTED_RGB = (255, 235, 60)
 
 _LEVELS: Mapping[Severity, rr.TextLogLevel] = {
     Severity.EMERGENCY: rr.TextLogLevel.CRITICAL,
@@ -74,6 +73,9 @@ class Recorder:
     Attributes:
         path: The file; None where only a live viewer listens.
         url: Where a viewer can watch live; None unless a port was given.
+        plans: Takes what is planned.
+        landing: Takes what is known of the ground to land on.
+        tracks: Takes what is seen to move.
     """
 
     def __init__(
@@ -122,7 +124,7 @@ class Recorder:
         self._history: list[bytes] = []
         self._flush_due_us = FLUSH_PERIOD_US
         self._executed = ExecutedPath()
-        log_run(self._stream, info)
+        log_run(self._stream, info, scene)
         log_scene(self._stream, scene, primitives)
         log_vehicle(self._stream, airframe)
         log_legends(self._stream)
@@ -130,6 +132,9 @@ class Recorder:
         self._frames = FrameLog(self._stream)
         self._status = StatusLog(self._stream)
         self._traffic = TrafficLog(self._stream)
+        self.plans = PlanLog(self._stream)
+        self.landing = LandingLog(self._stream)
+        self.tracks = TrackLog(self._stream)
 
     def _open_sinks(self, serve_port: int | None) -> list[rr.FileSink | rr.GrpcServerSink]:
         sinks: list[rr.FileSink | rr.GrpcServerSink] = []
@@ -146,9 +151,8 @@ class Recorder:
         return sinks
 
     def _log_styles(self) -> None:
-        for entity, rgb in ((layout.PLANNED, _PLANNED_RGB), (layout.EXECUTED, _EXECUTED_RGB)):
-            style = rr.LineStrips3D.from_fields(colors=rgb, radii=rr.Radius.ui_points(1.5))
-            self._stream.log(entity, style, static=True)
+        style = rr.LineStrips3D.from_fields(colors=_EXECUTED_RGB, radii=rr.Radius.ui_points(1.5))
+        self._stream.log(layout.EXECUTED, style, static=True)
         self._stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
 
     def on_tick(self, plant: Plant, autopilot: Autopilot) -> None:
@@ -174,43 +178,18 @@ class Recorder:
 
     def log_frame(self, frame: RgbdFrame) -> None:
         """Write a camera frame."""
-        self._set_time(frame.time_us)
+        set_sim_time(self._stream, frame.time_us)
         self._frames.log(frame)
+
+    def log_phase(self, time_us: int, phase: str) -> None:
+        """Write what the pilot is doing from this time on."""
+        set_sim_time(self._stream, time_us)
+        self._stream.log(layout.PHASE, rr.StateChange(state=phase))
 
     def log_statustext(self, time_us: int, severity: Severity, text: str) -> None:
         """Write a line that the autopilot or the pilot said."""
-        self._set_time(time_us)
+        set_sim_time(self._stream, time_us)
         self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
-
-    def log_plan(self, time_us: int, legs_enu_m: Sequence[Float[np.ndarray, "_ 3"]]) -> None:
-        """Write what is planned from this time on: of each leg points along it, in order."""
-        self._set_time(time_us)
-        strips = [leg_enu_m.astype(np.float32) for leg_enu_m in legs_enu_m]
-        self._stream.log(layout.PLANNED, rr.LineStrips3D.from_fields(strips=strips))
-
-    def log_landing_map(
-        self,
-        time_us: int,
-        cells_enu_m: Float[np.ndarray, "n 3"],
-        cost: Float[np.ndarray, " n"],
-        touchdown_enu_m: Vector3 | None = None,
-    ) -> None:
-        """Write what the pilot knows of the ground where it wants to land.
-
-        Args:
-            time_us: When it was known.
-            cells_enu_m: Observed cells of the elevation map.
-            cost: Of each cell, 0 safe to 1 unsafe.
-            touchdown_enu_m: The point it chose, if it did.
-        """
-        self._set_time(time_us)
-        share = np.clip(cost, 0.0, 1.0)[:, None]
-        colours = (1 - share) * np.array(_SAFE_RGB) + share * np.array(_UNSAFE_RGB)
-        cells = rr.Points3D(cells_enu_m, colors=colours.astype(np.uint8), radii=_CELL_RADIUS_M)
-        self._stream.log(layout.LANDING_MAP, cells)
-        if touchdown_enu_m is not None:
-            point = rr.Points3D([touchdown_enu_m], colors=_TOUCHDOWN_RGB, radii=_TOUCHDOWN_RADIUS_M)
-            self._stream.log(layout.TOUCHDOWN, point)
 
     def close(self, verdict: Mapping[str, Any] | None = None) -> None:
         """Write what waits and the verdict, and finish the file; a second call does nothing.
@@ -230,9 +209,6 @@ class Recorder:
             # A full disk must not take the verdict away with it.
             _log.warning("recording %s may lack its end: %s", self.path, error)
         self._stream.disconnect()
-
-    def _set_time(self, time_us: int) -> None:
-        self._stream.set_time(layout.TIMELINE, duration=np.timedelta64(time_us, "us"))
 
     def __enter__(self) -> Self:
         return self

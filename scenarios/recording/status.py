@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from scenarios.recording import layout
-from scenarios.recording.columns import send_scalars, sim_time
+from scenarios.recording.columns import send_scalars, set_sim_time, sim_time
 
 if TYPE_CHECKING:
     from flightsim.autopilot.autopilot import Autopilot
@@ -88,5 +88,5 @@ class StatusLog:
         if self._states.get(entity) == state:
             return
         self._states[entity] = state
-        self._stream.set_time(layout.TIMELINE, duration=np.timedelta64(time_us, "us"))
+        set_sim_time(self._stream, time_us)
         self._stream.log(entity, rr.StateChange(state=state))

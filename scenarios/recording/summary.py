@@ -19,7 +19,8 @@ from scenarios.recording import layout
 from scenarios.recording.program import quiet_environment, rerun_program
 
 _MENDING_TIMEOUT_S = 300.0
-_PROPERTIES = "/__properties/"
+PROPERTIES = "/__properties/"
+"""What stands before the name of a property in an entity's path."""
 
 
 class UnreadableRecordingError(ValueError):
@@ -89,11 +90,11 @@ def summarise(path: Path) -> RecordingSummary:
     run: dict[str, Any] = {}
     verdict: dict[str, Any] = {}
     with readable(path) as source:
-        for chunk in _chunks(source):
-            if chunk.entity_path == _PROPERTIES + layout.RUN_PROPERTY:
-                run = _first_row(chunk)
-            elif chunk.entity_path == _PROPERTIES + layout.VERDICT_PROPERTY:
-                verdict = _first_row(chunk)
+        for chunk in chunks(source):
+            if chunk.entity_path == PROPERTIES + layout.RUN_PROPERTY:
+                run = first_row(chunk)
+            elif chunk.entity_path == PROPERTIES + layout.VERDICT_PROPERTY:
+                verdict = first_row(chunk)
             elif chunk.is_static:
                 static.add(chunk.entity_path)
             elif layout.TIMELINE in chunk.timeline_names:
@@ -115,7 +116,8 @@ def summarise(path: Path) -> RecordingSummary:
     )
 
 
-def _chunks(path: Path) -> Iterator[Chunk]:
+def chunks(path: Path) -> Iterator[Chunk]:
+    """All of a file that rerun can read, piece by piece."""
     reader, _ = _open(path)
     yield from reader.stream()
 
@@ -134,7 +136,7 @@ def _has_footer(path: Path) -> bool:
 
 def _is_readable(path: Path) -> bool:
     try:
-        next(iter(_chunks(path)), None)
+        next(iter(chunks(path)), None)
     except (RuntimeError, ValueError):
         return False
     return True
@@ -159,7 +161,7 @@ def _latest_ns(chunk: Chunk) -> int:
     return int(times.max()) if len(times) else 0
 
 
-def _first_row(chunk: Chunk) -> dict[str, Any]:
+def first_row(chunk: Chunk) -> dict[str, Any]:
     """Components of a property, unpacked from their one-element lists."""
     columns = chunk.to_record_batch().to_pydict()
     return {name: values[0][0] for name, values in columns.items() if isinstance(values[0], list)}

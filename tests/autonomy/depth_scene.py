@@ -32,21 +32,22 @@ def look_down(
     boxes=(),
     believed=None,
     shape=(HEIGHT, WIDTH),
+    pitch_down=DOWN,
 ):
     """What a camera at `eye` sees of the plane z = ground + gradient . (x, y) and of boxes.
 
     `believed` is the pose (position, quaternion) that the vehicle thinks it has; the true one
-    where it is None.
+    where it is None. A smaller `pitch_down` than straight down looks ahead, east.
     """
     focal = shape[0] / 2 / math.tan(VERTICAL_FOV_RAD / 2)
     cx, cy = (shape[1] - 1) / 2, (shape[0] - 1) / 2
-    _, rotation = camera_pose(eye, quat, (0.0, 0.0, 0.0), DOWN)
+    _, rotation = camera_pose(eye, quat, (0.0, 0.0, 0.0), pitch_down)
     v, u = np.mgrid[: shape[0], : shape[1]]
     rays = np.stack([(u - cx) / focal, (v - cy) / focal, np.ones(shape)], axis=-1) @ rotation.T
     depth = _to_plane(np.array(eye), rays, ground, gradient)
     for low, high in boxes:
         depth = np.minimum(depth, _to_box(np.array(eye), rays, low, high))
-    position, rotation = camera_pose(*(believed or (eye, quat)), (0.0, 0.0, 0.0), DOWN)
+    position, rotation = camera_pose(*(believed or (eye, quat)), (0.0, 0.0, 0.0), pitch_down)
     return DepthImage(
         depth_m=depth.astype(np.float32),
         fx=focal,

@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
+from scipy.optimize import linprog
 
 from autonomy.planning import CertificateError, Obstacles
 from autonomy.planning.corridor import MAX_PLANES, build_corridor, straighten
@@ -48,6 +49,21 @@ def test_a_polytope_holds_its_leg_with_room_to_spare(seed):
     planes = corridor_of([a, b], obstacles).planes[0]
     along = a + np.linspace(0, 1, 50)[:, None] * (b - a)
     assert np.all(along @ planes[:, :3].T <= planes[:, 3] - 0.02)
+
+
+@given(seeds)
+@settings(max_examples=15)
+def test_no_plane_of_a_polytope_is_idle(seed):
+    rng = np.random.default_rng(seed)
+    obstacles = random_boxes(rng, 12)
+    a, b = rng.uniform(-9, 9, (2, 3))
+    assume(clearance(a, b, obstacles) > 0.3)
+    planes = corridor_of([a, b], obstacles).planes[0]
+    used = planes[np.any(planes[:, :3] != 0, axis=1)]
+    for k, plane in enumerate(used):
+        others = np.delete(used, k, axis=0)
+        beyond = linprog(-plane[:3], others[:, :3], others[:, 3], bounds=(-100.0, 100.0))
+        assert -beyond.fun > plane[3] - 1e-5
 
 
 @given(seeds)

@@ -17,11 +17,13 @@ from autonomy.planning import (
     certify,
     plan_leg,
     plan_trajectory,
+    prepare,
     replan,
 )
 from autonomy.planning.moving import distance_to_movers
+from autonomy.planning.program import build
 from autonomy.types import FlatReference
-from tests.autonomy.planning_worlds import GROUND, field_of, quadrotor, random_boxes, seeds
+from tests.autonomy.planning_worlds import GROUND, field_of, quadrotor, random_boxes, seeds, town
 
 LIMITS = FlightLimits()
 CFG = PlannerCfg(vehicle_radius_m=0.4, max_piece_m=4.0)
@@ -133,6 +135,28 @@ def test_a_plan_is_replanned_all_the_way_to_its_end(way):
     assert flown_s + rest.duration_s == pytest.approx(way.duration_s, rel=0.05)
     end = rest.sample(rest.duration_s)
     np.testing.assert_allclose(end.position_enu_m, (11.0, 0.0, 4.0), atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_plan_through_a_town_is_replanned_five_times_a_second_without_a_failure(seed):
+    obstacles = town(np.random.default_rng(seed))
+    start, goal = FlatReference(position_enu_m=(-12.0, -12.0, 2.0)), (12.0, 12.0, 3.0)
+    cfg = dataclasses.replace(CFG, min_pieces=6)
+    plan = plan_trajectory(start, goal, field_of(obstacles), obstacles, LIMITS, quadrotor(), cfg)
+    rest, flown_s = plan, 0.0
+    while rest.duration_s > 0.3:
+        there = rest.sample(0.2)
+        rest, flown_s = replan(rest, 0.2, obstacles, LIMITS, quadrotor(), cfg), flown_s + 0.2
+        np.testing.assert_allclose(rest.sample(0.0).position_enu_m, there.position_enu_m, atol=1e-6)
+        assert rest.min_clearance_m > cfg.min_margin_m
+    assert flown_s + rest.duration_s == pytest.approx(plan.duration_s, rel=0.05)
+
+
+def test_programs_built_ahead_are_the_ones_that_replans_use():
+    prepare([3])
+    misses = build.cache_info().misses
+    build(3, 12)
+    assert build.cache_info().misses == misses
 
 
 def test_a_vehicle_off_its_plan_goes_on_from_where_it_is(way):

@@ -11,8 +11,9 @@ from autonomy.planning import LimitsError
 from autonomy.planning.corridor import build_corridor
 from autonomy.planning.errors import PlanningError
 from autonomy.planning.limits import MotionBounds
-from autonomy.planning.optimiser import EVADING, Solver, first_times, optimise
+from autonomy.planning.optimiser import EVADING, first_times, optimise
 from autonomy.planning.program import PIECES, pieces_to_fill
+from autonomy.planning.solver import Solver
 from autonomy.planning.trajectory import coefficients_from_nodes
 from tests.autonomy.planning_worlds import random_boxes, seeds
 

@@ -102,6 +102,28 @@ def test_a_start_faster_than_the_limits_is_named():
         plan(GROUND, start)
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"vehicle_radius_m": 0.0}, r"vehicle_radius_m 0\.0 is not valid; valid: a positive"),
+        ({"margins_m": ()}, r"margins_m \(\) is not valid; valid: one or more"),
+        ({"min_margin_m": float("nan")}, r"min_margin_m nan is not valid; valid: not negative"),
+        ({"method": "guess"}, r"method 'guess' is not valid; valid: 'optimise' or"),
+    ],
+)
+def test_ways_to_plan_that_are_none_are_refused_by_name(options, message):
+    with pytest.raises(PlanningError, match=message):
+        PlannerCfg(**({"vehicle_radius_m": 0.4} | options))
+
+
+def test_states_that_are_not_finite_are_refused():
+    nowhere = dataclasses.replace(START, position_enu_m=(float("nan"), 0.0, 2.0))
+    with pytest.raises(BlockedError, match=r"start \(nan, 0\.00, 2\.00\) m is no place"):
+        plan(GROUND, nowhere)
+    with pytest.raises(LimitsError, match="start has a horizontal speed of nan"):
+        plan(GROUND, dataclasses.replace(START, velocity_enu_mps=(float("nan"), 0.0, 0.0)))
+
+
 def test_every_failure_is_a_planning_error():
     for error in (BlockedError, UnreachableError, LimitsError, CertificateError):
         assert issubclass(error, PlanningError)

@@ -66,3 +66,9 @@ def test_a_tilt_that_only_holds_against_drag_lowers_the_speed():
 def test_senseless_limits_are_refused_by_name(name, value):
     with pytest.raises(LimitsError, match=name):
         FlightLimits(**{name: value})
+
+
+@pytest.mark.parametrize("name", ["acceleration_mps2", "acceleration_vertical_mps2"])
+def test_too_little_acceleration_is_refused_by_name(name):
+    with pytest.raises(LimitsError, match=rf"^{name} 0\.1 is too little.*valid: at least 0\.20"):
+        FlightLimits(**{name: 0.1})

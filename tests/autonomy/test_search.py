@@ -91,3 +91,36 @@ def test_a_wall_without_a_gap_is_named_unreachable():
         shortest_path(
             field, np.array([0, 2, 2]), np.array([8, 2, 2]), required_m=0.5, comfortable_m=2.0
         )
+
+
+def test_the_narrowest_place_of_the_widest_way_is_named():
+    distance = np.full((9, 5, 5), 3.0)
+    distance[4] = 0.2
+    distance[4, 2, 3], distance[4, 1, 1] = 0.3, 0.4
+    field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=0.5, distance_m=distance)
+    with pytest.raises(UnreachableError, match=r"has 0\.40 m at \(2\.0, 0\.5, 0\.5\) m"):
+        shortest_path(
+            field, np.array([0, 2, 2]), np.array([8, 2, 2]), required_m=0.5, comfortable_m=2.0
+        )
+
+
+def test_climbing_unseen_is_put_off_until_it_can_be_seen():
+    distance = np.full((30, 3, 12), 3.0)
+    field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=1.0, distance_m=distance)
+    is_seen = np.zeros(distance.shape, dtype=bool)
+    is_seen[10:14] = True
+    start, goal = np.array([0, 1, 1]), np.array([29, 1, 9])
+
+    def path_between(a, b, seen=None):
+        return shortest_path(
+            field, a, b, required_m=0.5, comfortable_m=2.0, is_seen=seen, climb_price=4.0
+        )
+
+    path = path_between(start, goal, is_seen)
+    rises = path[1:][np.diff(path[:, 2]) > 0]
+    seen_rises = is_seen[tuple(rises.T)].sum()
+    straight = path_between(start, goal)
+    assert len(straight) == 30
+    assert seen_rises > is_seen[tuple(straight[1:][np.diff(straight[:, 2]) > 0].T)].sum()
+    down = path_between(goal, start, is_seen)
+    assert len(down) == 30

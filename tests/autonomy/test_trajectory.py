@@ -3,8 +3,14 @@
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
-from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
+from autonomy.planning.trajectory import (
+    Trajectory,
+    YawProfile,
+    coefficients_from_nodes,
+    rest_of,
+)
 from autonomy.planning.yaw import STEP_S, yaw_along_path
 from tests.autonomy.planning_worlds import seeds
 
@@ -44,6 +50,22 @@ def test_derivatives_are_what_finite_differences_say(seed):
         ) / (2 * h)
         exact = trajectory.derivatives(times, order + 1)
         np.testing.assert_allclose(slope, exact, atol=1e-3 * (1 + np.abs(exact).max()))
+
+
+@given(seeds, st.floats(0.0, 0.99))
+def test_the_rest_of_a_trajectory_is_the_same_motion(seed, share):
+    _, trajectory = random_trajectory(seed)
+    at_s = share * trajectory.duration_s
+    coefficients, durations, first = rest_of(trajectory, at_s)
+    rest = Trajectory(durations_s=durations, coefficients=coefficients, yaw=trajectory.yaw)
+    assert rest.duration_s == pytest.approx(trajectory.duration_s - at_s)
+    assert len(durations) == len(trajectory.durations_s) - first
+    t = np.linspace(0.0, rest.duration_s - 1e-9, 30)
+    for order in range(3):
+        there = trajectory.derivatives(at_s + t, order)
+        scale = 1e-6 * (1 + np.abs(there).max())
+        # At a node the jerk jumps, and rounding decides on which side a sample is.
+        np.testing.assert_allclose(rest.derivatives(t, order), there, atol=scale)
 
 
 @given(seeds)

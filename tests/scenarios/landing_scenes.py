@@ -1,5 +1,6 @@
 """A small yard made by hand: a container to land on, crates in the way, a lawn to fall back on."""
 
+import dataclasses
 import math
 
 from aeroscene.catalogue import category_id
@@ -67,4 +68,27 @@ def yard(*, has_crates_on_top=False, areas=(ON_CONTAINER, ON_LAWN, UNDER_THE_STA
         altitude_m=488.0,
         objects=tuple(objects),
         interaction_areas=tuple(areas),
+    )
+
+
+FAR_LAWN = rectangle(0, (45.0, 0.0, 0.0), (2.0, 2.0), None, surface="grass")
+
+
+def field():
+    """Open ground with a lawn 45 m to the east of the start."""
+    crate = thing(CRATE, "crate", (20.0, 12.0, 0.5), (1.0, 1.0, 1.0))
+    crate = dataclasses.replace(crate, scene_id="field")
+    return Scene(
+        scene_id="field",
+        domain="outdoor",
+        seed=0,
+        extent_min_enu_m=(-10.0, -15.0, 0.0),
+        extent_max_enu_m=(55.0, 15.0, 12.0),
+        start_position_enu_m=START_ENU_M,
+        start_yaw_rad=0.0,
+        latitude_deg=47.4,
+        longitude_deg=8.5,
+        altitude_m=488.0,
+        objects=(crate,),
+        interaction_areas=(FAR_LAWN,),
     )

@@ -12,7 +12,7 @@ from scenarios.bench.land import LandBenchCfg, rows
 from scenarios.bench.landing_flight import touchdown_speed_mps
 from scenarios.bench.landing_look import Wander
 from scenarios.bench.landing_truth import ExactGround
-from scenarios.landing_watch import landing_needs
+from scenarios.pilot.landing_watch import landing_needs
 from tests.scenarios.landing_scenes import TOP_M, yard
 
 HUMMINGBIRD = airframe_by_name("hummingbird")

@@ -11,9 +11,11 @@ from autonomy.planning.demand import excess
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import optimise
+from autonomy.types import FlatReference
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.bench.joint_optimum import joint_optimum
 from scenarios.bench.plan import PlanBenchCfg, rows
+from scenarios.bench.plan_crossing import fly_past_a_crossing
 from scenarios.bench.plan_pairs import FAR_ENOUGH_M, draw_pairs, scene_numbers
 from scenarios.surroundings import survey
 
@@ -30,6 +32,22 @@ def test_pairs_are_free_far_apart_and_the_same_for_the_same_seed():
     room = world.clearance_m(ends.reshape(-1, 3))
     assert room.min() > PlannerCfg(vehicle_radius_m=1.0).min_margin_m
     assert scene_numbers(20)[::19] == [0, 1015]
+
+
+def test_who_crosses_a_plan_is_avoided_and_the_same_for_the_same_seed():
+    world = survey(open_scene("508"), IRIS)
+    start, goal = draw_pairs(world, 1, np.random.default_rng(3))[0]
+    plan = world.plan(FlatReference(position_enu_m=start), goal)
+
+    def fly(seed):
+        crossing = fly_past_a_crossing(world, plan, np.random.default_rng(seed))
+        assert crossing is not None
+        return crossing.is_avoided, crossing.has_braked, len(crossing.replans_ms)
+
+    flights = [fly(seed) for seed in (0, 1)]
+    assert flights == [fly(seed) for seed in (0, 1)]
+    assert all(is_avoided for is_avoided, _, _ in flights)
+    assert any(n_replans for _, _, n_replans in flights)
 
 
 def test_the_optimiser_comes_within_a_hundredth_of_the_joint_optimum():

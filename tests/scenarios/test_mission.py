@@ -31,11 +31,23 @@ def test_areas_too_small_for_the_vehicle_are_left_out():
     assert set(rank_areas(scene, HUMMINGBIRD, 0)) == set(scene.landing_areas)
 
 
-def test_nobody_is_sent_to_a_perch():
+def test_nobody_is_sent_to_a_perch_unasked():
     scene = open_scene("corpus:42")
     assert scene.perching_areas
     for airframe in (IRIS, HUMMINGBIRD):
         assert all(area.kind == "landing" for area in rank_areas(scene, airframe, 0))
+
+
+def test_somebody_who_wants_a_perch_gets_one_that_fits():
+    scene = open_scene("corpus:42")
+    perches = rank_areas(scene, HUMMINGBIRD, 0, "perching")
+    assert set(perches) == set(scene.perching_areas)
+    both = rank_areas(scene, HUMMINGBIRD, 0, "any")
+    assert set(both) == {*scene.landing_areas, *scene.perching_areas}
+    mission = plan_mission(scene, HUMMINGBIRD, target="perching")
+    assert mission.area.kind == "perching"
+    with pytest.raises(MissionError, match="iris: no place to perch suits class medium"):
+        plan_mission(scene, IRIS, target="perching")
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -13,17 +13,53 @@ from rerun.chunk import RrdReader
 
 from aeroscene.scene import Scene
 from aeroscene.shapes import Primitive, scene_primitives
+from autonomy.perception import LandingMap
+from autonomy.planning import MovingObstacles
 from flightsim.autopilot.events import Severity
 from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
 from flightsim.vehicles.airframe import Airframe
+from scenarios.pictures import FlightStory
+from scenarios.pictures.tape import FlightTape
 from scenarios.recording import Recorder, RunInfo
 from scenarios.testbench import Testbench, TestbenchCfg
 
 FLIGHT_S = 3.5
 PLAN_ENU_M = ((0.0, 0.0, 1.0), (1.0, 2.0, 3.0), (4.0, 4.0, 4.0))
+NEW_PLAN_ENU_M = ((1.0, 2.0, 3.0), (2.0, 2.0, 2.0))
+PLAN_S, REPLANNED_US = 2.0, 1_000_000
+FIRST_CHOICE_ENU_M, CHOICE_ENU_M = (0.1, 0.0, 0.0), (0.0, 0.1, 0.01)
+SEEN = MovingObstacles.balls(
+    np.array([[1.0, 2.0, 3.0]]), np.array([[0.5, 0.0, 0.0]]), np.array([0.4])
+)
 VERDICT = {"success": True, "reason": "landed", "position_rmse_m": 0.25}
 CONFIG = {"scene": "42", "speed": "max", "camera_hz": 2.0}
 FRAME_PERIOD_US = 500_000
+
+
+def _landing_map() -> LandingMap:
+    """A few cells of flat ground, the last of them not seen, the first unsafe."""
+    n = 3
+    flat = np.zeros((n, n), dtype=np.float32)
+    is_observed, is_safe = np.ones((n, n), dtype=bool), np.ones((n, n), dtype=bool)
+    is_observed[2, 2] = is_safe[2, 2] = is_safe[0, 0] = False
+    return LandingMap(
+        surface_m=flat,
+        gradient=np.zeros((2, n, n), dtype=np.float32),
+        slope_rad=np.linspace(0.0, 0.2, n * n).reshape(n, n),
+        slope_sigma_rad=flat,
+        roughness_m=flat + 0.01,
+        sigma_m=flat,
+        rise_m=flat,
+        height_m=flat + np.arange(n, dtype=np.float32),
+        is_observed=is_observed,
+        is_safe=is_safe,
+        clearance_m=np.where(is_safe, 0.4, 0.0),
+        enough_clearance_m=0.8,
+        axes_enu_m=(np.array([-0.1, 0.0, 0.1]), np.array([-0.1, 0.0, 0.1])),
+    )
+
+
+LANDING = _landing_map()
 
 
 @dataclass(frozen=True)
@@ -36,6 +72,8 @@ class RecordedFlight:
     primitives: tuple[Primitive, ...]
     history: np.ndarray
     frames: tuple[RgbdFrame, ...]
+    story: FlightStory
+    """As told without the recording."""
 
 
 @pytest.fixture(autouse=True)
@@ -64,23 +102,30 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
         )
         renderer = open_camera_renderer(bench.world, 64, 48)
         plant, autopilot = bench.plant, bench.autopilot
+        tape = FlightTape(plant, autopilot, None)
         bench.server.statustext.listeners.append(
             lambda severity, text: recorder.log_statustext(plant.time_us, severity, text)
         )
-        recorder.log_plan(0, [np.array(PLAN_ENU_M)])
+        recorder.plans.log(0, np.array(PLAN_ENU_M), PLAN_S)
+        recorder.log_phase(0, "arm")
         while plant.time_us < FLIGHT_S * 1e6:
+            if plant.time_us == REPLANNED_US:
+                recorder.plans.log(plant.time_us, np.array(NEW_PLAN_ENU_M), PLAN_S)
+                recorder.tracks.log(plant.time_us, SEEN)
             if plant.time_us == 2_000_000:
                 assert autopilot.arm(is_forced=True).is_accepted
             bench.simulator.step()
             rows.append(plant.history.copy())
             recorder.on_tick(plant, autopilot)
+            tape.on_tick()
             if plant.time_us % FRAME_PERIOD_US == 0:
                 for mount in bench.airframe.cameras:
                     frames.append(renderer.render(plant.data, mount.name, plant.time_us))
                     recorder.log_frame(frames[-1])
         recorder.log_statustext(plant.time_us, Severity.WARNING, "battery low")
-        cells = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
-        recorder.log_landing_map(plant.time_us, cells, np.array([0.0, 1.0]), (0.5, 0.0, 0.0))
+        recorder.log_phase(plant.time_us, "search")
+        recorder.landing.log(plant.time_us - 200_000, LANDING, FIRST_CHOICE_ENU_M)
+        recorder.landing.log(plant.time_us, LANDING, CHOICE_ENU_M)
         renderer.close()
         recorder.close(VERDICT)
         return RecordedFlight(
@@ -90,6 +135,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
             primitives=primitives,
             history=np.concatenate(rows),
             frames=tuple(frames),
+            story=tape.story("landed"),
         )
 
 

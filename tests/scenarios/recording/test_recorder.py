@@ -9,6 +9,16 @@ from scipy.spatial.transform import Rotation
 
 from scenarios.recording import Recorder, RecordingError, RunInfo, layout
 from scenarios.scoring import rotation_angle_rad
+from tests.scenarios.recording.conftest import (
+    CHOICE_ENU_M,
+    FIRST_CHOICE_ENU_M,
+    LANDING,
+    NEW_PLAN_ENU_M,
+    PLAN_ENU_M,
+    PLAN_S,
+    REPLANNED_US,
+    SEEN,
+)
 
 FAST = (
     ("state/position/true", "position_true_enu_m", 5),
@@ -156,14 +166,54 @@ def test_gauges_are_sampled_ten_times_a_second(contents):
     assert 9.0 < volts[0][0] < 13.0
 
 
-def test_plan_and_landing_map_come_back(contents):
+def test_plans_come_back_and_a_replaced_one_is_split_where_it_was_left(contents):
     times_us, strips = contents.column(layout.PLANNED, "LineStrips3D:strips")
-    assert times_us.tolist() == [0]
-    assert len(strips[0][0]) == 3
-    _, cells = contents.column(layout.LANDING_MAP, "Points3D:positions")
-    assert cells[0] == [[0, 0, 0], [1, 0, 0]]
+    assert times_us.tolist() == [0, REPLANNED_US]
+    np.testing.assert_allclose(strips[0][0], PLAN_ENU_M)
+    np.testing.assert_allclose(strips[1][0], NEW_PLAN_ENU_M)
+    _, durations = contents.column(layout.PLANNED, "duration_s")
+    assert durations == [[PLAN_S], [PLAN_S]]
+    times_us, ((flown, left),) = contents.column(layout.EARLIER_PLANS, "LineStrips3D:strips")
+    assert times_us.tolist() == [REPLANNED_US]
+    np.testing.assert_allclose(flown, PLAN_ENU_M[:2])
+    np.testing.assert_allclose(left, PLAN_ENU_M[1:])
+    _, labels = contents.column(layout.EARLIER_PLANS, "LineStrips3D:labels")
+    assert labels == [["plan 1 since 0.0 s", "plan 1 since 0.0 s, replaced at 1.0 s"]]
+
+
+def test_landing_map_comes_back_layer_by_layer_on_the_cells_that_were_seen(contents):
+    _, cells = contents.column(layout.LANDING_SAFETY, "Points3D:positions")
+    np.testing.assert_allclose(cells[0], LANDING.cells_enu_m, atol=1e-6)
+    for layer in (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE):
+        _, drawn = contents.column(layer, "Points3D:positions")
+        np.testing.assert_allclose(drawn[0], LANDING.cells_enu_m[[0, 2, 6]], atol=1e-6)
+    seen = LANDING.is_observed
+    for name in ("height_m", "slope_rad", "roughness_m", "clearance_m", "is_safe"):
+        _, values = contents.column(layout.LANDING_GRID, name)
+        np.testing.assert_allclose(values[-1], getattr(LANDING, name)[seen], atol=2e-4)
+
+
+def test_every_choice_of_a_place_stays_and_the_last_one_is_the_touchdown(contents):
+    _, choices = contents.column(layout.CHOICES, "Points3D:positions")
+    np.testing.assert_allclose([c[0] for c in choices], [FIRST_CHOICE_ENU_M, CHOICE_ENU_M])
     _, touchdown = contents.column(layout.TOUCHDOWN, "Points3D:positions")
-    assert touchdown[0] == [[0.5, 0, 0]]
+    np.testing.assert_allclose(touchdown[-1][0], CHOICE_ENU_M)
+
+
+def test_what_is_seen_to_move_comes_back_as_boxes_with_velocities(contents):
+    times_us, centres = contents.column(layout.TRACKS, "Boxes3D:centers")
+    assert times_us.tolist() == [REPLANNED_US]
+    np.testing.assert_allclose(centres[0], SEEN.position_enu_m)
+    _, sizes = contents.column(layout.TRACKS, "Boxes3D:half_sizes")
+    np.testing.assert_allclose(sizes[0], [[0.4, 0.4, 0.4]])
+    _, velocities = contents.column(layout.TRACK_VELOCITIES, "Arrows3D:vectors")
+    np.testing.assert_allclose(velocities[0], SEEN.velocity_enu_mps)
+
+
+def test_phases_of_the_pilot_are_states(flight, contents):
+    times_us, phases = contents.column(layout.PHASE, "StateChange:state")
+    assert phases == [["arm"], ["search"]]
+    assert times_us.tolist() == [0, flight.history["time_us"][-1]]
 
 
 def test_blueprint_is_in_the_file(contents):

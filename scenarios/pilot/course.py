@@ -1,4 +1,4 @@
-"""What the pilot has the vehicle follow: a trajectory, or the last metre down."""
+"""What the pilot has the vehicle follow: one trajectory after another, or the last metre down."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ class Course:
     """Setpoints over time.
 
     Attributes:
-        trajectory: What is followed, or was before the last metre.
+        trajectory: What is followed, is going to be, or was before the last metre.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
         self.trajectory = trajectory
         self._begun_us: int | None = None
+        self._before: tuple[Trajectory, int] | None = None
         self._touchdown: tuple[int, FlatReference, float] | None = None
 
     @property
@@ -33,10 +34,20 @@ class Course:
         """Whether anything is to be followed yet."""
         return self._begun_us is not None
 
-    def fly(self, trajectory: Trajectory, time_us: int) -> None:
-        """Follow a trajectory from now on."""
+    @property
+    def is_touching_down(self) -> bool:
+        """Whether it is in the last metre."""
+        return self._touchdown is not None
+
+    def fly(self, trajectory: Trajectory, begin_us: int) -> None:
+        """Follow a trajectory from a time on; until then, what was followed before.
+
+        Without anything before, the time must be now.
+        """
+        if self._begun_us is not None:
+            self._before = (self.trajectory, self._begun_us)
         self.trajectory = trajectory
-        self._begun_us = time_us
+        self._begun_us = begin_us
         self._touchdown = None
 
     def touch_down(self, time_us: int, resting_height_m: float) -> None:
@@ -52,16 +63,20 @@ class Course:
         """The setpoint of a time."""
         if self._touchdown is not None:
             return _sinking(time_us, *self._touchdown)
-        return self.trajectory.sample(self._elapsed_s(time_us))
+        if self._before is not None and self._begun_us is not None and time_us < self._begun_us:
+            trajectory, begun_us = self._before
+            return trajectory.sample((time_us - begun_us) * 1e-6)
+        return self.trajectory.sample(self.elapsed_s(time_us))
 
     def has_arrived(self, time_us: int, telemetry: Telemetry) -> bool:
         """Whether the trajectory is over and the vehicle rests at its end."""
-        if self._elapsed_s(time_us) < self.trajectory.duration_s:
+        if self.elapsed_s(time_us) < self.trajectory.duration_s:
             return False
         away_m = math.dist(telemetry.position_enu_m, self.reference(time_us).position_enu_m)
         return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
 
-    def _elapsed_s(self, time_us: int) -> float:
+    def elapsed_s(self, time_us: int) -> float:
+        """Time of the trajectory at a time; negative before it takes over."""
         return 0.0 if self._begun_us is None else (time_us - self._begun_us) * 1e-6
 
 

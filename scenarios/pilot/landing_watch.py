@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
@@ -17,13 +15,11 @@ from autonomy.perception import (
     LandingNeeds,
     LandingSite,
     assess,
-    camera_pose,
     choose_site,
     objection,
     site_at,
 )
 from flightsim.vehicles.airframe import Airframe
-from scenarios.mavlink_telemetry import Telemetry
 from scenarios.surroundings import Surroundings
 
 CAMERA = "down"
@@ -39,35 +35,6 @@ _COLUMN_STEP_M = 0.25
 _COLUMN_MARGIN_M = 0.05
 _LEAST_CLEARANCE_M = 0.1
 _LEAST_PERCHING_CLEARANCE_M = 0.05
-
-
-class DepthFrame(Protocol):
-    """What the watch needs of a camera frame; where it was really taken is none of its business."""
-
-    @property
-    def depth_m(self) -> np.ndarray:
-        """Along the optical axis, float32 (height, width)."""
-        ...
-
-    @property
-    def fx(self) -> float:
-        """Focal length, px."""
-        ...
-
-    @property
-    def fy(self) -> float:
-        """Focal length, px."""
-        ...
-
-    @property
-    def cx(self) -> float:
-        """Principal point, px."""
-        ...
-
-    @property
-    def cy(self) -> float:
-        """Principal point, px."""
-        ...
 
 
 def landing_needs(airframe: Airframe, scatter_m: float = SCATTER_M) -> LandingNeeds:
@@ -93,7 +60,6 @@ class LandingWatch:
         surroundings: Surroundings,
         area: InteractionArea,
         hover_enu_m: Vector3,
-        frames: Callable[[str], DepthFrame],
     ) -> None:
         """Begin an empty map of an area.
 
@@ -101,15 +67,12 @@ class LandingWatch:
             surroundings: What the map of the scene knows.
             area: Where to land.
             hover_enu_m: From where it is looked at.
-            frames: Renders the named camera now.
         """
-        self._mount = next(m for m in surroundings.airframe.cameras if m.name == CAMERA)
         is_perch = area.kind == "perching"
         self._needs = landing_needs(
             surroundings.airframe, PERCHING_SCATTER_M if is_perch else SCATTER_M
         )
         self._least_m = _LEAST_PERCHING_CLEARANCE_M if is_perch else _LEAST_CLEARANCE_M
-        self._frames = frames
         self._preferred_enu_m = area.centroid
         reach_m = max(math.dist(corner[:2], area.centroid[:2]) for corner in area.polygon)
         half_extent_m = min(reach_m + _BORDER_M, _MAX_HALF_EXTENT_M)
@@ -122,32 +85,20 @@ class LandingWatch:
         self.n_frames = 0
         self.map: LandingMap | None = None
 
-    def look(self, time_us: int, telemetry: Telemetry) -> bool:
-        """Fuse a depth image if one is due; True if so."""
-        if time_us < self._due_us:
-            return False
+    def is_due(self, time_us: int) -> bool:
+        """Whether the next depth image may be fused."""
+        return time_us >= self._due_us
+
+    def miss(self, time_us: int) -> None:
+        """An image was of no use; the next is due a period later."""
         self._due_us = time_us + FRAME_PERIOD_US
-        frame, mount = self._frames(CAMERA), self._mount
-        position_enu_m, rotation = camera_pose(
-            telemetry.position_enu_m,
-            telemetry.quat_wxyz,
-            mount.position_flu_m,
-            mount.pitch_down_rad,
-        )
-        self.elevation.add(
-            DepthImage(
-                depth_m=frame.depth_m,
-                fx=frame.fx,
-                fy=frame.fy,
-                cx=frame.cx,
-                cy=frame.cy,
-                position_enu_m=position_enu_m,
-                rotation_enu_from_optical=rotation,
-            )
-        )
+
+    def fuse(self, time_us: int, image: DepthImage) -> None:
+        """Take in a depth image of the camera that looks down."""
+        self._due_us = time_us + FRAME_PERIOD_US
+        self.elevation.add(image)
         self.n_frames += 1
         self.map = assess(self.elevation, self._needs, self.is_allowed)
-        return True
 
     def choose(self) -> LandingSite | None:
         """The best place on what was seen so far, None if none is safe."""

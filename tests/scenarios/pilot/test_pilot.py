@@ -6,61 +6,9 @@ import math
 import pytest
 
 from flightsim.autopilot.modes import Mode
-from scenarios.cameras import Cameras
 from scenarios.mavlink_client import MavlinkClient
-from scenarios.mission import plan_mission
 from scenarios.pilot import Phase, Pilot
-from scenarios.scoring import FlightLog
-from scenarios.testbench import Testbench, TestbenchCfg
 from tests.scenarios.landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, thing, yard
-
-
-class Demo:
-    """Testbench, cameras and pilot, ready to fly."""
-
-    def __init__(self, scene, area=ON_CONTAINER, *, vehicle="iris", alternates=(), known=None):
-        """The pilot's map is `known`, if that is not the scene itself."""
-        observers = []
-        self.bench = Testbench(
-            TestbenchCfg(speed="max", vehicle=vehicle),
-            scene=scene,
-            has_network=False,
-            observers=observers,
-        )
-        self.cameras = Cameras(self.bench.world, self.bench.plant)
-        mission = plan_mission(known or scene, self.bench.airframe, area=area)
-        mission = dataclasses.replace(mission, alternates=tuple(alternates))
-        client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)
-        self.pilot = Pilot(client, mission, self.cameras.render)
-        self.log = FlightLog(self.bench.plant)
-        observers += [self.log.on_tick, lambda: self.pilot.update(self.bench.plant.time_us)]
-
-    def fly(self, until=lambda: False, limit_s=120.0):
-        self.bench.simulator.run(
-            until_us=round(limit_s * 1e6), stop=lambda: self.pilot.is_done or until()
-        )
-        return self.pilot
-
-    def targets(self):
-        return [change.target for change in self.pilot.transitions]
-
-    def score(self):
-        leg_m = self.bench.airframe.leg_length_m
-        return self.log.score(self.pilot.area, self.pilot.touchdown_enu_m, leg_m)
-
-
-@pytest.fixture
-def demo():
-    made = []
-
-    def make(*args, **options):
-        made.append(Demo(*args, **options))
-        return made[-1]
-
-    yield make
-    for each in made:
-        each.cameras.close()
-        each.bench.close()
 
 
 def test_it_lands_on_the_container_and_disarms_phase_by_phase(demo):
@@ -100,19 +48,21 @@ def test_an_area_that_is_full_of_crates_is_given_up_for_the_next(demo):
     assert demo.score().is_inside_area
 
 
-def test_with_no_area_left_it_sends_the_vehicle_home_and_says_why(demo):
+def test_with_no_area_left_it_flies_home_lands_there_and_says_why(demo):
     demo = demo(yard(has_crates_on_top=True), known=yard())
     pilot = demo.fly()
     assert not pilot.verdict.success
     assert pilot.verdict.reason == "no safe place seen on area 0"
-    assert demo.targets()[-2:] == [Phase.RETURN, Phase.FAILED]
-    assert demo.bench.autopilot.mode is Mode.RETURN
+    assert demo.targets()[-4:] == [Phase.RETURN, Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
+    assert not demo.bench.autopilot.is_armed
+    assert math.dist(demo.bench.plant.truth.position_enu_m[:2], (0.0, 0.0)) < 0.3
+    assert demo.score().contacts_before_touchdown <= 1
 
 
 def test_it_starts_again_from_the_top_when_the_place_turns_bad_on_the_way_down(demo):
     demo = demo(yard())
-    pilot = demo.fly(until=lambda: demo.pilot.phase is Phase.DESCEND)
-    # From now on the camera sees a step of half a metre in what was level before.
+    pilot = demo.fly_to(Phase.DESCEND)
+    # For a while the camera sees a step of half a metre in what was level before.
     render = demo.cameras.render
 
     def with_a_step(camera):
@@ -121,10 +71,10 @@ def test_it_starts_again_from_the_top_when_the_place_turns_bad_on_the_way_down(d
         depth[:, 150:] -= 0.5
         return dataclasses.replace(frame, depth_m=depth)
 
-    pilot._watch._frames = with_a_step
-    demo.fly(until=lambda: demo.pilot.phase is Phase.CLIMB)
-    assert pilot.phase is Phase.CLIMB
+    demo.see = with_a_step
+    demo.fly_to(Phase.CLIMB)
     assert "no longer looks safe" in pilot.transitions[-1].reason
+    demo.see = render
     demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert demo.targets().count(Phase.SEARCH) == 2
@@ -132,7 +82,7 @@ def test_it_starts_again_from_the_top_when_the_place_turns_bad_on_the_way_down(d
 
 def test_a_vehicle_that_is_switched_off_in_the_air_ends_the_flight(demo):
     demo = demo(yard())
-    pilot = demo.fly(until=lambda: demo.pilot.phase is Phase.NAVIGATE)
+    pilot = demo.fly_to(Phase.NAVIGATE)
     demo.bench.autopilot.disarm(is_forced=True)
     demo.fly()
     assert pilot.phase is Phase.FAILED
@@ -141,7 +91,7 @@ def test_a_vehicle_that_is_switched_off_in_the_air_ends_the_flight(demo):
 
 def test_somebody_who_takes_over_is_let_to(demo):
     demo = demo(yard())
-    pilot = demo.fly(until=lambda: demo.pilot.phase is Phase.NAVIGATE)
+    pilot = demo.fly_to(Phase.NAVIGATE)
     demo.bench.autopilot.set_mode(Mode.HOLD)
     demo.fly()
     assert pilot.phase is Phase.FAILED
@@ -158,9 +108,8 @@ def test_a_link_without_a_vehicle_is_given_up_in_time(demo):
             return b""
 
     demo = demo(yard())
-    pilot = Pilot(
-        MavlinkClient(SilentPipe(), demo.bench.frame), demo.pilot._mission, demo.cameras.render
-    )
+    client = MavlinkClient(SilentPipe(), demo.bench.frame)
+    pilot = Pilot(client, demo.mission, demo.cameras.render)
     for tick in range(600):
         pilot.update(tick * 20_000)
     assert pilot.phase is Phase.FAILED

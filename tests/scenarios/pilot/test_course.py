@@ -5,8 +5,8 @@ import pytest
 
 from autonomy.planning import FlightLimits, plan_leg
 from flightsim.vehicles.catalogue import AIRFRAMES
-from scenarios.course import TOUCHDOWN_SPEED_MPS, Course
 from scenarios.mavlink_telemetry import Telemetry
+from scenarios.pilot.course import TOUCHDOWN_SPEED_MPS, Course
 
 SECOND_US = 1_000_000
 
@@ -52,6 +52,18 @@ def test_the_last_metre_is_steady_and_ends_below_the_surface():
     assert fall[:100] == pytest.approx(TOUCHDOWN_SPEED_MPS)
     assert 2.5 < heights[-1] < 3.1
     assert course.reference(begin_us + 6 * SECOND_US).velocity_enu_mps == (0.0, 0.0, 0.0)
+
+
+def test_until_a_plan_takes_over_the_one_before_is_followed():
+    first, second = leg((0, 0, 1), (4, 0, 1)), leg((1, 2, 1), (1, 2, 5))
+    course = Course(first)
+    course.fly(first, 0)
+    course.fly(second, 2 * SECOND_US)
+    assert course.trajectory is second
+    before = course.reference(2 * SECOND_US - 1).position_enu_m
+    assert before == pytest.approx(first.sample(2.0).position_enu_m, abs=1e-4)
+    assert course.reference(2 * SECOND_US).position_enu_m == pytest.approx((1, 2, 1))
+    assert course.elapsed_s(1 * SECOND_US) == -1.0
 
 
 def test_a_new_flight_ends_the_touchdown():

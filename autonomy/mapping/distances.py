@@ -1,0 +1,159 @@
+"""Distances to the marked cells of a block, and boxes that hold them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from autonomy.jit import kernel
+from autonomy.planning.obstacles import Obstacles
+
+_WALL_M = 10.0
+
+
+@kernel
+def distance_to_marked(
+    marked: Bool[np.ndarray, "nx ny nz"], resolution: float, cap: float
+) -> Float[np.ndarray, "nx ny nz"]:
+    """Exact distance from cell centres to the nearest marked cell's surface, capped.
+
+    Separable: along one axis, cells n apart are (2n - 1) / 2 cells apart from centre to surface,
+    and squares add up over the axes. What lies outside the block does not count.
+    """
+    nx, ny, nz = marked.shape
+    reach = math.ceil(cap / resolution + 0.5)
+    squares = np.array([max(2 * n - 1, 0) ** 2 for n in range(reach + 2)], dtype=np.int32)
+    along = _squares_upwards(marked, squares)
+    across = along.copy()
+    for i in range(nx):
+        for j in range(ny):
+            for n in range(max(j - reach, 0), min(j + reach + 1, ny)):
+                extra = squares[abs(n - j)]
+                for k in range(nz):
+                    across[i, j, k] = min(across[i, j, k], along[i, n, k] + extra)
+    distance = np.empty((nx, ny, nz), dtype=np.float32)
+    least = np.empty(nz, dtype=np.int32)
+    for i in range(nx):
+        for j in range(ny):
+            least[:] = across[i, j]
+            for n in range(max(i - reach, 0), min(i + reach + 1, nx)):
+                extra = squares[abs(n - i)]
+                for k in range(nz):
+                    least[k] = min(least[k], across[n, j, k] + extra)
+            for k in range(nz):
+                distance[i, j, k] = min(math.sqrt(least[k]) * 0.5 * resolution, cap)
+    return distance
+
+
+@kernel
+def _squares_upwards(marked: np.ndarray, squares: np.ndarray) -> np.ndarray:
+    """Squared distance to the nearest marked cell of the same column."""
+    nx, ny, nz = marked.shape
+    most = len(squares) - 1
+    along = np.empty((nx, ny, nz), dtype=np.int32)
+    for i in range(nx):
+        for j in range(ny):
+            steps = most
+            for k in range(nz):
+                steps = 0 if marked[i, j, k] else min(steps + 1, most)
+                along[i, j, k] = steps
+            steps = most
+            for k in range(nz - 1, -1, -1):
+                steps = 0 if marked[i, j, k] else min(steps + 1, most)
+                along[i, j, k] = squares[min(along[i, j, k], steps)]
+    return along
+
+
+def boxes_about(
+    is_free: Bool[np.ndarray, "nx ny nz"],
+    corner_enu_m: Float[np.ndarray, " 3"],
+    resolution_m: float,
+) -> Obstacles:
+    """Everything that is not free in and around a block of cells, as few upright boxes.
+
+    Seen from free cells only the skin of the rest matters: each box holds some of it and whatever
+    else is not free behind it. The last six are all that lies outside the block.
+    """
+    first, beyond = cover_skin(is_free)
+    low = corner_enu_m + first * resolution_m
+    high = corner_enu_m + beyond * resolution_m
+    walls_low, walls_high = _walls(corner_enu_m, np.array(is_free.shape) * resolution_m)
+    low, high = np.concatenate([low, walls_low]), np.concatenate([high, walls_high])
+    upright = np.tile((1.0, 0.0, 0.0, 0.0), (len(low), 1))
+    return Obstacles.boxes((low + high) / 2, upright, high - low)
+
+
+def _walls(corner: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Slabs about a block, thicker than anything flies in one plan."""
+    low = np.tile(corner - _WALL_M, (6, 1))
+    high = np.tile(corner + size + _WALL_M, (6, 1))
+    for axis in range(3):
+        high[2 * axis, axis] = corner[axis]
+        low[2 * axis + 1, axis] = corner[axis] + size[axis]
+    return low, high
+
+
+@kernel
+def cover_skin(
+    is_free: Bool[np.ndarray, "nx ny nz"],
+) -> tuple[Int[np.ndarray, "n 3"], Int[np.ndarray, "n 3"]]:
+    """Blocks of cells that are not free and hold all of these that touch a free one.
+
+    Each grows from the first such cell that is not held yet, downwards and upwards along z, then
+    along y and x, as far as nothing in it is free.
+
+    Returns:
+        First cells, and the cells beyond the last ones.
+    """
+    nx, ny, nz = is_free.shape
+    is_held = np.zeros((nx, ny, nz), dtype=np.bool_)
+    first = np.empty((1024, 3), dtype=np.int64)
+    beyond = np.empty((1024, 3), dtype=np.int64)
+    count = 0
+    low, high = np.empty(3, np.int64), np.empty(3, np.int64)
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                if is_free[i, j, k] or is_held[i, j, k] or not _touches(is_free, i, j, k):
+                    continue
+                low[0], low[1], low[2] = i, j, k
+                high[:] = low + 1
+                for axis in (2, 1, 0):
+                    _grow(is_free, low, high, axis)
+                is_held[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = True
+                if count == len(first):
+                    first = np.concatenate((first, np.empty_like(first)))
+                    beyond = np.concatenate((beyond, np.empty_like(beyond)))
+                first[count], beyond[count] = low, high
+                count += 1
+    return first[:count], beyond[:count]
+
+
+@kernel
+def _touches(is_free: np.ndarray, i: int, j: int, k: int) -> bool:
+    """Whether one of the 26 neighbours is free."""
+    nx, ny, nz = is_free.shape
+    for u in range(max(i - 1, 0), min(i + 2, nx)):
+        for v in range(max(j - 1, 0), min(j + 2, ny)):
+            for w in range(max(k - 1, 0), min(k + 2, nz)):
+                if is_free[u, v, w]:
+                    return True
+    return False
+
+
+@kernel
+def _grow(is_free: np.ndarray, low: np.ndarray, high: np.ndarray, axis: int) -> None:
+    """Widen a block along an axis both ways while nothing in it is free."""
+    a, b = low.copy(), high.copy()
+    while high[axis] < is_free.shape[axis]:
+        a[axis], b[axis] = high[axis], high[axis] + 1
+        if np.any(is_free[a[0] : b[0], a[1] : b[1], a[2] : b[2]]):
+            break
+        high[axis] += 1
+    while low[axis] > 0:
+        a[axis], b[axis] = low[axis] - 1, low[axis]
+        if np.any(is_free[a[0] : b[0], a[1] : b[1], a[2] : b[2]]):
+            break
+        low[axis] -= 1

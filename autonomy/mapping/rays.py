@@ -1,0 +1,199 @@
+"""Depth images as evidence for cells: along a line of sight free, at its end occupied.
+
+Each image counts once for each cell, and what was hit counts more than what was passed: neighbours
+of a surface are grazed by many lines. Lines are taken for blocks of pixels, as far as the nearest
+pixel of a block and its neighbours reaches, so that neither a thin pole between two lines is called
+free nor a cell that holds the edge of something; ends are taken of all pixels. A cell that is
+partly in the shadow of something is not called free by that image, because part of that thing may
+be in it. Where a block measured nothing, as towards the sky, it counts as free as far as the
+nearest measurement of its neighbourhood, at most the range.
+
+Source: cells along a line as in Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray
+tracing"; bounded evidence as in Hornung et al. 2013 (OctoMap).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.jit import kernel
+
+HIT, MISS = 3, 1
+MOST_FREE, MOST_OCCUPIED = -4, 12
+FREE_AT, OCCUPIED_AT = -2, 2
+"""Two images must pass a cell that nothing hit; one that hits it takes that back."""
+BLOCK_PX = 3
+_NEIGHBOURHOOD = 6
+"""Blocks on each side."""
+_LEAST_DEPTH_M = 0.05
+
+
+@kernel
+def integrate(
+    evidence: Int[np.ndarray, "nx ny nz"],
+    seen_in: Int[np.ndarray, "nx ny nz"],
+    number: int,
+    depth: Float[np.ndarray, "h w"],
+    intrinsics: Float[np.ndarray, " 4"],
+    eye: Float[np.ndarray, " 3"],
+    rotation: Float[np.ndarray, "3 3"],
+    corner: Float[np.ndarray, " 3"],
+    resolution: float,
+    max_range: float,
+    inverse_sigma: float,
+) -> None:
+    """Add one depth image to the evidence of cells.
+
+    Args:
+        evidence: Of each cell: positive for occupied, negative for free, changed in place.
+        seen_in: Low bits of the last image that counted for each cell, changed in place.
+        number: Of this image, 1 to 127, different from that of the image before.
+        depth: Along the optical axis, m; inf, NaN or 0 where nothing was measured.
+        intrinsics: fx, fy, cx, cy.
+        eye: Where the camera is, ENU, m.
+        rotation: Optical axes to ENU.
+        corner: Lower corner of cell (0, 0, 0), ENU, m.
+        resolution: Edge of a cell, m.
+        max_range: Beyond this nothing is believed, m.
+        inverse_sigma: Standard deviation of inverse depth, 1/m.
+    """
+    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    nearest, sure = _nearest_of_blocks(depth)
+    for v in range(depth.shape[0]):
+        y = (v - cy) / fy
+        for u in range(depth.shape[1]):
+            d = depth[v, u]
+            if not (_LEAST_DEPTH_M < d < np.inf):
+                continue
+            x = (u - cx) / fx
+            # An end that may as well be two cells off says nothing.
+            if d * math.sqrt(x * x + y * y + 1.0) > max_range:
+                continue
+            if 2.0 * inverse_sigma * d * d > resolution:
+                continue
+            i, j, k = _cell(eye, rotation, x, y, d, corner, resolution)
+            if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
+                seen_in[i, j, k] = number
+                evidence[i, j, k] = min(evidence[i, j, k] + HIT, MOST_OCCUPIED)
+    for is_shadow in (True, False):
+        for a in range(nearest.shape[0]):
+            y = (a * BLOCK_PX + 1 - cy) / fy
+            for b in range(nearest.shape[1]):
+                x = (b * BLOCK_PX + 1 - cx) / fx
+                near, far = 0.0, max_range / math.sqrt(x * x + y * y + 1.0)
+                if is_shadow:
+                    near = nearest[a, b]
+                else:
+                    far = min(far, sure[a, b])
+                    far -= 2.0 * inverse_sigma * far * far
+                if near < far:
+                    _pass(
+                        *(evidence, seen_in, number, eye, rotation),
+                        *(x, y, near, far, corner, resolution, is_shadow),
+                    )
+
+
+@kernel
+def _cell(
+    eye: np.ndarray,
+    rotation: np.ndarray,
+    x: float,
+    y: float,
+    d: float,
+    corner: np.ndarray,
+    resolution: float,
+) -> tuple[int, int, int]:
+    p = eye[0] + d * (rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2])
+    q = eye[1] + d * (rotation[1, 0] * x + rotation[1, 1] * y + rotation[1, 2])
+    r = eye[2] + d * (rotation[2, 0] * x + rotation[2, 1] * y + rotation[2, 2])
+    return (
+        math.floor((p - corner[0]) / resolution),
+        math.floor((q - corner[1]) / resolution),
+        math.floor((r - corner[2]) / resolution),
+    )
+
+
+@kernel
+def _is_inside(i: int, j: int, k: int, cells: np.ndarray) -> bool:
+    return 0 <= i < cells.shape[0] and 0 <= j < cells.shape[1] and 0 <= k < cells.shape[2]
+
+
+@kernel
+def _nearest_of_blocks(
+    depth: Float[np.ndarray, "h w"],
+) -> tuple[Float[np.ndarray, "a b"], Float[np.ndarray, "a b"]]:
+    """Least depth of each block of pixels, inf without any, and of it and those beside it.
+
+    In the second a block without any counts as the least of its wider neighbourhood.
+    """
+    rows, columns = depth.shape[0] // BLOCK_PX, depth.shape[1] // BLOCK_PX
+    nearest = np.full((rows, columns), np.inf, dtype=np.float32)
+    for v in range(rows * BLOCK_PX):
+        for u in range(columns * BLOCK_PX):
+            d = depth[v, u]
+            if _LEAST_DEPTH_M < d < nearest[v // BLOCK_PX, u // BLOCK_PX]:
+                nearest[v // BLOCK_PX, u // BLOCK_PX] = d
+    wider = _least_around(nearest, _NEIGHBOURHOOD)
+    filled = np.where(nearest < np.inf, nearest, wider)
+    return nearest, _least_around(filled, 1)
+
+
+@kernel
+def _least_around(values: Float[np.ndarray, "a b"], reach: int) -> Float[np.ndarray, "a b"]:
+    """Least value of a square about each entry."""
+    rows, columns = values.shape
+    along, least = np.empty_like(values), np.empty_like(values)
+    for a in range(rows):
+        for b in range(columns):
+            along[a, b] = values[a, max(b - reach, 0) : b + reach + 1].min()
+    for a in range(rows):
+        for b in range(columns):
+            least[a, b] = along[max(a - reach, 0) : a + reach + 1, b].min()
+    return least
+
+
+@kernel
+def _pass(
+    evidence: np.ndarray,
+    seen_in: np.ndarray,
+    number: int,
+    eye: np.ndarray,
+    rotation: np.ndarray,
+    x: float,
+    y: float,
+    near: float,
+    far: float,
+    corner: np.ndarray,
+    resolution: float,
+    is_shadow: bool,
+) -> None:
+    """Call the cells free that a line of sight passes before the one it ends in.
+
+    Those in a shadow are left as they are, and count as seen.
+    """
+    cell, last, turn = np.empty(3, np.int64), np.empty(3, np.int64), np.empty(3, np.int64)
+    ahead, between = np.empty(3), np.empty(3)
+    for n in range(3):
+        ray = (rotation[n, 0] * x + rotation[n, 1] * y + rotation[n, 2]) / resolution
+        at = (eye[n] - corner[n]) / resolution + near * ray
+        way = (far - near) * ray
+        cell[n], last[n] = math.floor(at), math.floor(at + way)
+        turn[n] = 1 if way > 0.0 else -1
+        between[n] = 1.0 / abs(way) if way != 0.0 else np.inf
+        ahead[n] = between[n] * ((cell[n] + 1 - at) if way > 0.0 else (at - cell[n]))
+        if way == 0.0:
+            ahead[n] = np.inf
+    n_steps = abs(last[0] - cell[0]) + abs(last[1] - cell[1]) + abs(last[2] - cell[2])
+    for _ in range(n_steps):
+        i, j, k = cell[0], cell[1], cell[2]
+        if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
+            seen_in[i, j, k] = number
+            if not is_shadow:
+                evidence[i, j, k] = max(evidence[i, j, k] - MISS, MOST_FREE)
+        n = 0 if ahead[0] <= ahead[1] else 1
+        n = n if ahead[n] <= ahead[2] else 2
+        cell[n] += turn[n]
+        ahead[n] += between[n]

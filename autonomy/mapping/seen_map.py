@@ -1,0 +1,310 @@
+"""The map of a place that nobody knew before: cells seen free, seen occupied, or not seen.
+
+Whatever was not seen free is an obstacle to the proof of a plan.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from autonomy.jit import kernel
+from autonomy.mapping.distances import boxes_about, distance_to_marked
+from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, integrate
+from autonomy.model.quadrotor import Vector3
+from autonomy.perception.depth_image import DepthImage
+from autonomy.planning.field import DistanceField
+from autonomy.planning.obstacles import Obstacles
+
+UNSEEN_LACK = 0.25
+"""Cells without room that is seen cost as if so much of the comfortable distance were lacking."""
+_REACH_CELLS = 5
+_SURFACE_M = 0.05
+_N_NUMBERS = 127
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SeenMapCfg:
+    """How a map is built."""
+
+    resolution_m: float = 0.25
+    max_range_m: float = 8.0
+    """Depth beyond this is not believed."""
+    cap_m: float = 1.5
+    """Distances are capped here."""
+    nearby_m: float = 10.0
+    """How far from the last camera position `obstacles` reach."""
+    camera_pitch_down_rad: float = math.radians(15.0)
+    """Of the camera that looks ahead: from where it can see a place."""
+    camera_vertical_fov_rad: float = math.radians(60.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Errand:
+    """Cells that the way to a goal leads through, and from where they can be seen."""
+
+    path: Int[np.ndarray, "n 3"]
+    """Free cells to the place to look from; the last alone if that is where the vehicle is."""
+    targets: Int[np.ndarray, "k 3"]
+    facing_since: int | None = None
+    """Images that had been taken when the camera faced them."""
+
+
+class SeenMap:
+    """Cells of a flight volume.
+
+    Attributes:
+        evidence: Of each cell: free up to `FREE_AT`, occupied from `OCCUPIED_AT` on, else unknown.
+        n_images: Images taken in so far.
+        errand: What the vehicle set out to look at, None for nothing in particular.
+        eye_enu_m: Where the last of them was taken from; the start before.
+    """
+
+    def __init__(
+        self, low_enu_m: Vector3, high_enu_m: Vector3, cfg: SeenMapCfg | None = None
+    ) -> None:
+        """An empty map of a flight volume, of which nothing is known.
+
+        Args:
+            low_enu_m: Lower corner.
+            high_enu_m: Upper corner; nothing beyond a whole number of cells is flown in.
+            cfg: How it is built.
+        """
+        self.cfg = SeenMapCfg() if cfg is None else cfg
+        self.corner_enu_m = np.array(low_enu_m, dtype=float)
+        size = (np.array(high_enu_m) - self.corner_enu_m) / self.cfg.resolution_m
+        shape = np.maximum(np.floor(size + 1e-6), 1).astype(np.int64)
+        self.evidence = np.zeros(shape, dtype=np.int8)
+        self.n_images = 0
+        self.errand: Errand | None = None
+        x, y, z = ((np.array(low_enu_m) + high_enu_m) / 2).tolist()
+        self.eye_enu_m: Vector3 = (x, y, z)
+        self._seen_in = np.zeros(shape, dtype=np.int8)
+        self._distance_m = np.zeros(shape, dtype=np.float32)
+        self._route_m = np.full(shape, self.cfg.cap_m, dtype=np.float32)
+        self._needed_m = 0.0
+        # First and beyond the last cell of what changed since the distances were computed.
+        self._changed = np.array([shape, np.zeros(3, dtype=np.int64)])
+        self._obstacles: Obstacles | None = None
+
+    def observe(self, image: DepthImage) -> None:
+        """Take in a depth image."""
+        cfg = self.cfg
+        self.n_images += 1
+        eye = np.array(image.position_enu_m, dtype=float)
+        integrate(
+            self.evidence,
+            self._seen_in,
+            1 + self.n_images % _N_NUMBERS,
+            np.ascontiguousarray(image.depth_m, dtype=np.float32),
+            np.array([image.fx, image.fy, image.cx, image.cy], dtype=float),
+            eye,
+            np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
+            self.corner_enu_m,
+            cfg.resolution_m,
+            cfg.max_range_m,
+            image.inverse_depth_sigma_pm,
+        )
+        self.eye_enu_m = image.position_enu_m
+        self._change(self._view_block(image))
+
+    def assume_free_column(
+        self, foot_enu_m: Vector3, *, radius_m: float = 1.1, height_m: float = 3.4
+    ) -> None:
+        """Take the air above the start as free, until it is seen otherwise.
+
+        Args:
+            foot_enu_m: Where the vehicle stands.
+            radius_m: Of the column.
+            height_m: Of the column: as high as the vehicle rises before it looks around, and more.
+        """
+        reach = (radius_m, radius_m, height_m)
+        low = self.cells(np.array(foot_enu_m) - (radius_m, radius_m, 0.0))
+        high = self.cells(np.array(foot_enu_m) + reach) + 1
+        block = self._within(np.array([low, high]))
+        x, y, z = np.meshgrid(*self._axes(block), indexing="ij", sparse=True)
+        across = np.hypot(x - foot_enu_m[0], y - foot_enu_m[1])
+        # A cell that the surface just reaches the middle of stands for the air above it.
+        is_above = z >= foot_enu_m[2] - _SURFACE_M
+        is_assumed = (across <= radius_m) & is_above & (z <= foot_enu_m[2] + height_m)
+        part = self.evidence[slices(block)]
+        part[is_assumed & (part < OCCUPIED_AT)] = FREE_AT
+        self.eye_enu_m = foot_enu_m
+        self._change(block)
+
+    def give_up(self, cells: Int[np.ndarray, "n 3"]) -> None:
+        """Take cells for occupied that could not be seen, until they are."""
+        self.evidence[tuple(cells.T)] = OCCUPIED_AT
+        self._change(np.array([cells.min(axis=0), cells.max(axis=0) + 1]))
+
+    def cells(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> Int[np.ndarray, "*b 3"]:
+        """Indices of the cells that hold the points."""
+        offset = (np.asarray(points_enu_m) - self.corner_enu_m) / self.cfg.resolution_m
+        return np.floor(offset).astype(np.int64)
+
+    def centres(self, cells: Int[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
+        """Centres of cells, ENU, m."""
+        return self.corner_enu_m + (np.asarray(cells) + 0.5) * self.cfg.resolution_m
+
+    def distance_to_seen_m(
+        self, points_enu_m: Float[np.ndarray, "k 3"], at_least: int = HIT
+    ) -> Float[np.ndarray, " k"]:
+        """Distance to the nearest cell that a measurement hit, up to five cells.
+
+        Args:
+            points_enu_m: From where.
+            at_least: Evidence of the cells that count.
+        """
+        points = np.ascontiguousarray(points_enu_m, dtype=float)
+        return distance_to_cells(
+            points, self.evidence, at_least, self.corner_enu_m, self.cfg.resolution_m
+        )
+
+    def distance_to_standing_m(
+        self, points_enu_m: Float[np.ndarray, "k 3"]
+    ) -> Float[np.ndarray, " k"]:
+        """Distance to the nearest cell that was occupied in several images: not by what moves."""
+        return self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
+
+    @property
+    def field(self) -> DistanceField:
+        """Distances to whatever was not seen free."""
+        self._refresh()
+        return self._as_field(self._distance_m, np.zeros(3, dtype=np.int64))
+
+    @property
+    def obstacles(self) -> Obstacles:
+        """Whatever was not seen free near the camera, as boxes; beyond that everything."""
+        if self._obstacles is None:
+            at, reach = np.array(self.eye_enu_m), self.cfg.nearby_m
+            block = self._within(np.array([self.cells(at - reach), self.cells(at + reach) + 1]))
+            self._obstacles = self.obstacles_in(block)
+        return self._obstacles
+
+    def obstacles_in(self, block: Int[np.ndarray, "2 3"]) -> Obstacles:
+        """Whatever was not seen free in a block of cells, and all outside it, as boxes."""
+        is_free = np.ascontiguousarray(self.evidence[slices(block)] <= FREE_AT)
+        corner = self.corner_enu_m + block[0] * self.cfg.resolution_m
+        return boxes_about(is_free, corner, self.cfg.resolution_m)
+
+    def field_in(self, block: Int[np.ndarray, "2 3"]) -> DistanceField:
+        """Distances to whatever was not seen free, of a block of cells."""
+        self._refresh()
+        part = np.ascontiguousarray(self._distance_m[slices(block)])
+        return self._as_field(part, block[0])
+
+    def route_m(self, needed_m: float) -> Float[np.ndarray, "nx ny nz"]:
+        """Distances for a search that also passes what was not seen, at a price.
+
+        Where there is less than `needed_m` to what was seen occupied the distance to that, else,
+        where that much room was not seen free, a distance that is less than comfortable.
+        """
+        if needed_m != self._needed_m:
+            self._needed_m = needed_m
+            self._change(np.array([np.zeros(3, dtype=np.int64), self.evidence.shape]))
+        self._refresh()
+        return self._route_m
+
+    def block_about(self, cells: Int[np.ndarray, "n 3"], margin_m: float) -> Int[np.ndarray, "2 3"]:
+        """First cell, and the cell beyond the last, of a block that holds cells and a margin."""
+        n = math.ceil(margin_m / self.cfg.resolution_m)
+        return self._within(np.array([cells.min(axis=0) - n, cells.max(axis=0) + 1 + n]))
+
+    def _as_field(self, distance_m: np.ndarray, first: np.ndarray) -> DistanceField:
+        x, y, z = self.centres(first).tolist()
+        return DistanceField(
+            origin_enu_m=(x, y, z), resolution_m=self.cfg.resolution_m, distance_m=distance_m
+        )
+
+    def _axes(self, block: np.ndarray) -> list[np.ndarray]:
+        return [
+            self.corner_enu_m[n] + (np.arange(*block[:, n]) + 0.5) * self.cfg.resolution_m
+            for n in range(3)
+        ]
+
+    def _within(self, block: np.ndarray) -> np.ndarray:
+        return np.clip(block, 0, self.evidence.shape)
+
+    def _view_block(self, image: DepthImage) -> np.ndarray:
+        """A block that holds all that an image may have changed: the pyramid of its view."""
+        height, width = image.depth_m.shape
+        ends = [np.array(image.position_enu_m, dtype=float)]
+        for u in (0, width):
+            for v in (0, height):
+                ray = np.array([(u - image.cx) / image.fx, (v - image.cy) / image.fy, 1.0])
+                ends.append(ends[0] + self.cfg.max_range_m * image.rotation_enu_from_optical @ ray)
+        return self.block_about(self.cells(np.array(ends)), self.cfg.resolution_m)
+
+    def _change(self, block: np.ndarray) -> None:
+        np.minimum(self._changed[0], block[0], out=self._changed[0])
+        np.maximum(self._changed[1], block[1], out=self._changed[1])
+        self._obstacles = None
+
+    def _refresh(self) -> None:
+        """Compute the distances anew wherever they may have changed."""
+        if np.any(self._changed[0] >= self._changed[1]):
+            return
+        cfg = self.cfg
+        n = math.ceil(cfg.cap_m / cfg.resolution_m + 0.5)
+        inner = self._within(self._changed + np.array([[-n], [n]]))
+        outer = self._within(self._changed + np.array([[-2 * n], [2 * n]]))
+        evidence = self.evidence[slices(outer)]
+        within = slices(inner - outer[0])
+        free = _distances(evidence > FREE_AT, cfg)[within]
+        route = _distances(evidence >= OCCUPIED_AT, cfg)[within]
+        for axis in range(3):
+            # Nothing outside the volume is free.
+            cells = np.arange(*inner[:, axis])
+            border = np.minimum(cells, self.evidence.shape[axis] - 1 - cells) + 0.5
+            border = (border * cfg.resolution_m).astype(np.float32)
+            border = border.reshape([-1 if n == axis else 1 for n in range(3)])
+            np.minimum(free, border, out=free)
+            np.minimum(route, border, out=route)
+        self._distance_m[slices(inner)] = free
+        comfortable = cfg.cap_m - UNSEEN_LACK * (cfg.cap_m - self._needed_m)
+        is_unseen = (free < self._needed_m) & (route >= self._needed_m)
+        route[is_unseen] = np.minimum(route[is_unseen], np.float32(comfortable))
+        self._route_m[slices(inner)] = route
+        self._changed = np.array([self.evidence.shape, np.zeros(3, dtype=np.int64)])
+
+
+def _distances(marked: Bool[np.ndarray, "nx ny nz"], cfg: SeenMapCfg) -> np.ndarray:
+    return distance_to_marked(np.ascontiguousarray(marked), cfg.resolution_m, cfg.cap_m)
+
+
+def slices(block: Int[np.ndarray, "2 3"]) -> tuple[slice, slice, slice]:
+    """Of an array of cells, a block given by its first cell and the cell beyond its last."""
+    (i, j, k), (u, v, w) = block.tolist()
+    return slice(i, u), slice(j, v), slice(k, w)
+
+
+@kernel
+def distance_to_cells(
+    points: Float[np.ndarray, "k 3"],
+    evidence: Int[np.ndarray, "nx ny nz"],
+    at_least: int,
+    corner: Float[np.ndarray, " 3"],
+    resolution: float,
+) -> Float[np.ndarray, " k"]:
+    """Distance from points to the nearest cell with some evidence, within a few cells of them."""
+    nx, ny, nz = evidence.shape
+    distance = np.full(len(points), _REACH_CELLS * resolution)
+    for n in range(len(points)):
+        x, y, z = (points[n] - corner) / resolution
+        a, b, c = math.floor(x), math.floor(y), math.floor(z)
+        best = (distance[n] / resolution) ** 2
+        for i in range(max(a - _REACH_CELLS, 0), min(a + _REACH_CELLS + 1, nx)):
+            dx = max(i - x, x - i - 1, 0.0)
+            for j in range(max(b - _REACH_CELLS, 0), min(b + _REACH_CELLS + 1, ny)):
+                dy = max(j - y, y - j - 1, 0.0)
+                if dx * dx + dy * dy >= best:
+                    continue
+                for k in range(max(c - _REACH_CELLS, 0), min(c + _REACH_CELLS + 1, nz)):
+                    if evidence[i, j, k] >= at_least:
+                        dz = max(k - z, z - k - 1, 0.0)
+                        best = min(best, dx * dx + dy * dy + dz * dz)
+        distance[n] = math.sqrt(best) * resolution
+    return distance

@@ -1,0 +1,112 @@
+"""From where a place can be seen: lines of sight through cells that are not occupied."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from autonomy.jit import kernel
+from autonomy.mapping.rays import OCCUPIED_AT
+
+_STEP = 0.5
+"""Of a cell, between samples of a line of sight."""
+
+Sight = tuple[float, float, float, float]
+"""Least and most rise of a line of sight over its horizontal length; least and most length."""
+
+
+@kernel
+def visible(
+    eye: Float[np.ndarray, " 3"],
+    targets: Int[np.ndarray, "n 3"],
+    evidence: Int[np.ndarray, "nx ny nz"],
+    sight: Sight,
+) -> Bool[np.ndarray, " n"]:
+    """Which cells a camera sees that turns about the vertical at a place, all in cells."""
+    is_seen = np.zeros(len(targets), dtype=np.bool_)
+    for n in range(len(targets)):
+        is_seen[n] = _sees(eye, targets[n], evidence, sight)
+    return is_seen
+
+
+@kernel
+def _sees(eye: np.ndarray, target: np.ndarray, evidence: np.ndarray, sight: Sight) -> bool:
+    x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
+    across = math.sqrt(x * x + y * y)
+    length = math.sqrt(across * across + z * z)
+    if not (sight[2] <= length <= sight[3] and sight[0] * across <= z <= sight[1] * across):
+        return False
+    n_steps = int(length / _STEP)
+    for n in range(1, n_steps):
+        s = n / n_steps
+        i, j, k = round(eye[0] + s * x), round(eye[1] + s * y), round(eye[2] + s * z)
+        if i == target[0] and j == target[1] and k == target[2]:
+            return True
+        if evidence[i, j, k] >= OCCUPIED_AT:
+            return False
+    return True
+
+
+@kernel
+def nearest_viewpoint(
+    distance: Float[np.ndarray, "nx ny nz"],
+    start: Int[np.ndarray, " 3"],
+    required: float,
+    targets: Int[np.ndarray, "n 3"],
+    evidence: Int[np.ndarray, "nx ny nz"],
+    sight: Sight,
+) -> Int[np.ndarray, "k 3"]:
+    """The nearest cell that free cells join to the start and that sees one of the targets.
+
+    Args:
+        distance: To what is not free.
+        start: Where the vehicle is.
+        required: Least distance of cells to fly through.
+        targets: Cells to be seen.
+        evidence: Which cells are in the way of sight.
+        sight: How steep and how long lines of sight may be.
+
+    Returns:
+        The cells from there back to the start, or none.
+    """
+    nx, ny, nz = distance.shape
+    cost = np.full((nx, ny, nz), np.inf, dtype=np.float32)
+    came_from = np.full((nx, ny, nz), -1, dtype=np.int32)
+    first = (start[0] * ny + start[1]) * nz + start[2]
+    cost[start[0], start[1], start[2]] = 0.0
+    queue: list[Any] = [(0.0, first)]
+    eye = np.empty(3)
+    found = -1
+    while len(queue) > 0 and found < 0:
+        so_far, here = heapq.heappop(queue)
+        i, j, k = here // (ny * nz), here // nz % ny, here % nz
+        if so_far > cost[i, j, k]:
+            continue
+        eye[0], eye[1], eye[2] = i, j, k
+        if here != first:
+            for n in range(len(targets)):
+                if _sees(eye, targets[n], evidence, sight):
+                    found = here
+                    break
+        for di, dj, dk in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+            u, v, w = i + di, j + dj, k + dk
+            if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
+                continue
+            if distance[u, v, w] >= required and so_far + 1.0 < cost[u, v, w]:
+                cost[u, v, w] = so_far + 1.0
+                came_from[u, v, w] = here
+                heapq.heappush(queue, (so_far + 1.0, (u * ny + v) * nz + w))
+    count, here = 0, found
+    while here >= 0:
+        count += 1
+        here = came_from[here // (ny * nz), here // nz % ny, here % nz]
+    path = np.empty((count, 3), dtype=np.int64)
+    here = found
+    for n in range(count):
+        path[n, 0], path[n, 1], path[n, 2] = here // (ny * nz), here // nz % ny, here % nz
+        here = came_from[path[n, 0], path[n, 1], path[n, 2]]
+    return path

@@ -1,0 +1,102 @@
+"""Distances to what stands, remembered by cells of space: an exact one costs microseconds a point.
+
+A hash table with open addressing; its hash is Teschner's for cells of space.
+
+Source: Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable
+objects".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.jit import kernel
+
+StaticDistance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, " n"]]
+"""Signed distance from points, ENU, to the nearest surface that is known to stand, m."""
+
+_N_SLOTS = 1 << 18
+_MOST_FILLED = _N_SLOTS // 2
+_BITS = 21
+_LOW_BITS = (1 << _BITS) - 1
+_EMPTY = -1
+
+
+class CellDistances:
+    """Distances at the middles of cells, asked for once and kept for a while."""
+
+    def __init__(self, cell_m: float, remember_s: float) -> None:
+        """Begin with nothing.
+
+        Args:
+            cell_m: Edge of a cell.
+            remember_s: After how long everything is asked for again: a map may grow.
+        """
+        self._cell_m = cell_m
+        self._remember_s = remember_s
+        self._keys = np.full(_N_SLOTS, _EMPTY, dtype=np.int64)
+        self._distance_m = np.zeros(_N_SLOTS)
+        self._n_filled = 0
+        self._since_s = -np.inf
+
+    def forget_old(self, time_s: float) -> None:
+        """Forget everything if it is old by now, or too much."""
+        if time_s - self._since_s >= self._remember_s or self._n_filled > _MOST_FILLED:
+            self._keys[:] = _EMPTY
+            self._n_filled = 0
+            self._since_s = time_s
+
+    def at(
+        self, points_enu_m: Float[np.ndarray, "n 3"], static_distance_m: StaticDistance
+    ) -> Float[np.ndarray, " n"]:
+        """Distance at the middle of the cell that holds each point."""
+        points = points_enu_m[: _N_SLOTS - 1 - self._n_filled]
+        slot, new_slot, new_middles = find_cells(points, self._cell_m, self._keys)
+        if len(new_slot):
+            self._distance_m[new_slot] = static_distance_m(new_middles)
+            self._n_filled += len(new_slot)
+        distance_m = self._distance_m[slot]
+        if len(points) == len(points_enu_m):
+            return distance_m
+        return np.concatenate([distance_m, static_distance_m(points_enu_m[len(points) :])])
+
+
+@kernel
+def find_cells(
+    points: Float[np.ndarray, "n 3"], cell: float, keys: Int[np.ndarray, " s"]
+) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " k"], Float[np.ndarray, "k 3"]]:
+    """Slot of the cell of each point; cells that had none get one.
+
+    Args:
+        points: In space.
+        cell: Edge of a cell.
+        keys: Of the cells in the table, changed; must not fill up.
+
+    Returns:
+        Slots of the points, slots that are new, and the middles of their cells.
+    """
+    n = len(points)
+    slots = np.empty(n, dtype=np.int64)
+    new_slots = np.empty(n, dtype=np.int64)
+    middles = np.empty((n, 3))
+    n_new = 0
+    mask = len(keys) - 1
+    for i in range(n):
+        x, y, z = points[i, 0] // cell, points[i, 1] // cell, points[i, 2] // cell
+        a, b, c = int(x) & _LOW_BITS, int(y) & _LOW_BITS, int(z) & _LOW_BITS
+        key = (a << (2 * _BITS)) | (b << _BITS) | c
+        slot = ((a * 73856093) ^ (b * 19349663) ^ (c * 83492791)) & mask
+        while keys[slot] != key and keys[slot] != _EMPTY:
+            slot = (slot + 1) & mask
+        if keys[slot] == _EMPTY:
+            keys[slot] = key
+            new_slots[n_new] = slot
+            middles[n_new, 0] = (x + 0.5) * cell
+            middles[n_new, 1] = (y + 0.5) * cell
+            middles[n_new, 2] = (z + 0.5) * cell
+            n_new += 1
+        slots[i] = slot
+    return slots, new_slots[:n_new], middles[:n_new]

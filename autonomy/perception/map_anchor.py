@@ -1,0 +1,284 @@
+"""Where the frame of the estimate lies in the map: an offset and a yaw, held up by depth images.
+
+    symbol   name                                        unit
+    x        offset o (3) and yaw a of the anchor        m, rad
+    P        its covariance
+    q        position by the estimate, ENU               m
+
+    in the map: q + o, and every direction turned by a about the vertical
+
+A receiver of metre grade wanders and odometry drifts; what a camera sees of a known map does not.
+x does a random walk; each depth image is laid onto the map (`registration.py`) and fused as a
+measurement of those directions alone about which it says something: over a level roof that is the
+height, along a wall all but the way along it.
+
+Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and
+navigation", section 5.2 (Kalman filter); Zhang, Kaess and Singh 2016, "On degeneracy of
+optimization-based state estimation problems" (directions left alone).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.map_anchor_cfg import MapAnchorCfg
+from autonomy.perception.map_match import MapMatcher, Match
+from autonomy.planning.obstacles import Obstacles
+from autonomy.rotation import wrap_angle
+from autonomy.types import FlatReference, Quaternion
+
+_BARE_RECEIVER = MapAnchorCfg()
+_LONGEST_PAUSE_S = 60.0
+_HEIGHT_TO_ACROSS = 1.5
+"""Deviation of a receiver's height to that across: ionosphere, and no satellites below."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AnchorFix:
+    """What came of one depth image."""
+
+    accepted: bool
+    """Whether it was fused."""
+    reason: str
+    """Why, or why not, in a few words."""
+    offset_enu_m: Vector3
+    """From the estimate to the map, as this image and all before have it."""
+    yaw_rad: float
+    """From the estimate to the map, likewise."""
+    residual_m: float
+    """Mean distance of the explained points from the map's surfaces."""
+    inlier_share: float
+    """Of the points, that the map explains."""
+    sigma_m: float
+    """Standard deviation of the offset, the worst horizontal direction."""
+
+
+class MapAnchor:
+    """Keeps the estimate of a vehicle tied to a map that was given.
+
+    Attributes:
+        fix: What came of the latest image, None before the first.
+    """
+
+    def __init__(self, obstacles: Obstacles, cfg: MapAnchorCfg = _BARE_RECEIVER) -> None:
+        """Begin with nothing but what the estimate claims of itself.
+
+        Args:
+            obstacles: The map.
+            cfg: How far the estimate may be off.
+        """
+        self._cfg = cfg
+        self._matcher = MapMatcher(obstacles)
+        self._claimed_m = (math.nan, math.nan)
+        self._x = np.zeros(4)
+        self._covariance = self._claimed_covariance()
+        self._in_use = np.zeros(4)
+        self._rate = np.zeros(4)
+        self._time_s: float | None = None
+        self._used_at_s: float | None = None
+        self.fix: AnchorFix | None = None
+
+    @property
+    def sigma_m(self) -> float:
+        """Standard deviation of the offset, the worst horizontal direction."""
+        return math.sqrt(float(np.linalg.eigvalsh(self._covariance[:2, :2])[-1]))
+
+    @property
+    def offset_enu_m(self) -> Vector3:
+        """What is added at present to a position of the estimate."""
+        east, north, up, _ = self._in_use.tolist()
+        return east, north, up
+
+    def claim(self, horizontal_m: float, vertical_m: float = math.inf) -> None:
+        """Take over how good the autopilot says that its estimate is, as often as it says so.
+
+        A better one moves less from image to image, and is searched for less far.
+
+        Args:
+            horizontal_m: Standard deviation of the estimate, each horizontal axis.
+            vertical_m: Of its height; infinite for half as much again as across.
+        """
+        if (horizontal_m, vertical_m) == self._claimed_m:
+            return
+        self._claimed_m = (horizontal_m, vertical_m)
+        if not math.isfinite(vertical_m):
+            vertical_m = _HEIGHT_TO_ACROSS * horizontal_m
+        self._cfg = self._cfg.for_accuracy(horizontal_m, vertical_m)
+        if self._time_s is None:
+            self._covariance = self._claimed_covariance()
+
+    def stand_at(
+        self,
+        time_s: float,
+        position_est_m: Vector3,
+        position_map_m: Vector3,
+        sigma_m: float = 0.1,
+    ) -> None:
+        """Tell it a place where the vehicle is known to be: the pad that it starts from.
+
+        The offset in use jumps there: nothing flies yet.
+
+        Args:
+            time_s: Now.
+            position_est_m: Of the vehicle by the estimate, ENU.
+            position_map_m: Of the vehicle in the map, ENU.
+            sigma_m: How well that is known, each axis.
+        """
+        self._let_drift(time_s)
+        there = np.subtract(position_map_m, position_est_m)
+        self._fuse(there, np.eye(4)[:, :3], np.full(3, sigma_m**2))
+        self._in_use, self._rate = self._x.copy(), np.zeros(4)
+        self._used_at_s = time_s
+
+    def update(self, time_s: float, image: DepthImage) -> AnchorFix:
+        """Register a depth image with the map, and fuse what it tells.
+
+        Args:
+            time_s: When it was taken.
+            image: Posed by the estimate.
+        """
+        self._let_drift(time_s)
+        match = self._matcher.match(image, self._x, self._covariance)
+        if match.is_doubtful:
+            self._doubt()
+            match = self._matcher.match(image, self._x, self._covariance)
+        reason = self._objection(match)
+        if reason is None:
+            self._fuse(match.measured, match.directions, self._variances(match))
+        east, north, up, yaw = self._x.tolist()
+        self.fix = AnchorFix(
+            accepted=reason is None,
+            reason=reason or f"{match.directions.shape[1]} directions seen",
+            offset_enu_m=(east, north, up),
+            yaw_rad=yaw,
+            residual_m=match.residual_m,
+            inlier_share=match.inlier_share,
+            sigma_m=self.sigma_m,
+        )
+        return self.fix
+
+    def advance(self, time_s: float) -> None:
+        """Slew the offset in use towards the fused one: setpoints must not jump."""
+        elapsed_s = 0.0 if self._used_at_s is None else max(time_s - self._used_at_s, 0.0)
+        self._used_at_s = time_s
+        if elapsed_s == 0.0:
+            return
+        lack = self._x - self._in_use
+        lack[3] = wrap_angle(lack[3])
+        step = lack * -math.expm1(-elapsed_s / self._cfg.slew_s)
+        away_m, most_m = float(np.linalg.norm(step[:3])), self._cfg.slew_mps * elapsed_s
+        if away_m > most_m:
+            step *= most_m / away_m
+        self._in_use = self._in_use + step
+        self._rate = step / elapsed_s
+
+    def to_map(self, position_est_m: Vector3, yaw_est_rad: float) -> tuple[Vector3, float]:
+        """Position and yaw of the vehicle in the map, from those of the estimate."""
+        return self._moved(position_est_m), wrap_angle(yaw_est_rad + float(self._in_use[3]))
+
+    def attitude_to_map(self, quat_est_wxyz: Quaternion) -> Quaternion:
+        """Attitude in the map, from that of the estimate."""
+        half = 0.5 * float(self._in_use[3])
+        c, s = math.cos(half), math.sin(half)
+        w, x, y, z = quat_est_wxyz
+        return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
+
+    def vector_to_map(self, vector_est: Vector3) -> Vector3:
+        """A velocity or another direction in the map, from that of the estimate."""
+        return _turned(vector_est, float(self._in_use[3]))
+
+    def image_to_map(self, image: DepthImage) -> DepthImage:
+        """An image posed by the estimate, posed in the map."""
+        yaw_rad = float(self._in_use[3])
+        c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return replace(
+            image,
+            position_enu_m=self._moved(image.position_enu_m),
+            rotation_enu_from_optical=turn @ image.rotation_enu_from_optical,
+        )
+
+    def to_estimate(self, reference: FlatReference) -> FlatReference:
+        """A setpoint in the frame of the estimate, from one in the map."""
+        back_rad = -float(self._in_use[3])
+        x, y, z = reference.position_enu_m
+        east, north, up = self.offset_enu_m
+        vx, vy, vz = _turned(reference.velocity_enu_mps, back_rad)
+        rates: list[float] = self._rate.tolist()
+        return replace(
+            reference,
+            position_enu_m=(x - east, y - north, z - up),
+            velocity_enu_mps=(vx - rates[0], vy - rates[1], vz - rates[2]),
+            acceleration_enu_mps2=_turned(reference.acceleration_enu_mps2, back_rad),
+            jerk_enu_mps3=_turned(reference.jerk_enu_mps3, back_rad),
+            yaw_rad=wrap_angle(reference.yaw_rad + back_rad),
+        )
+
+    def _moved(self, position_est_m: Vector3) -> Vector3:
+        x, y, z = position_est_m
+        east, north, up = self.offset_enu_m
+        return x + east, y + north, z + up
+
+    def _claimed_covariance(self) -> Float[np.ndarray, "4 4"]:
+        cfg = self._cfg
+        h, v, yaw = cfg.horizontal_sigma_m, cfg.vertical_sigma_m, cfg.yaw_sigma_rad
+        return np.diag([h * h, h * h, v * v, yaw * yaw])
+
+    def _let_drift(self, time_s: float) -> None:
+        """Random walk since the last time."""
+        elapsed_s = 0.0 if self._time_s is None else time_s - self._time_s
+        self._time_s = time_s
+        cfg = self._cfg
+        h, v, yaw = cfg.horizontal_walk**2, cfg.vertical_walk**2, cfg.yaw_walk**2
+        walk = np.diag([h, h, v, yaw]) * min(max(elapsed_s, 0.0), _LONGEST_PAUSE_S)
+        self._covariance = self._covariance + walk
+
+    def _objection(self, match: Match) -> str | None:
+        """What speaks against a match, None if nothing does."""
+        if match.objection is not None:
+            return match.objection
+        least = self._cfg.least_inlier_share
+        if match.inlier_share < least:
+            return f"the map explains {match.inlier_share:.0%} of the points; wanted: {least:.0%}"
+        return None
+
+    def _doubt(self) -> None:
+        """Search a little farther: the map explains an image less well than it should."""
+        h, v = self._cfg.doubt_m**2, (0.5 * self._cfg.doubt_m) ** 2
+        more = np.array([h, h, v, 0.0])
+        self._covariance = self._covariance + np.diag(more)
+        most = np.maximum(self._claimed_covariance().diagonal(), more)
+        shrink = np.sqrt(np.minimum(most / self._covariance.diagonal(), 1.0))
+        self._covariance *= np.outer(shrink, shrink)
+
+    def _variances(self, match: Match) -> Float[np.ndarray, " k"]:
+        """Of each measured direction, with what no image can do better."""
+        floor = np.where(match.is_angle, self._cfg.fix_yaw_sigma_rad**2, self._cfg.fix_sigma_m**2)
+        return match.variances + floor
+
+    def _fuse(
+        self,
+        measured: Float[np.ndarray, " k"],
+        directions: Float[np.ndarray, "4 k"],
+        variances: Float[np.ndarray, " k"],
+    ) -> None:
+        """Kalman update by values of `directions.T @ x`."""
+        if not len(measured):
+            return
+        spread = self._covariance @ directions
+        gain = spread @ np.linalg.inv(directions.T @ spread + np.diag(variances))
+        self._x = self._x + gain @ (measured - directions.T @ self._x)
+        covariance = self._covariance - gain @ spread.T
+        self._covariance = 0.5 * (covariance + covariance.T)
+
+
+def _turned(vector: Vector3, angle_rad: float) -> Vector3:
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    x, y, z = vector
+    return c * x - s * y, s * x + c * y, z

@@ -1,0 +1,246 @@
+"""Finds where a depth image fits into a map: near where it is thought to be, or anywhere about.
+
+Where the offset is known to a third of a metre, one registration from there will do. Where it is
+not, a lattice of offsets is scanned with a few points, the best nodes are registered, and what two
+of them explain equally well is refused.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.point_spread import spread_points
+from autonomy.perception.registration import appraise, register, scan
+from autonomy.perception.solid_index import SolidIndex
+from autonomy.planning.obstacles import Obstacles
+
+_REACH_M = 1.0
+"""From how far a surface pulls a point."""
+_N_POINTS = 700
+_N_SCANNED = 70
+_LEAST_POINTS = 80
+_INDEPENDENT = 25.0
+"""Measurements that an image is worth, however many its points."""
+_LEAST_SUPPORT = 12.0
+"""Points of `_N_POINTS` that must lie across a direction before it counts as seen."""
+_LEAST_INFORMATION = 1e-6
+_KNOWN_M = 0.35
+"""With a standard deviation above it, all about is searched."""
+_SCAN_SIGMAS = 2.5
+_MAX_SCAN_REACH_M = 5.0
+_NODES_PER_REACH = 4
+"""Of the lattice, at most, from its middle to its edge."""
+_SCAN_STEP_M = np.array([0.5, 0.5, 0.4])
+"""At least."""
+_N_STARTS = 8
+_N_PLACES = 3
+_THINNING = 5
+_WIDE_M = np.array([1.0, 1.0, 0.8, 0.6, 0.4])
+_NARROW_M = np.array([0.6, 0.4, 0.3, 0.2, 0.2])
+_SAME_M = 0.35
+_DOUBTFUL_SHARE = 0.93
+_RIVAL_COST = 2.0
+"""A second place whose cost is no higher than this above the best makes it ambiguous."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Match:
+    """Where an image fits."""
+
+    objection: str | None
+    """Why it is not to be used; None where it is."""
+    is_doubtful: bool
+    """Whether the map explains less of it than it does where the offset is right."""
+    measured: Float[np.ndarray, " k"]
+    """Values along the directions that were seen."""
+    directions: Float[np.ndarray, "4 k"]
+    """Of offset and yaw, orthonormal."""
+    variances: Float[np.ndarray, " k"]
+    """Of the values."""
+    is_angle: Bool[np.ndarray, " k"]
+    """Which of them is yaw."""
+    residual_m: float
+    inlier_share: float
+
+
+class MapMatcher:
+    """Lays depth images onto a map."""
+
+    def __init__(self, obstacles: Obstacles) -> None:
+        self._solids = obstacles.solids
+        self._grid = SolidIndex.of(obstacles, reach_m=_REACH_M).grid
+
+    def match(
+        self, image: DepthImage, x: Float[np.ndarray, " 4"], covariance: Float[np.ndarray, "4 4"]
+    ) -> Match:
+        """Where an image fits, by what was known before.
+
+        Args:
+            image: Posed by the estimate.
+            x: Offset and yaw from the estimate to the map.
+            covariance: Of them.
+        """
+        points, sigmas = spread_points(image, _N_POINTS)
+        if len(points) < _LEAST_POINTS:
+            return _nothing(f"{len(points)} points measured; wanted: {_LEAST_POINTS}")
+        view = _View(
+            points=points,
+            sigmas=sigmas,
+            camera=np.array(image.position_enu_m),
+            prior=x,
+            information=np.linalg.inv(covariance),
+            worth=min(1.0, _INDEPENDENT / len(points)),
+        )
+        starts = [x]
+        if covariance[:3, :3].diagonal().max() > _KNOWN_M**2:
+            starts = self._likely_places(view.thinned(), np.sqrt(covariance.diagonal()))
+        found = self._settled(view, starts, _NARROW_M)
+        best = found[0]
+        rival = _rival(found)
+        if rival is not None:
+            return _nothing(f"fits {math.dist(best.x[:3], rival.x[:3]):.1f} m away as well", best)
+        return _seen(view, best)
+
+    def _likely_places(self, view: _View, deviations: np.ndarray) -> list[np.ndarray]:
+        """The best of a lattice about the prior, registered with a few points."""
+        points = np.ascontiguousarray(view.points[:: max(1, len(view.points) // _N_SCANNED)])
+        reach = np.minimum(_SCAN_SIGMAS * deviations[:3], _MAX_SCAN_REACH_M)
+        step = np.maximum(reach / _NODES_PER_REACH, _SCAN_STEP_M)
+        offsets, costs = scan(
+            points, view.camera, view.prior, reach, step, self._solids, self._grid
+        )
+        starts = [view.prior]
+        for k in np.argsort(costs, kind="stable"):
+            if len(starts) > _N_STARTS or not np.isfinite(costs[k]):
+                break
+            if all(np.any(np.abs(offsets[k] - s[:3]) > 1.01 * step) for s in starts[1:]):
+                starts.append(np.append(offsets[k], view.prior[3]))
+        places: list[np.ndarray] = []
+        for found in self._settled(view, starts, _WIDE_M):
+            if all(math.dist(found.x[:3], place[:3]) > _SAME_M for place in places):
+                places.append(found.x)
+        return places[:_N_PLACES]
+
+    def _settled(self, view: _View, starts: list[np.ndarray], widths: np.ndarray) -> list[_Found]:
+        """Where registrations from some starts end, the best first."""
+        return sorted((self._settle(view, s, widths) for s in starts), key=lambda f: f.cost)
+
+    def _settle(self, view: _View, start: np.ndarray, widths: np.ndarray) -> _Found:
+        """Register from a start, and appraise the outcome."""
+        x = register(
+            view.points,
+            view.sigmas,
+            view.camera,
+            start,
+            view.prior,
+            view.information,
+            view.worth,
+            widths,
+            self._solids,
+            self._grid,
+        )
+        cost, share, residual_m, information, support = appraise(
+            view.points, view.sigmas, view.camera, x, view.worth, self._solids, self._grid
+        )
+        away = x - view.prior
+        return _Found(
+            x=x,
+            cost=cost + 0.5 * float(away @ view.information @ away),
+            inlier_share=share,
+            residual_m=residual_m,
+            information=information,
+            support=support,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _View:
+    """An image's points, and what was known before."""
+
+    points: Float[np.ndarray, "n 3"]
+    sigmas: Float[np.ndarray, " n"]
+    camera: Float[np.ndarray, " 3"]
+    prior: Float[np.ndarray, " 4"]
+    information: Float[np.ndarray, "4 4"]
+    worth: float
+    """Independent measurements that a point stands for."""
+
+    def thinned(self) -> _View:
+        """Every few points, worth as much as all."""
+        return replace(
+            self,
+            points=np.ascontiguousarray(self.points[::_THINNING]),
+            sigmas=np.ascontiguousarray(self.sigmas[::_THINNING]),
+            worth=self.worth * _THINNING,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Found:
+    """Where one registration ended."""
+
+    x: Float[np.ndarray, " 4"]
+    cost: float
+    inlier_share: float
+    residual_m: float
+    information: Float[np.ndarray, "4 4"]
+    support: Float[np.ndarray, "3 3"]
+
+
+def _rival(found: list[_Found]) -> _Found | None:
+    """Another place that fits about as well as the best, and that the best rules out."""
+    best = found[0]
+    for other in found[1:]:
+        if other.cost > best.cost + _RIVAL_COST:
+            return None
+        away = other.x - best.x
+        is_ruled_out = float(away @ best.information @ away) > 2.0 * _RIVAL_COST + 4.0
+        if is_ruled_out and math.dist(other.x[:3], best.x[:3]) > _SAME_M:
+            return other
+    return None
+
+
+def _seen(view: _View, best: _Found) -> Match:
+    """The directions that enough points lie across, and what the image says of them."""
+    counts, axes = np.linalg.eigh(best.support * _N_POINTS / len(view.points))
+    columns = [np.append(axes[:, k], 0.0) for k in range(3) if counts[k] >= _LEAST_SUPPORT]
+    level_support = np.linalg.eigvalsh(best.support[:2, :2])[-1] * _N_POINTS / len(view.points)
+    has_yaw = bool(columns) and level_support >= _LEAST_SUPPORT
+    if has_yaw:
+        columns.append(np.array([0.0, 0.0, 0.0, 1.0]))
+    if not columns:
+        return _nothing("nothing of the map in view", best)
+    directions = np.stack(columns, axis=1)
+    # The registration has the prior in it: take it out again.
+    information = directions.T @ best.information @ directions
+    covariance = np.linalg.inv(information + _LEAST_INFORMATION * np.eye(len(columns)))
+    pulled = (best.information + view.information) @ (best.x - view.prior)
+    measured = directions.T @ view.prior + covariance @ (directions.T @ pulled)
+    return Match(
+        objection=None,
+        is_doubtful=best.inlier_share < _DOUBTFUL_SHARE,
+        measured=measured,
+        directions=directions,
+        variances=covariance.diagonal(),
+        is_angle=np.arange(len(columns)) == (len(columns) - 1 if has_yaw else -1),
+        residual_m=best.residual_m,
+        inlier_share=best.inlier_share,
+    )
+
+
+def _nothing(objection: str, best: _Found | None = None) -> Match:
+    return Match(
+        objection=objection,
+        is_doubtful=best is not None and best.inlier_share < _DOUBTFUL_SHARE,
+        measured=np.zeros(0),
+        directions=np.zeros((4, 0)),
+        variances=np.zeros(0),
+        is_angle=np.zeros(0, dtype=bool),
+        residual_m=math.nan if best is None else best.residual_m,
+        inlier_share=0.0 if best is None else best.inlier_share,
+    )

@@ -1,0 +1,206 @@
+"""Moving obstacles from onboard depth: what the map does not explain, followed over images.
+
+Each image's foreground falls into blobs, and blobs close together are one sighting. A sighting
+goes to the track that expected it, the best pairs first; what nobody expected begins a track,
+which counts once a few images have shown it. A track ends when images show what is behind the
+place where it should be, or when nothing was seen of it for a while.
+
+What does not move but is not on the map either, somebody who waits, is followed like the rest:
+it is as much in the way.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from autonomy.perception.cell_distances import CellDistances, StaticDistance
+from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.foreground import find_blobs, find_foreground
+from autonomy.perception.mover_track import MoverTrack
+from autonomy.perception.sighting import Sighting, see
+from autonomy.planning.moving import MovingObstacles
+
+_CELL_M = 0.2
+_BLOB_GAP_M = 0.35
+_MOST_SIGHTINGS = 24
+_ROUNDING_M = 0.3
+_COAST_NEW_S = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MoverTrackerCfg:
+    """How moving obstacles are found and followed."""
+
+    static_within_m: float = 0.35
+    """What is nearer than this to the map is taken for part of it."""
+    mover_beyond_m: float = 0.55
+    """Some of what moves must be farther than this from the map. Must cover the error of the
+    estimated pose and the 17 cm by which remembered distances err; who keeps nearer than this to
+    a wall is not seen."""
+    range_m: float = 12.0
+    """Depth beyond which nothing is looked at."""
+    most_depth_sigma_m: float = 0.3
+    """Nor where depth is no better known than this."""
+    least_samples: int = 5
+    """Fewer, so far from the map, are noise; a sample stands for two by two pixels."""
+    most_size_m: float = 7.0
+    """Larger blobs are no movers: something large that the map does not have."""
+    hits_to_confirm: int = 3
+    """Images that must show an obstacle before it counts."""
+    misses_to_end: int = 2
+    """Images in a row that show what is behind it, after which it is gone."""
+    coast_s: float = 3.0
+    """For how long an obstacle out of sight is believed to go on."""
+    gate: float = 16.0
+    """Largest squared Mahalanobis distance of a sighting from its track."""
+    remember_s: float = math.inf
+    """For how long the map's distances are kept. With a map that grows: 0, if its distances are
+    cheap, or half a second."""
+    margin_sigmas: float = 1.0
+    """Standard deviations of position that are added to a radius, and of velocity to its growth."""
+    most_margin_m: float = 0.5
+    """Most that is added to a radius."""
+    most_growth_mps: float = 0.4
+    """Fastest that radii grow, all of them as fast as the one that is known worst."""
+    horizon_s: float = 4.0
+    """How far ahead predictions are believed."""
+
+
+class MoverTracker:
+    """Follows what moves.
+
+    Attributes:
+        tracks: All that is followed, counted or not yet.
+    """
+
+    def __init__(self, cfg: MoverTrackerCfg | None = None) -> None:
+        self._cfg = MoverTrackerCfg() if cfg is None else cfg
+        self._cells = CellDistances(_CELL_M, self._cfg.remember_s)
+        self.tracks: list[MoverTrack] = []
+
+    def update(self, time_s: float, image: DepthImage, static_distance_m: StaticDistance) -> None:
+        """Take in one depth image.
+
+        Args:
+            time_s: When it was taken; not before the last one.
+            image: Posed by the estimate.
+            static_distance_m: Distance from points, ENU (n, 3), to what is known to stand. With a
+                map that grows: to what was occupied for a second or more, and 0 or less where
+                nothing was ever seen to be free, for what comes into view there need not move.
+        """
+        self._cells.forget_old(time_s)
+        for track in self.tracks:
+            track.predict(time_s)
+        inverse_sigma_pm = image.inverse_depth_sigma_pm
+        sightings = self._sightings(image, static_distance_m, inverse_sigma_pm)
+        seen, unexpected = self._match(sightings)
+        for track in self.tracks:
+            if track not in seen and track.is_seen_through(image, inverse_sigma_pm):
+                track.n_misses += 1
+        self.tracks = [track for track in self.tracks if self._is_kept(track, time_s)]
+        self.tracks += [MoverTrack(time_s, sighting) for sighting in unexpected]
+
+    def moving(self, time_s: float) -> MovingObstacles:
+        """What moves, predicted from a time on."""
+        cfg = self._cfg
+        tracks = [track for track in self.tracks if track.n_hits >= cfg.hits_to_confirm]
+        position, velocity, half = (np.zeros((len(tracks), 3)) for _ in range(3))
+        radius, yaw, growth = np.zeros(len(tracks)), np.zeros(len(tracks)), 0.0
+        for i, track in enumerate(tracks):
+            mean, covariance = track.predicted(time_s)
+            position[i], velocity[i] = mean[:3], mean[3:]
+            variance = np.diagonal(covariance)
+            size = np.array([track.size.along_m, track.size.across_m, track.size.up_m])
+            rounding = min(float(size.min()), _ROUNDING_M)
+            half[i], yaw[i] = size - rounding, track.size.yaw_rad
+            unsure_m = cfg.margin_sigmas * math.sqrt(variance[:2].max())
+            radius[i] = rounding + min(unsure_m, cfg.most_margin_m)
+            growth = max(growth, cfg.margin_sigmas * math.sqrt(variance[3:5].max()))
+        return MovingObstacles(
+            position_enu_m=position,
+            velocity_enu_mps=velocity,
+            radius_m=radius,
+            half_extent_m=half,
+            yaw_rad=yaw,
+            growth_mps=min(growth, cfg.most_growth_mps),
+            horizon_s=cfg.horizon_s,
+        )
+
+    def _sightings(
+        self, image: DepthImage, static_distance_m: StaticDistance, inverse_sigma_pm: float
+    ) -> list[Sighting]:
+        cfg = self._cfg
+        range_m = cfg.range_m
+        if inverse_sigma_pm > 0.0:
+            range_m = min(range_m, math.sqrt(cfg.most_depth_sigma_m / inverse_sigma_pm))
+        foreground = find_foreground(
+            image,
+            self._cells,
+            static_distance_m,
+            within_m=cfg.static_within_m,
+            range_m=range_m,
+            inverse_sigma_pm=inverse_sigma_pm,
+        )
+        blobs = find_blobs(
+            foreground,
+            image.depth_m.shape,
+            gap_m=_BLOB_GAP_M,
+            inverse_sigma_pm=inverse_sigma_pm,
+            beyond_m=cfg.mover_beyond_m,
+            least_samples=cfg.least_samples,
+        )
+        blobs = _joined(foreground.points_enu_m, blobs[:_MOST_SIGHTINGS])
+        return [
+            see(
+                image,
+                foreground,
+                blob,
+                within_m=cfg.static_within_m,
+                inverse_sigma_pm=inverse_sigma_pm,
+            )
+            for blob in blobs
+            if np.ptp(foreground.points_enu_m[blob], axis=0).max() <= cfg.most_size_m
+        ]
+
+    def _match(self, sightings: list[Sighting]) -> tuple[list[MoverTrack], list[Sighting]]:
+        """Give sightings to tracks; which tracks got one, and which sightings found none."""
+        pairs = sorted(
+            (surprise, i, j)
+            for i, track in enumerate(self.tracks)
+            for j, sighting in enumerate(sightings)
+            if (surprise := track.surprise(sighting)) < self._cfg.gate
+        )
+        tracks, taken = set[int](), set[int]()
+        for _, i, j in pairs:
+            if i not in tracks and j not in taken:
+                self.tracks[i].see(sightings[j])
+                tracks.add(i)
+                taken.add(j)
+        unexpected = [sighting for j, sighting in enumerate(sightings) if j not in taken]
+        return [self.tracks[i] for i in tracks], unexpected
+
+    def _is_kept(self, track: MoverTrack, time_s: float) -> bool:
+        cfg = self._cfg
+        is_new = track.n_hits < cfg.hits_to_confirm
+        if track.n_misses >= (1 if is_new else cfg.misses_to_end):
+            return False
+        return time_s - track.last_seen_s <= (_COAST_NEW_S if is_new else cfg.coast_s)
+
+
+def _joined(points: np.ndarray, blobs: list[np.ndarray]) -> list[np.ndarray]:
+    """Blobs whose upright boxes are close together, made one."""
+    joined: list[np.ndarray] = []
+    for blob in blobs:
+        near = [other for other in joined if _gap_m(points[blob], points[other]) < _BLOB_GAP_M]
+        joined = [other for other in joined if not any(other is one for one in near)]
+        joined.append(np.concatenate([blob, *near]))
+    return joined
+
+
+def _gap_m(one: np.ndarray, other: np.ndarray) -> float:
+    """Distance between the upright boxes about two sets of points."""
+    apart = np.maximum(one.min(axis=0) - other.max(axis=0), other.min(axis=0) - one.max(axis=0))
+    return float(np.linalg.norm(np.maximum(apart, 0.0)))

@@ -1,0 +1,75 @@
+"""Takes a few points of a depth image, spread evenly over it, and says how well each is known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.jit import kernel
+from autonomy.perception.depth_image import DepthImage
+
+_NEAREST_M, _FARTHEST_M = 0.2, 30.0
+_SURFACE_SIGMA_M = 0.05
+"""Of surfaces as the map has them."""
+_TILT_SIGMA_RAD = 0.004
+"""Of the estimate's roll and pitch."""
+
+
+def spread_points(
+    image: DepthImage, n_points: int
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
+    """Points from the camera, ENU, evenly over the image, and how well each is known.
+
+    Args:
+        image: Where the camera is does not matter.
+        n_points: About how many of its pixels are taken, with a measurement or not.
+
+    Returns:
+        The points, and the standard deviation of the distance of each from its surface in m.
+    """
+    height, width = image.depth_m.shape
+    return sample_points(
+        np.ascontiguousarray(image.depth_m, dtype=np.float32),
+        np.array([image.fx, image.fy, image.cx, image.cy]),
+        np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
+        max(1, round(math.sqrt(height * width / n_points))),
+        image.inverse_depth_sigma_pm,
+    )
+
+
+@kernel
+def sample_points(
+    depth: Float[np.ndarray, "h w"],
+    intrinsics: Float[np.ndarray, " 4"],
+    rotation: Float[np.ndarray, "3 3"],
+    stride: int,
+    inverse_sigma: float,
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
+    """Every so many pixels as points from the camera, ENU, and the deviations of their distance.
+
+    Args:
+        depth: Along the optical axis, m.
+        intrinsics: fx, fy, cx, cy.
+        rotation: Optical axes to ENU.
+        stride: Between rows and columns.
+        inverse_sigma: Standard deviation of inverse depth, 1/m.
+    """
+    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    most = (depth.shape[0] // stride + 1) * (depth.shape[1] // stride + 1)
+    points, sigmas = np.empty((most, 3)), np.empty(most)
+    n = 0
+    for v in range(stride // 2, depth.shape[0], stride):
+        for u in range(stride // 2, depth.shape[1], stride):
+            d = float(depth[v, u])
+            if not _NEAREST_M < d < _FARTHEST_M:
+                continue
+            x, y = d * (u - cx) / fx, d * (v - cy) / fy
+            for i in range(3):
+                points[n, i] = rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2] * d
+            noise = d * d * inverse_sigma
+            tilt = _TILT_SIGMA_RAD**2 * (x * x + y * y + d * d)
+            sigmas[n] = math.sqrt(_SURFACE_SIGMA_M**2 + noise * noise + tilt)
+            n += 1
+    return points[:n], sigmas[:n]

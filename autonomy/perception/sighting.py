@@ -1,0 +1,195 @@
+"""A moving obstacle in one depth image: where its edges are, and its centre for a given size.
+
+A camera sees the near side only. Seen from the eye, horizontally, an obstacle's near edge is known
+along the line of sight, and its left and right edges across, unless the image's border or something
+nearer cuts them off. The centre lies half the obstacle's size behind the near edge; how large it
+is, frames from other sides tell.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.foreground import STRIDE_PX, Foreground
+
+LEAST_HALF_M = 0.15
+"""Nothing that matters is thinner."""
+_USUAL_HALF_M = 0.3
+"""What is unseen behind the near side is as deep as half the width, up to this."""
+_NEAR_PERCENT, _FAR_PERCENT = 10.0, 90.0
+_EDGE_PERCENT = 2.0
+# Share of a spread that lies between these percentiles, for points even over it.
+_SPREAD_SHARE = 0.8
+_NORMAL_SPREAD = 2.56  # of a normal error between them, in standard deviations
+_BESIDE_PX = 5
+_BEHIND_M = 0.2
+_BEHIND_SIGMAS = 4.0
+_SURFACE_SIGMA_M, _UNSEEN_SIGMA_M = 0.06, 0.5
+# Of half the size: how much what one sees of the near side wanders, and an edge that is not seen.
+_UNSEEN_SHARE, _CUT_SHARE = 0.08, 0.25
+_STEEP = 1.0
+_MOST_HIDDEN_BELOW_M = 2.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Footprint:
+    """Half extents of an upright obstacle."""
+
+    along_m: float
+    across_m: float
+    up_m: float
+    yaw_rad: float
+    """Of `along`, counter-clockwise from east."""
+
+    def reach_m(self, direction: Float[np.ndarray, " 2"]) -> float:
+        """How far the ellipse in it reaches towards a horizontal unit direction."""
+        c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        along = c * direction[0] + s * direction[1]
+        across = c * direction[1] - s * direction[0]
+        return math.hypot(self.along_m * along, self.across_m * across)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sighting:
+    """What one image shows of one obstacle."""
+
+    points_enu_m: Float[np.ndarray, "n 3"]
+    forward: Float[np.ndarray, " 2"]
+    """Horizontal unit direction of sight; left of it is 90 degrees counter-clockwise."""
+    near_m: float
+    """Its near edge, along `forward` from the origin."""
+    right_m: float
+    """Its edges, along the left of `forward` from the origin."""
+    left_m: float
+    bottom_m: float
+    top_m: float
+    is_cut: tuple[bool, bool, bool, bool]
+    """Whether the image ends before it does: left, right, top, bottom."""
+    depth_sigma_m: float
+
+    def spread_m(self, yaw_rad: float) -> tuple[float, float]:
+        """How far its points spread along a heading and across it, without their noise."""
+        c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+        spreads = []
+        for direction in (np.array([c, s]), np.array([-s, c])):
+            values = self.points_enu_m[:, :2] @ direction
+            low, high = np.percentile(values, [_NEAR_PERCENT, _FAR_PERCENT])
+            noise = _NORMAL_SPREAD * self.depth_sigma_m * abs(float(direction @ self.forward))
+            spreads.append(math.sqrt(max((high - low) ** 2 - noise**2, 0.0)) / _SPREAD_SHARE)
+        return spreads[0], spreads[1]
+
+    def footprint(self, yaw_rad: float) -> Footprint:
+        """The least footprint that it shows, turned to a heading."""
+        along, across = self.spread_m(yaw_rad)
+        unseen = max(min((self.left_m - self.right_m) / 2, _USUAL_HALF_M), LEAST_HALF_M)
+        return Footprint(
+            along_m=max(along / 2, unseen),
+            across_m=max(across / 2, unseen),
+            up_m=max((self.top_m - self.bottom_m) / 2, LEAST_HALF_M / 2),
+            yaw_rad=yaw_rad,
+        )
+
+    def centre(self, size: Footprint) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, "3 3"]]:
+        """Centre of an obstacle of some size that is seen like this, and its covariance."""
+        left = np.array([-self.forward[1], self.forward[0]])
+        reach, half = size.reach_m(self.forward), size.reach_m(left)
+        is_left, is_right, is_top, is_bottom = self.is_cut
+        aside, aside_sigma = _between(self.right_m, self.left_m, half, (is_right, is_left))
+        up, up_sigma = _between(self.bottom_m, self.top_m, size.up_m, (is_bottom, is_top))
+        ahead_sigma = _SURFACE_SIGMA_M + 0.5 * self.depth_sigma_m + _UNSEEN_SHARE * reach
+        horizontal = (self.near_m + reach) * self.forward + aside * left
+        axes = np.eye(3)
+        axes[:2, 0], axes[:2, 1] = self.forward, left
+        sigmas = np.array([ahead_sigma, aside_sigma, up_sigma])
+        return np.array([*horizontal, up]), axes @ np.diag(sigmas**2) @ axes.T
+
+
+def _between(
+    low: float, high: float, half: float, is_cut: tuple[bool, bool]
+) -> tuple[float, float]:
+    """Middle of two edges of which either may be unknown, and its standard deviation."""
+    is_low_cut, is_high_cut = is_cut
+    if is_low_cut == is_high_cut:
+        sigma = _UNSEEN_SIGMA_M if is_low_cut else _SURFACE_SIGMA_M
+        return (low + high) / 2, sigma
+    half = max(half, (high - low) / 2)
+    return high - half if is_low_cut else low + half, _SURFACE_SIGMA_M + _CUT_SHARE * half
+
+
+def see(
+    image: DepthImage,
+    foreground: Foreground,
+    blob: Int[np.ndarray, " k"],
+    *,
+    within_m: float,
+    inverse_sigma_pm: float,
+) -> Sighting:
+    """Edges of a blob.
+
+    What is nearer than `within_m` to the map is no foreground: where a blob ends about so far
+    above something, it is taken to stand on it; so it is up to 2 m above, where its lower parts are
+    hidden because it is looked down on steeply or the image ends.
+    """
+    points, pixels = foreground.points_enu_m[blob], foreground.pixels[blob]
+    eye = np.array(image.position_enu_m, dtype=float)
+    sight = np.median(points, axis=0) - eye
+    away = max(math.hypot(sight[0], sight[1]), 1e-6)
+    forward = sight[:2] / away
+    depth_m = float(np.median(foreground.depth_m[blob]))
+    depth_sigma_m = inverse_sigma_pm * depth_m**2
+    ahead = points[:, :2] @ forward
+    aside = points[:, 1] * forward[0] - points[:, 0] * forward[1]
+    right_m, left_m = np.percentile(aside, [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
+    low_m, top_m = np.percentile(points[:, 2], [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
+    half_px_m = STRIDE_PX * depth_m / image.fx / 2
+    lowest = foreground.static_distance_m[blob][points[:, 2] <= low_m]
+    below_m = float(np.median(lowest))
+    behind_m = foreground.depth_m[blob] + _BEHIND_M
+    nearer_m = foreground.depth_m[blob] - _BEHIND_M
+    is_left, is_right, is_top, _ = _cut_sides(
+        image, pixels, behind_m + _BEHIND_SIGMAS * depth_sigma_m
+    )
+    is_bottom = _cut_sides(image, pixels, nearer_m - _BEHIND_SIGMAS * depth_sigma_m)[3]
+    is_hidden = is_bottom or -sight[2] > _STEEP * away
+    hidden_m = _MOST_HIDDEN_BELOW_M if is_hidden else 2.0 * within_m
+    return Sighting(
+        points_enu_m=points,
+        forward=forward,
+        near_m=float(np.percentile(ahead, _NEAR_PERCENT)) + _NORMAL_SPREAD / 2 * depth_sigma_m,
+        right_m=float(right_m) - half_px_m,
+        left_m=float(left_m) + half_px_m,
+        bottom_m=float(low_m) - (below_m if below_m < hidden_m else half_px_m),
+        top_m=float(top_m) + half_px_m,
+        is_cut=(is_left, is_right, is_top, is_bottom and below_m >= hidden_m),
+        depth_sigma_m=depth_sigma_m,
+    )
+
+
+def _cut_sides(
+    image: DepthImage, pixels: Int[np.ndarray, "k 2"], behind_m: Float[np.ndarray, " k"]
+) -> tuple[bool, bool, bool, bool]:
+    """Whether a blob may go on beyond its pixels: left, right, up, down.
+
+    It does not where most pixels beside its edge show what is farther away than `behind_m`, or
+    nothing at all.
+    """
+    height, width = image.depth_m.shape
+    sides = []
+    for axis, sign in ((1, -1), (1, 1), (0, -1), (0, 1)):
+        place = sign * pixels[:, axis]
+        edge = place >= np.percentile(place, 100.0 - _EDGE_PERCENT)
+        row, column = pixels[edge, 0], pixels[edge, 1]
+        row, column = (
+            (row, column + sign * _BESIDE_PX) if axis else (row + sign * _BESIDE_PX, column)
+        )
+        inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+        beside_m = image.depth_m[row[inside], column[inside]]
+        is_behind = ~((beside_m > 0.0) & (beside_m < behind_m[edge][inside]))
+        sides.append(2 * int(np.count_nonzero(is_behind)) < len(row))
+    left, right, up, down = sides
+    return left, right, up, down

@@ -1,0 +1,154 @@
+"""Signed distance near the surfaces of many solids, fast: a grid that knows who is near.
+
+Each cell of the grid lists the solids that come within `reach_m` of any point of it, so that the
+distance to the nearest one, cut off at the reach, is found among a few.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.jit import kernel
+from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.solids import Plane, Solids, gap_to_sphere, plane_between
+
+_MAX_CELLS = 400_000
+_VAST_M = 300.0
+"""A solid that is longer lies under everything and bounds nothing."""
+
+Grid = tuple[np.ndarray, float, float, np.ndarray, np.ndarray, np.ndarray]
+"""What kernels take: corner (3,), width of a cell, reach, counts of cells (3,), one past the last
+entry of each cell, entries."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SolidIndex:
+    """Who is near, cell by cell."""
+
+    corner_enu_m: Float[np.ndarray, " 3"]
+    cell_m: float
+    reach_m: float
+    """Distances beyond it read as this."""
+    counts: Int[np.ndarray, " 3"]
+    ends: Int[np.ndarray, " cells"]
+    entries: Int[np.ndarray, " k"]
+
+    @classmethod
+    def of(cls, obstacles: Obstacles, *, reach_m: float, cell_m: float = 1.0) -> SolidIndex:
+        """Index all solids, in cells of `cell_m` or wider where there would be too many."""
+        solids = obstacles.solids
+        half = np.einsum("nij,nj->ni", np.abs(solids[1]), solids[2])
+        low, high = solids[0] - half - reach_m, solids[0] + half + reach_m
+        bounding = np.flatnonzero((high - low).max(axis=1) < _VAST_M)
+        if not bounding.size:
+            bounding = np.arange(len(low))
+        corner = low[bounding].min(axis=0) if len(low) else np.zeros(3)
+        span = (high[bounding].max(axis=0) - corner) if len(low) else np.ones(3)
+        while np.prod(np.ceil(span / cell_m)) > _MAX_CELLS:
+            cell_m *= 1.25
+        counts = np.maximum(np.ceil(span / cell_m), 1).astype(np.int64)
+        first = np.clip(np.floor((low - corner) / cell_m), 0, counts).astype(np.int64)
+        last = np.clip(np.floor((high - corner) / cell_m) + 1, 0, counts).astype(np.int64)
+        ends, entries = fill_cells(corner, cell_m, reach_m, counts, first, last, solids)
+        return cls(
+            corner_enu_m=corner,
+            cell_m=cell_m,
+            reach_m=reach_m,
+            counts=counts,
+            ends=ends,
+            entries=entries,
+        )
+
+    @property
+    def grid(self) -> Grid:
+        """What kernels take."""
+        return (
+            self.corner_enu_m,
+            self.cell_m,
+            self.reach_m,
+            self.counts,
+            self.ends,
+            self.entries,
+        )
+
+
+@kernel
+def fill_cells(
+    corner: Float[np.ndarray, " 3"],
+    cell: float,
+    reach: float,
+    counts: Int[np.ndarray, " 3"],
+    first: Int[np.ndarray, "n 3"],
+    last: Int[np.ndarray, "n 3"],
+    solids: Solids,
+) -> tuple[Int[np.ndarray, " cells"], Int[np.ndarray, " k"]]:
+    """Solids near each cell: one past the last entry of each, and the entries.
+
+    Args:
+        corner: Lowest corner of the grid.
+        cell: Width of a cell.
+        reach: How near is near.
+        counts: Cells along each axis.
+        first: First cell that the bounding box of each solid touches.
+        last: One past the last.
+        solids: All of them.
+    """
+    n_cells = counts[0] * counts[1] * counts[2]
+    found = np.zeros(n_cells + 1, dtype=np.int64)
+    near = reach + 0.5 * math.sqrt(3.0) * cell
+    entries = np.empty(0, dtype=np.int64)
+    for is_second in (False, True):
+        if is_second:
+            for k in range(n_cells):
+                found[k + 1] += found[k]
+            entries = np.empty(found[n_cells], dtype=np.int64)
+        for i in range(len(solids[0])):
+            for a in range(first[i, 0], last[i, 0]):
+                x = corner[0] + (a + 0.5) * cell
+                for b in range(first[i, 1], last[i, 1]):
+                    y = corner[1] + (b + 0.5) * cell
+                    for c in range(first[i, 2], last[i, 2]):
+                        z = corner[2] + (c + 0.5) * cell
+                        if gap_to_sphere(x, y, z, i, solids) > near:
+                            continue
+                        if plane_between(x, y, z, i, solids)[0] > near:
+                            continue
+                        k = (a * counts[1] + b) * counts[2] + c
+                        if is_second:
+                            entries[found[k]] = i
+                            found[k] += 1
+                        else:
+                            found[k + 1] += 1
+    # The second pass has moved each beginning to the end of its cell.
+    return found[:n_cells], entries
+
+
+@kernel
+def nearest_plane(x: float, y: float, z: float, solids: Solids, grid: Grid) -> Plane:
+    """The plane that touches the solid nearest to a point below it, see `plane_between`.
+
+    The distance is the reach, and the normal zero, where nothing is nearer; outside the grid every
+    solid is asked.
+    """
+    corner, cell, reach, counts, ends, entries = grid
+    a = math.floor((x - corner[0]) / cell)
+    b = math.floor((y - corner[1]) / cell)
+    c = math.floor((z - corner[2]) / cell)
+    best, n, m, o, touch = reach, 0.0, 0.0, 0.0, 0.0
+    if 0 <= a < counts[0] and 0 <= b < counts[1] and 0 <= c < counts[2]:
+        k = (a * counts[1] + b) * counts[2] + c
+        for j in range(ends[k - 1] if k > 0 else 0, ends[k]):
+            plane = plane_between(x, y, z, entries[j], solids)
+            if plane[0] < best:
+                best, n, m, o, touch = plane
+    else:
+        for i in range(len(solids[0])):
+            if gap_to_sphere(x, y, z, i, solids) < best:
+                plane = plane_between(x, y, z, i, solids)
+                if plane[0] < best:
+                    best, n, m, o, touch = plane
+    return best, n, m, o, touch

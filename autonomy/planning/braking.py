@@ -1,0 +1,170 @@
+"""Coming to rest as soon as possible: a stop ahead, or aside where something comes along.
+
+Many motions of one piece from the present state to rest are drawn: straight stops, stops on the
+plan, and stops beside, above and below them. The first by time and way aside that can be proved is
+taken; the proof goes on past its end, where the vehicle stands, as far as the prediction of what
+moves reaches.
+
+Source: motions of least jerk and their test as in Mueller, Hehn and D'Andrea 2015; a stop that is
+always at hand as in Tordesillas et al. 2019 (FASTER).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.planning.certificate import certify
+from autonomy.planning.errors import CertificateError, EvasionError, PlanningError
+from autonomy.planning.feasibility import allowances, first_feasible
+from autonomy.planning.limits import FlightLimits
+from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
+from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.planner import PlannerCfg, as_node, bounds_for, with_yaw
+from autonomy.planning.trajectory import Trajectory, join_states
+from autonomy.types import FlatReference
+
+_TIMES_S = np.geomspace(0.4, 6.0, 20)
+_ASIDE_M = (0.6, 1.2, 2.0, 3.2)
+_PRICE_ASIDE_SPM = 0.5
+"""Seconds that a metre away from the straight stop counts for."""
+_RESERVE = 1.004
+"""Between the optimiser's tolerance, which a start may have used up, and the certificate's."""
+_MOST_PROOFS = 12
+
+
+def brake(
+    previous: Trajectory,
+    at_time_s: float,
+    obstacles: Obstacles,
+    limits: FlightLimits,
+    quadrotor: QuadrotorParams,
+    cfg: PlannerCfg,
+    *,
+    moving: MovingObstacles = NOTHING_MOVES,
+    start: FlatReference | None = None,
+) -> Trajectory:
+    """A certified trajectory to rest, as soon as it can be, away from what moves.
+
+    Args:
+        previous: Any trajectory.
+        at_time_s: Time of it from which the new one, at its time 0, takes over; beyond its end the
+            vehicle stands there.
+        obstacles: What stands, for the proof.
+        limits: Of the motion.
+        quadrotor: Mass, thrust and drag of the vehicle.
+        cfg: Vehicle's size and margins.
+        moving: What moves, predicted from `at_time_s` on; the vehicle also stands clear of it
+            after the stop, until the prediction's horizon.
+        start: Where the vehicle is and how it moves then; None for where the plan has it.
+
+    Returns:
+        A trajectory without a corridor: `plan_trajectory` goes on from its end.
+
+    Raises:
+        LimitsError: If the start is beyond the limits.
+        EvasionError: If something moves and no stop is clear of it; without `moving` there may
+            still be one.
+        CertificateError: If nothing moves and no stop could be proved.
+    """
+    begin = previous.sample(at_time_s) if start is None else start
+    allowed = allowances(bounds_for(begin, limits, quadrotor), limits, quadrotor, _RESERVE)
+    ends, durations_s, order = _stops(begin, previous, at_time_s)
+    node = np.broadcast_to(as_node(begin), ends.shape)
+    coefficients = join_states(node, ends, durations_s)
+    keep_m = cfg.vehicle_radius_m + cfg.min_margin_m
+    order = order[_is_clear_at_rest(ends[order, 0], durations_s[order], moving, keep_m)]
+    reason: PlanningError | None = None
+    for _ in range(_MOST_PROOFS):
+        at = first_feasible(
+            order, coefficients, durations_s, allowed, obstacles.solids, moving.movers, keep_m
+        )
+        if at < 0:
+            break
+        chosen = order[at : at + 1]
+        order = order[at + 1 :]
+        stop = with_yaw(
+            coefficients[chosen], durations_s[chosen], begin.yaw_rad, limits, begin.yaw_rate_radps
+        )
+        try:
+            proof = certify(
+                _then_stand(stop, moving),
+                obstacles,
+                cfg.vehicle_radius_m,
+                limits,
+                quadrotor,
+                margin_m=cfg.min_margin_m,
+                moving=moving,
+            )
+        except PlanningError as error:
+            reason = error
+        else:
+            return dataclasses.replace(stop, min_clearance_m=proof.min_clearance_m)
+    x, y, z = begin.position_enu_m
+    raise (EvasionError if len(moving) else CertificateError)(
+        f"no stop from ({x:.1f}, {y:.1f}, {z:.1f}) m at "
+        f"{math.hypot(*begin.velocity_enu_mps):.2f} m/s could be proved"
+        f"{'' if reason is None else f' ({reason})'}; valid: more room ahead, or a slower flight"
+    ) from reason
+
+
+def _stops(
+    begin: FlatReference, plan: Trajectory, at_s: float
+) -> tuple[Float[np.ndarray, "m 3 3"], Float[np.ndarray, " m"], np.ndarray]:
+    """States at rest, times to get there, and their order, best first."""
+    p, v, a = as_node(begin)
+    t = _TIMES_S[:, None]
+    # With the end left free, the least jerk leads here.
+    ahead = p + v * t / 2 + a * t**2 / 12
+    aside = np.concatenate([np.zeros((1, 3)), *(reach * _directions(v) for reach in _ASIDE_M)])
+    along = plan.positions(at_s + np.multiply.outer(_TIMES_S, (0.25, 0.5, 0.75)).ravel())
+    on_plan = along.reshape(len(t), 3, 3)
+    places = np.concatenate([ahead[:, None] + aside, on_plan], axis=1)
+    way = np.linalg.norm(places - ahead[:, None], axis=2)
+    ends = np.zeros((way.size, 3, 3))
+    ends[:, 0] = places.reshape(-1, 3)
+    durations = np.repeat(_TIMES_S, way.shape[1])
+    return ends, durations, np.argsort(durations + _PRICE_ASIDE_SPM * way.ravel(), kind="stable")
+
+
+def _directions(velocity: np.ndarray) -> Float[np.ndarray, "26 3"]:
+    """To all sides, as seen along the horizontal motion; level, slanted, up and down."""
+    heading = math.atan2(velocity[1], velocity[0])
+    angle = heading + np.arange(8) * math.pi / 4
+    level = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(8)])
+    up = np.array([0.0, 0.0, 1.0])
+    slanted = math.sqrt(0.5)
+    return np.concatenate(
+        [level, slanted * (level + up), slanted * (level - up), up[None], -up[None]]
+    )
+
+
+def _is_clear_at_rest(
+    places: np.ndarray, since_s: np.ndarray, moving: MovingObstacles, keep_m: float
+) -> np.ndarray:
+    """Whether what moves stays away from places from some times on, by samples."""
+    if not len(moving):
+        return np.ones(len(places), dtype=bool)
+    is_clear = np.ones(len(places), dtype=bool)
+    for time_s in np.arange(0.0, moving.horizon_s + 0.1, 0.1).tolist():
+        distance = moving.distances(places, np.full(len(places), time_s))[0].min(axis=0)
+        is_clear &= (distance > keep_m) | (since_s > time_s)
+    return is_clear
+
+
+def _then_stand(stop: Trajectory, moving: MovingObstacles) -> Trajectory:
+    """The same, standing at its end until the prediction's horizon."""
+    rest_s = moving.horizon_s - stop.duration_s if len(moving) else 0.0
+    if rest_s <= 0:
+        return stop
+    stand = np.zeros((1, *stop.coefficients.shape[1:]))
+    stand[0, 0] = stop.positions(np.array([stop.duration_s]))[0]
+    return dataclasses.replace(
+        stop,
+        durations_s=np.append(stop.durations_s, rest_s),
+        coefficients=np.concatenate([stop.coefficients, stand]),
+    )

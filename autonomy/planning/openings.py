@@ -1,0 +1,252 @@
+"""Doors, windows and other openings in walls, found in free space alone.
+
+An opening is where free space narrows: across it solids stand close on both sides and above, and a
+step before and a step behind it is wider and higher. Cells of a distance field tell where, the
+obstacles themselves how wide and how high.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from autonomy.jit import kernel
+from autonomy.model.quadrotor import Vector3
+from autonomy.planning.field import DistanceField
+from autonomy.planning.obstacles import Obstacles
+
+MAX_WIDTH_M = 3.5
+LEAST_WIDTH_M, LEAST_HEIGHT_M = 0.5, 0.8
+"""Smaller ones are gaps between things."""
+_N_DIRECTIONS = 12
+_WIDER_M = 0.5
+"""How much wider it must be before and behind."""
+_LINTEL_M = 0.2
+_STEPS_M = (0.5, 0.75, 1.0, 1.25)
+"""How far before and behind."""
+_MAX_RUN_M = 6.0
+_OFFSETS_M = np.linspace(-0.4, 0.4, 17)
+_UP = np.array([0.0, 0.0, 1.0])
+_TURNS_RAD = np.radians(np.linspace(-12.0, 12.0, 7))
+_REFINEMENTS_RAD = np.radians(np.linspace(-3.0, 3.0, 13))
+_TOUCH_M = 0.005
+_MARCH_STEPS = 60
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Opening:
+    """A door, a window, a hatch or the like."""
+
+    center_enu_m: Vector3
+    normal_rad: float
+    """Direction of the way through it, from east by north; the opposite one as well."""
+    width_m: float
+    height_m: float
+
+    def fits(self, radius_m: float, margin_m: float = 0.0) -> bool:
+        """Whether a ball can pass with some distance to either side."""
+        return min(self.width_m, self.height_m) > 2 * (radius_m + margin_m)
+
+
+def find_openings(field: DistanceField, obstacles: Obstacles) -> list[Opening]:
+    """Every opening in something upright, the widest first.
+
+    Args:
+        field: Free space; its cells find openings that are wider than about two of them.
+        obstacles: The same exactly, for the measures.
+    """
+    from scipy import ndimage  # noqa: PLC0415 - start-up time: only where somebody asks
+
+    is_free = np.ascontiguousarray(field.distance_m > 0)
+    direction = narrow_cells(is_free, field.resolution_m)
+    found: list[Opening] = []
+    labelled: Any = ndimage.label(direction >= 0, np.ones((3, 3, 3)))
+    labels, count = labelled
+    for box, label in zip(ndimage.find_objects(labels, count), range(1, count + 1), strict=True):
+        members = np.argwhere(labels[box] == label) + [part.start for part in box]
+        opening = _measured(members, direction, field, obstacles)
+        if opening is not None and not any(_is_same(opening, other) for other in found):
+            found.append(opening)
+    return sorted(found, key=lambda opening: -opening.width_m)
+
+
+def _is_same(one: Opening, other: Opening) -> bool:
+    return math.dist(one.center_enu_m, other.center_enu_m) < max(one.width_m, other.width_m) / 2
+
+
+def _measured(
+    members: Int[np.ndarray, "n 3"],
+    direction: Int[np.ndarray, "nx ny nz"],
+    field: DistanceField,
+    obstacles: Obstacles,
+) -> Opening | None:
+    """The opening that some cells belong to; None where the obstacles leave less than cells say."""
+    middle = members[np.argmin(np.linalg.norm(members - members.mean(axis=0), axis=1))]
+    center = field.centres(middle)
+    across_rad = math.pi * direction[tuple(middle)] / _N_DIRECTIONS
+    # Walls are thinner than cells: look for the narrowest place along the way through.
+    turns = across_rad + np.repeat(_TURNS_RAD, len(_OFFSETS_M))
+    along = np.tile(np.outer(_OFFSETS_M, _level(across_rad + math.pi / 2)), (len(_TURNS_RAD), 1))
+    best = _narrowest(center + along, turns, obstacles)
+    center, across_rad = center + along[best], float(turns[best])
+    turns = across_rad + _REFINEMENTS_RAD
+    across_rad = float(turns[_narrowest(np.tile(center, (len(turns), 1)), turns, obstacles)])
+    level = _level(across_rad)
+    center, height_m = _centred(center, _UP, obstacles)
+    center, width_m = _centred(center, level, obstacles)
+    if not (LEAST_WIDTH_M <= width_m <= MAX_WIDTH_M and height_m >= LEAST_HEIGHT_M):
+        return None
+    if not all(_is_wider(center, level, side, width_m, height_m, obstacles) for side in (1, -1)):
+        return None
+    x, y, z = center.tolist()
+    return Opening(
+        center_enu_m=(x, y, z),
+        normal_rad=math.remainder(across_rad + math.pi / 2, math.tau),
+        width_m=width_m,
+        height_m=height_m,
+    )
+
+
+def _level(angle_rad: float) -> Float[np.ndarray, " 3"]:
+    return np.array([math.cos(angle_rad), math.sin(angle_rad), 0.0])
+
+
+def _centred(
+    center: Float[np.ndarray, " 3"], way: Float[np.ndarray, " 3"], obstacles: Obstacles
+) -> tuple[Float[np.ndarray, " 3"], float]:
+    """The middle between the obstacles against a direction and along it, and how far apart."""
+    low, high = _reach(np.tile(center, (2, 1)), np.array([-way, way]), obstacles).tolist()
+    return center + (high - low) / 2 * way, low + high
+
+
+def _is_wider(
+    center: np.ndarray,
+    level: np.ndarray,
+    side: int,
+    width_m: float,
+    height_m: float,
+    obstacles: Obstacles,
+) -> bool:
+    """Whether somewhere on a side of an opening it is wider and higher."""
+    through = side * np.cross(level, _UP)
+    points = center + np.outer(_STEPS_M, through)
+    steps = len(points)
+    ways = np.repeat([level, -level, _UP], steps, axis=0)
+    left, right, up = _reach(np.tile(points, (3, 1)), ways, obstacles).reshape(3, steps)
+    is_higher = up >= height_m / 2 + _LINTEL_M / 2
+    return bool(np.any(is_higher & (left + right >= width_m + _WIDER_M / 2)))
+
+
+def _narrowest(
+    points_enu_m: Float[np.ndarray, "n 3"],
+    angle: Float[np.ndarray, " n"],
+    obstacles: Obstacles,
+) -> int:
+    """At which point it is least wide; of several the middle one."""
+    ways = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))])
+    width_m = _reach(points_enu_m, ways, obstacles) + _reach(points_enu_m, -ways, obstacles)
+    least = np.flatnonzero(width_m < width_m.min() + 2 * _TOUCH_M)
+    return int(least[len(least) // 2])
+
+
+def _reach(
+    points_enu_m: Float[np.ndarray, "n 3"],
+    ways: Float[np.ndarray, "n 3"],
+    obstacles: Obstacles,
+) -> Float[np.ndarray, " n"]:
+    """How far it is from points to the obstacles along unit vectors, by sphere tracing."""
+    reach_m = np.zeros(len(points_enu_m))
+    is_going = np.ones(len(points_enu_m), dtype=bool)
+    for _ in range(_MARCH_STEPS):
+        gap_m = obstacles.signed_distance(points_enu_m + reach_m[:, None] * ways)[0]
+        is_going &= (gap_m >= _TOUCH_M) & (reach_m <= _MAX_RUN_M)
+        if not is_going.any():
+            break
+        reach_m += np.where(is_going, gap_m, 0.0)
+    return reach_m
+
+
+@kernel
+def narrow_cells(
+    is_free: Bool[np.ndarray, "nx ny nz"], resolution: float
+) -> Int[np.ndarray, "nx ny nz"]:
+    """Cells in the middle of openings: the number of the direction across, -1 for all others."""
+    nx, ny, nz = is_free.shape
+    number = np.full((nx, ny, nz), -1, dtype=np.int8)
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                if is_free[i, j, k]:
+                    number[i, j, k] = _narrow_direction(is_free, i, j, k, resolution)
+    return number
+
+
+@kernel
+def _narrow_direction(is_free: np.ndarray, i: int, j: int, k: int, resolution: float) -> int:
+    up = _run(is_free, i, j, k, 0.0, 0.0, 1.0, _MAX_RUN_M / resolution)
+    if up * resolution >= _MAX_RUN_M:
+        return -1
+    most = 0.5 * MAX_WIDTH_M / resolution
+    narrowest, best = np.inf, -1
+    for n in range(_N_DIRECTIONS):
+        x, y = math.cos(math.pi * n / _N_DIRECTIONS), math.sin(math.pi * n / _N_DIRECTIONS)
+        left = _run(is_free, i, j, k, -x, -y, 0.0, most)
+        if left >= most or left >= narrowest:
+            continue
+        right = _run(is_free, i, j, k, x, y, 0.0, most)
+        if right >= most or abs(left - right) > 1.0 or left + right >= narrowest:
+            continue
+        if _opens(is_free, i, j, k, x, y, left + right, up, resolution) and _opens(
+            is_free, i, j, k, -x, -y, left + right, up, resolution
+        ):
+            narrowest, best = left + right, n
+    return best
+
+
+@kernel
+def _opens(
+    is_free: np.ndarray,
+    i: int,
+    j: int,
+    k: int,
+    x: float,
+    y: float,
+    width: float,
+    up: float,
+    resolution: float,
+) -> bool:
+    """Whether it is wider and higher on the side to the left of the direction across."""
+    for step in _STEPS_M:
+        n = step / resolution
+        u, v = math.floor(i - n * y + 0.5), math.floor(j + n * x + 0.5)
+        if not (0 <= u < is_free.shape[0] and 0 <= v < is_free.shape[1]) or not is_free[u, v, k]:
+            return False
+        if _run(is_free, u, v, k, 0.0, 0.0, 1.0, up + 9.0) < up + _LINTEL_M / resolution:
+            continue
+        wanted = width + _WIDER_M / resolution
+        left = _run(is_free, u, v, k, -x, -y, 0.0, wanted)
+        if left + _run(is_free, u, v, k, x, y, 0.0, wanted) >= wanted:
+            return True
+    return False
+
+
+@kernel
+def _run(
+    is_free: np.ndarray, i: int, j: int, k: int, x: float, y: float, z: float, most: float
+) -> float:
+    """How many cells one can go from a cell before the next is not free or off the grid."""
+    gone = 0.5
+    while gone < most:
+        # Not round(): that of numbers halfway alternates.
+        u, v = math.floor(i + gone * x + 0.5), math.floor(j + gone * y + 0.5)
+        w = math.floor(k + gone * z + 0.5)
+        if not (0 <= u < is_free.shape[0] and 0 <= v < is_free.shape[1] and w < is_free.shape[2]):
+            return gone
+        if not is_free[u, v, w]:
+            return gone
+        gone += 0.5
+    return most

@@ -1,0 +1,147 @@
+"""Somebody walks across a plan that is being flown: a trial of replanning and braking, by seed."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from autonomy.planning import MovingObstacles, PlanningError, Trajectory
+from scenarios.surroundings import Surroundings
+
+_PERSON_RADIUS_M = 0.35
+_PERSON_HALF_HEIGHT_M = 0.6
+_MOST_SPEED_MPS = 3.0
+_LOOK_EVERY_S = 0.2
+_PLANNING_TIME_S = 0.1
+_AFTER_S = 2.5
+_GROWTH_MPS = 0.2
+_POSITION_SIGMA_M = (0.1, 0.1, 0.1)
+_VELOCITY_SIGMA_MPS = (0.2, 0.2, 0.0)
+_MARGIN_M = 0.3
+_STEP_S = 0.02
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Crossing:
+    """How a flight past somebody who walks across the plan went."""
+
+    is_avoided: bool
+    has_braked: bool
+    """Stopped or stepped aside, as no way past could be proved."""
+    has_gone_on: bool
+    """In the end the vehicle is on a plan to its goal, or there."""
+    replans_ms: tuple[float, ...]
+
+
+def fly_past_a_crossing(
+    world: Surroundings, plan: Trajectory, rng: np.random.Generator
+) -> Crossing | None:
+    """Follow a plan exactly, as the pilot does, while somebody crosses it.
+
+    Somebody is an upright capsule that moves at .5 to 3 m/s on a straight line, through walls too,
+    through a point of the plan, and is there when the vehicle would be, 2 to 4 s after the
+    beginning. Five times a second somebody is seen, from the beginning on, with errors of .1 m and
+    .2 m/s, and where the plan leads nearer than .3 m, another takes over .1 s later; where none is
+    found the vehicle stops or steps aside, and tries to go on with each look.
+
+    None where the plan is too short for that, or somebody would begin within .6 m of the vehicle.
+    """
+    at_s = rng.uniform(2.0, 4.0)
+    speed, heading = rng.uniform(0.5, _MOST_SPEED_MPS), rng.uniform(-math.pi, math.pi)
+    if plan.duration_s < at_s + 0.5:
+        return None
+    velocity = speed * np.array([math.cos(heading), math.sin(heading), 0.0])
+    meet = plan.positions(np.array([at_s]))[0]
+    somebody = _capsule(meet - velocity * at_s, velocity, growth_mps=0.0)
+    if somebody.distances(plan.positions(np.zeros(1)), np.zeros(1))[0][0, 0] < world.radius_m + 0.6:
+        return None
+    flight = _Flight(world, plan)
+    least_m = math.inf
+    for look in range(math.ceil((at_s + _AFTER_S) / _LOOK_EVERY_S)):
+        now_s = look * _LOOK_EVERY_S
+        seen_velocity = velocity + rng.normal(0.0, _VELOCITY_SIGMA_MPS)
+        seen = somebody.position_enu_m[0] + velocity * now_s + rng.normal(0.0, _POSITION_SIGMA_M)
+        ahead = seen + seen_velocity * _PLANNING_TIME_S
+        t = now_s + np.arange(0.0, _PLANNING_TIME_S, _STEP_S)
+        path = [flight.positions(t)]
+        flight.look(now_s + _PLANNING_TIME_S, _capsule(ahead, seen_velocity))
+        later = now_s + np.arange(_PLANNING_TIME_S, _LOOK_EVERY_S, _STEP_S)
+        path.append(flight.positions(later))
+        gap = somebody.distances(np.concatenate(path), np.concatenate([t, later]))[0][0]
+        least_m = min(least_m, float(gap.min()))
+    return Crossing(
+        is_avoided=least_m > world.radius_m,
+        has_braked=flight.has_braked,
+        has_gone_on=not flight.is_holding,
+        replans_ms=tuple(flight.replans_ms),
+    )
+
+
+class _Flight:
+    """The plan in use, and the way to the goal where that is a stop."""
+
+    def __init__(self, world: Surroundings, plan: Trajectory) -> None:
+        self._world, self._plan, self._since_s = world, plan, 0.0
+        self._way, self._way_at_s = plan, 0.0
+        self.is_holding, self.has_braked = False, False
+        self.replans_ms: list[float] = []
+
+    def positions(self, times_s: np.ndarray) -> np.ndarray:
+        """Where the vehicle is."""
+        return self._plan.positions(times_s - self._since_s)
+
+    def look(self, then_s: float, seen: MovingObstacles) -> None:
+        """Change the plan from a time on, if need be."""
+        at_s = then_s - self._since_s
+        if not self.is_holding and not self._meets(at_s, seen, _MARGIN_M):
+            return
+        begun_s = time.process_time()
+        try:
+            plan, is_stop = self._go_on(at_s, seen), False
+        except PlanningError:
+            plan, is_stop = self._stop(at_s, seen), True
+        self.replans_ms.append(1e3 * (time.process_time() - begun_s))
+        if plan is None:
+            return
+        if is_stop and not self.is_holding:
+            self._way, self._way_at_s = self._plan, at_s
+        self._plan, self._since_s, self.is_holding = plan, then_s, is_stop
+        self.has_braked |= is_stop
+
+    def _go_on(self, at_s: float, seen: MovingObstacles) -> Trajectory:
+        if not self.is_holding:
+            return self._world.replan(self._plan, at_s, moving=seen)
+        start = self._plan.sample(at_s)
+        return self._world.replan(self._way, self._way_at_s, moving=seen, start=start)
+
+    def _stop(self, at_s: float, seen: MovingObstacles) -> Trajectory | None:
+        """A stop, None to keep on: the present one will do, or none can be proved."""
+        world = self._world
+        if self.is_holding and not self._meets(at_s, seen, world.planner.min_margin_m):
+            return None
+        try:
+            return world.brake(self._plan, at_s, moving=seen)
+        except PlanningError:
+            return None
+
+    def _meets(self, at_s: float, seen: MovingObstacles, margin_m: float) -> bool:
+        """Whether the plan in use leads nearer than a margin to what is seen."""
+        t = np.arange(0.0, seen.horizon_s, 0.05)
+        distance = seen.distances(self._plan.positions(at_s + t), t)[0]
+        return bool(distance.min() < self._world.radius_m + margin_m)
+
+
+def _capsule(
+    position_enu_m: np.ndarray, velocity_enu_mps: np.ndarray, growth_mps: float = _GROWTH_MPS
+) -> MovingObstacles:
+    return MovingObstacles(
+        position_enu_m=position_enu_m[None],
+        velocity_enu_mps=velocity_enu_mps[None],
+        radius_m=np.array([_PERSON_RADIUS_M]),
+        half_extent_m=np.array([[0.0, 0.0, _PERSON_HALF_HEIGHT_M]]),
+        yaw_rad=np.zeros(1),
+        growth_mps=growth_mps,
+    )

@@ -1,0 +1,10 @@
+"""Pictures of a flight: what was planned and flown over the scene, and the ground it landed on.
+
+Of a flight that just ended (`tape.FlightTape`) or of a recording (`recorded.read_story`): both give
+a `FlightStory`, and `draw_pictures` draws it. Only this package knows matplotlib.
+"""
+
+from scenarios.pictures.draw import draw_pictures
+from scenarios.pictures.story import FlightStory, PictureError
+
+__all__ = ["FlightStory", "PictureError", "draw_pictures"]

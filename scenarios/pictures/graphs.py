@@ -1,0 +1,130 @@
+"""Graphs of a flight: heights along the way, and errors over time with the pilot's phases."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from scenarios.pictures import style
+from scenarios.pictures.story import FlightStory, Track
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_HEADROOM_M = 2.0
+"""Above the flight, up to which what is overhead is drawn."""
+_BANDS = ("#eef2f6", "#ffffff")
+_LABELLED_SHARE = 0.028
+"""Of the width: a phase that takes less has no room for its name."""
+_TAIL_QUANTILE = 0.995
+
+
+def draw_profile(
+    axes: Axes,
+    story: FlightStory,
+    below_m: Float[np.ndarray, " n"],
+    above_m: Float[np.ndarray, " n"],
+    flown: Track,
+) -> None:
+    """Height over the distance flown, between what was below and what was above."""
+    style.plain(axes)
+    style.heading(axes, "height along the way, between what is below and what is overhead")
+    along_m, height_m = flown.distance_m, flown.true_enu_m[:, 2]
+    low = min(float(np.nanmin(np.append(below_m, height_m))), float(height_m.min())) - 0.5
+    high = float(height_m.max()) + _HEADROOM_M
+    axes.fill_between(along_m, low, below_m, color="#a39382", linewidth=0, step="mid")
+    axes.fill_between(along_m, above_m, high, color="#c9ced4", linewidth=0, step="mid")
+    for begin_s, end_s, points in _legs(story):
+        share = np.linspace(begin_s, end_s, len(points))
+        at_m = np.interp(share, flown.time_s, along_m)
+        axes.plot(at_m, points[:, 2], color=style.PLANNED, linestyle="dashed", linewidth=1.4)
+    axes.plot(along_m, height_m, color=style.TRUE, linewidth=2.0)
+    if story.touchdown_enu_m is not None:
+        axes.plot(
+            along_m[-1],
+            story.touchdown_enu_m[2],
+            "*",
+            color="white",
+            markersize=13,
+            markeredgecolor=style.INK,
+            clip_on=False,
+            zorder=5,
+        )
+    axes.set_ylim(low, high)
+    axes.set_xlim(0.0, max(1.0, float(along_m[-1])))
+    axes.set_xlabel("distance flown, m", color=style.INK)
+    axes.set_ylabel("height, m", color=style.INK)
+
+
+def _legs(story: FlightStory) -> list[tuple[float, float, np.ndarray]]:
+    """Begin, end and points of each plan's part that was flown."""
+    end_s = float(story.track.time_s[-1])
+    legs = []
+    for number, leg in enumerate(story.plans):
+        is_last = number == len(story.plans) - 1
+        until_s = end_s if is_last else story.plans[number + 1].time_s
+        n_flown = max(2, min(len(leg.points_enu_m), 1 + round((until_s - leg.time_s) / leg.step_s)))
+        points = leg.points_enu_m[:n_flown]
+        legs.append((leg.time_s, leg.time_s + leg.step_s * (n_flown - 1), points))
+    return legs
+
+
+def draw_errors(axes: Axes, story: FlightStory) -> None:
+    """How far truth, estimate and setpoint are apart, over the pilot's phases."""
+    style.plain(axes)
+    style.heading(axes, "position errors")
+    track = story.track
+    is_flying = np.isfinite(track.ref_enu_m[:, 0])
+    begin_s, end_s = _span(track.time_s, is_flying)
+    top_m = 0.0
+    for name, colour, error_m in (
+        ("truth from setpoint", "#a9b0b8", _distance(track.true_enu_m, track.ref_enu_m)),
+        ("estimate from truth", style.ESTIMATE, _distance(track.est_enu_m, track.true_enu_m)),
+        ("estimate from setpoint", style.TRUE, _distance(track.est_enu_m, track.ref_enu_m)),
+    ):
+        error_cm = 100 * np.where(is_flying, error_m, np.nan)
+        axes.plot(track.time_s, error_cm, color=colour, linewidth=1.5, label=name)
+        if is_flying.any():
+            top_m = max(top_m, float(np.nanquantile(error_cm, _TAIL_QUANTILE)))
+    axes.set_ylim(0.0, max(5.0, 1.5 * top_m))
+    axes.set_xlim(begin_s, end_s)
+    _draw_phases(axes, story, begin_s, end_s)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.01, 0.99), fontsize=9, ncols=3, frameon=False)
+    axes.set_xlabel("simulated time, s", color=style.INK)
+    axes.set_ylabel("error, cm", color=style.INK)
+
+
+def _draw_phases(axes: Axes, story: FlightStory, begin_s: float, end_s: float) -> None:
+    borders = [*story.phases, (end_s, "")]
+    for number, ((since_s, name), (until_s, _)) in enumerate(pairwise(borders)):
+        left, right = max(since_s, begin_s), min(until_s, end_s)
+        if right <= left:
+            continue
+        axes.axvspan(left, right, color=_BANDS[number % 2], zorder=0, linewidth=0)
+        if right - left > _LABELLED_SHARE * (end_s - begin_s):
+            axes.text(
+                (left + right) / 2,
+                0.96,
+                name,
+                transform=axes.get_xaxis_transform(),
+                fontsize=9,
+                color=style.PALE,
+                rotation=90,
+                ha="center",
+                va="top",
+            )
+
+
+def _span(time_s: np.ndarray, is_flying: np.ndarray) -> tuple[float, float]:
+    """From a second before the rotors turn to a second after."""
+    shown = time_s[is_flying] if is_flying.any() else time_s
+    return max(float(time_s[0]), float(shown[0]) - 1.0), min(
+        float(time_s[-1]), float(shown[-1]) + 1.0
+    )
+
+
+def _distance(a_m: np.ndarray, b_m: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(a_m - b_m, axis=1)

@@ -1,0 +1,255 @@
+"""`landing.png`: what the pilot knew of the ground it landed on, layer by layer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.perception import LandingNeeds
+from flightsim.world import build_world
+from scenarios.pictures import style
+from scenarios.pictures.backdrop import open_stage, opened_above
+from scenarios.pictures.story import FlightStory, LandingLayers
+from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
+
+_SIZE_IN = (15.0, 9.8)
+_PICTURE_PX = 900
+_UNSEEN = "#c9ced4"
+_JUDGED = ("#d1495b", "#f2b84b", "#3fb56b")
+_WORDS = ("unsafe", "safe, but off the area or covered", "safe")
+_RELIEF_M = 0.05
+"""The least range of heights that the colours span."""
+_MOST_TICKS = 6
+_USUAL = 0.9
+"""Share of the cells whose heights the colours tell apart."""
+_ROOM_ABOVE_M = 1.5
+"""The picture from above shows what is lower than this above the touchdown point."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Layer:
+    """A panel: values by cell, in which colours, and the limit that a vehicle sets."""
+
+    title: str
+    unit: str
+    values: Float[np.ndarray, "n n"]
+    colours: str
+    top: float
+    low: float = 0.0
+    limit: float | None = None
+
+
+def draw_landing(story: FlightStory, path: Path) -> None:
+    """Draw the landing map of a flight into a PNG file.
+
+    Args:
+        story: Of a flight that looked at an area; `story.landing` is not None.
+        path: File to write.
+
+    Raises:
+        OSError: If it cannot be written.
+    """
+    assert story.landing is not None
+    landing, needs = story.landing, _needs(story)
+    figure = style.new_figure(*_SIZE_IN)
+    figure.suptitle(_title(story), x=0.008, ha="left", fontsize=14, color=style.INK)
+    panels = figure.subplots(2, 3).ravel()
+    _draw_picture(panels[0], story, landing)
+    for axes, layer in zip(panels[1:5], _layers(landing, needs, _level_m(story)), strict=True):
+        _draw_layer(axes, landing, layer)
+    _draw_judgement(panels[5], landing)
+    _explain(figure, needs)
+    for axes in panels:
+        _draw_marks(axes, story, needs)
+        _frame(axes, landing)
+    style.save(figure, path)
+
+
+def _needs(story: FlightStory) -> LandingNeeds:
+    """What the pilot asked of the place."""
+    is_perch = story.area is not None and story.area.kind == "perching"
+    return landing_needs(story.airframe, PERCHING_SCATTER_M if is_perch else SCATTER_M)
+
+
+def _title(story: FlightStory) -> str:
+    area = "" if story.area is None else f", {story.area.kind} area {story.area.id}"
+    return f"{story.title}{area}"
+
+
+def _level_m(story: FlightStory) -> float:
+    """The height that others are given against: of the touchdown point, or of the area."""
+    if story.touchdown_enu_m is not None:
+        return story.touchdown_enu_m[2]
+    assert story.landing is not None
+    return float(np.nanmedian(story.landing.height_m))
+
+
+def _layers(landing: LandingLayers, needs: LandingNeeds, level_m: float) -> list[_Layer]:
+    relief_m = landing.height_m - level_m
+    reach_m = max(_RELIEF_M, float(np.nanquantile(np.abs(relief_m), _USUAL)))
+    slope_limit_deg = math.degrees(needs.max_slope_rad)
+    return [
+        _Layer(
+            title="elevation against the touchdown point",
+            unit="m",
+            values=relief_m,
+            colours="RdYlBu_r",
+            low=-reach_m,
+            top=reach_m,
+        ),
+        _Layer(
+            title="slope under the feet",
+            unit="degrees",
+            values=np.degrees(landing.slope_rad),
+            colours="viridis",
+            top=2 * slope_limit_deg,
+            limit=slope_limit_deg,
+        ),
+        _Layer(
+            title="roughness under the feet",
+            unit="cm",
+            values=100 * landing.roughness_m,
+            colours="viridis",
+            top=200 * needs.max_roughness_m,
+            limit=100 * needs.max_roughness_m,
+        ),
+        _Layer(
+            title="clearance to the nearest unsafe place",
+            unit="m",
+            values=landing.clearance_m,
+            colours="cividis",
+            top=max(needs.enough_clearance_m, float(np.nanmax(landing.clearance_m))),
+        ),
+    ]
+
+
+def _draw_layer(axes: Axes, landing: LandingLayers, layer: _Layer) -> None:
+    image = _show(axes, landing, layer.values, cmap=layer.colours, vmin=layer.low, vmax=layer.top)
+    assert axes.figure is not None
+    bar = axes.figure.colorbar(
+        image, ax=axes, fraction=0.046, pad=0.02, extend="both" if layer.low < 0 else "max"
+    )
+    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.ax.tick_params(colors=style.PALE, labelsize=9)
+    title = f"{layer.title}, {layer.unit}"
+    if layer.limit is not None:
+        bar.ax.axhline(layer.limit, color="white", linewidth=2.5)
+        title += f" (at most {layer.limit:g})"
+        _draw_limit(axes, landing, layer.values, layer.limit)
+    style.heading(axes, title)
+
+
+def _draw_limit(axes: Axes, landing: LandingLayers, values: np.ndarray, limit: float) -> None:
+    """A line where a layer goes beyond what the vehicle stands on."""
+    known = values[np.isfinite(values)]
+    if len(known) and known.min() < limit < known.max():
+        axes.contour(
+            landing.east_m, landing.north_m, values, [limit], colors="white", linewidths=1.5
+        )
+
+
+def _show(axes: Axes, landing: LandingLayers, values: np.ndarray, **options: object) -> AxesImage:
+    axes.set_facecolor(_UNSEEN)
+    extent = _extent(landing)
+    return axes.imshow(values, origin="lower", extent=extent, **options)  # type: ignore[arg-type]
+
+
+def _extent(landing: LandingLayers) -> tuple[float, float, float, float]:
+    half_m = (landing.east_m[1] - landing.east_m[0]) / 2
+    east, north = landing.east_m, landing.north_m
+    return (
+        float(east[0] - half_m),
+        float(east[-1] + half_m),
+        float(north[0] - half_m),
+        float(north[-1] + half_m),
+    )
+
+
+def _draw_judgement(axes: Axes, landing: LandingLayers) -> None:
+    from matplotlib.colors import ListedColormap  # noqa: PLC0415 - only where pictures are drawn
+
+    seen = np.isfinite(landing.height_m)
+    usable = np.nan_to_num(landing.clearance_m) > 0
+    kind = np.where(usable, 2.0, np.where(landing.is_safe, 1.0, 0.0))
+    colours = ListedColormap(list(_JUDGED))
+    _show(axes, landing, np.where(seen, kind, np.nan), cmap=colours, vmin=-0.5, vmax=2.5)
+    style.heading(axes, "where the vehicle's centre may come down")
+
+
+def _explain(figure: Figure, needs: LandingNeeds) -> None:
+    from matplotlib.patches import Patch  # noqa: PLC0415 - only where pictures are drawn
+
+    handles = [
+        Patch(color=colour, label=words) for colour, words in zip(_JUDGED, _WORDS, strict=True)
+    ]
+    feet = f"feet and scatter, radius {needs.footprint_radius_m:.2f} m"
+    rotors = f"rotors and scatter, radius {needs.body_radius_m:.2f} m"
+    handles += [
+        Patch(color=_UNSEEN, label="not known"),
+        Patch(fill=False, edgecolor=style.INK, label=feet),
+        Patch(fill=False, edgecolor=style.INK, linestyle="dashed", label=rotors),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=10, frameon=False)
+
+
+def _draw_picture(axes: Axes, story: FlightStory, landing: LandingLayers) -> None:
+    """The place from above, to the scale of the maps."""
+    world = build_world(story.scene, story.airframe, vehicle=False)
+    level_m = _level_m(story)
+    west, east, south, north = _extent(landing)
+    corners = np.array([(west, south, level_m), (east, north, level_m)])
+    lid = np.array([[west, south, level_m + _ROOM_ABOVE_M]])
+    with open_stage(opened_above(world, lid), _PICTURE_PX, _PICTURE_PX) as stage:
+        picture = stage.from_above(corners, 1.0).rgb
+    axes.imshow(picture, extent=(west, east, south, north))
+    style.heading(axes, "the place from above")
+
+
+def _draw_marks(axes: Axes, story: FlightStory, needs: LandingNeeds) -> None:
+    """Area, touchdown point and the vehicle to scale."""
+    from matplotlib.patches import Circle, Polygon  # noqa: PLC0415 - only where pictures are drawn
+
+    if story.area is not None:
+        corners = np.array([corner[:2] for corner in story.area.polygon])
+        for colour, width in (("white", 3.5), (style.INK, 1.5)):
+            axes.add_patch(Polygon(corners, fill=False, edgecolor=colour, linewidth=width))
+    if story.touchdown_enu_m is None:
+        return
+    place = story.touchdown_enu_m[:2]
+    for radius_m, pattern in ((needs.footprint_radius_m, "solid"), (needs.body_radius_m, "dashed")):
+        for colour, width in (("white", 3.0), (style.INK, 1.3)):
+            axes.add_patch(
+                Circle(
+                    place,
+                    radius_m,
+                    fill=False,
+                    edgecolor=colour,
+                    linewidth=width,
+                    linestyle=pattern if colour != "white" else "solid",
+                )
+            )
+    axes.plot(*place, "+", color="white", markersize=11, markeredgewidth=3)
+    axes.plot(*place, "+", color=style.INK, markersize=10, markeredgewidth=1.3)
+
+
+def _frame(axes: Axes, landing: LandingLayers) -> None:
+    west, east, south, north = _extent(landing)
+    axes.set_xlim(west, east)
+    axes.set_ylim(south, north)
+    axes.set_aspect("equal")
+    axes.locator_params(nbins=_MOST_TICKS)
+    axes.tick_params(colors=style.PALE, labelsize=9)
+    axes.set_xlabel("east, m", color=style.INK, fontsize=9)
+    axes.set_ylabel("north, m", color=style.INK, fontsize=9)
+    for spine in axes.spines.values():
+        spine.set_color(style.RULE)

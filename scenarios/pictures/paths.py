@@ -1,0 +1,147 @@
+"""Paths, areas and scales drawn into a rendered view."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from autonomy.model.quadrotor import Vector3
+from scenarios.pictures import style
+from scenarios.pictures.backdrop import Backdrop
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import LineCollection
+
+Corner = Literal["upper left", "upper right", "lower right"]
+
+_HIDDEN_ALPHA = 0.3
+_LEGEND_SHARE = 0.34
+"""Of a view's edges, what a legend in its corner covers."""
+
+
+class View:
+    """A panel that shows a backdrop; what lies behind things is drawn pale."""
+
+    def __init__(self, axes: Axes, backdrop: Backdrop) -> None:
+        self.axes = axes
+        self._backdrop = backdrop
+        height, width, _ = backdrop.rgb.shape
+        axes.imshow(backdrop.rgb, interpolation="antialiased", aspect="equal")
+        axes.set_xlim(-0.5, width - 0.5)
+        axes.set_ylim(height - 0.5, -0.5)
+        axes.set_xticks([])
+        axes.set_yticks([])
+        for spine in axes.spines.values():
+            spine.set_visible(False)
+
+    def path(
+        self,
+        points_enu_m: Float[np.ndarray, "n 3"],
+        colour: str,
+        width: float,
+        pattern: str = "solid",
+    ) -> None:
+        """A line of one colour."""
+        segments, is_hidden = self._segments(points_enu_m)
+        for part, alpha in ((~is_hidden, 1.0), (is_hidden, _HIDDEN_ALPHA)):
+            self._add(segments[part], width, colors=colour, linestyles=pattern, alpha=alpha)
+
+    def speed_path(
+        self,
+        points_enu_m: Float[np.ndarray, "n 3"],
+        speed_mps: Float[np.ndarray, " n"],
+        top_mps: float,
+        width: float,
+    ) -> LineCollection:
+        """A line coloured by speed, with a dark rim; returns what a colour bar needs."""
+        from matplotlib.colors import Normalize  # noqa: PLC0415 - only where pictures are drawn
+
+        segments, is_hidden = self._segments(points_enu_m)
+        shown = segments[~is_hidden]
+        self._add(shown, width + 2.0, colors=style.INK, capstyle="round")
+        scale = Normalize(0.0, top_mps)
+        options = {"cmap": style.SPEED_MAP, "norm": scale, "capstyle": "round"}
+        self._add(
+            segments[is_hidden],
+            width,
+            array=speed_mps[1:][is_hidden],
+            alpha=_HIDDEN_ALPHA,
+            **options,
+        )
+        return self._add(shown, width, array=speed_mps[1:][~is_hidden], **options)
+
+    def _segments(
+        self, points_enu_m: Float[np.ndarray, "n 3"]
+    ) -> tuple[Float[np.ndarray, "m 2 2"], Bool[np.ndarray, " m"]]:
+        pixels, is_hidden = self._backdrop.pixels(points_enu_m)
+        segments = np.stack([pixels[:-1], pixels[1:]], axis=1)
+        return segments, is_hidden[:-1] & is_hidden[1:]
+
+    def _add(self, segments: np.ndarray, width: float, **options: object) -> LineCollection:
+        from matplotlib.collections import LineCollection  # noqa: PLC0415 - as above
+
+        lines = LineCollection(list(segments), linewidths=width, **options)  # type: ignore[arg-type]
+        self.axes.add_collection(lines, autolim=False)
+        return lines
+
+    def area(self, polygon_enu_m: Sequence[Vector3], colour: str) -> None:
+        """A polygon: its outline, and a thin fill."""
+        from matplotlib.patches import Polygon  # noqa: PLC0415 - as above
+
+        pixels, _ = self._backdrop.pixels(np.array(polygon_enu_m))
+        if np.isfinite(pixels).all():
+            self.axes.add_patch(Polygon(pixels, facecolor=colour, alpha=0.3))
+            self.axes.add_patch(Polygon(pixels, fill=False, edgecolor=colour, linewidth=1.8))
+
+    def mark(self, point_enu_m: Vector3, marker: str, colour: str, size: float) -> None:
+        """A symbol at a point."""
+        pixels, _ = self._backdrop.pixels(np.array([point_enu_m]))
+        self.axes.plot(
+            *pixels[0], marker, color=colour, markersize=size, markeredgecolor=style.INK, zorder=5
+        )
+
+    def label(self, point_enu_m: Float[np.ndarray, " 3"], text: str, colour: str) -> None:
+        """Small words beside a point, if it is in the picture."""
+        (column, row), _ = (values[0] for values in self._backdrop.pixels(point_enu_m[None]))
+        height, width, _ = self._backdrop.rgb.shape
+        if 0 <= column < 0.93 * width and 0.03 * height <= row < height:
+            place = self.axes.annotate(
+                text, (column, row), (5, 5), textcoords="offset points", fontsize=8, color="white"
+            )
+            place.set_bbox({"facecolor": colour, "alpha": 0.85, "pad": 1.5, "edgecolor": "none"})
+
+    def emptiest_corner(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Corner:
+        """Where a legend hides least of some points; the lower left is the scale's."""
+        pixels, _ = self._backdrop.pixels(points_enu_m)
+        height, width, _ = self._backdrop.rgb.shape
+        column, row = pixels[:, 0] / width, pixels[:, 1] / height
+        corners: dict[Corner, np.ndarray] = {
+            "upper left": (column < _LEGEND_SHARE) & (row < _LEGEND_SHARE),
+            "upper right": (column > 1 - _LEGEND_SHARE) & (row < _LEGEND_SHARE),
+            "lower right": (column > 1 - _LEGEND_SHARE) & (row > 1 - _LEGEND_SHARE),
+        }
+        return min(corners, key=lambda corner: int(np.count_nonzero(corners[corner])))
+
+    def scale(self, at_enu_m: Vector3) -> None:
+        """A bar of a round length at the lower left, true at the height of a point."""
+        height, width, _ = self._backdrop.rgb.shape
+        per_m = self._backdrop.pixels_per_m(at_enu_m)
+        length_m = style.round_length_m(width / per_m)
+        left, base = 0.03 * width, 0.96 * height
+        for colour, thickness in ((style.INK, 6.0), ("white", 3.0)):
+            self.axes.plot(
+                [left, left + length_m * per_m],
+                [base, base],
+                color=colour,
+                linewidth=thickness,
+                solid_capstyle="butt",
+            )
+        self._caption(left, base - 0.015 * height, f"{length_m:g} m, north is up")
+
+    def _caption(self, column: float, row: float, text: str) -> None:
+        place = self.axes.text(column, row, text, fontsize=9, color="white", va="bottom")
+        place.set_bbox({"facecolor": style.INK, "alpha": 0.6, "pad": 2.0, "edgecolor": "none"})

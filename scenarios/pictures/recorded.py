@@ -1,0 +1,175 @@
+"""The story of a flight, read from its recording alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.scene import InteractionArea, Scene
+from aeroscene.scene_io import scene_from_json
+from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.pictures.story import (
+    FlightStory,
+    LandingLayers,
+    MoverPath,
+    PictureError,
+    PlannedLeg,
+    Track,
+    title_of,
+)
+from scenarios.recording import layout
+from scenarios.recording.rows import RecordedRows
+from scenarios.recording.summary import readable
+
+_WANTED = (
+    "state/position",
+    layout.ARMED,
+    layout.PHASE,
+    layout.PLANNED,
+    layout.LANDING_GRID,
+    layout.TOUCHDOWN,
+    layout.TRAFFIC,
+    layout.SCENE_DOCUMENT,
+)
+_SCALARS = "Scalars:scalars"
+
+
+def read_story(path: Path) -> FlightStory:
+    """What a recording tells of its flight.
+
+    Raises:
+        UnreadableRecordingError: If it is missing or no recording.
+        PictureError: If it holds no scene or no flight.
+    """
+    with readable(path) as source:
+        rows = RecordedRows(source, _WANTED)
+    scene, airframe = _scene(rows, path), _airframe(rows, path)
+    verdict = json.loads(rows.properties.get(layout.VERDICT_PROPERTY, {}).get("figures", "{}"))
+    track = _track(rows)
+    if len(track.time_s) == 0:
+        raise PictureError(f"recording {str(path)!r} holds no flight; valid: one that flew")
+    return FlightStory(
+        scene=scene,
+        airframe=airframe,
+        title=title_of(scene, airframe, verdict.get("reason", "not ended")),
+        track=track,
+        phases=tuple((t * 1e-6, row[0]) for t, row in rows.rows(layout.PHASE, "StateChange:state")),
+        plans=_plans(rows),
+        movers=_movers(rows),
+        area=_area(scene, verdict.get("area")),
+        touchdown_enu_m=_touchdown(rows),
+        landing=_landing(rows),
+    )
+
+
+def _scene(rows: RecordedRows, path: Path) -> Scene:
+    found = rows.rows(layout.SCENE_DOCUMENT, "json")
+    if not found:
+        raise PictureError(
+            f"recording {str(path)!r} holds no scene; valid: one of aeroscene-sitl --record"
+        )
+    return scene_from_json(found[-1][1][0], source=str(path))
+
+
+def _airframe(rows: RecordedRows, path: Path) -> Airframe:
+    name = rows.properties.get(layout.RUN_PROPERTY, {}).get("vehicle")
+    if name is None:
+        raise PictureError(f"recording {str(path)!r} names no vehicle; valid: one of a flight")
+    return airframe_by_name(name)
+
+
+def _track(rows: RecordedRows) -> Track:
+    time_us, true_m = rows.vectors(layout.POSITION_TRUE, _SCALARS)
+    _, est_m = rows.vectors(layout.POSITION_EST, _SCALARS)
+    _, ref_m = rows.vectors(layout.POSITION_REF, _SCALARS)
+    # A file that was torn may lack the last rows of one of them.
+    n = min(len(true_m), len(est_m), len(ref_m))
+    is_armed = np.zeros(n, dtype=bool)
+    for since_us, state in rows.rows(layout.ARMED, "StateChange:state"):
+        is_armed[time_us[:n] >= since_us] = state[0] == "armed"
+    return Track(
+        time_s=time_us[:n] * 1e-6,
+        true_enu_m=true_m[:n],
+        est_enu_m=est_m[:n],
+        ref_enu_m=np.where(is_armed[:, None], ref_m[:n], np.nan),
+    )
+
+
+def _plans(rows: RecordedRows) -> tuple[PlannedLeg, ...]:
+    """Those from arming on; what the pilot holds before is not flown."""
+    durations_s = dict(rows.rows(layout.PLANNED, "duration_s"))
+    armed = [t for t, s in rows.rows(layout.ARMED, "StateChange:state") if s[0] == "armed"]
+    begin_us = armed[0] if armed else 0
+    legs: list[PlannedLeg] = []
+    for time_us, strips in rows.rows(layout.PLANNED, "LineStrips3D:strips"):
+        points = np.array(strips[0], dtype=float)
+        if time_us not in durations_s:
+            continue
+        if time_us <= begin_us:
+            legs.clear()
+        legs.append(
+            PlannedLeg(
+                time_s=max(time_us, begin_us) * 1e-6,
+                points_enu_m=points,
+                step_s=durations_s[time_us][0] / max(1, len(points) - 1),
+            )
+        )
+    return tuple(legs)
+
+
+def _movers(rows: RecordedRows) -> tuple[MoverPath, ...]:
+    paths = []
+    for entity in rows.entities:
+        if entity.startswith(f"{layout.TRAFFIC}/"):
+            _, points = rows.vectors(entity, "Transform3D:translation")
+            paths.append(
+                MoverPath(name=entity.rpartition("/")[2], points_enu_m=points.astype(float))
+            )
+    return tuple(path for path in paths if len(path.points_enu_m))
+
+
+def _area(scene: Scene, area_id: int | None) -> InteractionArea | None:
+    return next((area for area in scene.interaction_areas if area.id == area_id), None)
+
+
+def _touchdown(rows: RecordedRows) -> tuple[float, float, float] | None:
+    found = rows.rows(layout.TOUCHDOWN, "Points3D:positions")
+    if not found:
+        return None
+    x, y, z = found[-1][1][0]
+    return (x, y, z)
+
+
+def _landing(rows: RecordedRows) -> LandingLayers | None:
+    """The last map whose layers were written."""
+    found = {
+        name: rows.rows(layout.LANDING_GRID, name)
+        for name in (
+            *("east_m", "north_m", "is_observed", "is_safe"),
+            *("height_m", "slope_rad", "roughness_m", "clearance_m"),
+        )
+    }
+    if not all(found.values()):
+        return None
+    last = {name: np.array(values[-1][1]) for name, values in found.items()}
+    n = len(last["east_m"])
+    seen = last["is_observed"].reshape(n, n)
+
+    def spread(name: str) -> Float[np.ndarray, "n n"]:
+        layer = np.full((n, n), np.nan)
+        layer[seen] = last[name]
+        return layer
+
+    return LandingLayers(
+        east_m=last["east_m"],
+        north_m=last["north_m"],
+        height_m=spread("height_m"),
+        slope_rad=spread("slope_rad"),
+        roughness_m=spread("roughness_m"),
+        clearance_m=spread("clearance_m"),
+        is_safe=spread("is_safe") == 1.0,
+    )

@@ -1,0 +1,66 @@
+"""How pictures look: colours, sizes, and a figure that belongs to no window."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aeroscene.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PAPER, INK, PALE, RULE = "#fafaf8", "#1c2026", "#70767e", "#dcdcd8"
+PLANNED, SUPERSEDED = "#ff4fc3", "#f4c9e6"
+TRUE, ESTIMATE = "#1f77b4", "#d1495b"
+AREA, TOUCHDOWN = "#2fbf5f", "#ffffff"
+MOVERS = ("#ff9f1c", "#2ec4b6", "#a06cff", "#e4572e", "#76b041", "#3a86ff")
+SPEED_MAP = "plasma"
+DPI = 100
+
+
+def new_figure(width_in: float, height_in: float) -> Figure:
+    """An empty page."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - a second; only where pictures are drawn
+
+    return Figure(figsize=(width_in, height_in), dpi=DPI, facecolor=PAPER, layout="constrained")
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a PNG file whole or not at all.
+
+    Raises:
+        OSError: If it cannot be written.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 - as above
+
+    data = io.BytesIO()
+    # Without the name and version of the library: the same flight gives the same bytes.
+    FigureCanvasAgg(figure).print_png(data, metadata={"Software": None})
+    with replacing(path) as file:
+        file.write(data.getvalue())
+
+
+def plain(axes: Axes) -> None:
+    """Few lines: a light grid, no box."""
+    axes.set_facecolor("white")
+    axes.grid(visible=True, color=RULE, linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.tick_params(colors=PALE, labelsize=9, length=0)
+    for spine in axes.spines.values():
+        spine.set_color(RULE)
+
+
+def heading(axes: Axes, text: str) -> None:
+    """The title of a panel."""
+    axes.set_title(text, loc="left", fontsize=11, color=INK)
+
+
+def round_length_m(span_m: float) -> float:
+    """A length of 1, 2 or 5 times a power of ten, at most a fifth of a span."""
+    decade = 10.0 ** np.floor(np.log10(span_m / 5))
+    return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= span_m / 5))

@@ -1,0 +1,124 @@
+"""Gathers what pictures need while a flight goes on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flightsim.environment.movers import mover_name
+from scenarios.pictures.story import (
+    FlightStory,
+    LandingLayers,
+    MoverPath,
+    PlannedLeg,
+    Track,
+    title_of,
+)
+
+if TYPE_CHECKING:
+    from autonomy.planning import Trajectory
+    from flightsim.autopilot.autopilot import Autopilot
+    from flightsim.plant import Plant
+    from scenarios.pilot import Pilot
+
+PLAN_STEP_S = 0.1
+"""From one drawn point of a plan to the next."""
+_MOVER_TICKS = 5
+"""Movers are looked at once in so many ticks of 20 ms."""
+_FIELDS = ("position_true_enu_m", "position_est_enu_m", "reference_position_enu_m")
+
+
+class FlightTape:
+    """Looks at a run after every tick; call `story` when it is over."""
+
+    def __init__(self, plant: Plant, autopilot: Autopilot, pilot: Pilot | None) -> None:
+        self._plant = plant
+        self._autopilot = autopilot
+        self._pilot = pilot
+        self._times_us: list[int] = []
+        self._rows: list[tuple[np.ndarray, ...]] = []
+        self._is_armed: list[bool] = []
+        self._movers: list[np.ndarray] = []
+        self._plans: list[PlannedLeg] = []
+        self._plan: Trajectory | None = None
+
+    @property
+    def has_any(self) -> bool:
+        """Whether there is anything to tell."""
+        return len(self._times_us) > 1
+
+    def on_tick(self) -> None:
+        """Take in the present moment."""
+        plant = self._plant
+        last = plant.history[-1]
+        self._times_us.append(plant.time_us)
+        self._rows.append(tuple(last[field].copy() for field in _FIELDS))
+        self._is_armed.append(self._autopilot.is_armed)
+        if plant.world.obstacles and len(self._times_us) % _MOVER_TICKS == 0:
+            self._movers.append(plant.obstacles_true.position_enu_m.copy())
+        # What it holds before the rotors turn is not flown.
+        pilot = self._pilot
+        if pilot is not None and self._is_armed[-1] and pilot.trajectory is not self._plan:
+            self._plan = pilot.trajectory
+            self._plans.append(planned_leg(plant.time_us * 1e-6, self._plan))
+
+    def story(self, ending: str) -> FlightStory:
+        """What was gathered.
+
+        Args:
+            ending: How the run ended, in a few words.
+        """
+        plant, pilot = self._plant, self._pilot
+        scene, airframe = plant.world.scene, plant.world.airframe
+        known = FlightStory(
+            scene=scene,
+            airframe=airframe,
+            title=title_of(scene, airframe, ending),
+            track=self._track(),
+            movers=self._mover_paths(),
+        )
+        if pilot is None:
+            return known
+        landing = pilot.landing_map
+        return FlightStory(
+            scene=scene,
+            airframe=airframe,
+            title=known.title,
+            track=known.track,
+            movers=known.movers,
+            phases=tuple((t.time_us * 1e-6, t.target.value) for t in pilot.transitions),
+            plans=tuple(self._plans),
+            area=pilot.area,
+            touchdown_enu_m=pilot.touchdown_enu_m,
+            landing=None if landing is None else LandingLayers.of(landing),
+        )
+
+    def _track(self) -> Track:
+        true_m, est_m, ref_m = (
+            np.array([row[column] for row in self._rows]).reshape(-1, 3) for column in range(3)
+        )
+        is_armed = np.array(self._is_armed, dtype=bool)
+        return Track(
+            time_s=np.array(self._times_us) * 1e-6,
+            true_enu_m=true_m,
+            est_enu_m=est_m,
+            ref_enu_m=np.where(is_armed[:, None], ref_m, np.nan),
+        )
+
+    def _mover_paths(self) -> tuple[MoverPath, ...]:
+        obstacles = self._plant.world.obstacles
+        positions = np.array(self._movers).reshape(len(self._movers), len(obstacles), 3)
+        paths = [
+            MoverPath(name=mover_name(index, obstacles), points_enu_m=positions[:, index])
+            for index in range(len(obstacles))
+        ]
+        return tuple(sorted(paths, key=lambda path: path.name))
+
+
+def planned_leg(time_s: float, plan: Trajectory) -> PlannedLeg:
+    """Points along a plan that is taken up at a time, its end among them."""
+    n_steps = max(1, round(plan.duration_s / PLAN_STEP_S))
+    times_s = np.linspace(0.0, plan.duration_s, n_steps + 1)
+    points_enu_m = plan.positions(times_s)
+    return PlannedLeg(time_s=time_s, points_enu_m=points_enu_m, step_s=plan.duration_s / n_steps)

@@ -1,0 +1,6 @@
+"""Our own pilot: flies a mission over MAVLink, chooses the touchdown point from depth, lands."""
+
+from scenarios.pilot.phases import Phase, PilotVerdict, Replan, Transition
+from scenarios.pilot.pilot import Pilot, PilotCfg
+
+__all__ = ["Phase", "Pilot", "PilotCfg", "PilotVerdict", "Replan", "Transition"]

@@ -1,0 +1,201 @@
+"""At the area: look, choose a place, go above it, down, and up again if it turns bad."""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import Protocol
+
+from aeroscene.scene import InteractionArea
+from autonomy.planning import PlanningError
+from scenarios.mavlink_telemetry import LANDED_ON_GROUND
+from scenarios.pilot.eyes import NoDepthError
+from scenarios.pilot.flight import Flight
+from scenarios.pilot.landing_watch import CAMERA, LandingWatch
+from scenarios.pilot.phases import Phase, Step
+
+_LOG = logging.getLogger(__name__)
+
+COMMIT_HEIGHT_M = 1.0
+"""Of the soles above the surface: below it the landing is no longer called off."""
+DESCENT_SPEED_MPS = 0.8
+SEARCH_FRAMES = 6
+"""Depth images that are fused before a place is chosen."""
+MAX_SEARCH_FRAMES = 20
+MAX_LOOKS = 4
+"""Searches and descents at one area before the next is tried."""
+MAX_AREAS = 3
+MAX_BLIND_FRAMES = 5
+"""Images without depth in a row before the area is not looked at any longer for now."""
+LEAVE_M = 1.0
+"""Above a place that it touched, the map is not asked."""
+
+
+class WaysOut(Protocol):
+    """What to do when there is nothing more to do here."""
+
+    def hold(self, reason: str) -> Step:
+        """Come to rest and wait."""
+        ...
+
+    def go_home(self, reason: str) -> Step:
+        """Give up."""
+        ...
+
+
+class Area:
+    """The phases above and on the area.
+
+    Attributes:
+        ways_out: Where to turn when it is left without a landing.
+    """
+
+    ways_out: WaysOut
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+
+    def look(self, reason: str) -> Step:
+        """Begin to look at the area anew, or go on to the next one."""
+        flight = self._flight
+        flight.n_looks += 1
+        if flight.n_looks > MAX_LOOKS:
+            return self.give_up(f"{reason}, for the {MAX_LOOKS}th time")
+        flight.watch = LandingWatch(flight.mission.surroundings, flight.area, flight.hover_enu_m)
+        return Phase.SEARCH, reason
+
+    def give_up(self, reason: str) -> Step:
+        """On to the next area that can be flown to, else home."""
+        flight = self._flight
+        flight.n_looks, flight.watch = 0, None
+        while flight.alternates and flight.n_areas < MAX_AREAS:
+            area = flight.alternates.pop(0)
+            if self._set_out_for(area):
+                return Phase.NAVIGATE, f"{reason}; on to area {area.id}"
+        return self.ways_out.go_home(reason)
+
+    def _set_out_for(self, area: InteractionArea) -> bool:
+        flight = self._flight
+        hover = flight.mission.surroundings.hover_point(area)
+        if hover is None:
+            return False
+        try:
+            flight.plan_to(hover)
+        except PlanningError as error:
+            _LOG.info("area %d: %s", area.id, error)
+            return False
+        flight.n_areas += 1
+        flight.area, flight.hover_enu_m, flight.site = area, hover, None
+        return True
+
+    def search(self) -> Step:
+        """Fuse depth images until a place is good enough."""
+        flight, watch = self._flight, self._watching()
+        if not self._see(watch):
+            return self._blind()
+        if watch.n_frames < SEARCH_FRAMES:
+            return None
+        flight.site = watch.choose()
+        if flight.site is None:
+            if watch.n_frames < MAX_SEARCH_FRAMES:
+                return None
+            return self.give_up(f"no safe place seen on area {flight.area.id}")
+        x, y, _ = flight.site.position_enu_m
+        try:
+            flight.go((x, y, flight.hover_enu_m[2]))
+        except PlanningError as error:
+            return self.give_up(f"no certified way above ({x:.2f}, {y:.2f}): {error}")
+        return Phase.ALIGN, (
+            f"chose ({x:.2f}, {y:.2f}): slope {math.degrees(flight.site.slope_rad):.1f} deg, "
+            f"roughness {100 * flight.site.roughness_m:.0f} cm, "
+            f"{flight.site.clearance_m:.2f} m of room"
+        )
+
+    def align(self) -> Step:
+        """Above the chosen place, then down."""
+        flight = self._flight
+        if not flight.has_arrived:
+            return None
+        x, y, _ = flight.chosen.position_enu_m
+        commit_m = min(flight.resting_height_m + COMMIT_HEIGHT_M, flight.hover_enu_m[2])
+        try:
+            flight.begin_with(flight.leg((x, y, commit_m), DESCENT_SPEED_MPS))
+        except PlanningError as error:
+            return self.give_up(f"no certified way down at ({x:.2f}, {y:.2f}): {error}")
+        return Phase.DESCEND, "above the touchdown point"
+
+    def descend(self) -> Step:
+        """Down, and looking, until it is to be committed to."""
+        flight, watch = self._flight, self._watching()
+        if self._see(watch):
+            flight.site = watch.again(flight.chosen)
+            if reason := watch.objection(flight.chosen):
+                return self._climb_back(f"the touchdown point no longer looks safe: {reason}")
+        elif step := self._blind():
+            return step
+        if not flight.has_arrived:
+            return None
+        flight.course.touch_down(flight.time_us, flight.resting_height_m)
+        return Phase.TOUCHDOWN, "still safe from here"
+
+    def touch_down(self) -> Step:
+        """The last metre."""
+        if self._flight.telemetry.landed_state != LANDED_ON_GROUND:
+            return None
+        return Phase.DISARM, "on the ground"
+
+    def leave(self, reason: str) -> Step:
+        """Up again from a place that does not let it land."""
+        flight = self._flight
+        here, now = flight.telemetry.position_enu_m, flight.setpoint
+        x, y, _ = here
+        world = flight.mission.surroundings
+        try:
+            up = world.certified_leg(
+                here, (x, y, flight.hover_enu_m[2]), now.yaw_rad, exempt_m=LEAVE_M
+            )
+        except PlanningError as error:
+            flight.given_up = reason
+            return Phase.HAND_OVER, f"{reason}; no certified way up: {error}"
+        flight.begin_with(up)
+        return Phase.CLIMB, reason
+
+    def climb(self) -> Step:
+        """Back up, then look again."""
+        return self.look("climbed back") if self._flight.has_arrived else None
+
+    def _climb_back(self, reason: str) -> Step:
+        """Stop, and go back up."""
+        flight = self._flight
+        x, y, z = flight.setpoint.position_enu_m
+        try:
+            flight.plan_to((x, y, max(z, flight.hover_enu_m[2])))
+        except PlanningError as error:
+            return self.ways_out.hold(f"{reason}; {error}")
+        return Phase.CLIMB, reason
+
+    def _see(self, watch: LandingWatch) -> bool:
+        """Fuse an image if one is due and shows anything; True if so."""
+        flight = self._flight
+        if not watch.is_due(flight.time_us):
+            return False
+        try:
+            image = flight.senses.take(CAMERA)
+        except NoDepthError as error:
+            watch.miss(flight.time_us)
+            _LOG.info("%s", error)
+            return False
+        watch.fuse(flight.time_us, image)
+        return True
+
+    def _blind(self) -> Step:
+        """Whether there was no depth for too long."""
+        n_blind = self._flight.senses.n_blind
+        if n_blind < MAX_BLIND_FRAMES:
+            return None
+        self._flight.senses.n_blind = 0
+        return self.ways_out.hold(f"camera {CAMERA} measured nothing in {n_blind} images")
+
+    def _watching(self) -> LandingWatch:
+        assert self._flight.watch is not None
+        return self._flight.watch

@@ -1,0 +1,95 @@
+"""On the ground: connect, wait for health, arm; and disarm at the end."""
+
+from __future__ import annotations
+
+import math
+
+from autonomy.planning import PlanningError
+from scenarios.mavlink_client import PX4_OFFBOARD
+from scenarios.pilot.flight import Flight
+from scenarios.pilot.phases import Phase, PilotVerdict, Step
+
+MAX_ARMING_TRIES = 10
+LIFT_OFF_M = 1.0
+"""Above where it stands, the map is not asked: it stood there, so there is room."""
+_STREAM_BEFORE_ARMING_S = 0.2
+
+
+class Ground:
+    """The phases before the take-off and after the landing."""
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+
+    def connect(self) -> Step:
+        """Until the vehicle answers and sends what is needed."""
+        flight = self._flight
+        if flight.telemetry.system_id and not flight.commands:
+            client = flight.client
+            flight.commands = [client.request_origin(), *client.request_streams()]
+        if flight.commands and all(command.is_done for command in flight.commands):
+            return Phase.PREPARE, f"system {flight.telemetry.system_id} answers"
+        return None
+
+    def prepare(self) -> Step:
+        """Until it may be armed."""
+        flight = self._flight
+        telemetry = flight.telemetry
+        if not (telemetry.has_state and telemetry.is_armable and telemetry.is_navigating):
+            return None
+        x, y, _ = flight.mission.takeoff_enu_m
+        flight.senses.stand_at((x, y, flight.home_resting_height_m))
+        here = flight.telemetry.position_enu_m
+        # A stream of setpoints that stay where it stands: offboard mode wants one.
+        flight.begin_with(flight.mission.surroundings.leg(here, here, telemetry.yaw_rad))
+        return Phase.ARM, "estimator and arming checks are ready"
+
+    def arm(self) -> Step:
+        """The stream of setpoints runs; now the mode, then the rotors."""
+        flight = self._flight
+        telemetry = flight.telemetry
+        if telemetry.is_armed and telemetry.custom_mode == PX4_OFFBOARD:
+            return self._rise()
+        is_waiting = not all(command.is_done for command in flight.commands)
+        if is_waiting or flight.elapsed_s < _STREAM_BEFORE_ARMING_S:
+            return None
+        if len(flight.commands) >= MAX_ARMING_TRIES:
+            outcome = flight.commands[-1].outcome()
+            return Phase.FAILED, f"mode or arming: {outcome}{flight.last_words()}"
+        if telemetry.custom_mode != PX4_OFFBOARD:
+            flight.commands.append(flight.client.set_mode(PX4_OFFBOARD))
+        else:
+            flight.commands.append(flight.client.arm())
+        return None
+
+    def _rise(self) -> Step:
+        flight = self._flight
+        try:
+            leg = flight.leg(flight.mission.takeoff_enu_m, exempt_m=LIFT_OFF_M)
+        except PlanningError as error:
+            flight.given_up = f"no certified way up from the start: {error}"
+            return Phase.DISARM, flight.given_up
+        flight.begin_with(leg)
+        return Phase.TAKEOFF, "armed in offboard mode"
+
+    def disarm(self) -> Step:
+        """Until the rotors stand."""
+        flight = self._flight
+        if flight.telemetry.is_armed:
+            if all(command.is_done for command in flight.commands):
+                flight.commands = [flight.client.disarm()]
+            return None
+        if flight.given_up is not None:
+            return Phase.FAILED, flight.given_up
+        return Phase.DONE, self.success().reason
+
+    def success(self) -> PilotVerdict:
+        """The verdict on a landing on the chosen place."""
+        flight = self._flight
+        rest_enu_m = flight.telemetry.position_enu_m
+        error_m = math.dist(rest_enu_m[:2], flight.chosen.position_enu_m[:2])
+        return PilotVerdict(
+            success=True,
+            reason=f"landed {error_m:.2f} m from the chosen point and disarmed",
+            touchdown_error_m=error_m,
+        )

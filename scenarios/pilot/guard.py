@@ -1,0 +1,173 @@
+"""What may end or change any phase in the air, looked at before the phase itself."""
+
+from __future__ import annotations
+
+import math
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.planning import PlanningError, Trajectory
+from autonomy.types import FlatReference
+from scenarios.mavlink_client import PX4_OFFBOARD
+from scenarios.pilot.area import Area
+from scenarios.pilot.flight import Flight
+from scenarios.pilot.lookout import Lookout
+from scenarios.pilot.phases import (
+    IN_THE_AIR,
+    ON_THE_WAY,
+    TIME_LIMIT_S,
+    Phase,
+    Step,
+)
+from scenarios.pilot.way import Way
+
+SILENCE_S = 0.5
+"""Without a new position for so long, it does not know where it is."""
+PATIENCE_S = 3.0
+"""How long it holds without knowing where it is before the autopilot has to see to it."""
+LEAST_BATTERY = 0.2
+"""Share of the charge with which it turns home; the autopilots of the field warn at 15 to 25%."""
+LEAST_DEVIATION_M, MOST_DEVIATION_M = 0.5, 1.0
+"""Bounds of how far it may be from where the plan has it; between them, the plan's clearance."""
+DEVIATION_PERIOD_S = 1.0
+"""Between two plans from where it is."""
+_NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
+_GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAND_HOME})
+"""Sooner on the ground than by turning home."""
+
+
+class Guard:
+    """Watches over the phases."""
+
+    def __init__(self, flight: Flight, way: Way, area: Area) -> None:
+        self._flight, self._way, self._area = flight, way, area
+        self._lookout = Lookout(flight, way)
+        self._position_ms = -1
+        self._heard_us = 0
+        self._deviation_due_us = 0
+
+    def check(self, phase: Phase) -> Step:
+        """What has to be done before anything else, None if all is well."""
+        if phase in IN_THE_AIR:
+            checks = (
+                self._control,
+                self._whereabouts,
+                self._battery,
+                self._deviation,
+                self._lookout.check,
+            )
+            for check in checks:
+                if step := check(phase):
+                    return step
+        return self._clock(phase)
+
+    def _control(self, phase: Phase) -> Step:
+        """Armed, and ours."""
+        flight = self._flight
+        if not flight.telemetry.is_armed:
+            return Phase.FAILED, f"disarmed in phase {phase.value}{flight.last_words()}"
+        if flight.telemetry.custom_mode != PX4_OFFBOARD:
+            return Phase.FAILED, f"the autopilot left offboard mode{flight.last_words()}"
+        return None
+
+    def _whereabouts(self, phase: Phase) -> Step:
+        """Does it know where it is?"""
+        flight = self._flight
+        flight.complaint = self._complaint()
+        if flight.complaint is None or phase in _NEVER_HOLD:
+            return None
+        if phase is not Phase.HOLD:
+            return self._way.hold(flight.complaint)
+        if flight.elapsed_s > PATIENCE_S:
+            flight.given_up = flight.given_up or flight.complaint
+            return Phase.HAND_OVER, flight.complaint
+        return None
+
+    def _complaint(self) -> str | None:
+        flight = self._flight
+        telemetry = flight.telemetry
+        if telemetry.position_time_ms != self._position_ms:
+            self._position_ms, self._heard_us = telemetry.position_time_ms, flight.time_us
+        if flight.time_us - self._heard_us > 1e6 * SILENCE_S:
+            return f"no position from the autopilot for {SILENCE_S} s"
+        if not telemetry.is_navigating:
+            return "the autopilot's estimator does not know the position"
+        return None
+
+    def _battery(self, phase: Phase) -> Step:
+        flight = self._flight
+        left = flight.telemetry.battery_remaining
+        # NaN before the first report.
+        if phase in _GOING_DOWN or flight.given_up is not None or not left < LEAST_BATTERY:
+            return None
+        return self._way.go_home(f"the battery is down to {100 * left:.0f}%")
+
+    def _deviation(self, phase: Phase) -> Step:
+        """Is it where the plan has it? Else plan from where it is."""
+        flight = self._flight
+        if flight.course.is_touching_down or flight.time_us < self._deviation_due_us:
+            return None
+        here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
+        # The rotors spin up while the plan already rises: straight up it may well be late.
+        n = 2 if phase is Phase.TAKEOFF else 3
+        away_m = math.dist(here[:n], should[:n])
+        limit_m = deviation_limit_m(flight.course.trajectory)
+        if away_m <= limit_m:
+            return None
+        self._deviation_due_us = flight.time_us + round(1e6 * DEVIATION_PERIOD_S)
+        reason = f"{away_m:.2f} m from the plan, {limit_m:.2f} m are allowed"
+        start = self._vehicle()
+        if phase is Phase.HOLD:
+            return self._way.stop_elsewhere(reason, start)
+        if phase not in ON_THE_WAY:
+            return self._way.hold(reason, start)
+        try:
+            flight.go_on_from(start, self._way.goal_enu_m, reason)
+        except PlanningError as error:
+            return self._way.hold(f"{reason}; {error}", start)
+        return None
+
+    def _vehicle(self) -> FlatReference:
+        """Where the vehicle will be when a new plan takes over, moving as it does."""
+        flight = self._flight
+        telemetry = flight.telemetry
+        lead_s = (flight.take_over_us - flight.time_us) * 1e-6
+        (x, y, z), (u, v, w) = telemetry.position_enu_m, telemetry.velocity_enu_mps
+        return FlatReference(
+            position_enu_m=(x + u * lead_s, y + v * lead_s, z + w * lead_s),
+            velocity_enu_mps=self._within_limits((u, v, w)),
+            yaw_rad=flight.setpoint.yaw_rad,
+        )
+
+    def _within_limits(self, velocity_enu_mps: Vector3) -> Vector3:
+        """The same velocity, slower if no plan may begin with it."""
+        limits = self._flight.mission.surroundings.limits
+        u, v, w = velocity_enu_mps
+        share = min(
+            1.0,
+            limits.speed_horizontal_mps / max(math.hypot(u, v), 1e-6),
+            limits.speed_vertical_mps / max(abs(w), 1e-6),
+        )
+        return (share * u, share * v, share * w)
+
+    def _clock(self, phase: Phase) -> Step:
+        """A phase that takes too long has failed."""
+        flight = self._flight
+        limit_s = TIME_LIMIT_S.get(phase, math.inf)
+        if flight.elapsed_s <= limit_s:
+            return None
+        reason = f"phase {phase.value} took more than {limit_s:.0f} s"
+        if phase is Phase.TOUCHDOWN:
+            return self._area.leave(reason)
+        if phase not in IN_THE_AIR:
+            return Phase.FAILED, reason + flight.last_words()
+        if flight.given_up is not None:
+            return Phase.HAND_OVER, reason
+        return self._way.go_home(reason)
+
+
+def deviation_limit_m(trajectory: Trajectory) -> float:
+    """How far the vehicle may be from a plan: what is certified to be free beside it."""
+    clearance_m = trajectory.min_clearance_m
+    if math.isnan(clearance_m):
+        return MOST_DEVIATION_M
+    return min(max(clearance_m, LEAST_DEVIATION_M), MOST_DEVIATION_M)

@@ -1,0 +1,73 @@
+"""What is seen ahead and was not planned with: somebody who moves, the map as it grows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from autonomy.planning import PlanningError
+from scenarios.pilot.flight import Flight
+from scenarios.pilot.movers import KEEP_FROM_MOVERS_M
+from scenarios.pilot.phases import ON_THE_WAY, Phase, Step
+from scenarios.pilot.way import Way
+
+UNSEEN_AHEAD_S = 4.0
+"""A plan that ends short of the goal is made anew when this is left of it."""
+_STEP_S = 0.1
+
+
+class Lookout:
+    """Looks ahead, and changes what is flown where it must."""
+
+    def __init__(self, flight: Flight, way: Way) -> None:
+        self._flight, self._way = flight, way
+
+    def check(self, phase: Phase) -> Step:
+        """What is seen now, and was not planned with."""
+        flight = self._flight
+        if not flight.senses.look_about() or phase is Phase.TOUCHDOWN:
+            return None
+        return self._movers(phase) or self._unseen(phase)
+
+    def _movers(self, phase: Phase) -> Step:
+        """Does something come too near to what is flown, or to where it ends?"""
+        flight = self._flight
+        room_m = flight.room_to_movers_m()
+        if room_m >= KEEP_FROM_MOVERS_M:
+            return None
+        reason = f"something that moves would come within {max(room_m, 0.0):.2f} m"
+        if phase is Phase.HOLD:
+            return self._way.stop_elsewhere(reason)
+        if phase in ON_THE_WAY:
+            try:
+                flight.replan(reason)
+            except PlanningError as error:
+                return self._way.hold(f"{reason}; {error}")
+            return None
+        return self._way.hold(reason)
+
+    def _unseen(self, phase: Phase) -> Step:
+        """Where the map grows: is the plan still free, and does it lead as far as it can?"""
+        flight = self._flight
+        world = flight.mission.surroundings
+        if world.is_known or phase not in ON_THE_WAY:
+            return None
+        since_s = flight.course.elapsed_s(flight.take_over_us)
+        is_free = self._is_free(since_s)
+        left_s = flight.course.trajectory.duration_s - since_s
+        is_short = left_s < UNSEEN_AHEAD_S and not flight.is_at_end(self._way.goal_enu_m)
+        if is_free and not is_short:
+            return None
+        reason = "more of the map was seen" if is_free else "something stands in the way"
+        try:
+            start = flight.course.reference(flight.take_over_us)
+            flight.go_on_from(start, self._way.goal_enu_m, reason)
+        except PlanningError as error:
+            # The plan in hand ends at rest within what was seen free.
+            return None if is_free else self._way.hold(f"{reason}; {error}")
+        return None
+
+    def _is_free(self, since_s: float) -> bool:
+        flight = self._flight
+        plan = flight.course.trajectory
+        times = np.arange(max(since_s, 0.0), plan.duration_s + _STEP_S, _STEP_S)
+        return bool(np.all(flight.mission.surroundings.clearance_m(plan.positions(times)) > 0.0))

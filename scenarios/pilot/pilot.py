@@ -1,0 +1,168 @@
+"""Our own pilot: a state machine that is called every 20 ms of simulated time.
+
+The task of the paper, section "AeroScene for Navigation and Interaction Tasks": navigate along a
+planned trajectory, then land by onboard depth. It knows the map that it was given, what MAVLink
+tells, and the frames of its cameras; the true state it never sees. States and transitions are in
+`phases`, what each state does in `ground`, `way` and `area`, what may end any of them in `guard`.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from aeroscene.scene import InteractionArea
+from autonomy.model.quadrotor import Vector3
+from autonomy.perception import LandingMap, LandingSite
+from autonomy.planning import MovingObstacles, Trajectory
+from scenarios.mavlink_client import MavlinkClient
+from scenarios.mission import Mission
+from scenarios.pilot.area import Area
+from scenarios.pilot.course import Course
+from scenarios.pilot.eyes import Frames
+from scenarios.pilot.flight import Flight
+from scenarios.pilot.ground import Ground
+from scenarios.pilot.guard import Guard
+from scenarios.pilot.phases import Phase, PilotVerdict, Replan, Step, Transition
+from scenarios.pilot.senses import Senses
+from scenarios.pilot.way import Way
+
+_LOG = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PilotCfg:
+    """What the pilot is told besides the mission."""
+
+    expects_traffic: bool = False
+    """Look out ahead for what moves, five times a second."""
+
+
+class Pilot:
+    """Flies one mission; call `update` at the end of every tick.
+
+    Attributes:
+        phase: What it is doing.
+        verdict: How it ended; of a flight that is not done, that it is not.
+        transitions: Every change of phase with its reason.
+    """
+
+    def __init__(
+        self,
+        client: MavlinkClient,
+        mission: Mission,
+        frames: Frames,
+        cfg: PilotCfg = PilotCfg(),
+    ) -> None:
+        """Prepare a flight.
+
+        Args:
+            client: Connection to the vehicle.
+            mission: What to fly.
+            frames: Renders the named camera now.
+            cfg: What to expect.
+        """
+        senses = Senses(mission.surroundings, frames, expects_traffic=cfg.expects_traffic)
+        self._flight = flight = Flight(
+            client=client,
+            mission=mission,
+            senses=senses,
+            course=Course(mission.trajectory),
+            area=mission.area,
+            hover_enu_m=mission.hover_enu_m,
+            alternates=list(mission.alternates),
+        )
+        self._ground, area = Ground(flight), Area(flight)
+        way = Way(flight, area)
+        area.ways_out = way
+        self._guard = Guard(flight, way, area)
+        self.phase = Phase.CONNECT
+        self.verdict = PilotVerdict(success=False, reason="not finished")
+        self.transitions: list[Transition] = []
+        self._steps: dict[Phase, Callable[[], Step]] = {
+            Phase.CONNECT: self._ground.connect,
+            Phase.PREPARE: self._ground.prepare,
+            Phase.ARM: self._ground.arm,
+            Phase.TAKEOFF: way.take_off,
+            Phase.NAVIGATE: way.navigate,
+            Phase.SEARCH: area.search,
+            Phase.ALIGN: area.align,
+            Phase.DESCEND: area.descend,
+            Phase.TOUCHDOWN: area.touch_down,
+            Phase.DISARM: self._ground.disarm,
+            Phase.CLIMB: area.climb,
+            Phase.HOLD: way.wait,
+            Phase.RETURN: way.fly_home,
+            Phase.LAND_HOME: way.land_home,
+            Phase.HAND_OVER: way.hand_over,
+        }
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the flight is over, well or badly."""
+        return self.phase in {Phase.DONE, Phase.FAILED}
+
+    @property
+    def area(self) -> InteractionArea:
+        """Where it wants to land at present."""
+        return self._flight.area
+
+    @property
+    def site(self) -> LandingSite | None:
+        """The touchdown point that it chose, None before."""
+        return self._flight.site
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """What it is flying or flew last; before the flight, the way to the area."""
+        return self._flight.course.trajectory
+
+    @property
+    def landing_map(self) -> LandingMap | None:
+        """What it knows of the landing area, None before it looked."""
+        watch = self._flight.watch
+        return None if watch is None else watch.map
+
+    @property
+    def touchdown_enu_m(self) -> Vector3 | None:
+        """The touchdown point that it chose, None before."""
+        site = self._flight.site
+        return None if site is None else site.position_enu_m
+
+    @property
+    def moving(self) -> MovingObstacles:
+        """What moves, as it sees it now."""
+        return self._flight.senses.moving(self._flight.time_us)
+
+    @property
+    def replans(self) -> Sequence[Replan]:
+        """Plans that were made anew without a change of phase, and why."""
+        return self._flight.replans
+
+    def update(self, time_us: int) -> None:
+        """Read telemetry, decide, send a setpoint."""
+        flight = self._flight
+        flight.time_us = time_us
+        flight.client.update(time_us)
+        if self.is_done:
+            return
+        flight.senses.locate(time_us, flight.client.telemetry)
+        step = self._guard.check(self.phase) or self._steps[self.phase]()
+        if step is not None:
+            self._enter(*step)
+        if flight.course.has_begun and not self.is_done:
+            flight.client.send_setpoint(flight.senses.to_estimate(flight.setpoint))
+
+    def _enter(self, phase: Phase, reason: str) -> None:
+        flight = self._flight
+        change = Transition(time_us=flight.time_us, source=self.phase, target=phase, reason=reason)
+        self.transitions.append(change)
+        _LOG.info("%.2f s, %s: %s", flight.time_us * 1e-6, phase.value, reason)
+        if phase is Phase.DONE:
+            self.verdict = self._ground.success()
+        elif phase is Phase.FAILED:
+            self.verdict = PilotVerdict(success=False, reason=flight.given_up or reason)
+        self.phase = phase
+        flight.since_us = flight.time_us
+        flight.commands = []

@@ -1,0 +1,162 @@
+"""On the way: take off, navigate, hold, and home again when there is nothing left to try."""
+
+from __future__ import annotations
+
+from autonomy.model.quadrotor import Vector3
+from autonomy.planning import PlanningError
+from autonomy.types import FlatReference
+from scenarios.mavlink_client import PX4_RETURN
+from scenarios.mavlink_telemetry import LANDED_ON_GROUND
+from scenarios.pilot.area import COMMIT_HEIGHT_M, DESCENT_SPEED_MPS, Area
+from scenarios.pilot.flight import Flight
+from scenarios.pilot.phases import Phase, Replan, Step
+
+MAX_HOLDS = 6
+"""In one flight; with the next reason to hold it goes home."""
+RETRY_PERIOD_S = 1.0
+"""Between two tries to go on from a hold."""
+
+
+class Way:
+    """The phases between the start and the area, and back."""
+
+    def __init__(self, flight: Flight, area: Area) -> None:
+        self._flight = flight
+        self._area = area
+        self._retry_us = 0
+
+    @property
+    def goal_enu_m(self) -> Vector3:
+        """Where it wants to be next: home once it gave up, else above the area."""
+        flight = self._flight
+        if flight.given_up is not None:
+            return flight.mission.takeoff_enu_m
+        return flight.hover_enu_m
+
+    def take_off(self) -> Step:
+        """Up to above the start, then on."""
+        flight = self._flight
+        if not flight.has_arrived:
+            return None
+        try:
+            flight.plan_to(flight.hover_enu_m, flight.mission.trajectory)
+        except PlanningError as error:
+            return self.hold(f"no way from above the start: {error}")
+        return Phase.NAVIGATE, "above the start"
+
+    def navigate(self) -> Step:
+        """Along the plan to above the area."""
+        flight = self._flight
+        if not flight.has_arrived:
+            return None
+        if flight.is_at_end(flight.hover_enu_m):
+            return self._area.look(f"above area {flight.area.id}")
+        return self._go_on()
+
+    def go_home(self, reason: str) -> Step:
+        """Give up: plan the way home, else let the autopilot do it."""
+        flight = self._flight
+        flight.given_up = flight.given_up or reason
+        try:
+            flight.plan_to(flight.mission.takeoff_enu_m)
+        except PlanningError as error:
+            if not flight.is_resting():
+                return self.hold(reason)
+            return Phase.HAND_OVER, f"{reason}; no certified way home: {error}"
+        return Phase.RETURN, reason
+
+    def hand_over(self) -> Step:
+        """The autopilot's own return."""
+        flight = self._flight
+        if not flight.commands:
+            flight.commands = [flight.client.set_mode(PX4_RETURN)]
+        if all(command.is_done for command in flight.commands):
+            return Phase.FAILED, flight.given_up or "handed over to the autopilot"
+        return None
+
+    def fly_home(self) -> Step:
+        """Along the plan to above the start, then down to where the last metre begins."""
+        flight = self._flight
+        if not flight.has_arrived:
+            return None
+        home = flight.mission.takeoff_enu_m
+        if not flight.is_at_end(home):
+            return self._go_on()
+        commit_m = min(flight.home_resting_height_m + COMMIT_HEIGHT_M, home[2])
+        try:
+            flight.begin_with(flight.leg((home[0], home[1], commit_m), DESCENT_SPEED_MPS))
+        except PlanningError as error:
+            return self.hold(f"no certified way down at home: {error}")
+        return Phase.LAND_HOME, "above the start"
+
+    def land_home(self) -> Step:
+        """Straight down on the place that it started from."""
+        flight = self._flight
+        if flight.course.is_touching_down:
+            is_down = flight.telemetry.landed_state == LANDED_ON_GROUND
+            return (Phase.DISARM, "on the ground at home") if is_down else None
+        if flight.has_arrived:
+            flight.course.touch_down(flight.time_us, flight.home_resting_height_m)
+        return None
+
+    def hold(self, reason: str, start: FlatReference | None = None) -> Step:
+        """Come to rest and wait; after too often, go home or hand over.
+
+        Args:
+            reason: Why.
+            start: Where the vehicle will be when the stop takes over; None for where it should.
+        """
+        flight = self._flight
+        flight.n_holds += 1
+        is_last = flight.n_holds > MAX_HOLDS
+        try:
+            flight.brake(start)
+        except PlanningError as error:
+            flight.given_up = flight.given_up or reason
+            return Phase.HAND_OVER, f"{reason}; no certified stop: {error}"
+        if flight.n_holds > 2 * MAX_HOLDS:
+            return Phase.HAND_OVER, f"{reason}; held {2 * MAX_HOLDS} times"
+        if is_last:
+            flight.given_up = flight.given_up or f"{reason}; held {MAX_HOLDS} times"
+        self._retry_us = flight.time_us + round(1e6 * RETRY_PERIOD_S)
+        flight.after_hold = self._resumed()
+        return Phase.HOLD, reason
+
+    def stop_elsewhere(self, reason: str, start: FlatReference | None = None) -> Step:
+        """From one stop to another: clear of what comes, or near where it was carried to."""
+        flight = self._flight
+        try:
+            flight.brake(start)
+        except PlanningError as error:
+            flight.given_up = flight.given_up or reason
+            return Phase.HAND_OVER, f"{reason}; no certified stop: {error}"
+        flight.replans.append(Replan(time_us=flight.time_us, reason=reason))
+        return None
+
+    def _resumed(self) -> Phase:
+        """What to go on with after the hold that begins now."""
+        if self._flight.given_up is not None:
+            return Phase.RETURN
+        return Phase.NAVIGATE if self._flight.watch is None else Phase.CLIMB
+
+    def wait(self) -> Step:
+        """Hold until there is a certified way on; what comes near is evaded by the guard."""
+        flight = self._flight
+        is_ready = flight.complaint is None and flight.has_arrived
+        if flight.time_us < self._retry_us or not is_ready:
+            return None
+        self._retry_us = flight.time_us + round(1e6 * RETRY_PERIOD_S)
+        try:
+            flight.go(self.goal_enu_m)
+        except PlanningError:
+            return None
+        return flight.after_hold, "there is a way on"
+
+    def _go_on(self) -> Step:
+        """The plan ended within what was seen: another one, from there."""
+        flight = self._flight
+        try:
+            flight.plan_to(self.goal_enu_m)
+        except PlanningError as error:
+            return self.hold(f"what was seen shows no way on: {error}")
+        return None

@@ -1,0 +1,68 @@
+"""Plans in a recording: the present one bright, those before it dim, each with its time."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+from jaxtyping import Float
+
+from scenarios.recording import layout
+from scenarios.recording.columns import set_sim_time
+
+_PLANNED_RGB, _FLOWN_RGB, _REPLACED_RGB = (255, 80, 200), (150, 70, 125), (120, 120, 130)
+_ON_TIME_S = 0.05
+
+
+class PlanLog:
+    """Writes each plan when it is taken up, and what became of it when the next one is.
+
+    A plan that was flown to its end is a dim line of the same colour; one that was replaced before
+    is grey from the place where it was left.
+    """
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self._stream = stream
+        self._last: tuple[int, np.ndarray, float] | None = None
+        self._n_plans = 0
+        style = rr.LineStrips3D.from_fields(colors=_PLANNED_RGB, radii=rr.Radius.ui_points(1.5))
+        stream.log(layout.PLANNED, style, static=True)
+        thin = rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1.0), show_labels=False)
+        stream.log(layout.EARLIER_PLANS, thin, static=True)
+
+    def log(self, time_us: int, points_enu_m: Float[np.ndarray, "n 3"], duration_s: float) -> None:
+        """Write a plan that is taken up at a time.
+
+        Args:
+            time_us: When.
+            points_enu_m: Along all of it, evenly in time.
+            duration_s: Of it.
+        """
+        set_sim_time(self._stream, time_us)
+        if self._last is not None:
+            self._log_earlier(time_us, *self._last)
+        self._n_plans += 1
+        points = points_enu_m.astype(np.float32)
+        self._stream.log(
+            layout.PLANNED,
+            rr.LineStrips3D.from_fields(strips=[points], labels=[self._name(time_us)]),
+            rr.AnyValues(duration_s=duration_s),
+        )
+        self._last = (time_us, points, duration_s)
+
+    def _log_earlier(
+        self, time_us: int, begun_us: int, points: np.ndarray, duration_s: float
+    ) -> None:
+        flown_s = (time_us - begun_us) * 1e-6
+        name = self._name(begun_us)
+        if flown_s > duration_s - _ON_TIME_S:
+            strips, colours, labels = [points], [_FLOWN_RGB], [name]
+        else:
+            left_at = max(1, round(flown_s / duration_s * (len(points) - 1)))
+            strips = [points[: left_at + 1], points[left_at:]]
+            colours = [_FLOWN_RGB, _REPLACED_RGB]
+            labels = [name, f"{name}, replaced at {time_us * 1e-6:.1f} s"]
+        earlier = rr.LineStrips3D.from_fields(strips=strips, colors=colours, labels=labels)
+        self._stream.log(layout.EARLIER_PLANS, earlier)
+
+    def _name(self, time_us: int) -> str:
+        return f"plan {self._n_plans} since {time_us * 1e-6:.1f} s"

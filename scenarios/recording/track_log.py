@@ -1,0 +1,48 @@
+"""What the pilot sees move, in a recording: boxes where it believes movers are, and velocities."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+
+from scenarios.recording import layout
+from scenarios.recording.columns import set_sim_time
+
+if TYPE_CHECKING:
+    # Reading a recording should not load the planner.
+    from autonomy.planning import MovingObstacles
+
+_TRACK_RGB = (255, 140, 30)
+
+
+class TrackLog:
+    """Writes predictions of movers as they change."""
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self._stream = stream
+        self._is_empty = True
+
+    def log(self, time_us: int, moving: MovingObstacles) -> None:
+        """Write what is believed to move from a time on."""
+        if len(moving) == 0 and self._is_empty:
+            return
+        set_sim_time(self._stream, time_us)
+        self._is_empty = len(moving) == 0
+        if self._is_empty:
+            self._stream.log(layout.TRACKS, rr.Clear(recursive=True))
+            return
+        half_turn = moving.yaw_rad / 2
+        zero = np.zeros_like(half_turn)
+        boxes = rr.Boxes3D(
+            centers=moving.position_enu_m,
+            half_sizes=moving.half_extent_m + moving.radius_m[:, None],
+            quaternions=np.column_stack([zero, zero, np.sin(half_turn), np.cos(half_turn)]),
+            colors=_TRACK_RGB,
+        )
+        self._stream.log(layout.TRACKS, boxes)
+        arrows = rr.Arrows3D(
+            origins=moving.position_enu_m, vectors=moving.velocity_enu_mps, colors=_TRACK_RGB
+        )
+        self._stream.log(layout.TRACK_VELOCITIES, arrows)

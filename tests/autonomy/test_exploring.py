@@ -1,0 +1,134 @@
+"""Flights through what was not known before: every plan ends where it is free."""
+
+import math
+
+import numpy as np
+import pytest
+
+from autonomy.mapping import SeenMap, plan_towards
+from autonomy.planning import (
+    BlockedError,
+    FlightLimits,
+    Obstacles,
+    PlannerCfg,
+    PlanningError,
+    UnreachableError,
+    certify,
+)
+from autonomy.types import FlatReference
+from tests.autonomy.depth_scene import box, look_down
+from tests.autonomy.planning_worlds import quadrotor
+
+LOW, HIGH = (-3.0, -6.0, 0.0), (14.0, 6.0, 5.0)
+START = FlatReference(position_enu_m=(0.0, 0.0, 2.0))
+PITCH_DOWN = math.radians(15.0)
+RADIUS_M = 0.35
+CFG = PlannerCfg(vehicle_radius_m=RADIUS_M)
+LIMITS = FlightLimits()
+FRAME_S = 0.2
+SHELL = [box((5.5, y, 2.5), (17.0, 0.2, 5.0)) for y in (-6.1, 6.1)]
+
+
+def wall_with_gap(gap_y, width):
+    """From one side of the volume to the other, as high as it, and open for a stretch."""
+    low, high = gap_y - width / 2, gap_y + width / 2
+    return [
+        box((6.1, (low - 6.0) / 2, 2.5), (0.2, low + 6.0, 5.0)),
+        box((6.1, (6.0 + high) / 2, 2.5), (0.2, 6.0 - high, 5.0)),
+    ]
+
+
+def look(at, boxes):
+    half = at.yaw_rad / 2
+    quat = (math.cos(half), 0.0, 0.0, math.sin(half))
+    return look_down(at.position_enu_m, quat, pitch_down=PITCH_DOWN, boxes=boxes, shape=(120, 160))
+
+
+def plan(seen, start, goal):
+    return plan_towards(seen, start, goal, LIMITS, quadrotor(), CFG)
+
+
+def fly(boxes, goal, seconds=60.0):
+    """Follow plans exactly, with an image five times a second; where the vehicle was."""
+    seen = SeenMap(LOW, HIGH)
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    seen.observe(look(START, boxes))
+    way, at = None, 0.0
+    positions = []
+    for _ in range(round(seconds / FRAME_S)):
+        here = START if way is None else way.sample(at)
+        positions.append(here.position_enu_m)
+        if math.dist(here.position_enu_m, goal) < 0.05:
+            break
+        seen.observe(look(here, boxes))
+        if way is None or at > 0.6:
+            try:
+                new = plan(seen, here, goal)
+            except UnreachableError:
+                if way is None or at > way.duration_s:
+                    raise
+            except PlanningError:
+                assert way is not None
+                assert at < way.duration_s
+            else:
+                certify(new, seen.obstacles, RADIUS_M, LIMITS, quadrotor())
+                way, at = new, 0.0
+        at += FRAME_S
+    return np.array(positions)
+
+
+def true_obstacles(boxes):
+    center = np.array([(low + high) / 2 for low, high in boxes])
+    size = np.array([high - low for low, high in boxes])
+    return Obstacles.boxes(center, np.tile((1.0, 0.0, 0.0, 0.0), (len(boxes), 1)), size)
+
+
+@pytest.mark.parametrize("gap_y", [0.0, 3.0])
+def test_a_gap_in_a_wall_is_found_and_passed(gap_y):
+    boxes = SHELL + wall_with_gap(gap_y, 2.5)
+    goal = (10.0, 0.0, 2.0)
+    flown = fly(boxes, goal)
+    assert math.dist(flown[-1], goal) < 0.05
+    assert true_obstacles(boxes).signed_distance(flown)[0].min() > RADIUS_M
+
+
+def test_a_wall_without_a_gap_is_given_up():
+    closed = [*SHELL, box((6.1, 0.0, 2.5), (0.2, 12.0, 5.0))]
+    with pytest.raises(UnreachableError):
+        fly(closed, (10.0, 0.0, 2.0), seconds=200.0)
+
+
+def test_a_goal_behind_the_vehicle_makes_it_turn_first():
+    seen = SeenMap((-9.0, -6.0, 0.0), HIGH)
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    for _ in range(2):
+        seen.observe(look(START, SHELL))
+    turn = plan(seen, START, (-6.0, 0.0, 2.0))
+    assert turn.corridor is None
+    assert math.dist(turn.positions(np.array([turn.duration_s]))[0], START.position_enu_m) < 1e-6
+    assert abs(math.remainder(turn.yaw.yaw_rad[-1] - math.pi, math.tau)) < 0.5
+    rate = np.abs(np.diff(turn.yaw.yaw_rad)).max() / turn.yaw.step_s
+    assert rate <= LIMITS.yaw_rate_radps * 1.01
+
+
+def test_a_plan_ends_within_what_was_seen_free():
+    seen = SeenMap(LOW, HIGH)
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    for _ in range(2):
+        seen.observe(look(START, SHELL))
+    part = plan(seen, START, (13.0, 0.0, 2.0))
+    end = part.sample(part.duration_s)
+    assert 3.0 < end.position_enu_m[0] < 8.0
+    assert seen.obstacles.signed_distance(np.array([end.position_enu_m]))[0] > RADIUS_M
+
+
+def test_a_goal_in_what_was_seen_or_off_the_map_is_named():
+    block = box((4.0, 0.0, 2.0), (1.0, 1.0, 2.0))
+    seen = SeenMap(LOW, HIGH)
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    for _ in range(2):
+        seen.observe(look(START, [*SHELL, block]))
+    with pytest.raises(BlockedError, match=r"goal \(3.50, 0.00, 2.00\) m is 0.00 m from what"):
+        plan(seen, START, (3.5, 0.0, 2.0))
+    with pytest.raises(BlockedError, match="outside the map"):
+        plan(seen, START, (40.0, 0.0, 2.0))

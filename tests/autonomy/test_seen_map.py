@@ -1,0 +1,153 @@
+"""What depth images say of cells: free, occupied, unknown; and the obstacles that follow."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from autonomy.mapping import SeenMap
+from autonomy.mapping.distances import boxes_about, distance_to_marked
+from autonomy.mapping.rays import FREE_AT, OCCUPIED_AT
+from tests.autonomy.depth_scene import box, look_down
+from tests.autonomy.planning_worlds import seeds
+
+LOW, HIGH = (-6.0, -6.0, 0.0), (14.0, 6.0, 6.0)
+EYE = (0.0, 0.0, 2.0)
+WALL = box((5.1, 0.0, 3.0), (0.2, 12.0, 6.0))
+
+
+def look_ahead(eye=EYE, boxes=(WALL,), **options):
+    return look_down(eye, pitch_down=0.0, boxes=boxes, **options)
+
+
+def seen_by(*images):
+    seen = SeenMap(LOW, HIGH)
+    for image in images:
+        seen.observe(image)
+    return seen
+
+
+def state(seen, *point):
+    evidence = seen.evidence[tuple(seen.cells(np.array(point)))]
+    return "free" if evidence <= FREE_AT else "occupied" if evidence >= OCCUPIED_AT else "unknown"
+
+
+def test_cells_are_free_before_a_wall_occupied_in_it_and_unknown_behind():
+    seen = seen_by(look_ahead(), look_ahead())
+    assert state(seen, 3.0, 0.0, 2.0) == "free"
+    assert state(seen, 5.05, 0.0, 2.0) == "occupied"
+    assert state(seen, 6.0, 0.0, 2.0) == "unknown"
+    assert state(seen, 0.0, 4.0, 2.0) == "unknown"
+
+
+def test_one_image_frees_nothing_and_one_that_hits_takes_two_back():
+    seen = seen_by(look_ahead())
+    assert state(seen, 3.0, 0.0, 2.0) == "unknown"
+    seen = seen_by(look_ahead(), look_ahead(), look_ahead(boxes=[box((3, 0, 2), (1, 3, 3))]))
+    assert state(seen, 2.6, 0.0, 2.0) == "unknown"
+
+
+def test_the_sky_is_free_up_to_the_range():
+    seen = seen_by(*[look_ahead(boxes=())] * 2)
+    assert state(seen, 7.0, 0.0, 3.0) == "free"
+    assert state(seen, 9.0, 0.0, 3.0) == "unknown"
+
+
+def test_a_hole_in_the_image_is_free_as_far_as_what_is_around_it():
+    image = look_ahead()
+    image.depth_m[100:120, 150:170] = np.inf
+    seen = seen_by(image, image)
+    assert state(seen, 4.0, 0.0, 2.0) == "free"
+    assert state(seen, 6.0, 0.0, 2.1) == "unknown"
+
+
+def test_what_is_behind_a_thin_pole_is_not_free():
+    pole = box((4.0, 0.05, 2.0), (0.03, 0.03, 4.0))
+    seen = seen_by(*[look_ahead(boxes=(pole,))] * 2)
+    assert state(seen, 3.9, 0.05, 2.0) == "occupied"
+    assert state(seen, 6.0, 0.07, 2.0) == "unknown"
+    assert state(seen, 6.0, 1.0, 2.0) == "free"
+
+
+@given(seeds)
+@settings(max_examples=8)
+def test_no_solid_reaches_far_into_a_free_cell(seed):
+    rng = np.random.default_rng(seed)
+    boxes = [box(rng.uniform((2, -4, 0), (8, 4, 4)), rng.uniform(0.1, 2, 3)) for _ in range(8)]
+    half = rng.uniform(-0.3, 0.3, 4)
+    images = [
+        look_ahead((0.0, y, 2.0), boxes, quat=(math.cos(a), 0.0, 0.0, math.sin(a)))
+        for y, a in zip(rng.uniform(-1, 1, 4), half, strict=True)
+    ]
+    seen = seen_by(*images, *images)
+    free = np.argwhere(seen.evidence <= FREE_AT)
+    centres = seen.centres(free)
+    for low, high in boxes:
+        if not np.all((low < EYE) & (high > EYE)):
+            inside = np.minimum(centres - low, high - centres).min(axis=1)
+            assert inside.max() < 0.1
+
+
+def test_the_air_above_the_start_is_free_until_something_is_seen_there():
+    seen = SeenMap(LOW, HIGH)
+    seen.assume_free_column((1.0, 0.0, 0.0))
+    assert state(seen, 1.0, 0.0, 0.1) == "free"
+    assert state(seen, 1.0, 0.9, 3.0) == "free"
+    assert state(seen, 1.0, 0.0, 4.0) == "unknown"
+    assert seen.obstacles.signed_distance(np.array([[1.0, 0.0, 1.5]]))[0] > 0.8
+    block = box((1.1, 0.0, 2.0), (0.2, 1.0, 1.0))
+    seen.observe(look_ahead((-2.0, 0.0, 2.0), (block,)))
+    assert state(seen, 1.05, 0.0, 2.0) != "free"
+
+
+@given(seeds)
+def test_distance_is_that_to_the_nearest_marked_cell(seed):
+    rng = np.random.default_rng(seed)
+    marked = rng.random(rng.integers(1, 12, 3)) < rng.uniform(0, 0.1)
+    found = distance_to_marked(marked, 0.5, 1.5)
+    cells, centres = np.argwhere(marked), np.argwhere(np.ones_like(marked))
+    nearest = np.full(len(centres), np.inf)
+    for cell in cells:
+        gap = np.maximum(np.abs(centres - cell) - 0.5, 0.0)
+        away = np.where(np.all(centres == cell, axis=1), 0.0, np.linalg.norm(gap, axis=1))
+        nearest = np.minimum(nearest, 0.5 * away)
+    np.testing.assert_allclose(found.ravel(), np.minimum(nearest, 1.5), atol=1e-6)
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_boxes_stand_for_all_that_is_not_free_and_nothing_that_is(seed):
+    rng = np.random.default_rng(seed)
+    is_free = rng.random(rng.integers(1, 9, 3)) < rng.uniform(0.2, 1.0)
+    obstacles = boxes_about(is_free, np.array([1.0, -2.0, 0.5]), 0.25)
+    free = np.argwhere(is_free)
+    if not len(free):
+        return
+    points = np.array([1.0, -2.0, 0.5]) + (free + 0.5) * 0.25
+    # Outside the block nothing is free.
+    whole = distance_to_marked(np.pad(~is_free, 1, constant_values=True), 0.25, 9.0)
+    expected = whole[1:-1, 1:-1, 1:-1][tuple(free.T)]
+    np.testing.assert_allclose(obstacles.signed_distance(points)[0], expected, atol=1e-6)
+
+
+def test_distances_follow_what_is_seen():
+    seen = seen_by(look_ahead(), look_ahead())
+    before = seen.field.distance_m.copy()
+    for _ in range(2):
+        seen.observe(look_ahead((0.0, 1.0, 2.0)))
+    # Outside the volume nothing is free.
+    marked = np.pad(seen.evidence > FREE_AT, 1, constant_values=True)
+    expected = distance_to_marked(marked, 0.25, 1.5)[1:-1, 1:-1, 1:-1]
+    np.testing.assert_allclose(seen.field.distance_m, expected, atol=1e-6)
+    assert np.any(seen.field.distance_m != before)
+
+
+def test_what_stands_is_told_from_what_only_passed():
+    seen = seen_by(*[look_ahead()] * 5, look_ahead(boxes=[box((3, 0, 2), (0.4, 0.4, 2))]))
+    wall, passer = (5.05, 0.0, 2.0), (2.85, 0.0, 2.0)
+    points = np.array([wall, passer])
+    assert seen.distance_to_seen_m(points)[0] == pytest.approx(0.0)
+    standing = seen.distance_to_standing_m(points)
+    assert standing[0] == pytest.approx(0.0)
+    assert standing[1] == pytest.approx(1.25)

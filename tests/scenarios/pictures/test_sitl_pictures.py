@@ -1,0 +1,31 @@
+import pytest
+
+from scenarios.sitl import Sitl, SitlCfg
+from scenarios.testbench import TestbenchCfg, TestbenchError
+
+BENCH = TestbenchCfg(speed="max", instance=71)
+
+
+def test_run_that_nobody_flies_leaves_a_picture(tmp_path):
+    cfg = SitlCfg(bench=BENCH, headless_seconds=0.5, pictures=tmp_path / "out")
+    with Sitl(cfg) as sitl:
+        sitl.run(lambda: False)
+        sitl.finish()
+    assert sitl.pictures == [tmp_path / "out" / "flight.png"]
+    assert sitl.pictures[0].stat().st_size > 0
+
+
+def test_folder_that_vanished_under_a_file_costs_no_verdict(tmp_path, caplog):
+    cfg = SitlCfg(bench=BENCH, headless_seconds=0.1, pictures=tmp_path / "out")
+    with Sitl(cfg) as sitl:
+        sitl.run(lambda: False)
+        (tmp_path / "out").touch()
+        assert sitl.finish().reason == "ended"
+    assert sitl.pictures == []
+    assert "cannot be written" in caplog.text
+
+
+def test_file_in_place_of_the_folder_is_refused_before_anything_starts(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(TestbenchError, match="is a file; valid: a folder"):
+        SitlCfg(bench=BENCH, pictures=tmp_path / "file")

@@ -1,0 +1,108 @@
+"""A pilot in the whole stack, ready to fly."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from scenarios.cameras import Cameras
+from scenarios.mavlink_client import MavlinkClient
+from scenarios.mission import plan_mission
+from scenarios.pilot import Pilot, PilotCfg
+from scenarios.scoring import FlightLog
+from scenarios.testbench import Testbench, TestbenchCfg
+from tests.scenarios.landing_scenes import ON_CONTAINER
+
+
+class Demo:
+    """Testbench, cameras and pilot.
+
+    Attributes:
+        gap_m: Least distance of the vehicle's centre to the box of anything that moves.
+    """
+
+    def __init__(
+        self,
+        scene,
+        area=ON_CONTAINER,
+        *,
+        vehicle="iris",
+        alternates=(),
+        known=None,
+        traffic=None,
+        expects_traffic=None,
+    ):
+        """The pilot's map is `known`, if that is not the scene itself."""
+        observers = []
+        self.bench = Testbench(
+            TestbenchCfg(speed="max", vehicle=vehicle),
+            scene=scene,
+            traffic=traffic,
+            has_network=False,
+            observers=observers,
+        )
+        self.cameras = Cameras(self.bench.world, self.bench.plant)
+        mission = plan_mission(known or scene, self.bench.airframe, area=area)
+        self.mission = dataclasses.replace(mission, alternates=tuple(alternates))
+        client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)
+        brief = PilotCfg(
+            expects_traffic=bool(traffic) if expects_traffic is None else expects_traffic
+        )
+        self.see = self.cameras.render
+        self.pilot = Pilot(client, self.mission, self._frame, brief)
+        self.log = FlightLog(self.bench.plant)
+        self.gap_m = np.inf
+        observers += [self.log.on_tick, self.on_tick]
+
+    def _frame(self, camera):
+        """By what `see` is at the time."""
+        return self.see(camera)
+
+    def on_tick(self):
+        plant = self.bench.plant
+        self.pilot.update(plant.time_us)
+        others = plant.obstacles_true
+        if len(others):
+            away = np.array(plant.truth.position_enu_m) - others.position_enu_m
+            c, s = np.cos(others.yaw_rad), np.sin(others.yaw_rad)
+            x, y = c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]
+            beyond = np.abs(np.column_stack([x, y, away[:, 2]])) - others.size_m / 2
+            gap_m = float(np.linalg.norm(np.maximum(beyond, 0.0), axis=1).min())
+            self.gap_m = min(self.gap_m, gap_m)
+
+    def fly(self, until=lambda: False, limit_s=120.0):
+        self.bench.simulator.run(
+            until_us=round(limit_s * 1e6), stop=lambda: self.pilot.is_done or until()
+        )
+        return self.pilot
+
+    def fly_to(self, phase):
+        """Until a phase begins."""
+        self.fly(until=lambda: self.pilot.phase is phase)
+        assert self.pilot.phase is phase, self.pilot.transitions[-1].reason
+        return self.pilot
+
+    def targets(self):
+        return [change.target for change in self.pilot.transitions]
+
+    def reason(self, phase):
+        """Why a phase was last entered."""
+        return next(c.reason for c in reversed(self.pilot.transitions) if c.target is phase)
+
+    def score(self):
+        leg_m = self.bench.airframe.leg_length_m
+        return self.log.score(self.pilot.area, self.pilot.touchdown_enu_m, leg_m)
+
+
+@pytest.fixture
+def demo():
+    made = []
+
+    def make(*args, **options):
+        made.append(Demo(*args, **options))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.cameras.close()
+        each.bench.close()

@@ -1,0 +1,132 @@
+"""What goes wrong in the air: the pilot waits, retries, goes home or hands over, and says so."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+from flightsim.autopilot.modes import Mode
+from scenarios.pilot import Phase
+from tests.scenarios.landing_scenes import yard
+
+
+def blind(render):
+    """A camera whose pixels measure nothing."""
+
+    def see(camera):
+        frame = render(camera)
+        return dataclasses.replace(frame, depth_m=np.full_like(frame.depth_m, np.inf))
+
+    return see
+
+
+def test_without_depth_at_the_area_it_waits_and_lands_when_it_sees_again(demo):
+    demo = demo(yard())
+    demo.fly_to(Phase.SEARCH)
+    demo.see = blind(demo.cameras.render)
+    pilot = demo.fly_to(Phase.HOLD)
+    assert pilot.transitions[-1].reason == "camera down measured nothing in 5 images"
+    demo.see = demo.cameras.render
+    demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+    assert demo.targets().count(Phase.SEARCH) == 2
+
+
+def test_a_camera_that_stays_blind_ends_in_a_landing_at_home(demo):
+    demo = demo(yard())
+    demo.see = blind(demo.cameras.render)
+    pilot = demo.fly()
+    assert not pilot.verdict.success
+    assert demo.targets()[-4:] == [Phase.RETURN, Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
+    assert math.dist(demo.bench.plant.truth.position_enu_m[:2], (0.0, 0.0)) < 0.3
+
+
+def test_a_battery_that_runs_low_sends_it_home(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    battery = demo.bench.plant.battery
+    battery._used_c = 0.81 * battery._initial_c
+    demo.fly_to(Phase.RETURN)
+    assert pilot.transitions[-1].reason == "the battery is down to 19%"
+    demo.fly()
+    assert pilot.verdict.reason == "the battery is down to 19%"
+    assert demo.targets()[-2:] == [Phase.DISARM, Phase.FAILED]
+
+
+def test_a_link_that_falls_silent_is_waited_for_and_then_left_to_the_autopilot(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    pipe = demo.bench.pilot_link.client
+    receive = pipe.recv
+    pipe.recv = lambda: receive()[:0]
+    demo.fly_to(Phase.HOLD)
+    assert pilot.transitions[-1].reason == "no position from the autopilot for 0.5 s"
+    demo.fly_to(Phase.HAND_OVER)
+    demo.fly()
+    assert demo.bench.autopilot.mode is Mode.RETURN
+    assert pilot.verdict.reason == "no position from the autopilot for 0.5 s"
+
+
+def test_a_link_that_comes_back_lets_it_go_on(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    pipe = demo.bench.pilot_link.client
+    receive = pipe.recv
+    pipe.recv = lambda: receive()[:0]
+    demo.fly_to(Phase.HOLD)
+    pipe.recv = receive
+    demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+
+
+def test_blown_off_its_plan_it_makes_a_new_one_from_where_it_is(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly(until=lambda: bool(pilot.replans), limit_s=7.0)
+    assert not pilot.replans
+    # Something pushes it to the north.
+    demo.bench.plant.data.qfrc_applied[1] = 22.0
+    demo.fly(until=lambda: pilot.replans or pilot.phase is not Phase.NAVIGATE)
+    assert pilot.replans
+    assert "m from the plan" in pilot.replans[0].reason
+    begin = pilot.trajectory.sample(0.0).position_enu_m
+    assert math.dist(begin, demo.bench.plant.truth.position_enu_m) < 0.6
+    demo.bench.plant.data.qfrc_applied[1] = 0.0
+    demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+
+
+def test_carried_far_off_it_stops_where_it_is_and_goes_on_from_there(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly(until=lambda: False, limit_s=7.0)
+    demo.bench.plant.data.qfrc_applied[1] = 30.0
+    demo.fly_to(Phase.HOLD)
+    assert "m from the plan" in pilot.transitions[-1].reason
+    begin = pilot.trajectory.sample(0.0).position_enu_m
+    assert math.dist(begin, demo.bench.plant.truth.position_enu_m) < 1.2
+    demo.bench.plant.data.qfrc_applied[1] = 0.0
+    demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+
+
+def test_a_start_that_something_was_put_above_is_not_left(demo):
+    # Known before: no mission. Here the crates are known to the pilot only once it is armed.
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.ARM)
+    world = pilot._flight.mission.surroundings
+    lid = world.obstacles
+    low = dataclasses.replace(
+        lid,
+        center_enu_m=np.vstack([lid.center_enu_m, [0.0, 0.0, 2.0]]),
+        quat_wxyz=np.vstack([lid.quat_wxyz, [1.0, 0.0, 0.0, 0.0]]),
+        size_m=np.vstack([lid.size_m, [2.0, 2.0, 0.2]]),
+        shape=np.append(lid.shape, 0),
+        faces_end=np.append(lid.faces_end, lid.faces_end[-1]),
+    )
+    world = dataclasses.replace(world, map=dataclasses.replace(world.map, obstacles=low))
+    pilot._flight.mission = dataclasses.replace(pilot._flight.mission, surroundings=world)
+    demo.fly()
+    assert demo.targets()[-2:] == [Phase.DISARM, Phase.FAILED]
+    assert pilot.verdict.reason.startswith("no certified way up from the start: clearance falls")
+    assert demo.bench.plant.truth.position_enu_m[2] < 0.2

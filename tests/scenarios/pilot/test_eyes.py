@@ -1,0 +1,40 @@
+"""Depth frames become posed images; one that shows nothing is refused with words."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from flightsim.vehicles.catalogue import AIRFRAMES
+from scenarios.mavlink_telemetry import Telemetry
+from scenarios.pilot.eyes import NoDepthError, camera_mount, posed_image
+
+
+@dataclasses.dataclass
+class Frame:
+    depth_m: np.ndarray
+    fx: float = 100.0
+    fy: float = 100.0
+    cx: float = 3.5
+    cy: float = 2.5
+
+
+DOWN = camera_mount(AIRFRAMES["iris"], "down")
+HERE = Telemetry(position_enu_m=(1.0, 2.0, 5.0), quat_wxyz=(1.0, 0.0, 0.0, 0.0))
+
+
+def test_a_camera_that_looks_down_is_posed_below_the_vehicle():
+    image = posed_image(Frame(np.full((6, 8), 4.0, np.float32)), DOWN, HERE)
+    offset = np.subtract(image.position_enu_m, HERE.position_enu_m)
+    np.testing.assert_allclose(offset, DOWN.position_flu_m, atol=1e-9)
+    np.testing.assert_allclose(image.rotation_enu_from_optical[:, 2], (0, 0, -1), atol=1e-9)
+
+
+@pytest.mark.parametrize("nothing", [math.inf, math.nan, 0.0])
+def test_an_image_without_a_measured_pixel_is_named(nothing):
+    frame = Frame(np.full((6, 8), nothing, np.float32))
+    with pytest.raises(NoDepthError, match="camera down measured none of 8 x 6 pixels; valid: a s"):
+        posed_image(frame, DOWN, HERE)
+    frame.depth_m[3, 3] = 2.0
+    assert posed_image(frame, DOWN, HERE).depth_m is frame.depth_m

@@ -1,0 +1,64 @@
+"""The table of states: nothing dangles, and from the air there is always a way out."""
+
+import pytest
+
+from scenarios.pilot.phases import (
+    IN_THE_AIR,
+    TIME_LIMIT_S,
+    TRANSITIONS,
+    Phase,
+    Transition,
+    TransitionError,
+)
+
+ENDS = {Phase.DONE, Phase.FAILED}
+
+
+def reached_from(phase):
+    found, todo = {phase}, [phase]
+    while todo:
+        for target in TRANSITIONS[todo.pop()] - found:
+            found.add(target)
+            todo.append(target)
+    return found
+
+
+def test_every_phase_is_in_the_table_and_can_be_reached():
+    assert set(TRANSITIONS) == set(Phase)
+    assert reached_from(Phase.CONNECT) == set(Phase)
+
+
+@pytest.mark.parametrize("phase", [phase for phase in Phase if phase not in ENDS])
+def test_every_phase_can_end_well_or_badly_and_in_time(phase):
+    assert Phase.FAILED in reached_from(phase)
+    assert TIME_LIMIT_S[phase] > 0
+    assert phase not in TRANSITIONS[phase]
+
+
+@pytest.mark.parametrize("phase", sorted(IN_THE_AIR, key=lambda phase: phase.value))
+def test_from_every_phase_in_the_air_it_can_wait_go_home_or_hand_over(phase):
+    targets = TRANSITIONS[phase] | {phase}
+    assert {Phase.HOLD, Phase.RETURN, Phase.HAND_OVER, Phase.FAILED} <= targets
+
+
+def test_what_flies_counts_as_in_the_air():
+    on_the_ground = {
+        Phase.CONNECT,
+        Phase.PREPARE,
+        Phase.ARM,
+        Phase.DISARM,
+        Phase.HAND_OVER,
+        *ENDS,
+    }
+    assert set(Phase) - IN_THE_AIR == on_the_ground
+
+
+def test_the_end_is_the_end():
+    assert all(not TRANSITIONS[phase] for phase in ENDS)
+
+
+def test_a_change_that_is_not_in_the_table_is_refused_with_what_would_be():
+    with pytest.raises(
+        TransitionError, match="phase touch down does not follow connect; valid: failed, wait for"
+    ):
+        Transition(time_us=0, source=Phase.CONNECT, target=Phase.TOUCHDOWN, reason="because")

@@ -1,0 +1,57 @@
+"""What moves in the way is seen from on board and evaded; without eyes for it, it is met."""
+
+import numpy as np
+import pytest
+
+from autonomy.planning import MovingObstacles
+from flightsim.vehicles.catalogue import AIRFRAMES
+from scenarios.mission import plan_mission
+from scenarios.pilot import Phase
+from scenarios.pilot.movers import room_to_movers_m
+from tests.scenarios.landing_scenes import FAR_LAWN, field
+from tests.scenarios.pilot.crossing import crosser
+
+BEGIN_S = 5.2
+"""When the pilot sets out from above the start."""
+VEHICLE_M = 0.38
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return plan_mission(field(), AIRFRAMES["iris"], area=FAR_LAWN).trajectory
+
+
+@pytest.mark.parametrize(
+    ("share", "speed_mps", "angle_deg"), [(0.5, 2.0, 90.0), (0.6, 3.0, -120.0)]
+)
+def test_somebody_who_crosses_the_plan_is_evaded(demo, plan, share, speed_mps, angle_deg):
+    other = crosser(plan, BEGIN_S, share, speed_mps, angle_deg=angle_deg)
+    demo = demo(field(), FAR_LAWN, traffic=[other])
+    pilot = demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+    assert demo.score().contacts_before_touchdown == 0
+    assert demo.gap_m > VEHICLE_M + 0.3
+    changes = [replan.reason for replan in pilot.replans]
+    changes += [change.reason for change in pilot.transitions if change.target is Phase.HOLD]
+    assert any("something that moves would come within" in reason for reason in changes)
+
+
+def test_a_pilot_that_does_not_look_out_meets_them(demo, plan):
+    # Else the tests above would show nothing.
+    other = crosser(plan, BEGIN_S, 0.5, 2.0)
+    demo = demo(field(), FAR_LAWN, traffic=[other], expects_traffic=False)
+    demo.fly(until=lambda: demo.gap_m < VEHICLE_M, limit_s=20.0)
+    assert demo.gap_m < VEHICLE_M
+
+
+def test_room_to_what_moves_is_that_of_the_moment(plan):
+    middle = plan.duration_s / 2
+    there = plan.positions(np.array([middle]))
+    still = np.zeros((1, 3))
+    standing = MovingObstacles.balls(there, still, np.array([0.5]), growth_mps=0.0)
+    assert room_to_movers_m(plan, middle - 2.0, standing, 0.4) == pytest.approx(-0.9, abs=0.2)
+    # By the time that it is far gone, or before the predictions reach so far, there is room.
+    assert room_to_movers_m(plan, plan.duration_s, standing, 0.4) > 5.0
+    assert room_to_movers_m(plan, middle - 8.0, standing, 0.4) > 1.0
+    none = MovingObstacles.balls(still[:0], still[:0], np.zeros(0))
+    assert room_to_movers_m(plan, 0.0, none, 0.4) == np.inf
