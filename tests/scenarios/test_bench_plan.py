@@ -12,8 +12,9 @@ from autonomy.planning.limits import FlightLimits
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import optimise
 from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.bench.configs import PlanBenchCfg
 from scenarios.bench.joint_optimum import joint_optimum
-from scenarios.bench.plan import PlanBenchCfg, rows
+from scenarios.bench.plan import rows
 from scenarios.bench.plan_pairs import FAR_ENOUGH_M, draw_pairs, scene_numbers
 from scenarios.surroundings import survey
 
