@@ -2,6 +2,8 @@
 
 A gust is a "one minus cosine" bump, v(t) = A / 2 (1 - cos(2 pi t / D)) for 0 <= t <= D
 (CS-25.341, there over the distance flown), along the wind.
+
+No wind blows in a room; within a metre of its walls and doors it grows to what blows outside.
 """
 
 from __future__ import annotations
@@ -11,8 +13,10 @@ import math
 import numpy as np
 
 from autonomy.jit import kernel
+from autonomy.types import ZERO3
 from flightsim.environment.dryden import N_NORMALS, N_STATES, stationary_states, step_turbulence
 from flightsim.environment.wind import WindCfg
+from flightsim.sensors.rooms import exposure
 
 AIR_NORMALS = N_NORMALS
 
@@ -48,10 +52,18 @@ def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
     return airs
 
 
-def set_wind(airs: np.ndarray, cfg: WindCfg) -> None:
-    """Let another wind blow from the next tick on; the clock of the gusts starts anew."""
+def set_wind(airs: np.ndarray, cfg: WindCfg, *, has_rooms: bool = False) -> None:
+    """Let another wind blow from the next tick on; the clock of the gusts starts anew.
+
+    Args:
+        airs: Changed.
+        cfg: The wind under the open sky.
+        has_rooms: Whether there is anywhere that it does not blow.
+    """
     air = airs[0]
-    air["is_steady"] = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
+    is_steady = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
+    is_still = cfg.steady_enu_mps == ZERO3
+    air["is_steady"] = is_steady and (is_still or not has_rooms)
     air["steady_enu_mps"] = cfg.steady_enu_mps
     air["axis_enu"] = cfg.axis_enu
     for name in ("turbulence_mps", "gust_mps", "gust_s", "gust_period_s"):
@@ -64,6 +76,7 @@ def move_air(
     air: np.record,
     position_enu_m: np.ndarray,
     velocity_enu_mps: np.ndarray,
+    rooms: np.ndarray,
     normals: np.ndarray,
     wind_enu_mps: np.ndarray,
 ) -> None:
@@ -73,6 +86,7 @@ def move_air(
         air: Changed.
         position_enu_m: True position of the vehicle; its height is above the ground plane.
         velocity_enu_mps: True velocity.
+        rooms: Where no wind blows (n, 8), `flightsim.sensors.rooms`.
         normals: Standard normals (5,).
         wind_enu_mps: Result (3,), velocity of the air.
     """
@@ -98,9 +112,10 @@ def move_air(
     air.gust_clock_s += air.dt_s
     along = air.turbulence_wind_mps[0] + _gust(air)
     left = air.turbulence_wind_mps[1]
-    wind_enu_mps[0] = steady[0] + along * air.axis_enu[0] - left * air.axis_enu[1]
-    wind_enu_mps[1] = steady[1] + along * air.axis_enu[1] + left * air.axis_enu[0]
-    wind_enu_mps[2] = steady[2] + air.turbulence_wind_mps[2]
+    share = exposure(rooms, position_enu_m)
+    wind_enu_mps[0] = share * (steady[0] + along * air.axis_enu[0] - left * air.axis_enu[1])
+    wind_enu_mps[1] = share * (steady[1] + along * air.axis_enu[1] + left * air.axis_enu[0])
+    wind_enu_mps[2] = share * (steady[2] + air.turbulence_wind_mps[2])
 
 
 @kernel

@@ -88,7 +88,7 @@ def advance(
         rangefinders: `RANGEFINDER_DTYPE`.
         vios: `VIO_DTYPE`.
         mocaps: `MOCAP_DTYPE`.
-        rooms: Where satellites are not heard (n, 8), `flightsim.sensors.rooms`.
+        rooms: Without satellites and wind (n, 8), `flightsim.sensors.rooms`.
         filters: `FILTER_DTYPE`.
         states: `STATE_DTYPE`.
         controllers: `CONTROLLER_DTYPE`.
@@ -114,7 +114,8 @@ def advance(
         _tell_state(x, e, f, qpos, qvel)
         control(c, s, x, e.has_new_setpoint == 1)
         e.has_new_setpoint = 0
-        move_air(airs[0], qpos[0:3], qvel[0:3], air_normals[e.tick % e.tick_hz], r.wind_enu_mps)
+        gusts = air_normals[e.tick % e.tick_hz]
+        move_air(airs[0], qpos[0:3], qvel[0:3], rooms, gusts, r.wind_enu_mps)
         if len(movers) > 0:
             move_traffic(
                 traffic[0],

@@ -123,7 +123,7 @@ class PlantMemory:
     def set_wind(self, cfg: WindCfg) -> None:
         """Let another wind blow from the next advance on."""
         was_smooth = self.airs["turbulence_mps"][0] == 0.0
-        set_wind(self.airs, cfg)
+        set_wind(self.airs, cfg, has_rooms=len(self.rooms) > 0)
         self.rotors["wind_enu_mps"][0] = cfg.steady_enu_mps
         if was_smooth and cfg.turbulence_mps > 0.0:
             self.air_normals.draw()

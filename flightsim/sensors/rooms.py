@@ -1,4 +1,4 @@
-"""Where satellites are not heard: the rooms of a scene, as rows that a kernel can look through."""
+"""Rooms of a scene, where no satellite is heard and no wind blows, as rows for a kernel."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from aeroscene.scene import Scene
 from autonomy.jit import kernel
 
 ROOM_COLUMNS = ("x", "y", "z", "cos yaw", "sin yaw", "half length", "half width", "half height")
+DRAUGHT_M = 1.0
+"""How far from the walls the wind blows as if there were no room."""
 _WALL_M = 0.4
 """Rooms reach this far into what is around them: walls, door frames and ceilings belong to them."""
 
@@ -33,11 +35,18 @@ def indoor_rooms(scene: Scene) -> Float[np.ndarray, "n 8"]:
 @kernel
 def is_in_room(rooms: np.ndarray, position_enu_m: np.ndarray) -> bool:
     """Whether a position (3,) lies in one of the rooms (n, 8)."""
+    return exposure(rooms, position_enu_m) == 0.0
+
+
+@kernel
+def exposure(rooms: np.ndarray, position_enu_m: np.ndarray) -> float:
+    """Share of the wind that reaches a position (3,): 0 in a room (n, 8), 1 from a metre away."""
+    nearest = DRAUGHT_M
     for k in range(rooms.shape[0]):
         room = rooms[k]
         dx, dy = position_enu_m[0] - room[0], position_enu_m[1] - room[1]
-        along, across = room[3] * dx + room[4] * dy, room[3] * dy - room[4] * dx
-        is_beside = abs(along) > room[5] or abs(across) > room[6]
-        if not is_beside and abs(position_enu_m[2] - room[2]) <= room[7]:
-            return True
-    return False
+        along = abs(room[3] * dx + room[4] * dy) - room[5]
+        across = abs(room[3] * dy - room[4] * dx) - room[6]
+        above = abs(position_enu_m[2] - room[2]) - room[7]
+        nearest = min(nearest, max(along, across, above, 0.0))
+    return nearest / DRAUGHT_M

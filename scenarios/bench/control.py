@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,12 +16,12 @@ from flightsim.environment.wind import CALM, TURBULENCE_MPS, WindCfg
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
+from scenarios.bench.configs import ControlBenchCfg
 from scenarios.bench.figure_eight import FigureEight, Track, come_back, fly, take_off
 from scenarios.bench.manoeuvres import meadow
 from scenarios.bench.recovery import Recovery, recover
 from scenarios.bench.row import Row
 
-VEHICLES = ("hummingbird", "iris")
 PEAK_ACCELERATION_MPS2 = 7.0
 WIND_MPS = 5.0
 LARGEST_RMSE_M = {
@@ -41,18 +40,6 @@ _TOO_FAST_MPS2 = (16.0, 20.0, 25.0, 30.0, 35.0)
 _TOO_FAST_S, _COME_BACK_S = 25.0, 10.0
 _LOST_RAD = math.radians(90.0)
 _BACK_M = 0.2
-
-
-@dataclass(frozen=True, kw_only=True)
-class ControlBenchCfg:
-    """How many of each."""
-
-    trials: int
-    """Recoveries of each vehicle."""
-    flights: int
-    """Eights of each vehicle in wind, from as many directions."""
-    seed: int
-    vehicles: tuple[str, ...] = VEHICLES
 
 
 def rows(cfg: ControlBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
@@ -132,7 +119,7 @@ def _saturation(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
 
 def _recovery(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
     rng = np.random.default_rng(cfg.seed)
-    trials = [recover(world, cfg.seed, rng) for _ in range(cfg.trials)]
+    trials = [recover(world, cfg.seed, rng) for _ in range(cfg.count)]
     share = 100.0 * float(np.mean([trial.is_recovered for trial in trials]))
     title = f"{name}, recovery from any attitude and rate"
     yield Row(metric=title, value=share, unit="%", target=LEAST_RECOVERED_PERCENT)

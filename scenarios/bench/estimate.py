@@ -19,6 +19,7 @@ from flightsim.environment.wind import CALM, SIGMA_OVER_W20, WindCfg
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
+from scenarios.bench.configs import EstimateBenchCfg
 from scenarios.bench.consistency import BLOCKS, band, errors, nees
 from scenarios.bench.filter_step import step_us
 from scenarios.bench.manoeuvres import curves, fly, meadow, visit
@@ -30,19 +31,6 @@ _VISIT_S = 50.0
 _WIND_MPS = 5.0
 _WIND = WindCfg(speed_mps=_WIND_MPS, from_deg=233.0, turbulence_mps=SIGMA_OVER_W20 * _WIND_MPS)
 _UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0), "attitude": ("deg", 180.0 / math.pi)}
-
-
-@dataclass(frozen=True, kw_only=True)
-class EstimateBenchCfg:
-    """What to fly, and how often."""
-
-    count: int
-    """Flights of each case."""
-    vehicle: str
-    seed: int
-    """Of the first flight; the others count on from it."""
-    seconds: float
-    """Of curves in each flight, s."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -22,6 +21,7 @@ from aeroscene.generation.loading import SHIPPED
 from aeroscene.generation.request import Request
 from aeroscene.scene import Scene
 from aeroscene.training.checkpoint import read_checkpoint
+from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import (
     FEASIBLE,
     RAW,
@@ -50,19 +50,6 @@ _BATCH_SIZE = 64
 _N_TIMED = 6
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class GenerateBenchCfg:
-    """What to generate and with what to compare it."""
-
-    count: int
-    seed: int
-    checkpoint: Path | None
-    preset: Preset
-    device: str
-    data: Path
-    """Folder of the corpus."""
-
-
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Generate scenes, one after the other, and judge them.
 
@@ -88,7 +75,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     yield from feasibility_rows(
         draws,
         lambda: on_progress(
-            "checking that scenes are sound", 0.7 + 0.2 * next(checked) / cfg.count
+            "checking that scenes are sound", 0.7 + 0.2 * next(checked) / cfg.n_generated
         ),
     )
     accepted = [draw.projected for draw in draws if not draw.is_rejected]
@@ -113,10 +100,10 @@ class _Cost:
 
 def _generate(generator: Generator, cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[_Cost]:
     on_progress("first scene, which compiles kernels", 0.0)
-    _one(generator, _request(cfg.seed, cfg.count))
+    _one(generator, _request(cfg.seed, cfg.n_generated))
     costs = []
-    for number in range(cfg.count):
-        on_progress(f"scene {number + 1} of {cfg.count}", 0.55 * number / cfg.count)
+    for number in range(cfg.n_generated):
+        on_progress(f"scene {number + 1} of {cfg.n_generated}", 0.55 * number / cfg.n_generated)
         costs.append(_one(generator, _request(cfg.seed, number)))
     return costs
 

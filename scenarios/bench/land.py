@@ -16,7 +16,6 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from flightsim.sensors.depth_noise import DEPTH_CAMERAS, measured_depth
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import WorldError, build_world
+from scenarios.bench.configs import LandBenchCfg
 from scenarios.bench.landing_flight import Landing, fly_landing
 from scenarios.bench.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, LookRig
 from scenarios.bench.landing_truth import ExactGround
@@ -47,18 +47,6 @@ _N_UPDATES = 40
 _LOOK_SHARE = 0.85
 
 OnProgress = Callable[[str, float], None]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class LandBenchCfg:
-    """What to look at, and what to fly."""
-
-    areas: int = 500
-    """Landing areas; perches are looked at beside them."""
-    flights: int = 10
-    camera: Literal["exact", "d435", "d455"] = "d435"
-    """Depth camera."""
-    seed: int = 0
 
 
 @dataclass(kw_only=True, slots=True)

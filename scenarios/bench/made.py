@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from aeroscene.dataset import MANIFEST, DatasetError, open_dataset
@@ -11,6 +10,7 @@ from aeroscene.metrics.classifier import N_FOLDS
 from aeroscene.scene import Scene
 from aeroscene.scene_io import read_scene
 from aeroscene.shipped import open_shipped
+from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import FEASIBLE, LEAST_SOUND, comparison, statistics_rows
 from scenarios.bench.reference import Splits, group_figures, open_corpus
 from scenarios.bench.row import Row
@@ -25,21 +25,7 @@ since every one of a dataset was validated when it was made."""
 OnProgress = Callable[[str, float], None]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MadeBenchCfg:
-    """Which scenes to judge and with what to compare them."""
-
-    scenes: str
-    """`SHIPPED`, or a folder: a dataset, or scene JSON files."""
-    count: int | None
-    """The first so many; None for all."""
-    seed: int
-    """Of what is drawn to judge them: bootstraps, folds, the training scenes beside them."""
-    data: Path
-    """Folder of the corpus."""
-
-
-def rows(cfg: MadeBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Judge finished scenes: what `bench generate` says of scenes after feasibility.
 
     Args:
@@ -65,8 +51,8 @@ def rows(cfg: MadeBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     yield from statistics_rows(scenes)
 
 
-def _read(cfg: MadeBenchCfg, on_progress: OnProgress) -> list[Scene]:
-    readers = _readers(cfg.scenes)
+def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
+    readers = _readers(cfg.scenes or SHIPPED)
     wanted = len(readers) if cfg.count is None else cfg.count
     if not N_FOLDS <= wanted <= len(readers):
         raise DatasetError(

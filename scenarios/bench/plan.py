@@ -28,6 +28,7 @@ from autonomy.planning.trajectory import squared_jerk
 from autonomy.types import ZERO3, FlatReference
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.bench.configs import PlanBenchCfg
 from scenarios.bench.joint_optimum import joint_optimum
 from scenarios.bench.plan_crossing import Crossing, fly_past_a_crossing
 from scenarios.bench.plan_pairs import draw_pairs, scene_numbers
@@ -44,20 +45,6 @@ _TOLERANCE = 0.011
 """What the certificate grants a limit, and rounding."""
 
 OnProgress = Callable[[str, float], None]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class PlanBenchCfg:
-    """What to plan."""
-
-    count: int = 200
-    """Pairs of start and goal."""
-    scenes: int = 20
-    """Shipped scenes that they are spread over."""
-    vehicle: str = "iris"
-    seed: int = 0
-    joint: int = 8
-    """Plans to compare with the joint optimum of states and times."""
 
 
 @dataclass(kw_only=True, slots=True)

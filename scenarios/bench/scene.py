@@ -22,6 +22,7 @@ from flightsim.looks.surfaces import FAST
 from flightsim.sensors.camera import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
+from scenarios.bench.configs import SceneBenchCfg
 from scenarios.bench.row import Row
 
 MOST_CURATION_S = 1.0
@@ -52,19 +53,19 @@ class _Cost:
     frames_per_s: float
 
 
-def rows(count: int, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
+def rows(cfg: SceneBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
     """Measure scenes spread over the corpus, as many of each domain.
 
     Args:
-        count: How many, three or more.
+        cfg: How many.
         on_progress: Called before each scene with a title and the share done.
     """
     costs: list[_Cost] = []
     # What is loaded or painted once for all scenes belongs to none of them.
     _measure(0)
-    for number in range(count):
-        on_progress(f"scene {number + 1} of {count}", number / count)
-        costs.append(_measure(scene_index(number, count)))
+    for number in range(cfg.count):
+        on_progress(f"scene {number + 1} of {cfg.count}", number / cfg.count)
+        costs.append(_measure(scene_index(number, cfg.count)))
     yield from _rows(costs)
 
 

@@ -24,6 +24,7 @@ from flightsim.simulator import Observer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.clients import Clients
+from scenarios.bench.configs import BenchError, SimBenchCfg
 from scenarios.bench.launch import seconds_to_first_heartbeat
 from scenarios.bench.row import Row
 from scenarios.cameras import Cameras
@@ -45,19 +46,6 @@ _LEG_S = 5.0
 _CORNERS_M = ((10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0))
 _N_STEPS = 20_000
 _SPEED_UNIT = "simulated s / CPU s"
-
-
-class BenchError(RuntimeError):
-    """A benchmark whose flight did not happen."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SimBenchCfg:
-    """What to fly, and for how long."""
-
-    scene: str
-    vehicle: str
-    seconds: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,8 @@ from autonomy.types import OFF
 from flightsim.plant import Plant, PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from scenarios.bench.control import ControlBenchCfg, rows
+from scenarios.bench.configs import ControlBenchCfg
+from scenarios.bench.control import rows
 from scenarios.bench.figure_eight import SETTLED_S, FigureEight, come_back, take_off
 from scenarios.bench.recovery import recover
 from tests.flightsim.handmade import empty_scene
@@ -77,7 +78,7 @@ def test_the_same_generator_throws_the_same_way_again(world):
 
 def test_rows_meet_their_targets_and_say_how_far_they_are():
     titles = []
-    cfg = ControlBenchCfg(trials=3, flights=1, seed=2, vehicles=("hummingbird",))
+    cfg = ControlBenchCfg(count=3, flights=1, seed=2, vehicles=("hummingbird",))
     measured = list(rows(cfg, lambda title, _: titles.append(title)))
     assert titles[-1] == "done"
     assert all(row.is_met for row in measured)

@@ -11,8 +11,9 @@ from flightsim.plant import Plant, PlantCfg
 from flightsim.plant.record import HISTORY_DTYPE
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
+from scenarios.bench.configs import EstimateBenchCfg
 from scenarios.bench.consistency import attitude_error, band, nees
-from scenarios.bench.estimate import CASES, EstimateBenchCfg, largest_jump, rows
+from scenarios.bench.estimate import CASES, largest_jump, rows
 from scenarios.bench.filter_step import run_filter
 from scenarios.bench.manoeuvres import curves, fly, meadow
 

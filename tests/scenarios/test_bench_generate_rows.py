@@ -6,7 +6,8 @@ import torch
 from aeroscene.dataset import DatasetError
 from aeroscene.generation.request import Request
 from scenarios.bench import generate
-from scenarios.bench.generate import GenerateBenchCfg, rows
+from scenarios.bench.configs import GenerateBenchCfg
+from scenarios.bench.generate import rows
 from tests.scenarios.small_corpus import write_corpus
 
 

@@ -8,7 +8,8 @@ import pytest
 from autonomy.perception import LandingNeeds
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
-from scenarios.bench.land import LandBenchCfg, rows
+from scenarios.bench.configs import LandBenchCfg
+from scenarios.bench.land import rows
 from scenarios.bench.landing_flight import touchdown_speed_mps
 from scenarios.bench.landing_look import Wander
 from scenarios.bench.landing_truth import ExactGround

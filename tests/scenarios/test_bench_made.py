@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from aeroscene.scene_io import write_scene
-from scenarios.bench.made import MadeBenchCfg, rows
+from scenarios.bench.configs import GenerateBenchCfg
+from scenarios.bench.made import rows
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import SAMPLE, cached_scene
 from tests.scenarios.small_corpus import write_corpus
@@ -29,7 +30,7 @@ def folder(tmp_path_factory):
 
 
 def judged(corpus, scenes, count=None, said=None):
-    cfg = MadeBenchCfg(scenes=str(scenes), count=count, seed=0, data=corpus)
+    cfg = GenerateBenchCfg(scenes=str(scenes), count=count, seed=0, data=corpus)
     said = [] if said is None else said
     return {row.metric: row for row in rows(cfg, lambda *words: said.append(words))}
 

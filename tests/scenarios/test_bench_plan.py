@@ -13,8 +13,9 @@ from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import optimise
 from autonomy.types import FlatReference
 from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.bench.configs import PlanBenchCfg
 from scenarios.bench.joint_optimum import joint_optimum
-from scenarios.bench.plan import PlanBenchCfg, rows
+from scenarios.bench.plan import rows
 from scenarios.bench.plan_crossing import fly_past_a_crossing
 from scenarios.bench.plan_pairs import FAR_ENOUGH_M, draw_pairs, scene_numbers
 from scenarios.surroundings import survey

@@ -11,21 +11,23 @@ from flightsim.environment.air import move_air, new_air, set_wind
 from flightsim.environment.wind import TURBULENCE_MPS, WindCfg, WindError, turbulence_mps
 
 STILL = np.zeros(3)
+OPEN = np.zeros((0, 8))
 
 
 def air_of(cfg, seed=0, dt_s=0.004):
     airs = new_air(np.random.default_rng(seed), dt_s=dt_s)
-    set_wind(airs, cfg)
+    set_wind(airs, cfg, has_rooms=True)
     return airs[0]
 
 
-def blow(air, n, *, height_m=10.0, normals=None):
+def blow(air, n, *, height_m=10.0, normals=None, rooms=OPEN):
     """Velocities of the air over n ticks."""
     position = np.array([0.0, 0.0, height_m])
     wind = np.array(air["steady_enu_mps"])
     rows = []
     for k in range(n):
-        move_air(air, position, STILL, np.zeros(5) if normals is None else normals[k], wind)
+        noise = np.zeros(5) if normals is None else normals[k]
+        move_air(air, position, STILL, rooms, noise, wind)
         rows.append(wind.copy())
     return np.array(rows)
 
@@ -98,3 +100,13 @@ def test_turbulence_is_as_strong_as_asked_for():
     assert wind[:, 0].std() == pytest.approx(1.929, rel=0.15)
     assert wind[:, 1].std() == pytest.approx(1.929, rel=0.15)
     assert wind[:, 0].mean() == pytest.approx(10.0, abs=0.5)
+
+
+def test_no_wind_blows_in_a_room_and_all_of_it_a_metre_away():
+    air = air_of(WindCfg(speed_mps=6.0, from_deg=270.0))
+    # A room of 4 m a side and its walls, 3 m high, about (0, 0, 1.5).
+    room = np.array([[0.0, 0.0, 1.5, 1.0, 0.0, 2.0, 2.0, 1.5]])
+    heights = {0.5: 0.0, 3.0: 0.0, 3.5: 0.5, 4.0: 1.0, 9.0: 1.0}
+    for height_m, share in heights.items():
+        wind = blow(air, 1, height_m=height_m, rooms=room)[-1]
+        np.testing.assert_allclose(wind, (6.0 * share, 0.0, 0.0), atol=1e-12)
