@@ -47,8 +47,8 @@ def run(cfg: SitlCfg) -> int:
     # Standard output belongs to the result.
     console = Console(stderr=True)
     with Sitl(cfg) as sitl:
-        _announce(console, sitl)
         with _stop_on_signals() as should_stop, StatusLine(console, sitl) as status:
+            _announce(console, sitl)
             sitl.run(lambda: status.refresh() or should_stop())
         result = sitl.finish()
     if cfg.json:

@@ -121,7 +121,7 @@ def test_averages_stand_beside_the_papers():
 @pytest.mark.parametrize(
     ("args", "says"),
     [
-        (("--count", "5"), "count 5"),
+        (("--count", "1"), "count 1"),
         (("--seed", "-1"), "seed -1"),
         (("--preset", "huge"), "huge"),
         (("--data", "nowhere"), "'nowhere' holds no dataset"),

@@ -102,7 +102,8 @@ def test_interrupting_closes_the_recording_and_gives_the_ports_back(tmp_path):
     args = ["--instance", str(instance()), "--record", str(path), "--camera-hz", "0"]
     process = subprocess.Popen([*COMMAND, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     port = 5760 + 10 * instance()
-    wait_for(port)
+    assert process.stderr is not None
+    assert any(b"Ctrl-C ends" in line for line in process.stderr)
     time.sleep(2.0)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=20)

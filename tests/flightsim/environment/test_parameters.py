@@ -11,7 +11,7 @@ from scenarios.testbench import Testbench, TestbenchCfg
 @pytest.fixture
 def bench():
     cfg = TestbenchCfg(
-        scene="500", speed="max", wind=4.0, wind_from=90.0, turbulence="light", traffic="people=1"
+        scene="42", speed="max", wind=4.0, wind_from=90.0, turbulence="light", traffic="people=1"
     )
     with Testbench(cfg, has_network=False) as bench:
         yield bench
