@@ -21,7 +21,8 @@ from scenarios.cli.command_line import (
     parse,
 )
 from scenarios.cli.status_line import StatusLine
-from scenarios.sitl import INPUT_ERRORS, Sitl, SitlCfg
+from scenarios.sitl import INPUT_ERRORS, Sitl
+from scenarios.sitl_cfg import SitlCfg
 from scenarios.trial import TrialResult
 
 PROG = "aeroscene-sitl"

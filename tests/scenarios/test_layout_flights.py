@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from scenarios.sitl import Sitl, SitlCfg
+from scenarios.sitl import Sitl
+from scenarios.sitl_cfg import SitlCfg
 from scenarios.testbench import TestbenchCfg
 from tests.aeroscene.layouts.samples import (
     authors_scene,

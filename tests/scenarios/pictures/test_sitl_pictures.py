@@ -1,6 +1,7 @@
 import pytest
 
-from scenarios.sitl import Sitl, SitlCfg
+from scenarios.sitl import Sitl
+from scenarios.sitl_cfg import SitlCfg
 from scenarios.testbench import TestbenchCfg, TestbenchError
 
 BENCH = TestbenchCfg(speed="max", instance=71)
