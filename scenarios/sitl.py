@@ -95,7 +95,7 @@ class Sitl:
         from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415
         from scenarios.surroundings import MissionError  # noqa: PLC0415
 
-        announce_pilot_kernels()
+        announce_pilot_kernels(self.cfg.map)
         bench = self.bench
         try:
             mission = plan_mission(

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from aeroscene.field_cache import kept_distance_field
-from aeroscene.freespace import NoFreeSpaceError, reachable
+from aeroscene.freespace import NoFreeSpaceError
 from aeroscene.scene import InteractionArea, Scene
-from aeroscene.shapes import scene_primitives
 from autonomy.mapping import SeenMap, SeenMapCfg, plan_towards
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage
@@ -24,38 +23,26 @@ from autonomy.planning import (
     PlannerCfg,
     Trajectory,
     brake,
-    certify,
     plan_leg,
     plan_trajectory,
     replan,
 )
+from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import FlatReference
 from flightsim.vehicles.airframe import Airframe
-from scenarios.obstacles import distance_field, scene_obstacles
+from scenarios import legs
+from scenarios.given_map import GivenMap, given_map
+from scenarios.hovering import hover_columns
 
 FIELD_RESOLUTION_M = 0.25
-HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6, 1.2)
-"""Above an area, from where to look at it: the first that is free."""
 HOVER_MARGIN_M = 0.4
 DESCENT_MARGIN_M = 0.1
-_EXEMPT_STEP_M = 0.05
-NOTHING_STANDS = Obstacles.boxes(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)))
 MapSource = Literal["truth", "onboard"]
 """Where the map of a flight comes from."""
 
 
 class MissionError(ValueError):
     """A scene in which the vehicle has no mission; says why."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class GivenMap:
-    """The map of a scene that was given before the flight."""
-
-    obstacles: Obstacles
-    field: DistanceField
-    is_reachable: np.ndarray
-    """Cells of the field that the vehicle can fly to from the start."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,15 +80,28 @@ class Surroundings:
         if isinstance(self.map, SeenMap):
             self.map.observe(image)
 
+    @functools.cached_property
+    def openings(self) -> tuple[Opening, ...]:
+        """Doors, windows and other narrow ways of a map that was given, the widest first.
+
+        Found when first asked for: 1 to 5 s. Of a map that grows none are told.
+        """
+        if isinstance(self.map, SeenMap):
+            return ()
+        return tuple(find_openings(self.field, self.obstacles))
+
     @property
     def radius_m(self) -> float:
         """Of a sphere about the centre of mass that holds rotors and soles."""
-        frame = self.airframe
-        return max(frame.collision_radius_m, math.hypot(frame.leg_spread_m, frame.leg_length_m))
+        return _radius_m(self.airframe)
 
     def clearance_m(self, points_enu_m: np.ndarray) -> np.ndarray:
         """Distance between the vehicle's sphere at some points and the nearest obstacle."""
-        return self.obstacles.signed_distance(points_enu_m)[0] - self.radius_m
+        known = self.map
+        about = (
+            known.obstacles_about(points_enu_m) if isinstance(known, SeenMap) else known.obstacles
+        )
+        return about.signed_distance(points_enu_m)[0] - self.radius_m
 
     @property
     def planner(self) -> PlannerCfg:
@@ -198,34 +198,16 @@ class Surroundings:
         Raises:
             PlanningError: If the line is not free or a limit is broken.
         """
-        leg = self.leg(start_enu_m, goal_enu_m, yaw_rad, speed_mps)
-        quadrotor, cfg = self.airframe.quadrotor, self.planner
-        certify(leg, NOTHING_STANDS, self.radius_m, self.limits, quadrotor, moving=moving)
-        begin_enu_m = self._first_free(start_enu_m, goal_enu_m, exempt_m)
-        # Clearance of what stands depends on the way alone, not on when it is flown.
-        free = self.leg(begin_enu_m, goal_enu_m, yaw_rad, speed_mps)
-        proof = certify(
-            free,
+        return legs.certified(
+            functools.partial(self.leg, yaw_rad=yaw_rad, speed_mps=speed_mps),
+            (start_enu_m, goal_enu_m),
             self.obstacles,
-            self.radius_m,
             self.limits,
-            quadrotor,
-            margin_m=cfg.min_margin_m,
+            self.airframe.quadrotor,
+            self.planner,
+            moving=moving,
+            exempt_m=exempt_m,
         )
-        return replace(leg, min_clearance_m=proof.min_clearance_m)
-
-    def _first_free(self, start_enu_m: Vector3, goal_enu_m: Vector3, most_m: float) -> Vector3:
-        """The first point of a line, within a distance of its start, where the vehicle has room."""
-        start, way = np.array(start_enu_m), np.subtract(goal_enu_m, start_enu_m)
-        length_m = float(np.linalg.norm(way))
-        if most_m == 0.0 or length_m == 0.0:
-            return start_enu_m
-        along_m = np.arange(0.0, min(most_m, length_m), _EXEMPT_STEP_M)
-        points = start + np.outer(along_m / length_m, way)
-        # The proof bounds from below, so a little more than it demands.
-        has_room = self.clearance_m(points) > self.planner.min_margin_m + _EXEMPT_STEP_M
-        x, y, z = points[np.argmax(has_room) if has_room.any() else -1].tolist()
-        return (x, y, z)
 
     def brake(
         self,
@@ -262,24 +244,15 @@ class Surroundings:
 
         Where the map grows, what was not seen yet counts as free: ask again when nearer.
         """
-        x, y, z = area.centroid
-        for height_m in HOVER_HEIGHTS_M:
-            point = (x, y, z + height_m)
-            if not self.field.contains(np.array(point)):
+        # A cell that was seen occupied reaches above the surface in it.
+        lift_m = 0.0 if self.is_known else FIELD_RESOLUTION_M
+        for column in hover_columns(area.centroid, self.radius_m + 2 * DESCENT_MARGIN_M + lift_m):
+            x, y, z = column[-1].tolist()
+            if not self.field.contains(column[-1]) or not self._may_be_reached((x, y, z)):
                 continue
-            if not self._may_be_reached(point):
-                continue
-            # From where the sphere touches the surface up.
-            lowest_m = self.radius_m + 2 * DESCENT_MARGIN_M
-            # A cell that was seen occupied reaches above the surface in it.
-            lowest_m += 0.0 if self.is_known else FIELD_RESOLUTION_M
-            heights = np.arange(lowest_m, height_m, 0.1)
-            column = np.column_stack(
-                [np.full_like(heights, x), np.full_like(heights, y), z + heights]
-            )
-            room_m = self._room_as_known_m(np.vstack([column, [point]]))
+            room_m = self._room_as_known_m(column)
             if room_m[-1] >= HOVER_MARGIN_M and np.all(room_m >= DESCENT_MARGIN_M):
-                return point
+                return (x, y, z)
         return None
 
     def _may_be_reached(self, point_enu_m: Vector3) -> bool:
@@ -319,21 +292,16 @@ def survey(
         return Surroundings(
             scene=scene, airframe=airframe, map=_unseen(scene, airframe), limits=limits
         )
-    primitives = scene_primitives(scene)
-    voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
-    radius_m = max(
-        airframe.collision_radius_m, math.hypot(airframe.leg_spread_m, airframe.leg_length_m)
-    )
     try:
-        flood = reachable(voxels, scene.start_position_enu_m, radius_m)
+        given = given_map(scene, _radius_m(airframe), FIELD_RESOLUTION_M)
     except NoFreeSpaceError as error:
         raise MissionError(str(error)) from None
-    given = GivenMap(
-        obstacles=scene_obstacles(scene, primitives),
-        field=distance_field(voxels),
-        is_reachable=flood,
-    )
     return Surroundings(scene=scene, airframe=airframe, map=given, limits=limits)
+
+
+def _radius_m(airframe: Airframe) -> float:
+    legs_m = math.hypot(airframe.leg_spread_m, airframe.leg_length_m)
+    return max(airframe.collision_radius_m, legs_m)
 
 
 def _unseen(scene: Scene, airframe: Airframe) -> SeenMap:

@@ -11,6 +11,7 @@ from autonomy.jit import kernel
 from autonomy.planning.obstacles import Obstacles
 
 _WALL_M = 10.0
+_REACH_CELLS = 5
 
 
 @kernel
@@ -157,3 +158,32 @@ def _grow(is_free: np.ndarray, low: np.ndarray, high: np.ndarray, axis: int) -> 
         if np.any(is_free[a[0] : b[0], a[1] : b[1], a[2] : b[2]]):
             break
         low[axis] -= 1
+
+
+@kernel
+def distance_to_cells(
+    points: Float[np.ndarray, "k 3"],
+    evidence: Int[np.ndarray, "nx ny nz"],
+    at_least: int,
+    corner: Float[np.ndarray, " 3"],
+    resolution: float,
+) -> Float[np.ndarray, " k"]:
+    """Distance from points to the nearest cell with some evidence, within a few cells of them."""
+    nx, ny, nz = evidence.shape
+    distance = np.full(len(points), _REACH_CELLS * resolution)
+    for n in range(len(points)):
+        x, y, z = (points[n] - corner) / resolution
+        a, b, c = math.floor(x), math.floor(y), math.floor(z)
+        best = (distance[n] / resolution) ** 2
+        for i in range(max(a - _REACH_CELLS, 0), min(a + _REACH_CELLS + 1, nx)):
+            dx = max(i - x, x - i - 1, 0.0)
+            for j in range(max(b - _REACH_CELLS, 0), min(b + _REACH_CELLS + 1, ny)):
+                dy = max(j - y, y - j - 1, 0.0)
+                if dx * dx + dy * dy >= best:
+                    continue
+                for k in range(max(c - _REACH_CELLS, 0), min(c + _REACH_CELLS + 1, nz)):
+                    if evidence[i, j, k] >= at_least:
+                        dz = max(k - z, z - k - 1, 0.0)
+                        best = min(best, dx * dx + dy * dy + dz * dz)
+        distance[n] = math.sqrt(best) * resolution
+    return distance

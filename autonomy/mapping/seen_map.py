@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from autonomy.jit import kernel
-from autonomy.mapping.distances import boxes_about, distance_to_marked
+from autonomy.mapping.agenda import Agenda
+from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked
 from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, integrate
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage
@@ -21,7 +21,6 @@ from autonomy.planning.obstacles import Obstacles
 
 UNSEEN_LACK = 0.25
 """Cells without room that is seen cost as if so much of the comfortable distance were lacking."""
-_REACH_CELLS = 5
 _SURFACE_M = 0.05
 _N_NUMBERS = 127
 
@@ -42,24 +41,13 @@ class SeenMapCfg:
     camera_vertical_fov_rad: float = math.radians(60.0)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Errand:
-    """Cells that the way to a goal leads through, and from where they can be seen."""
-
-    path: Int[np.ndarray, "n 3"]
-    """Free cells to the place to look from; the last alone if that is where the vehicle is."""
-    targets: Int[np.ndarray, "k 3"]
-    facing_since: int | None = None
-    """Images that had been taken when the camera faced them."""
-
-
 class SeenMap:
     """Cells of a flight volume.
 
     Attributes:
         evidence: Of each cell: free up to `FREE_AT`, occupied from `OCCUPIED_AT` on, else unknown.
         n_images: Images taken in so far.
-        errand: What the vehicle set out to look at, None for nothing in particular.
+        agenda: What the vehicle that looks about in it is up to.
         eye_enu_m: Where the last of them was taken from; the start before.
     """
 
@@ -79,7 +67,7 @@ class SeenMap:
         shape = np.maximum(np.floor(size + 1e-6), 1).astype(np.int64)
         self.evidence = np.zeros(shape, dtype=np.int8)
         self.n_images = 0
-        self.errand: Errand | None = None
+        self.agenda = Agenda()
         x, y, z = ((np.array(low_enu_m) + high_enu_m) / 2).tolist()
         self.eye_enu_m: Vector3 = (x, y, z)
         self._seen_in = np.zeros(shape, dtype=np.int8)
@@ -184,6 +172,13 @@ class SeenMap:
             self._obstacles = self.obstacles_in(block)
         return self._obstacles
 
+    def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
+        """Whatever was not seen free about some points, as boxes; beyond that everything."""
+        away = np.abs(points_enu_m - np.array(self.eye_enu_m))
+        if np.all(away < self.cfg.nearby_m - self.cfg.cap_m):
+            return self.obstacles
+        return self.obstacles_in(self.block_about(self.cells(points_enu_m), self.cfg.cap_m))
+
     def obstacles_in(self, block: Int[np.ndarray, "2 3"]) -> Obstacles:
         """Whatever was not seen free in a block of cells, and all outside it, as boxes."""
         is_free = np.ascontiguousarray(self.evidence[slices(block)] <= FREE_AT)
@@ -279,32 +274,3 @@ def slices(block: Int[np.ndarray, "2 3"]) -> tuple[slice, slice, slice]:
     """Of an array of cells, a block given by its first cell and the cell beyond its last."""
     (i, j, k), (u, v, w) = block.tolist()
     return slice(i, u), slice(j, v), slice(k, w)
-
-
-@kernel
-def distance_to_cells(
-    points: Float[np.ndarray, "k 3"],
-    evidence: Int[np.ndarray, "nx ny nz"],
-    at_least: int,
-    corner: Float[np.ndarray, " 3"],
-    resolution: float,
-) -> Float[np.ndarray, " k"]:
-    """Distance from points to the nearest cell with some evidence, within a few cells of them."""
-    nx, ny, nz = evidence.shape
-    distance = np.full(len(points), _REACH_CELLS * resolution)
-    for n in range(len(points)):
-        x, y, z = (points[n] - corner) / resolution
-        a, b, c = math.floor(x), math.floor(y), math.floor(z)
-        best = (distance[n] / resolution) ** 2
-        for i in range(max(a - _REACH_CELLS, 0), min(a + _REACH_CELLS + 1, nx)):
-            dx = max(i - x, x - i - 1, 0.0)
-            for j in range(max(b - _REACH_CELLS, 0), min(b + _REACH_CELLS + 1, ny)):
-                dy = max(j - y, y - j - 1, 0.0)
-                if dx * dx + dy * dy >= best:
-                    continue
-                for k in range(max(c - _REACH_CELLS, 0), min(c + _REACH_CELLS + 1, nz)):
-                    if evidence[i, j, k] >= at_least:
-                        dz = max(k - z, z - k - 1, 0.0)
-                        best = min(best, dx * dx + dy * dy + dz * dz)
-        distance[n] = math.sqrt(best) * resolution
-    return distance

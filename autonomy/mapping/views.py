@@ -52,23 +52,29 @@ def _sees(eye: np.ndarray, target: np.ndarray, evidence: np.ndarray, sight: Sigh
 
 
 @kernel
-def nearest_viewpoint(
+def best_viewpoint(
     distance: Float[np.ndarray, "nx ny nz"],
     start: Int[np.ndarray, " 3"],
     required: float,
     targets: Int[np.ndarray, "n 3"],
+    weights: Float[np.ndarray, " n"],
+    n_needed: int,
     evidence: Int[np.ndarray, "nx ny nz"],
     sight: Sight,
+    pause: float,
 ) -> Int[np.ndarray, "k 3"]:
-    """The nearest cell that free cells join to the start and that sees one of the targets.
+    """The cell that free cells join to the start and that shows most for the way there.
 
     Args:
         distance: To what is not free.
         start: Where the vehicle is.
         required: Least distance of cells to fly through.
         targets: Cells to be seen.
+        weights: What each of them is worth.
+        n_needed: How many of them, the first ones, are of use alone.
         evidence: Which cells are in the way of sight.
         sight: How steep and how long lines of sight may be.
+        pause: Cells that one could fly while one looks.
 
     Returns:
         The cells from there back to the start, or none.
@@ -80,18 +86,20 @@ def nearest_viewpoint(
     cost[start[0], start[1], start[2]] = 0.0
     queue: list[Any] = [(0.0, first)]
     eye = np.empty(3)
-    found = -1
-    while len(queue) > 0 and found < 0:
+    found, best, most = -1, 0.0, weights.sum()
+    while len(queue) > 0:
         so_far, here = heapq.heappop(queue)
+        if most / (pause + so_far) <= best:
+            break
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
         if so_far > cost[i, j, k]:
             continue
-        eye[0], eye[1], eye[2] = i, j, k
-        if here != first:
-            for n in range(len(targets)):
-                if _sees(eye, targets[n], evidence, sight):
-                    found = here
-                    break
+        # Every fourth cell will do.
+        if here == first or ((i + j) % 2 == 0 and k % 2 == 0):
+            eye[0], eye[1], eye[2] = i, j, k
+            worth = _worth(eye, targets, weights, n_needed, evidence, sight) / (pause + so_far)
+            if worth > best:
+                found, best = here, worth
         for di, dj, dk in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
             u, v, w = i + di, j + dj, k + dk
             if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
@@ -110,3 +118,22 @@ def nearest_viewpoint(
         path[n, 0], path[n, 1], path[n, 2] = here // (ny * nz), here // nz % ny, here % nz
         here = came_from[path[n, 0], path[n, 1], path[n, 2]]
     return path
+
+
+@kernel
+def _worth(
+    eye: np.ndarray,
+    targets: np.ndarray,
+    weights: np.ndarray,
+    n_needed: int,
+    evidence: np.ndarray,
+    sight: Sight,
+) -> float:
+    """What the targets that one sees are worth, nothing if none of the needed is among them."""
+    worth = 0.0
+    for n in range(len(targets)):
+        if n == n_needed and worth == 0.0:
+            return 0.0
+        if _sees(eye, targets[n], evidence, sight):
+            worth += weights[n]
+    return worth

@@ -15,6 +15,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from autonomy.perception.cell_distances import CellDistances, StaticDistance
 from autonomy.perception.depth_image import DepthImage
@@ -27,7 +28,7 @@ _CELL_M = 0.2
 _BLOB_GAP_M = 0.35
 _MOST_SIGHTINGS = 24
 _ROUNDING_M = 0.3
-_COAST_NEW_S = 0.5
+_COAST_NEW_S = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -40,7 +41,7 @@ class MoverTrackerCfg:
     """Some of what moves must be farther than this from the map. Must cover the error of the
     estimated pose and the 17 cm by which remembered distances err; who keeps nearer than this to
     a wall is not seen."""
-    range_m: float = 12.0
+    range_m: float = 16.0
     """Depth beyond which nothing is looked at."""
     most_depth_sigma_m: float = 0.3
     """Nor where depth is no better known than this."""
@@ -52,7 +53,7 @@ class MoverTrackerCfg:
     """Images that must show an obstacle before it counts."""
     misses_to_end: int = 2
     """Images in a row that show what is behind it, after which it is gone."""
-    coast_s: float = 3.0
+    coast_s: float = 5.0
     """For how long an obstacle out of sight is believed to go on."""
     gate: float = 16.0
     """Largest squared Mahalanobis distance of a sighting from its track."""
@@ -102,6 +103,12 @@ class MoverTracker:
                 track.n_misses += 1
         self.tracks = [track for track in self.tracks if self._is_kept(track, time_s)]
         self.tracks += [MoverTrack(time_s, sighting) for sighting in unexpected]
+
+    def in_question(self) -> Float[np.ndarray, "n 3"]:
+        """Places where something was seen too seldom yet to count: worth another look, ENU."""
+        cfg = self._cfg
+        places = [track.mean[:3] for track in self.tracks if track.n_hits < cfg.hits_to_confirm]
+        return np.array(places).reshape(-1, 3)
 
     def moving(self, time_s: float) -> MovingObstacles:
         """What moves, predicted from a time on."""
@@ -185,7 +192,7 @@ class MoverTracker:
     def _is_kept(self, track: MoverTrack, time_s: float) -> bool:
         cfg = self._cfg
         is_new = track.n_hits < cfg.hits_to_confirm
-        if track.n_misses >= (1 if is_new else cfg.misses_to_end):
+        if track.n_misses >= cfg.misses_to_end:
             return False
         return time_s - track.last_seen_s <= (_COAST_NEW_S if is_new else cfg.coast_s)
 

@@ -11,10 +11,11 @@ from autonomy.planning.errors import (
     UnreachableError,
 )
 from autonomy.planning.field import DistanceField
+from autonomy.planning.legs import plan_leg
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles, Shape
-from autonomy.planning.planner import PlannerCfg, plan_leg, plan_trajectory
+from autonomy.planning.planner import PlannerCfg, plan_trajectory
 from autonomy.planning.program import prepare
 from autonomy.planning.replanning import replan
 from autonomy.planning.trajectory import Trajectory

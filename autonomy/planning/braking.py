@@ -20,6 +20,7 @@ from jaxtyping import Float
 from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.certificate import certify
 from autonomy.planning.errors import CertificateError, EvasionError, PlanningError
+from autonomy.planning.evasion import no_nearer
 from autonomy.planning.feasibility import allowances, first_feasible
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
@@ -59,7 +60,8 @@ def brake(
         quadrotor: Mass, thrust and drag of the vehicle.
         cfg: Vehicle's size and margins.
         moving: What moves, predicted from `at_time_s` on; the vehicle also stands clear of it
-            after the stop, until the prediction's horizon.
+            after the stop, until the prediction's horizon. What is nearer than the margin
+            already is proved to come no nearer.
         start: Where the vehicle is and how it moves then; None for where the plan has it.
 
     Returns:
@@ -77,6 +79,7 @@ def brake(
     node = np.broadcast_to(as_node(begin), ends.shape)
     coefficients = join_states(node, ends, durations_s)
     keep_m = cfg.vehicle_radius_m + cfg.min_margin_m
+    moving = no_nearer(moving, np.array(begin.position_enu_m), keep_m)
     order = order[_is_clear_at_rest(ends[order, 0], durations_s[order], moving, keep_m)]
     reason: PlanningError | None = None
     for _ in range(_MOST_PROOFS):

@@ -12,7 +12,16 @@ class BlockedError(PlanningError):
 
 
 class UnreachableError(PlanningError):
-    """No free path joins start and goal."""
+    """No free path joins start and goal.
+
+    Attributes:
+        narrowest_enu_m: Where the widest way is narrowest, None if there is none or nobody looked.
+    """
+
+    def __init__(self, message: str, narrowest_enu_m: tuple[float, float, float] | None = None):
+        """Say why, and where the widest way is narrowest."""
+        super().__init__(message)
+        self.narrowest_enu_m = narrowest_enu_m
 
 
 class LimitsError(PlanningError):

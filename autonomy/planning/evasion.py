@@ -6,6 +6,7 @@ of the path passes: the plan itself where that is clear, else bent to either sid
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 
@@ -26,6 +27,8 @@ _PIECE_S = 0.8
 """Pieces near a moving obstacle are cut to about this, so that they can bend around it."""
 _LEAST_PIECE_S = 0.08
 _MAX_PIECES = 20
+_EASE_M = 0.02
+"""Beyond what is asked, so that a proof has something to go by."""
 _SLOW_SHARES = (0.6, 0.3)
 """Of the plan's speed: what waiting for an obstacle to pass is tried with."""
 
@@ -38,6 +41,21 @@ def remainder(
     gates = corridor.gates_enu_m[first:].copy()
     gates[0] = coefficients[0, 0]
     return coefficients, durations_s, Corridor(planes=corridor.planes[first:], gates_enu_m=gates)
+
+
+def no_nearer(
+    moving: MovingObstacles, point_enu_m: Float[np.ndarray, " 3"], keep_m: float
+) -> MovingObstacles:
+    """The same predictions, where a start is too near already with what is asked cut down to it.
+
+    Else nothing could be proved from there, not even the way out. What is proved is then that the
+    vehicle comes no nearer than it is.
+    """
+    distance_m = moving.distances(point_enu_m[None], np.zeros(1))[0][:, 0]
+    lacking_m = np.maximum(keep_m + _EASE_M - distance_m, 0.0)
+    if not np.any(lacking_m > 0.0):
+        return moving
+    return dataclasses.replace(moving, radius_m=moving.radius_m - lacking_m, growth_mps=0.0)
 
 
 class Rest:

@@ -29,10 +29,11 @@ _LINTEL_M = 0.2
 _STEPS_M = (0.5, 0.75, 1.0, 1.25)
 """How far before and behind."""
 _MAX_RUN_M = 6.0
-_OFFSETS_M = np.linspace(-0.4, 0.4, 17)
+_OFFSETS_M: Float[np.ndarray, " n"] = np.linspace(-0.4, 0.4, 17)
+_BESIDE_M = np.linspace(-0.25, 0.25, 5)
 _UP = np.array([0.0, 0.0, 1.0])
-_TURNS_RAD = np.radians(np.linspace(-12.0, 12.0, 7))
-_REFINEMENTS_RAD = np.radians(np.linspace(-3.0, 3.0, 13))
+_TURNS_RAD: Float[np.ndarray, " n"] = np.radians(np.linspace(-12.0, 12.0, 7))
+_REFINEMENTS_RAD: Float[np.ndarray, " n"] = np.radians(np.linspace(-3.0, 3.0, 13))
 _TOUCH_M = 0.005
 _MARCH_STEPS = 60
 
@@ -86,8 +87,28 @@ def _measured(
 ) -> Opening | None:
     """The opening that some cells belong to; None where the obstacles leave less than cells say."""
     middle = members[np.argmin(np.linalg.norm(members - members.mean(axis=0), axis=1))]
-    center = field.centres(middle)
-    across_rad = math.pi * direction[tuple(middle)] / _N_DIRECTIONS
+    across_rad = math.pi * float(direction[tuple(middle)]) / _N_DIRECTIONS
+    return _measured_about(field.centres(middle), across_rad, obstacles)
+
+
+def opening_at(point_enu_m: Vector3, obstacles: Obstacles) -> Opening | None:
+    """The opening that a free place is in or just beside, by the obstacles alone; None if none."""
+    angles: Float[np.ndarray, " n"] = np.pi * np.arange(_N_DIRECTIONS) / _N_DIRECTIONS
+    angles = np.repeat(angles, len(_BESIDE_M))
+    through = np.column_stack([-np.sin(angles), np.cos(angles), np.zeros(len(angles))])
+    points = np.array(point_enu_m) + np.tile(_BESIDE_M, _N_DIRECTIONS)[:, None] * through
+    # From within an obstacle nothing is narrow.
+    is_free = obstacles.signed_distance(points)[0] > _TOUCH_M
+    if not is_free.any():
+        return None
+    best = _narrowest(points[is_free], angles[is_free], obstacles)
+    return _measured_about(points[is_free][best], float(angles[is_free][best]), obstacles)
+
+
+def _measured_about(
+    center: Float[np.ndarray, " 3"], across_rad: float, obstacles: Obstacles
+) -> Opening | None:
+    """The opening near a place, given about the direction across it."""
     # Walls are thinner than cells: look for the narrowest place along the way through.
     turns = across_rad + np.repeat(_TURNS_RAD, len(_OFFSETS_M))
     along = np.tile(np.outer(_OFFSETS_M, _level(across_rad + math.pi / 2)), (len(_TURNS_RAD), 1))

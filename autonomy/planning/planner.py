@@ -19,6 +19,7 @@ from autonomy.planning.field import DistanceField
 from autonomy.planning.limits import FlightLimits, MotionBounds
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import optimise
+from autonomy.planning.passages import way_through_openings
 from autonomy.planning.primitives import fly_primitives
 from autonomy.planning.program import pieces_to_fill
 from autonomy.planning.search import shortest_path
@@ -26,7 +27,6 @@ from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_fr
 from autonomy.planning.yaw import STEP_S, yaw_along_path
 from autonomy.types import ZERO3, FlatReference
 
-_MIN_LEG_S = 0.5
 _START_TOLERANCE = 5e-3
 """Share by which a plan's own states may be beyond its limits, after many replans; the proof
 grants twice that."""
@@ -125,37 +125,6 @@ def plan_trajectory(
     raise reason
 
 
-def plan_leg(
-    start_enu_m: Vector3,
-    goal_enu_m: Vector3,
-    yaw_rad: float,
-    limits: FlightLimits,
-    quadrotor: QuadrotorParams,
-) -> Trajectory:
-    """A straight line from rest to rest, as fast as the limits allow; not certified.
-
-    For take-off and landing, where the vehicle leaves or meets a surface on purpose.
-    """
-    bounds = bounds_for(FlatReference(position_enu_m=start_enu_m), limits, quadrotor)
-    way = np.subtract(goal_enu_m, start_enu_m)
-    across, up = math.hypot(way[0], way[1]), abs(way[2])
-    # Rest to rest in degree 5 peaks at 15/8 of the mean speed and at 10/sqrt(3) way/T^2.
-    duration_s = max(
-        _MIN_LEG_S,
-        15 / 8 * across / bounds.speed_horizontal_mps,
-        15 / 8 * up / bounds.speed_vertical_mps,
-        math.sqrt(10 / math.sqrt(3) * across / bounds.acceleration_horizontal_mps2),
-        math.sqrt(10 / math.sqrt(3) * up / bounds.acceleration_vertical_mps2),
-    )
-    nodes = np.array([[start_enu_m, ZERO3, ZERO3], [goal_enu_m, ZERO3, ZERO3]])
-    durations_s = np.array([duration_s])
-    return Trajectory(
-        durations_s=durations_s,
-        coefficients=coefficients_from_nodes(nodes, durations_s),
-        yaw=YawProfile(step_s=STEP_S, yaw_rad=np.array([yaw_rad])),
-    )
-
-
 def bounds_for(
     start: FlatReference, limits: FlightLimits, quadrotor: QuadrotorParams
 ) -> MotionBounds:
@@ -227,14 +196,20 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
     wanted_m = cfg.vehicle_radius_m + margin_m
     # Start and goal may stand closer to something than one would fly by choice.
     at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
-    path = shortest_path(
-        field,
-        start_cell,
-        goal_cell,
-        required_m=min(wanted_m - doubt_m, max(at_ends_m, field.resolution_m / 4)),
+    required_m = min(wanted_m - doubt_m, max(at_ends_m, field.resolution_m / 4))
+    search = functools.partial(
+        shortest_path,
+        start_cell=start_cell,
+        goal_cell=goal_cell,
+        required_m=required_m,
         comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
     )
-    points = np.concatenate([ends[:1], field.centres(path[1:-1]), ends[1:]])
+    if doubt_m > 0.0:
+        least_m = cfg.vehicle_radius_m + cfg.min_margin_m
+        points = way_through_openings(search, field, task.obstacles, max(least_m, required_m))
+    else:
+        points = field.centres(search(field))
+    points = np.concatenate([ends[:1], points[1:-1], ends[1:]])
     way = straighten(points, task.obstacles, enough_m=wanted_m + 0.1)
     if cfg.method == "primitives":
         return _primitives(task, way)

@@ -23,7 +23,7 @@ from autonomy.planning.certificate import certify
 from autonomy.planning.corridor import Corridor
 from autonomy.planning.demand import excess
 from autonomy.planning.errors import EvasionError, PlanningError
-from autonomy.planning.evasion import Rest, remainder
+from autonomy.planning.evasion import Rest, no_nearer, remainder
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
@@ -58,7 +58,8 @@ def replan(
         limits: Of the motion.
         quadrotor: Mass, thrust and drag of the vehicle.
         cfg: Vehicle's size and margins.
-        moving: What moves, predicted from `at_time_s` on.
+        moving: What moves, predicted from `at_time_s` on. What is nearer to the start than the
+            margin is proved to come no nearer.
         start: Where the vehicle is and how it moves then; None for where the plan has it.
 
     Raises:
@@ -73,6 +74,8 @@ def replan(
             f"plan_trajectory by method 'optimise', 0 to {previous.duration_s:.2f} s"
         )
     begin = previous.sample(at_time_s) if start is None else start
+    keep_m = cfg.vehicle_radius_m + cfg.min_margin_m
+    moving = no_nearer(moving, np.array(begin.position_enu_m), keep_m)
     rest = Rest(previous, previous.corridor, at_time_s, moving)
     task = _Task(begin, obstacles, limits, quadrotor, cfg, moving)
     reason: PlanningError | None = None

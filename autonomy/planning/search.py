@@ -68,23 +68,26 @@ def shortest_path(
         0.0 if is_seen is None else climb_price,
     )
     if len(path) == 0:
-        narrowest = _narrowest_place(field, goal_cell, start_cell)
-        raise UnreachableError(
-            f"goal is cut off from the start for a vehicle that needs {required_m:.2f} m to every "
-            f"obstacle{narrowest}; valid: a goal that free space joins to the start"
-        )
+        raise _cut_off(field, goal_cell, start_cell, required_m)
     return path
 
 
-def _narrowest_place(field: DistanceField, start_cell: Cell, goal_cell: Cell) -> str:
-    """Where the widest way there is narrowest, for a message; nothing where there is none."""
+def _cut_off(
+    field: DistanceField, start_cell: Cell, goal_cell: Cell, required_m: float
+) -> UnreachableError:
+    """Says where the widest way there is narrowest, if there is one at all."""
     room_m, cell = widest_way(
         field.distance_m, start_cell, goal_cell, field.resolution_m / 4, _MOST_SEARCHED
     )
-    if room_m <= 0.0:
-        return ""
-    x, y, z = field.centres(cell)
-    return f", and the widest way has {room_m:.2f} m at ({x:.1f}, {y:.1f}, {z:.1f}) m"
+    narrowest, where = "", None
+    if room_m > 0.0:
+        x, y, z = where = tuple(field.centres(cell).tolist())
+        narrowest = f", and the widest way has {room_m:.2f} m at ({x:.1f}, {y:.1f}, {z:.1f}) m"
+    return UnreachableError(
+        f"goal is cut off from the start for a vehicle that needs {required_m:.2f} m to every "
+        f"obstacle{narrowest}; valid: a goal that free space joins to the start",
+        where,
+    )
 
 
 @kernel

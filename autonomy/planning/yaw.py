@@ -35,14 +35,24 @@ def yaw_along_path(
     for target in wanted:
         out.append(yaw)
         error = math.remainder(target - yaw, 2 * math.pi)
-        # The speed from which a stop at the target is still possible.
-        stoppable = math.sqrt(2 * 0.5 * max_acceleration_radps2 * abs(error))
-        fastest = min(max_rate_radps, stoppable, 0.5 * _BANDWIDTH_RADPS * abs(error))
-        wanted_rate = math.copysign(fastest, error)
-        change = max_acceleration_radps2 * STEP_S
-        rate += min(max(wanted_rate - rate, -change), change)
+        rate = next_rate(rate, error, STEP_S, max_rate_radps, max_acceleration_radps2)
         yaw += rate * STEP_S
     return YawProfile(step_s=STEP_S, yaw_rad=np.array(out))
+
+
+def next_rate(
+    rate_radps: float,
+    error_rad: float,
+    step_s: float,
+    max_rate_radps: float,
+    max_acceleration_radps2: float,
+) -> float:
+    """Yaw rate after one step of turning by what is left to turn, with bounded acceleration."""
+    # The speed from which a stop at the target is still possible.
+    stoppable = math.sqrt(2 * 0.5 * max_acceleration_radps2 * abs(error_rad))
+    fastest = min(max_rate_radps, stoppable, 0.5 * _BANDWIDTH_RADPS * abs(error_rad))
+    change = max_acceleration_radps2 * step_s
+    return rate_radps + min(max(math.copysign(fastest, error_rad) - rate_radps, -change), change)
 
 
 def _wanted_yaw(positions_enu_m: np.ndarray, start_yaw_rad: float) -> list[float]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from autonomy.model.quadrotor import Vector3
 from autonomy.planning import Trajectory
 from autonomy.types import FlatReference
@@ -14,6 +16,7 @@ _PRESS_M = 0.4
 """How far below the surface the last setpoints lie, so that the rotors let go."""
 _AT_PLACE_M = 0.25
 _AT_REST_MPS = 0.2
+_SOON_US = 1_500_000
 
 
 class Course:
@@ -67,6 +70,12 @@ class Course:
             trajectory, begun_us = self._before
             return trajectory.sample((time_us - begun_us) * 1e-6)
         return self.trajectory.sample(self.elapsed_s(time_us))
+
+    def heading_rad(self, time_us: int) -> float | None:
+        """Direction to where it will be soon; None where it hardly moves horizontally."""
+        now, soon = (self.reference(t).position_enu_m for t in (time_us, time_us + _SOON_US))
+        x, y, _ = np.subtract(soon, now).tolist()
+        return math.atan2(y, x) if math.hypot(x, y) > _AT_PLACE_M else None
 
     def has_arrived(self, time_us: int, telemetry: Telemetry) -> bool:
         """Whether the trajectory is over and the vehicle rests at its end."""

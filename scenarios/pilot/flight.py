@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingSite
-from autonomy.planning import EvasionError, MovingObstacles, PlanningError, Trajectory
+from autonomy.planning import MovingObstacles, PlanningError, Trajectory
 from autonomy.types import FlatReference
 from scenarios.mavlink_client import Command, MavlinkClient
 from scenarios.mavlink_telemetry import Telemetry
 from scenarios.mission import Mission
 from scenarios.pilot.course import Course
+from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_watch import LandingWatch
-from scenarios.pilot.movers import KEEP_FROM_MOVERS_M, room_to_movers_m
+from scenarios.pilot.movers import (
+    KEEP_FROM_MOVERS_M,
+    room_to_movers_m,
+    urgent_limits,
+    with_less_room,
+)
 from scenarios.pilot.phases import Phase, Replan
 from scenarios.pilot.senses import Senses
 
@@ -26,6 +32,8 @@ _ON_COURSE_M = 0.4
 _AT_REST_MPS = 0.05
 _STRAIGHT_M = 3.0
 """Ways up to this length are first tried straight."""
+_LESS_ROOM_M = (0.0, 0.15, 0.3, 0.5, 0.7, 0.9)
+"""To what moves, beside the margins that predictions have: the widest stop that there is."""
 _PLANNING_TIME_US = round(1e6 * PLANNING_TIME_S)
 
 
@@ -49,6 +57,8 @@ class Flight:
     """Why there will be no landing on an area, None while there may be."""
     complaint: str | None = None
     """What keeps it from knowing where it is, None if nothing does."""
+    gaze: Gaze | None = None
+    """Turns the heading to look out for what moves; None to look where it flies."""
     after_hold: Phase = Phase.NAVIGATE
     time_us: int = 0
     since_us: int = 0
@@ -210,11 +220,18 @@ class Flight:
             PlanningError: If not even a stop among what stands can be proved.
         """
         world, moving = self.mission.surroundings, self.moving()
-        at_s = self.course.elapsed_s(self.take_over_us)
-        try:
-            stop = world.brake(self.course.trajectory, at_s, moving=moving, start=start)
-        except EvasionError:
-            stop = world.brake(self.course.trajectory, at_s, start=start)
+        plan, at_s = self.course.trajectory, self.course.elapsed_s(self.take_over_us)
+        urgent = replace(world, limits=urgent_limits(world.limits))
+        # Where nothing moves, less room to it is no other way.
+        less_room_m = _LESS_ROOM_M if len(moving) else ()
+        for each, less_m in [(world, 0.0), *((urgent, less_m) for less_m in less_room_m)]:
+            try:
+                stop = each.brake(plan, at_s, moving=with_less_room(moving, less_m), start=start)
+            except PlanningError:
+                continue
+            break
+        else:
+            stop = urgent.brake(plan, at_s, start=start)
         self.fly(stop)
 
     def _plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from autonomy.planning import PlanningError
+from autonomy.planning import PlanningError, prepare
 from scenarios.mavlink_client import PX4_OFFBOARD
 from scenarios.pilot.flight import Flight
 from scenarios.pilot.phases import Phase, PilotVerdict, Step
@@ -37,6 +37,9 @@ class Ground:
         telemetry = flight.telemetry
         if not (telemetry.has_state and telemetry.is_armable and telemetry.is_navigating):
             return None
+        if flight.senses.looks_ahead:
+            # What plans made in flight are solved by takes seconds to build.
+            prepare()
         x, y, _ = flight.mission.takeoff_enu_m
         flight.senses.stand_at((x, y, flight.home_resting_height_m))
         here = flight.telemetry.position_enu_m

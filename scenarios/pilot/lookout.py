@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from autonomy.planning import PlanningError
 from scenarios.pilot.flight import Flight
-from scenarios.pilot.movers import KEEP_FROM_MOVERS_M
+from scenarios.pilot.movers import KEEP_FROM_MOVERS_M, first_to_come
 from scenarios.pilot.phases import ON_THE_WAY, Phase, Step
 from scenarios.pilot.way import Way
 
 UNSEEN_AHEAD_S = 4.0
 """A plan that ends short of the goal is made anew when this is left of it."""
+KEEP_IN_VIEW_M = 1.5
+"""Who is going to come so near is looked at until it is past."""
 _STEP_S = 0.1
 
 
@@ -26,7 +30,27 @@ class Lookout:
         flight = self._flight
         if not flight.senses.look_about() or phase is Phase.TOUCHDOWN:
             return None
+        self._keep_in_view()
         return self._movers(phase) or self._unseen(phase)
+
+    def _keep_in_view(self) -> None:
+        """Have the gaze follow who comes near soonest, else what it is not sure of."""
+        flight = self._flight
+        if flight.gaze is None:
+            return
+        place = first_to_come(
+            flight.course.trajectory,
+            flight.course.elapsed_s(flight.time_us),
+            flight.senses.moving(flight.time_us),
+            flight.mission.surroundings.radius_m + KEEP_IN_VIEW_M,
+        )
+        here = np.array(flight.telemetry.position_enu_m)
+        doubtful = flight.senses.in_question()
+        if place is None and len(doubtful):
+            nearest = np.argmin(np.linalg.norm(doubtful - here, axis=1))
+            place = tuple(doubtful[nearest].tolist())
+        away = np.subtract(place, here) if place is not None else None
+        flight.gaze.kept_rad = None if away is None else math.atan2(away[1], away[0])
 
     def _movers(self, phase: Phase) -> Step:
         """Does something come too near to what is flown, or to where it ends?"""

@@ -70,7 +70,7 @@ TIME_LIMIT_S: Mapping[Phase, float] = MappingProxyType(
         _P.CONNECT: 10.0,
         _P.PREPARE: 60.0,
         _P.ARM: 20.0,
-        _P.TAKEOFF: 30.0,
+        _P.TAKEOFF: 45.0,
         _P.NAVIGATE: 120.0,
         _P.SEARCH: 20.0,
         _P.ALIGN: 30.0,
@@ -93,6 +93,9 @@ IN_THE_AIR = frozenset(
 
 ON_THE_WAY = frozenset({_P.NAVIGATE, _P.RETURN})
 """Phases that fly a plan through the map, which can be made anew from any point of it."""
+
+LOOKS_AROUND = frozenset({Phase.TAKEOFF, Phase.NAVIGATE, Phase.HOLD, Phase.CLIMB, Phase.RETURN})
+"""Phases that may turn to look out for what moves; the others look down on one place."""
 
 Step = tuple[Phase, str] | None
 """The next phase and why; None to stay."""

@@ -16,15 +16,17 @@ from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingMap, LandingSite
 from autonomy.planning import MovingObstacles, Trajectory
+from autonomy.types import FlatReference
 from scenarios.mavlink_client import MavlinkClient
 from scenarios.mission import Mission
 from scenarios.pilot.area import Area
 from scenarios.pilot.course import Course
 from scenarios.pilot.eyes import Frames
 from scenarios.pilot.flight import Flight
+from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground import Ground
 from scenarios.pilot.guard import Guard
-from scenarios.pilot.phases import Phase, PilotVerdict, Replan, Step, Transition
+from scenarios.pilot.phases import LOOKS_AROUND, Phase, PilotVerdict, Replan, Step, Transition
 from scenarios.pilot.senses import Senses
 from scenarios.pilot.way import Way
 
@@ -37,6 +39,12 @@ class PilotCfg:
 
     expects_traffic: bool = False
     """Look out ahead for what moves, five times a second."""
+
+
+def _gaze(mission: Mission, cfg: PilotCfg) -> Gaze | None:
+    """Where the map grows, plans say themselves where to look."""
+    world = mission.surroundings
+    return Gaze(world.limits) if cfg.expects_traffic and world.is_known else None
 
 
 class Pilot:
@@ -72,6 +80,7 @@ class Pilot:
             area=mission.area,
             hover_enu_m=mission.hover_enu_m,
             alternates=list(mission.alternates),
+            gaze=_gaze(mission, cfg),
         )
         self._ground, area = Ground(flight), Area(flight)
         way = Way(flight, area)
@@ -152,7 +161,19 @@ class Pilot:
         if step is not None:
             self._enter(*step)
         if flight.course.has_begun and not self.is_done:
-            flight.client.send_setpoint(flight.senses.to_estimate(flight.setpoint))
+            flight.client.send_setpoint(flight.senses.to_estimate(self._looking()))
+
+    def _looking(self) -> FlatReference:
+        """The setpoint, turned to where it looks."""
+        flight = self._flight
+        if flight.gaze is None:
+            return flight.setpoint
+        return flight.gaze.turn(
+            flight.time_us,
+            flight.setpoint,
+            flight.course.heading_rad(flight.time_us),
+            looks_around=self.phase in LOOKS_AROUND,
+        )
 
     def _enter(self, phase: Phase, reason: str) -> None:
         flight = self._flight

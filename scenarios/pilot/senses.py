@@ -15,7 +15,8 @@ from jaxtyping import Float
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception import DepthImage
 from autonomy.planning import NOTHING_MOVES, MovingObstacles
-from autonomy.types import FlatReference
+from autonomy.rotation import quat_from_rotation_vector, quat_multiply
+from autonomy.types import FlatReference, Quaternion
 from scenarios.mavlink_telemetry import Telemetry
 from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, posed_image
 from scenarios.surroundings import GivenMap, Surroundings
@@ -26,10 +27,17 @@ if TYPE_CHECKING:
 
 LOOK_PERIOD_US = 200_000
 """Between two looks ahead, where something may be seen that the map has not."""
+LOOK_AGAIN_US = 100_000
+"""The same, while something was seen too seldom to count."""
 FIX_PERIOD_US = 500_000
 """Between two looks at the map, where the autopilot is not sure where it is."""
-UNSURE_M = 0.3
+UNSURE_M = 0.1
 """Reported horizontal accuracy beyond which the map is looked at on the way."""
+SURE_M = 0.2
+"""Standard deviation of the place in the map beyond which what does not fit the map may be the map
+itself, and nothing is taken for a mover."""
+MOST_AGE_S = 0.1
+"""Telemetry is carried forward to the time of an image by so much at most."""
 PLACED_SIGMA_M = 0.1
 """How exactly a vehicle is put down at its start."""
 
@@ -39,6 +47,7 @@ class Senses:
 
     Attributes:
         telemetry: The vehicle as last reported, in the map's frame.
+        looks_ahead: Whether it looks ahead for what may be seen that the map has not.
         n_blind: Images in a row of the camera that looks down without one measured pixel.
     """
 
@@ -53,7 +62,7 @@ class Senses:
         self._world, self._frames = world, frames
         self._anchor = _anchor(world) if world.is_known else None
         self._tracker = _tracker(world) if expects_traffic else None
-        self._looks_ahead = expects_traffic or not world.is_known
+        self.looks_ahead = expects_traffic or not world.is_known
         self._estimate = self.telemetry = Telemetry()
         self._time_us = 0
         self._due_us = 0
@@ -92,9 +101,10 @@ class Senses:
         """Look where it is worth it and time to; True if something new may be known."""
         if self._time_us < self._due_us:
             return False
-        if self._looks_ahead:
-            self._due_us = self._time_us + LOOK_PERIOD_US
+        if self.looks_ahead:
             self._glance("forward")
+            is_sure = not len(self.in_question())
+            self._due_us = self._time_us + (LOOK_PERIOD_US if is_sure else LOOK_AGAIN_US)
             return True
         if self._anchor is not None and self._estimate.horizontal_sigma_m > UNSURE_M:
             self._due_us = self._time_us + FIX_PERIOD_US
@@ -112,7 +122,7 @@ class Senses:
         frame, time_s = self._frames(camera), self._time_us * 1e-6
         is_down = camera == "down"
         try:
-            image = posed_image(frame, mount, self._estimate)
+            image = posed_image(frame, mount, self._now())
         except NoDepthError:
             self.n_blind += is_down
             raise
@@ -121,7 +131,7 @@ class Senses:
         if self._anchor is not None:
             self._anchor.update(time_s, image)
             image = self._anchor.image_to_map(image)
-        if self._tracker is not None:
+        if self._tracker is not None and (self._anchor is None or self._anchor.sigma_m < SURE_M):
             self._tracker.update(time_s, image, self._static_distance)
         self._world.observe(image)
         return image
@@ -129,6 +139,25 @@ class Senses:
     def moving(self, time_us: int) -> MovingObstacles:
         """What moves, predicted from a time on."""
         return NOTHING_MOVES if self._tracker is None else self._tracker.moving(time_us * 1e-6)
+
+    def _now(self) -> Telemetry:
+        """The estimate carried forward to now: a vehicle that turns looks elsewhere by then."""
+        estimate = self._estimate
+        age_s = self._time_us * 1e-6 - estimate.position_time_ms * 1e-3
+        if not (0.0 < age_s <= MOST_AGE_S and estimate.has_state):
+            return estimate
+        (x, y, z), (u, v, w) = estimate.position_enu_m, estimate.velocity_enu_mps
+        turn = np.multiply(estimate.angular_rate_flu_radps, age_s)
+        w, i, j, k = _turned(estimate.quat_wxyz, turn)
+        return dataclasses.replace(
+            estimate,
+            position_enu_m=(x + u * age_s, y + v * age_s, z + w * age_s),
+            quat_wxyz=(w, i, j, k),
+        )
+
+    def in_question(self) -> Float[np.ndarray, "n 3"]:
+        """Places where something may move, ENU: it was seen too seldom yet to count."""
+        return np.zeros((0, 3)) if self._tracker is None else self._tracker.in_question()
 
     def _glance(self, camera: str) -> None:
         """Look, and make nothing of it if there is only sky."""
@@ -145,6 +174,15 @@ class Senses:
             return distance_m
         is_new = (distance_m <= 0.0) & (known.distance_to_seen_m(points_enu_m) > 0.0)
         return np.where(is_new, 0.0, known.distance_to_standing_m(points_enu_m))
+
+
+def _turned(quat_wxyz: Quaternion, turn_flu_rad: Float[np.ndarray, " 3"]) -> list[float]:
+    """An attitude after a small turn about the body's axes."""
+    turn, turned = np.empty(4), np.empty(4)
+    x, y, z = turn_flu_rad.tolist()
+    quat_from_rotation_vector(x, y, z, turn)
+    quat_multiply(np.array(quat_wxyz), turn, turned)
+    return turned.tolist()
 
 
 def _anchor(world: Surroundings) -> MapAnchor:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
+
 from autonomy.model.quadrotor import Vector3
-from autonomy.planning import PlanningError
+from autonomy.planning import BlockedError, PlanningError, UnreachableError
 from autonomy.types import FlatReference
 from scenarios.mavlink_client import PX4_RETURN
 from scenarios.mavlink_telemetry import LANDED_ON_GROUND
 from scenarios.pilot.area import COMMIT_HEIGHT_M, DESCENT_SPEED_MPS, Area
 from scenarios.pilot.flight import Flight
+from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.phases import Phase, Replan, Step
 
 MAX_HOLDS = 6
 """In one flight; with the next reason to hold it goes home."""
+MOST_RISE_M = 8.0
+"""Beyond so much it climbs on the way."""
+RISE_SPEED_MPS = 1.5
 RETRY_PERIOD_S = 1.0
 """Between two tries to go on from a hold."""
 
@@ -24,6 +30,7 @@ class Way:
         self._flight = flight
         self._area = area
         self._retry_us = 0
+        self._has_risen = False
 
     @property
     def goal_enu_m(self) -> Vector3:
@@ -38,11 +45,36 @@ class Way:
         flight = self._flight
         if not flight.has_arrived:
             return None
+        if flight.gaze is not None and not self._has_looked(flight.gaze):
+            return None
         try:
             flight.plan_to(flight.hover_enu_m, flight.mission.trajectory)
         except PlanningError as error:
             return self.hold(f"no way from above the start: {error}")
         return Phase.NAVIGATE, "above the start"
+
+    def _has_looked(self, gaze: Gaze) -> bool:
+        """Rise to the height to fly at, then look all around once."""
+        flight = self._flight
+        if not self._has_risen:
+            self._has_risen = True
+            self._rise(flight.hover_enu_m[2])
+            return False
+        return gaze.has_looked_round(flight.time_us)
+
+    def _rise(self, height_m: float) -> None:
+        """Straight up first, where that is free: to a level way nobody comes from above."""
+        flight = self._flight
+        x, y, z = flight.setpoint.position_enu_m
+        if not 0.0 < height_m - z <= MOST_RISE_M:
+            return
+        try:
+            leg = flight.leg((x, y, height_m), RISE_SPEED_MPS)
+            world = flight.mission.surroundings
+            world.plan(leg.sample(leg.duration_s), flight.hover_enu_m)
+        except PlanningError:
+            return
+        flight.begin_with(leg)
 
     def navigate(self) -> Step:
         """Along the plan to above the area."""
@@ -50,6 +82,9 @@ class Way:
         if not flight.has_arrived:
             return None
         if flight.is_at_end(flight.hover_enu_m):
+            # From here on it looks down.
+            if flight.gaze is not None and not flight.gaze.has_looked_round(flight.time_us):
+                return None
             return self._area.look(f"above area {flight.area.id}")
         return self._go_on()
 
@@ -145,6 +180,9 @@ class Way:
         is_ready = flight.complaint is None and flight.has_arrived
         if flight.time_us < self._retry_us or not is_ready:
             return None
+        if flight.gaze is not None and not flight.gaze.is_on_it:
+            # Who comes near was not seen just now: first look where they are.
+            return None
         self._retry_us = flight.time_us + round(1e6 * RETRY_PERIOD_S)
         try:
             flight.go(self.goal_enu_m)
@@ -158,5 +196,22 @@ class Way:
         try:
             flight.plan_to(self.goal_enu_m)
         except PlanningError as error:
-            return self.hold(f"what was seen shows no way on: {error}")
+            reason = f"what was seen shows no way on: {error}"
+            is_cut_off = isinstance(error, BlockedError | UnreachableError)
+            if is_cut_off and flight.given_up is None:
+                return self._aim_elsewhere(reason)
+            return self.hold(reason)
+        return None
+
+    def _aim_elsewhere(self, reason: str) -> Step:
+        """What was seen speaks against the goal: higher or lower above the area, or another one."""
+        flight = self._flight
+        hover = flight.mission.surroundings.hover_point(flight.area)
+        if hover is not None and math.dist(hover, flight.hover_enu_m) > 0.0:
+            flight.hover_enu_m = hover
+            return None
+        step = self._area.give_up(reason)
+        if step is None or step[0] is not Phase.NAVIGATE:
+            return step
+        flight.replans.append(Replan(time_us=flight.time_us, reason=step[1]))
         return None

@@ -128,3 +128,16 @@ def test_the_same_question_gets_the_same_stop():
     comes = ball((12.0, 4.0, 5.0), (0.0, -2.0, 0.0))
     one, other = (stop(EAST, 2.0, moving=comes) for _ in range(2))
     assert one.coefficients.tobytes() == other.coefficients.tobytes()
+
+
+def test_nearer_than_the_margin_already_it_comes_no_nearer():
+    # The vehicle's sphere of 0.4 m and a ball of 0.4 m, centres 0.6 m apart, moving on past it.
+    at = EAST.sample(3.0).position_enu_m
+    other = ball((at[0], at[1] + 0.6, at[2]), (0.0, 0.4, 0.0))
+    rest = stop(EAST, 3.0, moving=other)
+    times = np.arange(0.0, other.horizon_s, 0.02)
+    still = ball((at[0], at[1] + 0.6, at[2]), (0.0, 0.4, 0.0), growth_mps=0.0)
+    distances = still.distances(rest.positions(times), times)[0][0]
+    assert distances.min() >= distances[0] - 1e-3
+    with pytest.raises(EvasionError):
+        stop(EAST, 3.0, moving=ball((at[0] + 0.6, at[1], at[2]), (-9.0, 0.0, 0.0)))

@@ -9,7 +9,7 @@ from hypothesis import given
 from autonomy.model.flatness import effort, hover_drag_per_s
 from autonomy.planning import CertificateError, FlightLimits, Obstacles, certify
 from autonomy.planning.demand import limit_peaks
-from autonomy.planning.planner import plan_leg
+from autonomy.planning.legs import plan_leg
 from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
 from tests.autonomy.planning_worlds import quadrotor, random_boxes, seeds
 

@@ -126,6 +126,12 @@ def test_two_images_are_not_enough_and_three_are():
     assert len(followed(walking(0.0, 1.0), 3).moving(0.6)) == 1
 
 
+def test_what_was_seen_too_seldom_to_count_is_in_question_until_it_counts():
+    tracker = followed(walking(0.0, 1.0), 2)
+    np.testing.assert_allclose(tracker.in_question()[0, :2], walking(0.0, 1.0)(0.2)[:2], atol=0.4)
+    assert followed(walking(0.0, 1.0), 3).in_question().shape == (0, 3)
+
+
 def test_somebody_who_waits_is_in_the_way_too():
     moving = followed(walking(0.0, 0.0), 6).moving(1.0)
     assert np.linalg.norm(moving.velocity_enu_mps[0]) < 0.1
@@ -166,7 +172,7 @@ def test_who_went_out_of_sight_is_forgotten_in_the_end():
     blind = dataclasses.replace(look(STATIC), depth_m=np.zeros((240, 320), dtype=np.float32))
     tracker.update(2.0, blind, MAP)
     assert len(tracker.moving(2.0)) == 1
-    tracker.update(4.0, blind, MAP)
+    tracker.update(5.9, blind, MAP)
     assert tracker.tracks == []
 
 
@@ -203,7 +209,7 @@ def test_a_map_that_takes_something_in_ends_its_track():
         tracker.update(k * PERIOD_S, image, MAP)
     assert len(tracker.moving(0.6)) == 1
     grown = map_of([*STATIC, person_at(6.0, 0.0)])
-    for k in range(4, 24):
+    for k in (4, 9, 14, 19, 24, 30):
         tracker.update(k * PERIOD_S, image, grown)
     assert tracker.tracks == []
 

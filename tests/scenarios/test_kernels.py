@@ -3,7 +3,12 @@
 import logging
 
 from autonomy.jit import announce_if_cold, cache_directory
-from scenarios.kernels import PILOT_MODULES, announce_pilot_kernels, compile_everything
+from scenarios.kernels import (
+    EXPLORING_MODULES,
+    PILOT_MODULES,
+    announce_pilot_kernels,
+    compile_everything,
+)
 
 
 def test_compiled_kernels_are_not_announced(caplog):
@@ -12,7 +17,10 @@ def test_compiled_kernels_are_not_announced(caplog):
     assert steps == sorted(steps)
     with caplog.at_level(logging.WARNING):
         announce_pilot_kernels()
+        announce_pilot_kernels("onboard")
     assert caplog.messages == []
+    for module in (*PILOT_MODULES, *EXPLORING_MODULES):
+        assert any(cache_directory(module).rglob("*.nbi")), module
 
 
 def test_kernels_without_cached_code_are_announced_once(caplog):

@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 import numpy as np
+import pytest
 
 from flightsim.autopilot.modes import Mode
 from scenarios.pilot import Phase
@@ -18,6 +19,22 @@ def blind(render):
         return dataclasses.replace(frame, depth_m=np.full_like(frame.depth_m, np.inf))
 
     return see
+
+
+def also_stands(pilot, center_enu_m, size_m):
+    """Put one more box into the pilot's map."""
+    world = pilot._flight.mission.surroundings
+    known = world.obstacles
+    more = dataclasses.replace(
+        known,
+        center_enu_m=np.vstack([known.center_enu_m, center_enu_m]),
+        quat_wxyz=np.vstack([known.quat_wxyz, [1.0, 0.0, 0.0, 0.0]]),
+        size_m=np.vstack([known.size_m, size_m]),
+        shape=np.append(known.shape, 0),
+        faces_end=np.append(known.faces_end, known.faces_end[-1]),
+    )
+    world = dataclasses.replace(world, map=dataclasses.replace(world.map, obstacles=more))
+    pilot._flight.mission = dataclasses.replace(pilot._flight.mission, surroundings=world)
 
 
 def test_without_depth_at_the_area_it_waits_and_lands_when_it_sees_again(demo):
@@ -67,6 +84,75 @@ def test_a_link_that_falls_silent_is_waited_for_and_then_left_to_the_autopilot(d
     assert pilot.verdict.reason == "no position from the autopilot for 0.5 s"
 
 
+def test_with_the_seventh_hold_it_gives_up_and_lands_at_home(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    pipe = demo.bench.pilot_link.client
+    receive = pipe.recv
+    for _ in range(7):
+        pipe.recv = lambda: receive()[:0]
+        demo.fly_to(Phase.HOLD)
+        pipe.recv = receive
+        demo.fly(until=lambda: pilot.phase is not Phase.HOLD)
+    demo.fly()
+    assert pilot.verdict.reason == "no position from the autopilot for 0.5 s; held 6 times"
+    assert demo.targets().count(Phase.HOLD) == 7
+    assert demo.targets()[-4:] == [Phase.RETURN, Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
+    assert math.dist(demo.bench.plant.truth.position_enu_m[:2], (0.0, 0.0)) < 0.3
+
+
+def test_a_hold_without_a_way_on_ends_after_20_s_in_a_landing_at_home(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    pipe = demo.bench.pilot_link.client
+    receive = pipe.recv
+    pipe.recv = lambda: receive()[:0]
+    demo.fly_to(Phase.HOLD)
+    pipe.recv = receive
+    also_stands(pilot, pilot._flight.hover_enu_m, (2.0, 2.0, 2.0))
+    held_us = pilot.transitions[-1].time_us
+    demo.fly()
+    assert pilot.verdict.reason == "phase hold took more than 20 s"
+    left = next(c for c in pilot.transitions if c.source is Phase.HOLD)
+    assert left.target is Phase.RETURN
+    assert (left.time_us - held_us) * 1e-6 == pytest.approx(20.0, abs=0.1)
+    assert demo.targets()[-3:] == [Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
+
+
+def test_an_estimator_that_loses_its_place_is_held_for_until_the_autopilot_acts(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    # Neither satellites nor a camera that tells it how it moves any longer.
+    memory = demo.bench.plant._memory
+    memory.receivers["is_enabled"] = memory.vios["is_enabled"] = 0
+    demo.fly_to(Phase.HOLD)
+    assert pilot.transitions[-1].reason == "the autopilot's estimator does not know the position"
+    # Before the pilot's patience is over, the autopilot's own failsafe sees to it.
+    demo.fly()
+    assert demo.bench.autopilot.mode is Mode.DESCEND
+    assert pilot.verdict.reason.startswith("the autopilot left offboard mode")
+
+
+def test_a_place_that_does_not_let_it_come_to_rest_is_left_and_looked_at_again(demo):
+    demo = demo(yard())
+    demo.fly_to(Phase.SEARCH)
+
+    def too_near(camera):
+        """The ground is farther down than it looks: it is not there when the vehicle arrives."""
+        frame = demo.cameras.render(camera)
+        return dataclasses.replace(frame, depth_m=frame.depth_m - np.float32(0.8))
+
+    demo.see = too_near
+    pilot = demo.fly_to(Phase.CLIMB)
+    assert pilot.transitions[-1].source is Phase.TOUCHDOWN
+    assert pilot.transitions[-1].reason == "phase touch down took more than 20 s"
+    demo.see = demo.cameras.render
+    demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+    assert demo.targets().count(Phase.SEARCH) == 2
+    assert demo.score().is_inside_area
+
+
 def test_a_link_that_comes_back_lets_it_go_on(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
@@ -114,18 +200,7 @@ def test_a_start_that_something_was_put_above_is_not_left(demo):
     # Known before: no mission. Here the crates are known to the pilot only once it is armed.
     demo = demo(yard())
     pilot = demo.fly_to(Phase.ARM)
-    world = pilot._flight.mission.surroundings
-    lid = world.obstacles
-    low = dataclasses.replace(
-        lid,
-        center_enu_m=np.vstack([lid.center_enu_m, [0.0, 0.0, 2.0]]),
-        quat_wxyz=np.vstack([lid.quat_wxyz, [1.0, 0.0, 0.0, 0.0]]),
-        size_m=np.vstack([lid.size_m, [2.0, 2.0, 0.2]]),
-        shape=np.append(lid.shape, 0),
-        faces_end=np.append(lid.faces_end, lid.faces_end[-1]),
-    )
-    world = dataclasses.replace(world, map=dataclasses.replace(world.map, obstacles=low))
-    pilot._flight.mission = dataclasses.replace(pilot._flight.mission, surroundings=world)
+    also_stands(pilot, (0.0, 0.0, 2.0), (2.0, 2.0, 0.2))
     demo.fly()
     assert demo.targets()[-2:] == [Phase.DISARM, Phase.FAILED]
     assert pilot.verdict.reason.startswith("no certified way up from the start: clearance falls")

@@ -4,15 +4,18 @@ import numpy as np
 import pytest
 
 from autonomy.planning import MovingObstacles
+from autonomy.types import FlatReference
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission import plan_mission
 from scenarios.pilot import Phase
 from scenarios.pilot.movers import room_to_movers_m
-from tests.scenarios.landing_scenes import FAR_LAWN, field
+from tests.scenarios.landing_scenes import FAR_LAWN, ON_CONTAINER, field, yard
 from tests.scenarios.pilot.crossing import crosser
 
 BEGIN_S = 5.2
-"""When the pilot sets out from above the start."""
+"""When a pilot sets out from above the start that does not look around before,"""
+LOOKED_S = 13.5
+"""and one in the yard that rises and does."""
 VEHICLE_M = 0.38
 
 
@@ -21,12 +24,32 @@ def plan():
     return plan_mission(field(), AIRFRAMES["iris"], area=FAR_LAWN).trajectory
 
 
+@pytest.fixture(scope="module")
+def level():
+    """The way in the yard from as high above the start as the way leads."""
+    mission = plan_mission(yard(), AIRFRAMES["iris"], area=ON_CONTAINER)
+    x, y, _ = mission.takeoff_enu_m
+    top = FlatReference(position_enu_m=(x, y, mission.hover_enu_m[2]))
+    return mission.surroundings.plan(top, mission.hover_enu_m)
+
+
+def test_a_pilot_that_looks_out_rises_first_and_looks_around(demo):
+    demo = demo(yard(), expects_traffic=True)
+    yaw = []
+    demo.fly(until=lambda: yaw.append(demo.bench.plant.truth) or demo.pilot.phase is Phase.NAVIGATE)
+    heights = np.array([truth.position_enu_m[2] for truth in yaw])
+    assert heights[-1] == pytest.approx(demo.mission.hover_enu_m[2], abs=0.1)
+    w, x, y, z = np.array([truth.quat_wxyz for truth in yaw[:: max(len(yaw) // 400, 1)]]).T
+    heading = np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+    assert np.ptp(heading) > np.radians(285.0)
+
+
 @pytest.mark.parametrize(
-    ("share", "speed_mps", "angle_deg"), [(0.5, 2.0, 90.0), (0.6, 3.0, -120.0)]
+    ("share", "speed_mps", "angle_deg"), [(0.51, 1.8, 96.0), (0.58, 2.9, -145.0)]
 )
-def test_somebody_who_crosses_the_plan_is_evaded(demo, plan, share, speed_mps, angle_deg):
-    other = crosser(plan, BEGIN_S, share, speed_mps, angle_deg=angle_deg)
-    demo = demo(field(), FAR_LAWN, traffic=[other])
+def test_somebody_who_crosses_the_plan_is_evaded(demo, level, share, speed_mps, angle_deg):
+    other = crosser(level, LOOKED_S, share, speed_mps, angle_deg=angle_deg)
+    demo = demo(yard(), ON_CONTAINER, traffic=[other])
     pilot = demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert demo.score().contacts_before_touchdown == 0

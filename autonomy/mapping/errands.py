@@ -1,0 +1,170 @@
+"""Errands: to where something shows that the way to a goal leads through, and a look at it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from jaxtyping import Int
+
+from autonomy.mapping.agenda import Errand
+from autonomy.mapping.gestures import NOD_RAD, nod, turn
+from autonomy.mapping.rays import FREE_AT, OCCUPIED_AT
+from autonomy.mapping.seen_map import SeenMap, slices
+from autonomy.mapping.task import Task, in_words
+from autonomy.mapping.views import Sight, best_viewpoint, visible
+from autonomy.planning.errors import PlanningError
+from autonomy.planning.trajectory import Trajectory
+
+LOOK_IMAGES = 4
+"""After so many images of cells that are still unknown, no more is expected."""
+MOST_NODS = 2
+_SEARCHED_M = 14.0
+"""How far away a place to look from may be."""
+_AHEAD_CELLS = 8
+"""So much of the way on is looked at together."""
+_LEAST_WEIGHT = 0.2
+_FACING_RAD = math.radians(8.0)
+_EDGE_RAD = math.radians(3.0)
+"""What lies so near to the edge of the image is not counted on."""
+_PAUSE_M = 8.0
+"""A look takes as long as flying so far."""
+
+
+def set_out(task: Task, ahead: Int[np.ndarray, "n 3"]) -> None:
+    """Choose from where to see what keeps the first cells of a way from being flown, or give up.
+
+    Raises:
+        PlanningError: If the vehicle still moves.
+    """
+    seen = task.seen
+    _require_rest(task)
+    needed = _unknown_about(task, ahead[:1])
+    if len(needed) == 0:
+        seen.give_up(ahead[:1])
+        return
+    further = _without(_unknown_about(task, ahead[1 : 1 + _AHEAD_CELLS]), needed)
+    targets = np.concatenate([needed, further])
+    weights = np.ones(len(targets))
+    away = np.linalg.norm(further - ahead[0], axis=1)
+    weights[len(needed) :] = np.maximum(1.0 - away / (2 * _AHEAD_CELLS), _LEAST_WEIGHT)
+    block = seen.block_about(task.start_cell[None], _SEARCHED_M)
+    part = np.ascontiguousarray(seen.evidence[slices(block)])
+    back = best_viewpoint(
+        seen.field_in(block).distance_m,
+        task.start_cell - block[0],
+        task.needed_m,
+        targets - block[0],
+        weights,
+        len(needed),
+        part,
+        _sight(seen, NOD_RAD),
+        _PAUSE_M / seen.cfg.resolution_m,
+    )
+    if len(back) == 0:
+        seen.give_up(needed)
+        return
+    place = back[0].astype(float)
+    is_visible = visible(place, needed - block[0], part, _sight(seen, NOD_RAD))
+    shown = needed[is_visible]
+    wanted = targets[visible(place, targets - block[0], part, _sight(seen, NOD_RAD))]
+    is_level = visible(place, wanted - block[0], part, _sight(seen, 0.0))
+    seen.agenda.errand = Errand(
+        path=back[::-1] + block[0], targets=shown, needs_nod=not bool(is_level.all())
+    )
+
+
+def pursue(task: Task, errand: Errand) -> Trajectory | None:
+    """Fly to where cells can be seen from, and look at them; None when that is done.
+
+    Raises:
+        PlanningError: If the vehicle still moves: what it flies leads there.
+    """
+    seen = task.seen
+    evidence = seen.evidence[tuple(errand.targets.T)]
+    targets = errand.targets[(evidence > FREE_AT) & (evidence < OCCUPIED_AT)]
+    place = task.point(errand.path[-1])
+    is_there = task.away_m(place) < 2 * seen.cfg.resolution_m
+    if len(targets) == 0 and not (is_there and errand.needs_nod and not errand.nods):
+        seen.agenda.errand = None
+        return None
+    _require_rest(task)
+    if len(errand.path) > 1 and task.away_m(place) > 1.5 * seen.cfg.resolution_m:
+        try:
+            return task.fly(np.concatenate([task.start_cell[None], errand.path]), place)
+        except PlanningError:
+            return _give_up(seen, targets)
+    way = seen.centres(errand.targets).mean(axis=0) - task.start.position_enu_m
+    to_turn = math.remainder(math.atan2(way[1], way[0]) - task.start.yaw_rad, math.tau)
+    if abs(to_turn) > _FACING_RAD and not errand.nods:
+        return turn(task, to_turn)
+    return _look(task, errand, targets)
+
+
+def _look(task: Task, errand: Errand, targets: np.ndarray) -> Trajectory | None:
+    """Stay, or nod, until the images show the cells or will not."""
+    seen = task.seen
+    if errand.needs_nod and errand.nods < MOST_NODS:
+        is_first = errand.nods % 2 == 0
+        at_place = dataclasses.replace(errand, path=errand.path[-1:], nods=errand.nods + 1)
+        try:
+            gesture = nod(task, backwards_first=is_first)
+        except PlanningError:
+            seen.agenda.errand = dataclasses.replace(at_place, needs_nod=False)
+        else:
+            seen.agenda.errand = at_place
+            return gesture
+    errand = errand if seen.agenda.errand is None else seen.agenda.errand
+    since = seen.n_images if errand.facing_since is None else errand.facing_since
+    if errand.needs_nod or seen.n_images - since >= LOOK_IMAGES:
+        return _give_up(seen, targets)
+    seen.agenda.errand = dataclasses.replace(errand, facing_since=since)
+    return turn(task, 0.0)
+
+
+def _give_up(seen: SeenMap, targets: np.ndarray) -> None:
+    seen.agenda.errand = None
+    if len(targets):
+        seen.give_up(targets)
+
+
+def _require_rest(task: Task) -> None:
+    if task.is_moving:
+        raise PlanningError(
+            f"still moving at {in_words(task.start.position_enu_m)}, from where to look around; "
+            "valid: fly the plan to its end and plan again"
+        )
+
+
+def _unknown_about(task: Task, cells: Int[np.ndarray, "n 3"]) -> Int[np.ndarray, "k 3"]:
+    """Cells that were not seen and are too near to some others for the vehicle to be there."""
+    if len(cells) == 0:
+        return np.zeros((0, 3), dtype=np.int64)
+    seen = task.seen
+    block = seen.block_about(cells, task.needed_m)
+    part = seen.evidence[slices(block)]
+    unknown = np.argwhere((part > FREE_AT) & (part < OCCUPIED_AT)) + block[0]
+    # As distances are told: from the centre to the surface of the other cell.
+    away = np.maximum(np.abs(unknown[:, None] - cells[None]) - 0.5, 0.0)
+    nearest_m = np.linalg.norm(away, axis=2).min(axis=1) * seen.cfg.resolution_m
+    return unknown[nearest_m < task.needed_m]
+
+
+def _without(cells: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Those cells that are not among others."""
+    known = set(map(tuple, others.tolist()))
+    return cells[[tuple(cell) not in known for cell in cells.tolist()]].reshape(-1, 3)
+
+
+def _sight(seen: SeenMap, tilt_rad: float) -> Sight:
+    """What the camera sees of all around when it turns, and when the vehicle tilts as well."""
+    cfg = seen.cfg
+    half = cfg.camera_vertical_fov_rad / 2 - _EDGE_RAD
+    most = (cfg.max_range_m - 1.0) / cfg.resolution_m
+    return (
+        math.tan(-cfg.camera_pitch_down_rad - half),
+        math.tan(-cfg.camera_pitch_down_rad + half + tilt_rad),
+        1.5,
+        most,
+    )

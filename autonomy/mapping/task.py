@@ -1,0 +1,119 @@
+"""What is asked of one plan through a place that is still being seen."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.mapping.seen_map import SeenMap
+from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.planning.certificate import certify
+from autonomy.planning.errors import CertificateError
+from autonomy.planning.limits import MIN_ACCELERATION_MPS2, FlightLimits
+from autonomy.planning.planner import PlannerCfg, plan_trajectory
+from autonomy.planning.trajectory import Trajectory
+from autonomy.types import FlatReference
+
+_AROUND_M = 2.0
+"""Beyond the way to fly, what the plan may use."""
+_CALM = 0.5
+_AT_REST_MPS = 0.3
+_AT_REST_MPS2 = 0.5
+_AT_REST_RADPS = 0.2
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Task:
+    """A vehicle, where it is and how it moves, where it shall go, and what it saw."""
+
+    seen: SeenMap
+    start: FlatReference
+    goal_enu_m: Vector3
+    limits: FlightLimits
+    quadrotor: QuadrotorParams
+    cfg: PlannerCfg
+
+    @property
+    def needed_m(self) -> float:
+        """Distance to what was not seen free, below which no way is looked for."""
+        return self.cfg.vehicle_radius_m + self.cfg.margins_m[-1]
+
+    @property
+    def start_cell(self) -> Int[np.ndarray, " 3"]:
+        """The cell that the vehicle is in."""
+        return self.seen.cells(np.array(self.start.position_enu_m))
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the vehicle still flies or turns."""
+        start = self.start
+        return (
+            math.hypot(*start.velocity_enu_mps) > _AT_REST_MPS
+            or math.hypot(*start.acceleration_enu_mps2) > _AT_REST_MPS2
+            or abs(start.yaw_rate_radps) > _AT_REST_RADPS
+        )
+
+    def point(self, cell: Int[np.ndarray, " 3"]) -> Vector3:
+        """The centre of a cell."""
+        x, y, z = self.seen.centres(cell).tolist()
+        return (x, y, z)
+
+    def away_m(self, point_enu_m: Vector3) -> float:
+        """How far a place is from the vehicle."""
+        return math.dist(point_enu_m, self.start.position_enu_m)
+
+    def fly(self, path: Int[np.ndarray, "n 3"], goal_enu_m: Vector3) -> Trajectory:
+        """A trajectory about a way through what was seen free.
+
+        Raises:
+            PlanningError: If there is none, or it cannot be proved.
+        """
+        block = self.seen.block_about(path, _AROUND_M)
+        field, obstacles = self.seen.field_in(block), self.seen.obstacles_in(block)
+        world, vehicle = (goal_enu_m, field, obstacles), (self.quadrotor, self.cfg)
+        try:
+            return plan_trajectory(self.start, *world, self.limits, *vehicle)
+        except CertificateError:
+            if self.is_moving:
+                raise
+        return plan_trajectory(self.start, *world, _calmer(self.limits), *vehicle)
+
+    def proved(self, trajectory: Trajectory, margin_m: float = 0.0) -> Trajectory:
+        """A trajectory near the vehicle, with the proof that it keeps to what was seen free.
+
+        Args:
+            trajectory: From where the vehicle is.
+            margin_m: Between it and whatever was not seen free.
+
+        Raises:
+            CertificateError: If it does not, or breaks a limit.
+        """
+        block = self.seen.block_about(self.start_cell[None], 2 * _AROUND_M)
+        proof = certify(
+            trajectory,
+            self.seen.obstacles_in(block),
+            self.cfg.vehicle_radius_m,
+            self.limits,
+            self.quadrotor,
+            margin_m=margin_m,
+        )
+        return dataclasses.replace(trajectory, min_clearance_m=proof.min_clearance_m)
+
+
+def _calmer(limits: FlightLimits) -> FlightLimits:
+    """Limits by which a short way among clutter asks less of the vehicle than it may."""
+    return dataclasses.replace(
+        limits,
+        acceleration_mps2=max(_CALM * limits.acceleration_mps2, MIN_ACCELERATION_MPS2),
+        acceleration_vertical_mps2=max(
+            _CALM * limits.acceleration_vertical_mps2, MIN_ACCELERATION_MPS2
+        ),
+    )
+
+
+def in_words(point: Vector3 | Float[np.ndarray, " 3"]) -> str:
+    """A place, for a message."""
+    return f"({point[0]:.2f}, {point[1]:.2f}, {point[2]:.2f}) m"

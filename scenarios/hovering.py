@@ -1,0 +1,27 @@
+"""Places above an area from where to look at it, and the air below them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.model.quadrotor import Vector3
+
+HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6, 1.2)
+"""Above an area, from where to look at it: the first that is free."""
+_STEP_M = 0.1
+
+
+def hover_columns(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.ndarray, "n 3"]]:
+    """Points upwards above a place, the last of each column where to hover, the highest first.
+
+    Args:
+        foot_enu_m: On the surface.
+        lowest_m: Of the first point above it.
+    """
+    x, y, z = foot_enu_m
+    for height_m in HOVER_HEIGHTS_M:
+        heights = np.append(np.arange(lowest_m, height_m, _STEP_M), height_m)
+        yield np.column_stack([np.full_like(heights, x), np.full_like(heights, y), z + heights])

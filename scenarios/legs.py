@@ -1,0 +1,89 @@
+"""Straight legs with the proof that they are free, but for what a vehicle stands on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.planning import (
+    FlightLimits,
+    MovingObstacles,
+    Obstacles,
+    PlannerCfg,
+    Trajectory,
+    certify,
+)
+
+_STEP_M = 0.05
+NOTHING_STANDS = Obstacles.boxes(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)))
+
+
+class Leg(Protocol):
+    """Makes a straight leg from rest to rest."""
+
+    def __call__(self, start_enu_m: Vector3, goal_enu_m: Vector3) -> Trajectory:
+        """Between two places."""
+        ...
+
+
+def certified(
+    leg: Leg,
+    ends_enu_m: tuple[Vector3, Vector3],
+    obstacles: Obstacles,
+    limits: FlightLimits,
+    quadrotor: QuadrotorParams,
+    cfg: PlannerCfg,
+    *,
+    moving: MovingObstacles,
+    exempt_m: float,
+) -> Trajectory:
+    """A straight leg that keeps the limits and stays clear of what moves and what stands.
+
+    Args:
+        leg: Makes it.
+        ends_enu_m: Its start and its goal.
+        obstacles: What stands.
+        limits: Of the motion.
+        quadrotor: Mass, thrust and drag of the vehicle.
+        cfg: Vehicle's size and margin.
+        moving: What moves, predicted from now on.
+        exempt_m: Up to so much of the way what stands is not asked about; no more of it than
+            needed is left out.
+
+    Raises:
+        PlanningError: If it is not free or a limit is broken.
+    """
+    start_enu_m, goal_enu_m = ends_enu_m
+    whole = leg(start_enu_m, goal_enu_m)
+    certify(whole, NOTHING_STANDS, cfg.vehicle_radius_m, limits, quadrotor, moving=moving)
+    begin_enu_m = _first_free(start_enu_m, goal_enu_m, exempt_m, obstacles, cfg)
+    # Clearance of what stands depends on the way alone, not on when it is flown.
+    proof = certify(
+        leg(begin_enu_m, goal_enu_m),
+        obstacles,
+        cfg.vehicle_radius_m,
+        limits,
+        quadrotor,
+        margin_m=cfg.min_margin_m,
+    )
+    return replace(whole, min_clearance_m=proof.min_clearance_m)
+
+
+def _first_free(
+    start_enu_m: Vector3, goal_enu_m: Vector3, most_m: float, obstacles: Obstacles, cfg: PlannerCfg
+) -> Vector3:
+    """The first point of a line, within a distance of its start, where the vehicle has room."""
+    start, way = np.array(start_enu_m), np.subtract(goal_enu_m, start_enu_m)
+    length_m = float(np.linalg.norm(way))
+    if most_m == 0.0 or length_m == 0.0:
+        return start_enu_m
+    along_m = np.arange(0.0, min(most_m, length_m), _STEP_M)
+    points = start + np.outer(along_m / length_m, way)
+    room_m = obstacles.signed_distance(points)[0] - cfg.vehicle_radius_m
+    # The proof bounds from below, so a little more than it demands.
+    has_room = room_m > cfg.min_margin_m + _STEP_M
+    x, y, z = points[np.argmax(has_room) if has_room.any() else -1].tolist()
+    return (x, y, z)

@@ -1,0 +1,37 @@
+"""The whole stack where nobody gave the pilot a map: it flies by what it sees."""
+
+import numpy as np
+
+from scenarios.cameras import Cameras
+from scenarios.mavlink_client import MavlinkClient
+from scenarios.mission import plan_mission
+from scenarios.pilot import Phase, Pilot, PilotCfg
+from scenarios.scoring import FlightLog
+from scenarios.testbench import Testbench, TestbenchCfg
+from tests.scenarios.landing_scenes import ON_CONTAINER, yard
+
+
+def test_a_container_that_nobody_told_of_is_seen_and_landed_on():
+    observers = []
+    bench = Testbench(
+        TestbenchCfg(speed="max"), scene=yard(), has_network=False, observers=observers
+    )
+    with bench:
+        cameras = Cameras(bench.world, bench.plant)
+        mission = plan_mission(yard(), bench.airframe, area=ON_CONTAINER, map_source="onboard")
+        world = mission.surroundings
+        hover = np.array(mission.hover_enu_m)
+        assert world.field.distance_m[tuple(world.field.cells(hover))] == 0.0
+        client = MavlinkClient(bench.pilot_link.client, bench.frame)
+        pilot = Pilot(client, mission, cameras.render, PilotCfg())
+        log = FlightLog(bench.plant)
+        observers += [log.on_tick, lambda: pilot.update(bench.plant.time_us)]
+        bench.simulator.run(until_us=round(90e6), stop=lambda: pilot.is_done)
+        score = log.score(pilot.area, pilot.touchdown_enu_m, bench.airframe.leg_length_m)
+        cameras.close()
+    assert pilot.phase is Phase.DONE
+    assert score.contacts_before_touchdown == 0
+    assert score.touchdown_error_m is not None
+    assert score.touchdown_error_m < 0.3
+    assert world.field.distance_m[tuple(world.field.cells(hover))] > world.radius_m
+    assert all(change.target is not Phase.HAND_OVER for change in pilot.transitions)
