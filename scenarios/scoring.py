@@ -40,6 +40,19 @@ class FlightScore:
     tilt_at_rest_deg: float
 
 
+NOTHING_FLOWN = FlightScore(
+    position_rmse_m=math.nan,
+    attitude_rmse_deg=math.nan,
+    has_flown=False,
+    contacts_before_touchdown=0,
+    has_touched_area=False,
+    is_inside_area=False,
+    touchdown_error_m=None,
+    tilt_at_rest_deg=0.0,
+)
+"""A run that was stopped before its first step."""
+
+
 class FlightLog:
     """Keeps what the score needs; call `on_tick` after every simulator tick."""
 
@@ -61,6 +74,8 @@ class FlightLog:
             touchdown_enu_m: The point that the pilot chose, None if it never did.
             leg_length_m: Resting height of the vehicle's origin above its soles.
         """
+        if not self._history:
+            return NOTHING_FLOWN
         return score_flight(np.concatenate(self._history), area, touchdown_enu_m, leg_length_m)
 
 

@@ -1,6 +1,7 @@
 """`aeroscene-sitl` as a user runs it: a process with ports, a recording, a verdict."""
 
 import json
+import math
 import os
 import re
 import signal
@@ -14,6 +15,9 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from scenarios.recording.summary import summarise
+from scenarios.sitl import Sitl
+from scenarios.sitl_cfg import SitlCfg
+from scenarios.testbench import TestbenchCfg
 
 COMMAND = [sys.executable, "-m", "scenarios.cli.sitl"]
 
@@ -113,6 +117,15 @@ def test_interrupting_closes_the_recording_and_gives_the_ports_back(tmp_path):
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         probe.bind(("127.0.0.1", port))
+
+
+def test_a_run_that_is_stopped_before_its_first_step_ends_like_any_other():
+    with Sitl(SitlCfg(bench=TestbenchCfg(instance=instance()))) as run:
+        run.run(lambda: True)
+        result = run.finish()
+    assert result.success is None
+    assert result.sim_seconds == 0.0
+    assert math.isnan(result.position_rmse_m)
 
 
 def test_a_port_in_use_is_named_with_the_way_out():

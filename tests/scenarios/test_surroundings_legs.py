@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from autonomy.planning import CertificateError, EvasionError, MovingObstacles, PlanningError
+from autonomy.planning import CertificateError, MovingObstacles, PlanningError
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.surroundings import survey
 from tests.scenarios.landing_scenes import yard
@@ -54,8 +54,13 @@ def test_a_stop_is_certified_and_stays_away_from_who_comes_along(world):
     aside = world.brake(leg, leg.duration_s / 2, moving=coming)
     place = np.array(aside.sample(aside.duration_s).position_enu_m)
     assert np.linalg.norm(place[1:] - [0.0, 2.5]) > world.radius_m + 0.3
-    everywhere = MovingObstacles.balls(
-        np.array([[-4.0, 0.0, 2.5]]), np.zeros((1, 3)), np.array([6.0])
-    )
-    with pytest.raises(EvasionError):
-        world.brake(leg, leg.duration_s / 2, moving=everywhere)
+
+
+def test_a_stop_in_the_midst_of_what_moves_comes_no_nearer(world):
+    leg = world.certified_leg(UP, (-8.0, 0.0, 2.5), 0.0)
+    around = MovingObstacles.balls(np.array([[-4.0, 0.0, 2.5]]), np.zeros((1, 3)), np.array([6.0]))
+    stop = world.brake(leg, leg.duration_s / 2, moving=around)
+    times = np.linspace(0.0, stop.duration_s, 50)
+    depth_m = around.distances(stop.positions(times), times)[0][0] + around.growth_mps * times
+    assert depth_m[0] < 0.0
+    assert depth_m.min() > depth_m[0] - 0.01
