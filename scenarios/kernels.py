@@ -82,9 +82,10 @@ def explore_once() -> None:
     seen.observe(image)
     seen.observe(image)
     seen.distance_to_seen_m(np.array([telemetry.position_enu_m]))
-    start = FlatReference(position_enu_m=telemetry.position_enu_m)
     cfg = PlannerCfg(vehicle_radius_m=airframe.collision_radius_m)
-    for goal_enu_m in ((3.0, 0.0, 2.0), (0.0, 0.0, 6.5)):
+    # Ahead is free; above nothing was seen, so there it looks for a place to look from.
+    for height_m, goal_enu_m in ((2.0, (3.0, 0.0, 2.0)), (2.7, (0.0, 0.0, 6.5))):
+        start = FlatReference(position_enu_m=(0.0, 0.0, height_m))
         plan_towards(seen, start, goal_enu_m, FlightLimits(), airframe.quadrotor, cfg)
 
 
