@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -15,16 +16,16 @@ class BenchError(ValueError):
 
 
 @dataclass(frozen=True, kw_only=True)
-class AnyBenchCfg:
+class AnyBenchCfg(ABC):
     """What all benchmarks are asked."""
 
     json: bool = False
     """Print one JSON object: rows, each with metric, value, unit and target."""
 
     @property
+    @abstractmethod
     def title(self) -> str:
         """What was measured."""
-        raise NotImplementedError
 
 
 def _check(name: str, value: float, low: float, high: float | None = None) -> None:
