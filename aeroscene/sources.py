@@ -9,10 +9,10 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
-from aeroscene.corpus import CORPUS_SIZE
-from aeroscene.provenance import curation_digest
+from aeroscene.corpus.corpus import CORPUS_SIZE
+from aeroscene.corpus.provenance import curation_digest
 from aeroscene.scene import Scene, SceneError
-from aeroscene.scene_io import FORMAT, read_scene, write_scene
+from aeroscene.scene.io import FORMAT, read_scene, write_scene
 
 _log = logging.getLogger(__name__)
 
@@ -65,10 +65,10 @@ def _open_number(source: str, number: int) -> Scene:
     if source == "corpus":
         return _open_corpus_scene(number)
     if source == "shipped":
-        from aeroscene.shipped import read_shipped  # noqa: PLC0415 - only for these
+        from aeroscene.corpus.shipped import read_shipped  # noqa: PLC0415 - only for these
 
         return read_shipped(number)
-    from aeroscene.generation import generate_scene  # noqa: PLC0415 - loads torch
+    from aeroscene.learning.generation import generate_scene  # noqa: PLC0415 - loads torch
 
     return generate_scene(number)
 
@@ -118,7 +118,7 @@ def _open_corpus_scene(index: int) -> Scene:
         return read_scene(path)
     except SceneError:
         pass
-    from aeroscene.curation import curate_scene  # noqa: PLC0415 - heavy, not needed when cached
+    from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy, not needed when cached
 
     scene = curate_scene(index)
     try:

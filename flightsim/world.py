@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import MATERIALS, Primitive, scene_primitives
+from aeroscene.solids.shapes import MATERIALS, Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.motion import start_poses
 from flightsim.environment.movers import MovingObstacle, mover_name

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.shapes import MATERIALS, Primitive
+from aeroscene.solids.shapes import MATERIALS, Primitive
 from flightsim.geom_groups import GeomGroup
 
 STATIC_CONTACT: dict[str, Any] = {

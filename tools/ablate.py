@@ -30,13 +30,13 @@ from ablation.table import Line, line, markdown_table, plain, rich_table
 from ablation.train import Trainer
 from rich.console import Console
 
-from aeroscene.dataset import open_dataset
+from aeroscene.corpus.dataset import open_dataset
 from aeroscene.files import replacing
-from aeroscene.generation.loading import SHIPPED
-from aeroscene.guidance.config import NO_GUIDANCE, GuidanceCfg
+from aeroscene.learning.generation.loading import SHIPPED
+from aeroscene.learning.guidance.config import NO_GUIDANCE, GuidanceCfg
+from aeroscene.learning.training.checkpoint import read_checkpoint
+from aeroscene.learning.training.config import require
 from aeroscene.scene import SceneError
-from aeroscene.training.checkpoint import read_checkpoint
-from aeroscene.training.config import require
 from scenarios.cli.progress import progress_bar
 
 

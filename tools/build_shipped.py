@@ -21,11 +21,11 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from aeroscene.corpus import CORPUS_SIZE
-from aeroscene.dataset import Dataset, SceneEntry, open_dataset
+from aeroscene.corpus.corpus import CORPUS_SIZE
+from aeroscene.corpus.dataset import Dataset, SceneEntry, open_dataset
+from aeroscene.corpus.shipped import SHIPPED
 from aeroscene.metrics.paper_table import Row, paper_table
 from aeroscene.scene import SceneError
-from aeroscene.shipped import SHIPPED
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
 from scenarios.dataset.build import build
@@ -46,7 +46,7 @@ class ShipCfg:
     """Numbers of scenes: A:B without B, single ones, joined by commas."""
     maker: Literal["model", "corpus"] = "model"
     """What makes them; the corpus is for a rehearsal."""
-    checkpoint: Path = Path("aeroscene/checkpoints/default.safetensors")
+    checkpoint: Path = Path("aeroscene/learning/checkpoints/default.safetensors")
     """Weights of the model."""
     device: str = "cpu"
     """What the model runs on."""

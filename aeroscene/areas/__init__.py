@@ -1,1 +1,1 @@
-"""Parts of finding where a drone may land or perch; `aeroscene.landing` joins them."""
+"""Parts of finding where a drone may land or perch; `aeroscene.areas.landing` joins them."""

@@ -12,8 +12,8 @@ from jaxtyping import Float
 from shapely.geometry.base import BaseGeometry
 
 from aeroscene.areas.needs import MAX_SLOPE_RAD, PERCH_NEEDS
-from aeroscene.outlines import outline_of
-from aeroscene.solids import Solids, hull_faces
+from aeroscene.solids.outlines import outline_of
+from aeroscene.solids.solids import Solids, hull_faces
 
 _LEVEL = 1e-4
 """Gradient below which a face is level."""

@@ -14,8 +14,8 @@ from aeroscene.areas.needs import LEGS_M, NEEDS, PERCH_NEEDS, STEP_M, AreaNeeds,
 from aeroscene.areas.obstacles import Obstacles, Obstructions
 from aeroscene.areas.reach import Reach
 from aeroscene.areas.spots import FreeOutline, Spot
-from aeroscene.catalogue import by_name
 from aeroscene.scene import AreaKind, DroneClass, InteractionArea, Scene, Vector3
+from aeroscene.scene.catalogue import by_name
 
 SPACING_M = 2.5
 """Between the circles of one face."""

@@ -11,9 +11,9 @@ from jaxtyping import Float, Int
 from shapely.geometry.base import BaseGeometry
 
 from aeroscene.areas.faces import Face
-from aeroscene.geometry import layer
-from aeroscene.outlines import outline_of
-from aeroscene.solids import Solids
+from aeroscene.scene.geometry import layer
+from aeroscene.solids.outlines import outline_of
+from aeroscene.solids.solids import Solids
 
 _ROUND = 12
 """Corners of a circle's outline."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from aeroscene.areas.needs import NEEDS, PERCH_NEEDS, AreaNeeds
-from aeroscene.freespace import Flood, NoFreeSpaceError, VoxelField, flood
 from aeroscene.scene import Vector3
+from aeroscene.solids.freespace import Flood, NoFreeSpaceError, VoxelField, flood
 
 FIELD_CAP_M = 0.1 + max(needs.flight_radius_m for needs in (*NEEDS.values(), PERCH_NEEDS))
 """Distances beyond this do not matter to any flood."""

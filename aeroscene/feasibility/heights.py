@@ -11,9 +11,9 @@ from aeroscene.feasibility.ground import covered
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import BUILDINGS, COVERS, is_chained, is_fitting
 from aeroscene.scene import SceneObject
-from aeroscene.shapes.build import object_primitives
-from aeroscene.shapes.shell import FINISH_M
-from aeroscene.solids import Solids, colliding
+from aeroscene.solids.shapes.build import object_primitives
+from aeroscene.solids.shapes.shell import FINISH_M
+from aeroscene.solids.solids import Solids, colliding
 from aeroscene.validation.columns import spans
 
 DRAUGHT_M = 0.03

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from aeroscene.feasibility.boxes import Boxes, footprint_depth, joined, strangers
 from aeroscene.feasibility.layout import Layout
 
-# As curation keeps them, see `aeroscene.curation.start`.
+# As curation keeps them, see `aeroscene.corpus.curation.start`.
 FREE_RADIUS_M = 3.6
 """Half the side of the square of air above the pad that stays free."""
 _FREE_HEIGHT_M = 60.0

@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.boxes import Boxes, boxes_of, kinship
-from aeroscene.geometry import quat_from_yaw
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
+from aeroscene.scene.box import quat_from_yaw
 
 _DIGITS = 4
 """Of lengths in a scene document, as curation writes them."""

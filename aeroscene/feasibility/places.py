@@ -13,7 +13,7 @@ from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.heights import surface_m
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import GROUND, margin_m
-from aeroscene.shapes.shell import FINISH_M
+from aeroscene.solids.shapes.shell import FINISH_M
 
 TOUCH_M = 0.001
 _STEP_M = 0.05

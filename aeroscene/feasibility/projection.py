@@ -8,15 +8,15 @@ from math import hypot
 
 from shapely.errors import ShapelyError
 
+from aeroscene.areas.landing import AreaLimits, derive_interaction_areas
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, snapshot, stage_report
 from aeroscene.feasibility.stages import finished, stages
-from aeroscene.freespace import build_distance_field
-from aeroscene.landing import AreaLimits, derive_interaction_areas
 from aeroscene.scene import Scene, SceneError
-from aeroscene.shapes import scene_primitives
-from aeroscene.solids import colliding
+from aeroscene.solids.freespace import build_distance_field
+from aeroscene.solids.shapes import scene_primitives
+from aeroscene.solids.solids import colliding
 from aeroscene.validation import Finding, validate
 from aeroscene.validation.claims import unlandable
 

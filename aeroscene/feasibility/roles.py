@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from aeroscene.catalogue import CATALOGUE
 from aeroscene.scene import SceneObject
-from aeroscene.shapes.facade import WALL_M
+from aeroscene.scene.catalogue import CATALOGUE
+from aeroscene.solids.shapes.facade import WALL_M
 
 COVERS = frozenset({"lawn", "plaza", "parking_lot", "sidewalk", "road", "water"})
 """Thin surfaces that tile the ground."""

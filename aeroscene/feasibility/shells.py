@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import BUILDINGS
-from aeroscene.shapes.facade import WALL_M
+from aeroscene.solids.shapes.facade import WALL_M
 
 _MOST_GROWTH_M = {"indoor": 4.0, "outdoor": 0.75, "mixed": 0.75}
 """How far a side of a shell moves out to hold its rooms."""

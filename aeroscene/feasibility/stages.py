@@ -25,8 +25,8 @@ from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
 from aeroscene.scene import Scene
-from aeroscene.shapes import scene_primitives
-from aeroscene.solids import colliding
+from aeroscene.solids.shapes import scene_primitives
+from aeroscene.solids.solids import colliding
 from aeroscene.validation.boxes import overlaps
 from aeroscene.validation.support import floating
 

@@ -18,8 +18,8 @@ from aeroscene.feasibility.boxes import (
     forbidden_overlaps,
 )
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive, scene_primitives
-from aeroscene.solids import Solids, colliding
+from aeroscene.solids.shapes import Primitive, scene_primitives
+from aeroscene.solids.solids import Solids, colliding
 from aeroscene.validation.columns import spans
 from aeroscene.validation.support import floating
 

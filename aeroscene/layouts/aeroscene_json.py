@@ -35,12 +35,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from aeroscene.catalogue import by_name
-from aeroscene.geometry import quat_product, rotation_matrix
 from aeroscene.layouts import fields
 from aeroscene.layouts.document import LayoutError, LayoutObject, NeutralLayout
 from aeroscene.layouts.mapping import match_name
 from aeroscene.scene import Quaternion, Vector3
+from aeroscene.scene.box import quat_product, rotation_matrix
+from aeroscene.scene.catalogue import by_name
 
 OUTDOOR_SUPER_CATEGORY = "building"
 INDOOR_SUPER_CATEGORY = "Others"

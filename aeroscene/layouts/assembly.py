@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from aeroscene.catalogue import category_id
-from aeroscene.geometry import quat_from_yaw
 from aeroscene.layouts.ground import Rectangle
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject
+from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import category_id
 
 
 class Assembly:

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from aeroscene.layouts.document import LayoutError, Point2
-from aeroscene.scene import MAX_EXTENT_M, MIN_SIZE_M, Quaternion, Vector3
+from aeroscene.scene import Quaternion, Vector3
+from aeroscene.scene.box import MAX_EXTENT_M, MIN_SIZE_M
 
 RENORMALISE = 1e-3
 """A quaternion whose norm is this close to one is rounded, not wrong, and is renormalised."""
@@ -104,7 +105,7 @@ def quaternion(value: object, field_name: str) -> Quaternion:
 
 def polygon(value: object, field_name: str) -> tuple[Point2, ...]:
     """A simple outline of at least three corners, made counter-clockwise."""
-    from aeroscene.polygon import is_simple, signed_area  # noqa: PLC0415 - only for outlines
+    from aeroscene.scene.polygon import is_simple, signed_area  # noqa: PLC0415 - only for outlines
 
     corners: list[Point2] = []
     for index, corner in enumerate(items(value, field_name)):

@@ -22,15 +22,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from aeroscene.landing import derive_interaction_areas
+from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.house import build_house, lay_ground
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.placing import place_objects
 from aeroscene.layouts.site import Grounds, Site, survey
 from aeroscene.layouts.start import start_places
-from aeroscene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 from aeroscene.scene import Scene, SceneDomain, Vector3
+from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 SKY_M = 6.0
 """Free height over the tallest thing outdoors."""

@@ -28,7 +28,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aeroscene.geometry import rotation_matrix
 from aeroscene.layouts import fields
 from aeroscene.layouts.document import (
     LayoutError,
@@ -37,8 +36,9 @@ from aeroscene.layouts.document import (
     NeutralLayout,
     Point2,
 )
-from aeroscene.polygon import signed_area
 from aeroscene.scene import Quaternion, Vector3
+from aeroscene.scene.box import rotation_matrix
+from aeroscene.scene.polygon import signed_area
 
 if TYPE_CHECKING:
     import shapely

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Literal
 
-from aeroscene.catalogue import by_name
 from aeroscene.layouts.document import LayoutObject
 from aeroscene.layouts.tables import FORMS, SAME, STAND_INS, SUPER_CATEGORIES, WORDS
 from aeroscene.scene import Vector3
+from aeroscene.scene.catalogue import by_name
 
 Fit = Literal["same", "stand-in", "by word", "by super-category"]
 

@@ -10,12 +10,12 @@ from typing import NoReturn
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
-from aeroscene.geometry import quat_product
 from aeroscene.layouts.assembly import Assembly
 from aeroscene.layouts.document import LayoutError, LayoutObject, NeutralLayout, Point2
 from aeroscene.layouts.ground import Rectangle
 from aeroscene.layouts.mapping import Fit, MappingReport, match, unknown_category
 from aeroscene.scene import OrientedBox, Quaternion
+from aeroscene.scene.box import quat_product
 
 GROUND_M = 0.04
 """Thickness of the ground outdoors; the source's z = 0 is its upper face."""

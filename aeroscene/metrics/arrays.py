@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.catalogue import CATALOGUE
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import CATALOGUE
 
 NO_PARENT = -1
 

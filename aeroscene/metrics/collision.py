@@ -19,10 +19,11 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.geometry import box_corners, penetration_depth
 from aeroscene.metrics.arrays import SceneArrays, scene_arrays
 from aeroscene.metrics.intersection import pair_iou
 from aeroscene.scene import Scene
+from aeroscene.scene.box import box_corners
+from aeroscene.scene.geometry import penetration_depth
 
 MAX_IOU = 0.01
 """The paper's: above it two boxes collide."""

@@ -22,7 +22,6 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.catalogue import CATALOGUE
 from aeroscene.metrics.arrays import N_CATEGORIES, SceneArrays
 from aeroscene.metrics.neighbours import (
     N_DIRECTIONS,
@@ -31,6 +30,7 @@ from aeroscene.metrics.neighbours import (
     N_NEIGHBOURS,
     neighbours_of,
 )
+from aeroscene.scene.catalogue import CATALOGUE
 
 _SPREAD_EDGES = np.array([0.2, 0.4, 0.6, 0.8, 1.0])
 _HEIGHT_EDGES_M = np.array([0.1, 0.3, 0.6, 1.0, 1.6, 2.5, 4.0, 8.0])

@@ -6,9 +6,9 @@ other, and what is left bounds the shared solid:
 
     V = 1/3 sum over faces f of area(f) n_f . x_f     x_f any point of the face (divergence theorem)
 
-`aeroscene.geometry.iou` is the same for a single pair, by shapely and by convex hulls: 155 and 995
-us a pair where this takes 19 and 82. Polygons are clipped as Sutherland and Hodgman 1974 have it,
-"Reentrant polygon clipping".
+`aeroscene.scene.geometry.iou` is the same for a single pair, by shapely and by convex hulls: 155
+and 995 us a pair where this takes 19 and 82. Polygons are clipped as Sutherland and Hodgman 1974
+have it, "Reentrant polygon clipping".
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from aeroscene.geometry import CORNER_SIGNS, box_corners, rotation_matrix
+from aeroscene.scene.box import CORNER_SIGNS, box_corners, rotation_matrix
 
 _SAME_M = 1e-9
 """Faces nearer than this lie on each other: back to back they bound nothing, and of two that look

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any, Literal
 
-from aeroscene.catalogue import CATALOGUE, Level, by_name
-from aeroscene.dataset import SceneSummary
+from aeroscene.corpus.dataset import SceneSummary
+from aeroscene.scene.catalogue import CATALOGUE, Level, by_name
 
 Column = Literal["train", "test", "total"]
 COLUMNS: tuple[Column, ...] = ("train", "test", "total")

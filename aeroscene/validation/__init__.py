@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from aeroscene.freespace import VoxelField
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive, scene_primitives
-from aeroscene.solids import colliding
+from aeroscene.solids.freespace import VoxelField
+from aeroscene.solids.shapes import Primitive, scene_primitives
+from aeroscene.solids.solids import colliding
 from aeroscene.validation.access import unreachable
 from aeroscene.validation.boxes import outside, overlaps
 from aeroscene.validation.claims import unlandable

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from aeroscene.areas.needs import area_needs
 from aeroscene.areas.reach import FIELD_CAP_M
-from aeroscene.freespace import NoFreeSpaceError, VoxelField, build_distance_field, flood
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive
+from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, build_distance_field, flood
+from aeroscene.solids.shapes import Primitive
 from aeroscene.validation.findings import Finding
 
 SMALLEST_BALL_M = 0.45

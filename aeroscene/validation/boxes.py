@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Int
 
-from aeroscene.geometry import box_corners, iou, penetration_depth
 from aeroscene.scene import Scene
+from aeroscene.scene.box import box_corners
+from aeroscene.scene.geometry import iou, penetration_depth
 from aeroscene.validation.findings import Finding
 
 MAX_IOU = 0.01

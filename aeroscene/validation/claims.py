@@ -14,10 +14,10 @@ import shapely
 from jaxtyping import Float
 
 from aeroscene.areas.needs import LEGS_M, MAX_SLOPE_RAD, STEP_M, AreaNeeds, area_needs
-from aeroscene.geometry import layer
-from aeroscene.outlines import outline_of
 from aeroscene.scene import InteractionArea, Scene
-from aeroscene.solids import Solids
+from aeroscene.scene.geometry import layer
+from aeroscene.solids.outlines import outline_of
+from aeroscene.solids.solids import Solids
 from aeroscene.validation.columns import spans
 from aeroscene.validation.findings import Finding
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.solids import Solids, hull_faces
+from aeroscene.solids.solids import Solids, hull_faces
 
 _FLAT = 1e-12
 

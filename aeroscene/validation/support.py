@@ -9,10 +9,11 @@ import shapely
 from jaxtyping import Bool, Float, Int
 from shapely.geometry.base import BaseGeometry
 
-from aeroscene.geometry import box_corners, layer, penetration_depth
-from aeroscene.outlines import outline_of
 from aeroscene.scene import Scene, SceneObject
-from aeroscene.solids import Solids
+from aeroscene.scene.box import box_corners
+from aeroscene.scene.geometry import layer, penetration_depth
+from aeroscene.solids.outlines import outline_of
+from aeroscene.solids.solids import Solids
 from aeroscene.validation.columns import spans
 from aeroscene.validation.findings import Finding
 

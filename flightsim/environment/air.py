@@ -15,8 +15,8 @@ import numpy as np
 from autonomy.jit import kernel
 from autonomy.types import ZERO3
 from flightsim.environment.dryden import N_NORMALS, N_STATES, stationary_states, step_turbulence
+from flightsim.environment.rooms import exposure
 from flightsim.environment.wind import WindCfg
-from flightsim.sensors.rooms import exposure
 
 AIR_NORMALS = N_NORMALS
 
@@ -86,7 +86,7 @@ def move_air(
         air: Changed.
         position_enu_m: True position of the vehicle; its height is above the ground plane.
         velocity_enu_mps: True velocity.
-        rooms: Where no wind blows (n, 8), `flightsim.sensors.rooms`.
+        rooms: Where no wind blows (n, 8), `flightsim.environment.rooms`.
         normals: Standard normals (5,).
         wind_enu_mps: Result (3,), velocity of the air.
     """

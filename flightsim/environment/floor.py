@@ -14,10 +14,10 @@ from math import ceil
 import numpy as np
 from jaxtyping import Bool, Float
 
-from aeroscene.freespace import distance_to_occupied
 from aeroscene.scene import Scene, SceneObject
-from aeroscene.shapes import Primitive
-from aeroscene.voxels import Grid, voxelise
+from aeroscene.solids.freespace import distance_to_occupied
+from aeroscene.solids.shapes import Primitive
+from aeroscene.solids.voxels import Grid, voxelise
 
 CELL_M = 0.25
 CLEARANCE_CAP_M = 3.0

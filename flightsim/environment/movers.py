@@ -11,11 +11,11 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.catalogue import by_name
 from aeroscene.scene import OrientedBox, SceneObject
-from aeroscene.shapes import Part, Primitive, object_primitives
-from aeroscene.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
-from aeroscene.shapes.primitive import block, cylinder, ellipsoid
+from aeroscene.scene.catalogue import by_name
+from aeroscene.solids.shapes import Part, Primitive, object_primitives
+from aeroscene.solids.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
+from aeroscene.solids.shapes.primitive import block, cylinder, ellipsoid
 from autonomy.model.quadrotor import Vector3
 
 MoverName = Literal["person", "car", "drone"]

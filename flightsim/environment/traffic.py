@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 from flightsim.environment.floor import CELL_M, CLEARANCE_CAP_M, Columns, Floor
 from flightsim.environment.movers import (
     MAX_MOVERS,

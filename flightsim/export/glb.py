@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene, SceneObject
-from aeroscene.shapes import MATERIALS, Material
+from aeroscene.solids.shapes import MATERIALS, Material
 from flightsim.export.files import staged
 from flightsim.export.meshes import ObjectMesh, object_meshes
 from flightsim.looks.tessellation import Surface

@@ -13,9 +13,9 @@ from itertools import groupby
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.geometry import rotation_matrix
 from aeroscene.scene import Scene, SceneObject
-from aeroscene.shapes import Primitive
+from aeroscene.scene.box import rotation_matrix
+from aeroscene.solids.shapes import Primitive
 from flightsim.looks.surfaces import Detail, surface_enu
 from flightsim.looks.tessellation import Surface
 

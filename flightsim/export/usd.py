@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aeroscene.scene import InteractionArea, SceneObject
-from aeroscene.shapes import MATERIALS, Primitive
+from aeroscene.solids.shapes import MATERIALS, Primitive
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.export.files import ExportError, staged
 from flightsim.export.glb import object_name

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aeroscene.scene import AttributeValue, Vector3
-from aeroscene.shapes import MATERIALS, Primitive
+from aeroscene.solids.shapes import MATERIALS, Primitive
 from flightsim.export.files import write_texture
 from flightsim.export.meshes import EXPORT_DETAIL, Pose
 from flightsim.looks.tessellation import ellipsoid

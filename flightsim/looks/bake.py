@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 from flightsim.looks.light import (
     SUN_DIRECTION,
     is_sunward,

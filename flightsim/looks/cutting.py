@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 
 _LEAST_M = 0.02
 

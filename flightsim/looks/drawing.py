@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.light import AMBIENT_RGB, SUN_DIRECTION, SUN_RGB
 from flightsim.looks.mesh import MeshBuilder, WorldMesh, add_solids

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from aeroscene.shapes import Primitive
-from aeroscene.shapes.materials import FACADE_BAY_M
+from aeroscene.solids.shapes import Primitive
+from aeroscene.solids.shapes.materials import FACADE_BAY_M
 from flightsim.looks.paint import Colour, Paint, material_paint
 
 FaceSet = tuple[int, ...]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 from flightsim.looks.dressing import ALL_FACES, Piece, dress
 from flightsim.looks.paint import Paint
 from flightsim.looks.surfaces import Detail, rotation_enu, surface_enu

@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.shapes import MATERIALS, Primitive
+from aeroscene.solids.shapes import MATERIALS, Primitive
 from flightsim.environment.movers import MovingObstacle, mover_name, mover_primitives
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.mesh import surface_enu

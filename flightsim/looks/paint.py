@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from aeroscene.shapes import MATERIALS
+from aeroscene.solids.shapes import MATERIALS
 
 Colour = tuple[float, float, float]
 

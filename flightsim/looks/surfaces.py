@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 from flightsim.looks.tessellation import Surface, box, cylinder, ellipsoid, hull
 
 

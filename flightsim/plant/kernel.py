@@ -88,7 +88,7 @@ def advance(
         rangefinders: `RANGEFINDER_DTYPE`.
         vios: `VIO_DTYPE`.
         mocaps: `MOCAP_DTYPE`.
-        rooms: Without satellites and wind (n, 8), `flightsim.sensors.rooms`.
+        rooms: Without satellites and wind (n, 8), `flightsim.environment.rooms`.
         filters: `FILTER_DTYPE`.
         states: `STATE_DTYPE`.
         controllers: `CONTROLLER_DTYPE`.

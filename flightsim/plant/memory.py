@@ -18,6 +18,7 @@ from flightsim.environment.motion import (
     new_traffic,
     place_mover,
 )
+from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms
 from flightsim.environment.wind import WindCfg
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import ADVANCE_HZ, IMUS, PlantCfg, estimator_cfg_for
@@ -38,7 +39,6 @@ from flightsim.sensors.rangefinder import (
     RANGEFINDER_NORMALS,
     new_rangefinder,
 )
-from flightsim.sensors.rooms import ROOM_COLUMNS, indoor_rooms
 from flightsim.sensors.vio import VIO_DTYPE, VIO_NORMALS, new_vio
 from flightsim.vehicles.rotor_model import ROTORS_DTYPE, drag_model, new_rotors
 from flightsim.world import World

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.jit import kernel
+from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
-from flightsim.sensors.rooms import is_in_room
 
 N_GNSS_PAST = 64
 """IMU ticks that the receiver remembers; the longest delay."""

@@ -15,12 +15,12 @@ from typing import Literal
 
 import numpy as np
 
-from aeroscene.corpus import scene_domain
-from aeroscene.generation.generator import Generated, Generator
-from aeroscene.generation.loading import SHIPPED
-from aeroscene.generation.request import Request
+from aeroscene.corpus.corpus import scene_domain
+from aeroscene.learning.generation.generator import Generated, Generator
+from aeroscene.learning.generation.loading import SHIPPED
+from aeroscene.learning.generation.request import Request
+from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.scene import Scene
-from aeroscene.training.checkpoint import read_checkpoint
 from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import (
     FEASIBLE,

@@ -23,6 +23,7 @@ from aeroscene.scene import InteractionArea, Scene
 from aeroscene.sources import open_scene
 from autonomy.perception import DepthImage, ElevationMap, assess, camera_pose
 from flightsim.sensors.depth_noise import DEPTH_CAMERAS, measured_depth
+from flightsim.testbench import TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import WorldError, build_world
@@ -32,10 +33,9 @@ from scenarios.bench.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, Look
 from scenarios.bench.landing_truth import ExactGround
 from scenarios.bench.plan_pairs import scene_numbers
 from scenarios.bench.row import Row
-from scenarios.mission import rank_areas
+from scenarios.mission.mission import rank_areas
+from scenarios.mission.surroundings import MissionError, Surroundings, survey
 from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
-from scenarios.surroundings import MissionError, Surroundings, survey
-from scenarios.testbench import TestbenchCfg
 
 MOST_UNSAFE_SITES, MOST_UNSAFE_CELLS = 0.5, 2.0
 MOST_TOUCHDOWN_ERROR_M, MOST_TOUCHDOWN_SPEED_MPS = 0.10, 0.5
@@ -196,14 +196,13 @@ def _flight_rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
         share = _LOOK_SHARE + (1 - _LOOK_SHARE) * index / cfg.flights
         on_progress(f"flight in scene {number}", share)
         bench = TestbenchCfg(
-            scene=str(number),
             vehicle=VEHICLES[index % len(VEHICLES)],
             seed=cfg.seed,
             speed="max",
             depth_camera=cfg.camera,
         )
         try:
-            landings.append(fly_landing(bench))
+            landings.append(fly_landing(open_scene(str(number)), bench))
         except MissionError:
             n_without += 1
     if not landings:

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aeroscene.scene import Scene
+from flightsim.mavlink.client.client import MavlinkClient
+from flightsim.sensors.cameras import Cameras
 from flightsim.sensors.depth_noise import depth_noise
-from scenarios.cameras import Cameras
-from scenarios.mavlink_client import MavlinkClient
-from scenarios.mission import plan_mission
+from flightsim.testbench import Testbench, TestbenchCfg
+from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg
-from scenarios.scoring import score_flight
-from scenarios.testbench import Testbench, TestbenchCfg
-from scenarios.trial import MAX_TRIAL_S, SETTLE_S, judge
+from scenarios.run.scoring import score_flight
+from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, judge
 
 _ALOFT_M = 0.2
 """Above where it rests: there it does not touch the surface any more."""
@@ -36,17 +37,17 @@ class Landing:
     """Descents called off."""
 
 
-def fly_landing(cfg: TestbenchCfg) -> Landing:
-    """Plan a mission and fly it.
+def fly_landing(scene: Scene, cfg: TestbenchCfg) -> Landing:
+    """Plan a mission through a scene and fly it.
 
     Raises:
         MissionError: If the scene has no mission for the vehicle.
     """
     history: list[np.ndarray] = []
     observers = []
-    with Testbench(cfg, has_network=False, observers=observers) as bench:
+    with Testbench(scene, cfg, has_network=False, observers=observers) as bench:
         plant, leg_m = bench.plant, bench.airframe.leg_length_m
-        mission = plan_mission(bench.scene, bench.airframe, seed=cfg.seed)
+        mission = plan_mission(scene, bench.airframe, seed=cfg.seed)
         noise = depth_noise(cfg.depth_camera, cfg.seed)
         with closing(Cameras(bench.world, plant, depth_noise=noise)) as cameras:
             client = MavlinkClient(bench.pilot_link.client, bench.frame)

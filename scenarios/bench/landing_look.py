@@ -17,10 +17,11 @@ from jaxtyping import Bool, Float
 from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingSite
+from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
 from flightsim.sensors.depth_noise import DepthNoiseCfg, measured_depth
 from flightsim.world import World
-from scenarios.mavlink_telemetry import Telemetry
+from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.area import (
     COMMIT_HEIGHT_M,
     DESCENT_SPEED_MPS,
@@ -30,7 +31,6 @@ from scenarios.pilot.area import (
 )
 from scenarios.pilot.eyes import camera_mount, posed_image
 from scenarios.pilot.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
-from scenarios.surroundings import Surroundings
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 N_CELLS = 80

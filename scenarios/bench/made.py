@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from aeroscene.dataset import MANIFEST, DatasetError, open_dataset
+from aeroscene.corpus.dataset import MANIFEST, DatasetError, open_dataset
+from aeroscene.corpus.shipped import open_shipped
 from aeroscene.metrics.classifier import N_FOLDS
 from aeroscene.scene import Scene
-from aeroscene.scene_io import read_scene
-from aeroscene.shipped import open_shipped
+from aeroscene.scene.io import read_scene
 from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import FEASIBLE, LEAST_SOUND, comparison, statistics_rows
 from scenarios.bench.reference import Splits, group_figures, open_corpus

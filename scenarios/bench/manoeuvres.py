@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from aeroscene.catalogue import category_id
 from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.catalogue import category_id
 from autonomy.model.quadrotor import Vector3
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.plant import Plant

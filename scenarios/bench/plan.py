@@ -33,8 +33,8 @@ from scenarios.bench.joint_optimum import joint_optimum
 from scenarios.bench.plan_crossing import Crossing, fly_past_a_crossing
 from scenarios.bench.plan_pairs import draw_pairs, scene_numbers
 from scenarios.bench.row import Row
-from scenarios.mission import plan_mission
-from scenarios.surroundings import MissionError, Surroundings, survey
+from scenarios.mission.mission import plan_mission
+from scenarios.mission.surroundings import MissionError, Surroundings, survey
 
 LEAST_SOLVED, LEAST_AVOIDED = 99.5, 95.0
 MOST_MISSION_MS, MOST_REPLAN_MS = 500.0, 20.0

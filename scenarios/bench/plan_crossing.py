@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.planning import MovingObstacles, PlanningError, Trajectory
-from scenarios.surroundings import Surroundings
+from scenarios.mission.surroundings import Surroundings
 
 _PERSON_RADIUS_M = 0.35
 _PERSON_HALF_HEIGHT_M = 0.6

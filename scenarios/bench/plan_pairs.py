@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from aeroscene.freespace import VoxelField, reachable
+from aeroscene.solids.freespace import VoxelField, reachable
 from autonomy.model.quadrotor import Vector3
-from scenarios.surroundings import Surroundings
+from scenarios.mission.surroundings import Surroundings
 
 SHIPPED_SCENES = 1016
 FAR_ENOUGH_M = 10.0

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from aeroscene.dataset import Dataset, DatasetError, open_dataset
+from aeroscene.corpus.dataset import Dataset, DatasetError, open_dataset
 from aeroscene.metrics.classifier import N_FOLDS
 from aeroscene.metrics.comparison import Figures, Reference, figures_of
 from aeroscene.scene import Scene

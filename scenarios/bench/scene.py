@@ -15,8 +15,8 @@ from typing import Literal, TypeVar
 import mujoco
 import numpy as np
 
-from aeroscene.corpus import CORPUS_SIZE
-from aeroscene.curation import curate_scene
+from aeroscene.corpus.corpus import CORPUS_SIZE
+from aeroscene.corpus.curation import curate_scene
 from aeroscene.scene import Scene
 from flightsim.looks.surfaces import FAST
 from flightsim.sensors.camera import open_camera_renderer

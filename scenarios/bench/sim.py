@@ -13,22 +13,22 @@ import mujoco
 import numpy as np
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import scene_primitives
+from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
 from autonomy.types import ControlLevel, Setpoint
 from flightsim.autopilot.modes import LandedState
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.links import UdpLink
 from flightsim.plant import Plant, PlantCfg, compile_kernels
+from flightsim.sensors.cameras import Cameras
 from flightsim.simulator import Observer
+from flightsim.testbench import Testbench, TestbenchCfg
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.clients import Clients
 from scenarios.bench.configs import BenchError, SimBenchCfg
 from scenarios.bench.launch import seconds_to_first_heartbeat
 from scenarios.bench.row import Row
-from scenarios.cameras import Cameras
-from scenarios.testbench import Testbench, TestbenchCfg
 
 TICK_US = 20_000
 LEAST_SPEED = 30.0
@@ -127,7 +127,7 @@ def _fly(
 ) -> _Flight:
     """Take off and fly round a square with two clients listening; only the flight is timed."""
     observers: list[Observer] = []
-    bench_cfg = TestbenchCfg(scene=cfg.scene, vehicle=cfg.vehicle, speed="max")
+    bench_cfg = TestbenchCfg(vehicle=cfg.vehicle, speed="max")
     with Clients(2) as clients, ExitStack() as stack:
         gcs, sdk = (
             UdpLink(local_port=0, remote_port=port, profile=profile)
@@ -135,8 +135,8 @@ def _fly(
         )
         bench = stack.enter_context(
             Testbench(
+                scene,
                 bench_cfg,
-                scene=scene,
                 has_network=False,
                 extra_links=(gcs, sdk),
                 observers=observers,
@@ -256,7 +256,7 @@ def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Obser
             scene=bench.scene,
             primitives=scene_primitives(bench.scene),
             airframe=bench.airframe,
-            info=RunInfo(scene=cfg.scene, vehicle=cfg.vehicle, seed=cfg.seed),
+            info=RunInfo(scene=bench.scene.scene_id, vehicle=cfg.vehicle, seed=cfg.seed),
         )
     )
     yield lambda: recorder.on_tick(bench.plant, bench.autopilot)

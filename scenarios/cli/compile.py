@@ -20,7 +20,7 @@ class CompileCfg:
 
 def run(_: CompileCfg) -> int:
     """Compile."""
-    from scenarios.kernels import compile_everything  # noqa: PLC0415 - all that compiles
+    from scenarios.run.kernels import compile_everything  # noqa: PLC0415 - all that compiles
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=1.0)

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from aeroscene.learning.skeleton.config import SkeletonError
 from aeroscene.scene import Scene, SceneDomain, SceneError
-from aeroscene.scene_io import write_scene
-from aeroscene.skeleton.config import SkeletonError
+from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail
 from scenarios.cli.progress import progress_bar
 
 if TYPE_CHECKING:
-    from aeroscene.generation import Generated, Generator, Request
+    from aeroscene.learning.generation import Generated, Generator, Request
 
 _PROG = "aeroscene generate"
 _MOST_SCENES = 100_000
@@ -105,7 +105,7 @@ class _Tally:
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
     # PyTorch: seconds that no other command should spend.
-    from aeroscene.generation import Generator  # noqa: PLC0415
+    from aeroscene.learning.generation import Generator  # noqa: PLC0415
 
     requests = _requests(cfg)
     generator = Generator.load(
@@ -144,7 +144,7 @@ def _check(cfg: GenerateCfg) -> None:
 
 
 def _requests(cfg: GenerateCfg) -> list[Request]:
-    from aeroscene.generation import Request  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.generation import Request  # noqa: PLC0415 - PyTorch
 
     domain: SceneDomain | None = None if cfg.domain == "any" else cfg.domain
     complete: Scene | None = None
@@ -206,7 +206,7 @@ def _generate(
     cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], tally: _Tally, advance: Any
 ) -> None:
     """Draw every request until it gives a scene, or was drawn often enough."""
-    from aeroscene.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
 
     pending = list(requests)
     for attempt in range(MOST_ATTEMPTS):
@@ -224,8 +224,8 @@ def _generate(
 def _generate_with_pictures(
     cfg: GenerateCfg, generator: Generator, request: Request, tally: _Tally
 ) -> None:
-    from aeroscene.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
-    from scenarios.generation.recorder import Recorder  # noqa: PLC0415 - OpenCV, the renderer
+    from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
+    from scenarios.pictures.generation.recorder import Recorder  # noqa: PLC0415 - OpenCV, the renderer
 
     assert cfg.progress is not None
     for attempt in range(MOST_ATTEMPTS):

@@ -20,7 +20,7 @@ from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.reading import read_layouts
 from aeroscene.scene import SceneError
-from aeroscene.scene_io import write_scene
+from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
 
 _SHOWN = 20

@@ -59,7 +59,7 @@ def main(args: list[str] | None = None) -> int:
         return EXIT_INTERRUPTED
     except Exception as error:
         # The whole simulator: a second that a command without it does not spend.
-        from scenarios.sitl import INPUT_ERRORS  # noqa: PLC0415
+        from scenarios.run.sitl import INPUT_ERRORS  # noqa: PLC0415
 
         if isinstance(error, INPUT_ERRORS):
             fail(PROG, str(error))

@@ -46,7 +46,7 @@ def run(cfg: ReplayCfg) -> int:
     # rerun: only where a recording is opened.
     from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
     from scenarios.recording.summary import UnreadableRecordingError, summarise  # noqa: PLC0415
-    from scenarios.viewer import ViewerError  # noqa: PLC0415
+    from scenarios.recording.viewer import ViewerError  # noqa: PLC0415
 
     try:
         if cfg.json or cfg.summary:
@@ -74,7 +74,7 @@ def _draw(recording: Path, folder: Path) -> None:
 
 def _show(cfg: ReplayCfg) -> None:
     from scenarios.recording.summary import readable  # noqa: PLC0415
-    from scenarios.viewer import Viewer, has_display  # noqa: PLC0415
+    from scenarios.recording.viewer import Viewer, has_display  # noqa: PLC0415
 
     # An end from outside must end the viewer too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)

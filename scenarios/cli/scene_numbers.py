@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from aeroscene.corpus import CORPUS_SIZE
+from aeroscene.corpus.corpus import CORPUS_SIZE
 
 _PART = re.compile("([0-9]{1,6})(?::([0-9]{1,6}))?")
 

@@ -21,9 +21,9 @@ from scenarios.cli.command_line import (
     parse,
 )
 from scenarios.cli.status_line import StatusLine
-from scenarios.sitl import INPUT_ERRORS, Sitl
-from scenarios.sitl_cfg import SitlCfg
-from scenarios.trial import TrialResult
+from scenarios.run.cfg import SitlCfg
+from scenarios.run.sitl import INPUT_ERRORS, Sitl
+from scenarios.run.trial import TrialResult
 
 PROG = "aeroscene-sitl"
 

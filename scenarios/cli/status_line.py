@@ -9,7 +9,7 @@ from typing import Self
 from rich.console import Console
 from rich.status import Status
 
-from scenarios.sitl import Sitl
+from scenarios.run.sitl import Sitl
 
 PERIOD_S = 0.25
 """Wall time between two updates."""

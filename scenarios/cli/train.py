@@ -19,9 +19,9 @@ from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar
 
 if TYPE_CHECKING:
-    from aeroscene.training.data import TrainingData
-    from aeroscene.training.procedure import Plan, Training
-    from aeroscene.training.state import TrainingState
+    from aeroscene.learning.training.data import TrainingData
+    from aeroscene.learning.training.procedure import Plan, Training
+    from aeroscene.learning.training.state import TrainingState
 
 _PROG = "aeroscene train"
 _CORPUS_SIZE = 1016
@@ -69,8 +69,8 @@ class TrainCfg:
 def run(cfg: TrainCfg) -> int:
     """Train; exit status 2 with one line where input, device or memory do not allow it."""
     # PyTorch: seconds that no other command should spend.
+    from aeroscene.learning.training.procedure import Training  # noqa: PLC0415
     from aeroscene.scene import SceneError  # noqa: PLC0415
-    from aeroscene.training.procedure import Training  # noqa: PLC0415
 
     try:
         with _asked_to_stop() as stop:
@@ -120,8 +120,8 @@ def _asked_to_stop() -> Iterator[threading.Event]:
 
 
 def _open_state(cfg: TrainCfg) -> TrainingState | None:
-    from aeroscene.training.config import TrainingError  # noqa: PLC0415 - PyTorch
-    from aeroscene.training.state import STATE, read_state  # noqa: PLC0415
+    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.state import STATE, read_state  # noqa: PLC0415
 
     state = read_state(cfg.out / STATE)
     if state is not None and not cfg.resume:
@@ -140,10 +140,10 @@ def _open_state(cfg: TrainCfg) -> TrainingState | None:
 def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     import torch  # noqa: PLC0415 - seconds that no other command should spend
 
-    from aeroscene.training.config import Budget, require  # noqa: PLC0415
-    from aeroscene.training.devices import choose_device  # noqa: PLC0415
-    from aeroscene.training.presets import PARTS, fitted  # noqa: PLC0415
-    from aeroscene.training.procedure import Plan, taken_parts  # noqa: PLC0415
+    from aeroscene.learning.training.config import Budget, require  # noqa: PLC0415
+    from aeroscene.learning.training.devices import choose_device  # noqa: PLC0415
+    from aeroscene.learning.training.presets import PARTS, fitted  # noqa: PLC0415
+    from aeroscene.learning.training.procedure import Plan, taken_parts  # noqa: PLC0415
 
     device = choose_device(cfg.device)
     if cfg.threads is not None:
@@ -177,11 +177,11 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
 
 def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Any, dict[str, Any]]:
     """Preset and configuration: those asked for; when resuming, those it was begun with."""
-    from aeroscene.training.presets import (  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.presets import (  # noqa: PLC0415 - PyTorch
         preset_sections,
         sections_from_plain,
     )
-    from aeroscene.training.settings import read_settings  # noqa: PLC0415
+    from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
 
     if state is None:
         preset = cfg.preset or "default"
@@ -195,8 +195,8 @@ def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Any, dict[str
 
 
 def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str, Any]) -> None:
-    from aeroscene.training.config import TrainingError  # noqa: PLC0415 - PyTorch
-    from aeroscene.training.settings import read_settings  # noqa: PLC0415
+    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
 
     begun = state.facts.preset
     if cfg.preset not in {None, begun}:
@@ -216,8 +216,8 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
 
 
 def _read_data(path: Path, sections: Mapping[str, Any]) -> TrainingData:
-    from aeroscene.training.data import open_training_data  # noqa: PLC0415 - PyTorch
-    from aeroscene.training.presets import codec_of, is_flat  # noqa: PLC0415
+    from aeroscene.learning.training.data import open_training_data  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.presets import codec_of, is_flat  # noqa: PLC0415
 
     with progress_bar("reading scenes", _CORPUS_SIZE) as advance:
         return open_training_data(
@@ -226,7 +226,7 @@ def _read_data(path: Path, sections: Mapping[str, Any]) -> TrainingData:
 
 
 def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> None:
-    from aeroscene.training.procedure import CHECKPOINT  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.procedure import CHECKPOINT  # noqa: PLC0415 - PyTorch
 
     path = plan.folder / CHECKPOINT
     figures = training.figures

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
-from aeroscene.dataset import (
+from aeroscene.corpus.dataset import (
     JOURNAL,
     SCENES,
     DatasetError,
@@ -21,7 +21,7 @@ from aeroscene.dataset import (
     read_entries,
     write_manifest,
 )
-from aeroscene.provenance import curation_digest
+from aeroscene.corpus.provenance import curation_digest
 from scenarios.dataset.pool import run_all
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 
-from aeroscene.dataset import DatasetError, Entry, SceneSet
+from aeroscene.corpus.dataset import DatasetError, Entry, SceneSet
 from aeroscene.scene import InteractionArea
 from scenarios.dataset.pool import run_all
 

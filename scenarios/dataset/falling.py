@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from aeroscene.polygon import distance_inside
 from aeroscene.scene import InteractionArea, Scene
+from aeroscene.scene.polygon import distance_inside
 from flightsim.vehicles.airframe import Airframe
 from flightsim.world import build_world
 

@@ -12,16 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 import aeroscene
-from aeroscene.corpus import CORPUS_SIZE, scene_domain
-from aeroscene.dataset import Dataset, DatasetError, SceneEntry, store_scene
-from aeroscene.provenance import sources_digest
+from aeroscene.corpus.corpus import CORPUS_SIZE, scene_domain
+from aeroscene.corpus.dataset import Dataset, DatasetError, SceneEntry, store_scene
+from aeroscene.corpus.provenance import sources_digest
+from aeroscene.corpus.shipped import Provenance, write_archive
 from aeroscene.scene import Scene
-from aeroscene.shipped import Provenance, write_archive
 from scenarios.bench.soundness import fault
 from scenarios.dataset.build import BuildPlan, plan_folder
 
 if TYPE_CHECKING:
-    from aeroscene.generation import Generator
+    from aeroscene.learning.generation import Generator
 
 MOST_ATTEMPTS = 20
 _DIGEST_LENGTH = 16
@@ -73,7 +73,7 @@ class ModelMaker:
         Raises:
             SceneError: If checkpoint or device cannot be used.
         """
-        from aeroscene.generation import Request  # noqa: PLC0415 - torch
+        from aeroscene.learning.generation import Request  # noqa: PLC0415 - torch
 
         request = Request(seed=number, domain=scene_domain(number))
         return next(_generator(self.path, self.device).generate([request], attempt=attempt)).scene
@@ -84,7 +84,7 @@ def _generator(checkpoint: Path, device: str) -> Generator:
     """One for each process; on one thread, as many processes share the cores."""
     import torch  # noqa: PLC0415 - only where scenes are generated
 
-    from aeroscene.generation import Generator  # noqa: PLC0415
+    from aeroscene.learning.generation import Generator  # noqa: PLC0415
 
     torch.set_num_threads(1)
     return Generator.load(checkpoint, device=device)
@@ -99,7 +99,7 @@ class CorpusMaker:
 
     def draw(self, number: int, attempt: int) -> Scene | None:
         """Scene of the corpus; another draw of it is the same."""
-        from aeroscene.curation import curate_scene  # noqa: PLC0415 - heavy
+        from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy
 
         return curate_scene(number) if attempt == 0 else None
 
@@ -123,7 +123,9 @@ def _sources(maker: Maker) -> str:
 @cache
 def code_digest() -> str:
     """Digest of the sources that decide what a model makes of a seed."""
-    return sources_digest(Path(aeroscene.__file__).parent, ("layouts", "shipped", "sources"))
+    return sources_digest(
+        Path(aeroscene.__file__).parent, ("layouts", "corpus/shipped", "sources.py")
+    )
 
 
 def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> SceneEntry:

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from aeroscene.catalogue import CATALOGUE
-from aeroscene.dataset import Entry, SceneSet
+from aeroscene.corpus.dataset import Entry, SceneSet
 from aeroscene.metrics.diversity import (
     Layout,
     category_entropy_bits,
@@ -23,6 +22,7 @@ from aeroscene.metrics.diversity import (
     nearest,
 )
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row, missing_categories, paper_table
+from aeroscene.scene.catalogue import CATALOGUE
 from scenarios.dataset.pool import run_all
 
 Bar = Callable[[str, int, str], AbstractContextManager[Callable[[], object]]]

@@ -7,8 +7,8 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 
-from aeroscene.dataset import Entry, SceneSet
-from aeroscene.scene_io import write_scene
+from aeroscene.corpus.dataset import Entry, SceneSet
+from aeroscene.scene.io import write_scene
 from scenarios.dataset.pool import run_all
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from scenarios.doctor.check import Check
 
 if TYPE_CHECKING:
-    from scenarios.testbench import Testbench
+    from flightsim.testbench import Testbench
 
 _SCENE, _VEHICLE = "42", "iris"
 _READY_S, _CLIMB_S = 30.0, 10.0
@@ -36,11 +36,12 @@ def check_kernels() -> Iterator[Check]:
 
 def check_flight() -> Iterator[Check]:
     """Take off for real, without network, and look through the cameras."""
-    from scenarios.testbench import Testbench, TestbenchCfg  # noqa: PLC0415 - the whole stack
+    from aeroscene.sources import open_scene  # noqa: PLC0415 - the whole stack
+    from flightsim.testbench import Testbench, TestbenchCfg  # noqa: PLC0415
 
     start_s = time.perf_counter()
-    cfg = TestbenchCfg(scene=_SCENE, vehicle=_VEHICLE, speed="max")
-    with Testbench(cfg, has_network=False) as bench:
+    cfg = TestbenchCfg(vehicle=_VEHICLE, speed="max")
+    with Testbench(open_scene(_SCENE), cfg, has_network=False) as bench:
         ready_s = time.perf_counter() - start_s
         yield Check(
             name="world",

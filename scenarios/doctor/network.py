@@ -39,7 +39,7 @@ def check_viewer() -> Iterator[Check]:
         RerunMissingError,
         rerun_program,
     )
-    from scenarios.viewer import has_display  # noqa: PLC0415
+    from scenarios.recording.viewer import has_display  # noqa: PLC0415
 
     try:
         rerun_program()

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import InteractionArea, Scene
-from aeroscene.scene_io import scene_from_json
+from aeroscene.scene.io import scene_from_json
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.pictures.story import (

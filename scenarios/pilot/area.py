@@ -8,7 +8,7 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
-from scenarios.mavlink_telemetry import LANDED_ON_GROUND
+from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.eyes import NoDepthError
 from scenarios.pilot.flight import Flight
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch

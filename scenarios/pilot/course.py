@@ -9,7 +9,7 @@ import numpy as np
 from autonomy.model.quadrotor import Vector3
 from autonomy.planning import Trajectory
 from autonomy.types import FlatReference
-from scenarios.mavlink_telemetry import Telemetry
+from flightsim.mavlink.client.telemetry import Telemetry
 
 TOUCHDOWN_SPEED_MPS = 0.4
 _PRESS_M = 0.4

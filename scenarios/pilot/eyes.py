@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 
 from autonomy.perception import DepthImage, camera_pose
+from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.vehicles.airframe import Airframe, CameraMount
-from scenarios.mavlink_telemetry import Telemetry
 
 
 class NoDepthError(ValueError):

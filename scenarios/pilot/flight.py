@@ -10,9 +10,9 @@ from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingSite
 from autonomy.planning import MovingObstacles, PlanningError, Trajectory
 from autonomy.types import FlatReference
-from scenarios.mavlink_client import Command, MavlinkClient
-from scenarios.mavlink_telemetry import Telemetry
-from scenarios.mission import Mission
+from flightsim.mavlink.client.client import Command, MavlinkClient
+from flightsim.mavlink.client.telemetry import Telemetry
+from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_watch import LandingWatch

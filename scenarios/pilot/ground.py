@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from autonomy.planning import PlanningError, prepare
-from scenarios.mavlink_client import PX4_OFFBOARD
+from flightsim.mavlink.client.client import PX4_OFFBOARD
 from scenarios.pilot.flight import Flight
 from scenarios.pilot.phases import Phase, PilotVerdict, Step
 

@@ -7,7 +7,7 @@ import math
 from autonomy.model.quadrotor import Vector3
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference
-from scenarios.mavlink_client import PX4_OFFBOARD
+from flightsim.mavlink.client.client import PX4_OFFBOARD
 from scenarios.pilot.area import Area
 from scenarios.pilot.flight import Flight
 from scenarios.pilot.lookout import Lookout

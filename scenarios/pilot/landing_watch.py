@@ -20,7 +20,7 @@ from autonomy.perception import (
     site_at,
 )
 from flightsim.vehicles.airframe import Airframe
-from scenarios.surroundings import Surroundings
+from scenarios.mission.surroundings import Surroundings
 
 CAMERA = "down"
 FRAME_PERIOD_US = 200_000

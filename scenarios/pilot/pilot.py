@@ -17,8 +17,8 @@ from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingMap, LandingSite
 from autonomy.planning import MovingObstacles, Trajectory
 from autonomy.types import FlatReference
-from scenarios.mavlink_client import MavlinkClient
-from scenarios.mission import Mission
+from flightsim.mavlink.client.client import MavlinkClient
+from scenarios.mission.mission import Mission
 from scenarios.pilot.area import Area
 from scenarios.pilot.course import Course
 from scenarios.pilot.eyes import Frames

@@ -17,9 +17,9 @@ from autonomy.perception import DepthImage
 from autonomy.planning import NOTHING_MOVES, MovingObstacles
 from autonomy.rotation import quat_from_rotation_vector, quat_multiply
 from autonomy.types import FlatReference, Quaternion
-from scenarios.mavlink_telemetry import Telemetry
+from flightsim.mavlink.client.telemetry import Telemetry
+from scenarios.mission.surroundings import GivenMap, Surroundings
 from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, posed_image
-from scenarios.surroundings import GivenMap, Surroundings
 
 if TYPE_CHECKING:
     from autonomy.perception.map_anchor import MapAnchor

@@ -7,8 +7,8 @@ import math
 from autonomy.model.quadrotor import Vector3
 from autonomy.planning import BlockedError, PlanningError, UnreachableError
 from autonomy.types import FlatReference
-from scenarios.mavlink_client import PX4_RETURN
-from scenarios.mavlink_telemetry import LANDED_ON_GROUND
+from flightsim.mavlink.client.client import PX4_RETURN
+from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.area import COMMIT_HEIGHT_M, DESCENT_SPEED_MPS, Area
 from scenarios.pilot.flight import Flight
 from scenarios.pilot.gaze import Gaze

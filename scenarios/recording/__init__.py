@@ -1,6 +1,6 @@
 """Runs in rerun's format: the recorder, what it writes where, and reading it back.
 
-Only this package and `scenarios.viewer` know rerun.
+Only this package and `scenarios.recording.viewer` know rerun.
 """
 
 from scenarios.recording.metadata import RunInfo

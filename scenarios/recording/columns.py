@@ -50,7 +50,7 @@ def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
 
 
 def _send_errors(stream: rr.RecordingStream, time: rr.TimeColumn, rows: np.ndarray) -> None:
-    from scenarios.scoring import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
+    from scenarios.run.scoring import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
 
     position_m, quat = rows["position_est_enu_m"], rows["quat_est_wxyz"]
     send_pose(stream, layout.ESTIMATE, time, position_m, quat)

@@ -10,7 +10,7 @@ from typing import Any
 import rerun as rr
 
 from aeroscene.scene import Scene
-from aeroscene.scene_io import scene_to_json
+from aeroscene.scene.io import scene_to_json
 from scenarios.recording import layout
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import rerun as rr
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout

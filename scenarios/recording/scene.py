@@ -9,9 +9,9 @@ import numpy as np
 import rerun as rr
 from jaxtyping import Float, Int
 
-from aeroscene.catalogue import CATALOGUE
 from aeroscene.scene import InteractionArea, Scene, SceneObject
-from aeroscene.shapes import MATERIALS, Primitive
+from aeroscene.scene.catalogue import CATALOGUE
+from aeroscene.solids.shapes import MATERIALS, Primitive
 from scenarios.recording import layout
 
 DRONE_CLASS_RGB: Mapping[str, tuple[int, int, int]] = {

@@ -7,7 +7,7 @@ from pathlib import Path
 import rerun as rr
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import scene_primitives
+from aeroscene.solids.shapes import scene_primitives
 from scenarios.recording import layout
 from scenarios.recording.blueprint import scene_blueprint
 from scenarios.recording.scene import log_scene

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from aeroscene.curation import curate_scene
+from aeroscene.corpus.curation import curate_scene
+from aeroscene.corpus.shipped import Provenance, write_archive
 from aeroscene.scene import Scene
-from aeroscene.shipped import Provenance, write_archive
-from tests.aeroscene.shipped.scenes import renamed
+from tests.aeroscene.corpus.shipped.scenes import renamed
 
 SAMPLE = (7, 42, 45, 49, 311, 1015)
 """Corpus scenes that tests look at closely: outdoor, mixed, mixed, outdoor, indoor, outdoor."""

@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import pytest
 
-import aeroscene.curation
-import aeroscene.shipped.scenes
+import aeroscene.corpus.curation
+import aeroscene.corpus.shipped.scenes
 from aeroscene import sources
 from aeroscene.scene import SceneError
-from aeroscene.scene_io import write_scene
+from aeroscene.scene.io import write_scene
 from aeroscene.sources import open_scene
 from tests.aeroscene.layouts.samples import (
     authors_scene,
@@ -35,7 +35,7 @@ def test_a_corpus_scene_is_opened_the_second_time_from_the_cache(
     def refuse(index):
         raise AssertionError(f"curated scene {index} again")
 
-    monkeypatch.setattr(aeroscene.curation, "curate_scene", refuse)
+    monkeypatch.setattr(aeroscene.corpus.curation, "curate_scene", refuse)
     assert open_scene("corpus:42") == scene_42
 
 
@@ -45,7 +45,7 @@ def test_a_number_opens_a_scene_of_the_dataset(
     monkeypatch.setattr(sources, "NUMBERS_NAME", "corpus")
     assert open_scene("42") == scene_42
     monkeypatch.setattr(sources, "NUMBERS_NAME", "shipped")
-    monkeypatch.setattr(aeroscene.shipped.scenes, "SHIPPED", archive_path)
+    monkeypatch.setattr(aeroscene.corpus.shipped.scenes, "SHIPPED", archive_path)
     assert open_scene("17") == open_scene("0017") == archived_scenes[17]
     with pytest.raises(SceneError, match=r"scene 42 is not in .*, valid: 0 to 18"):
         open_scene("42")

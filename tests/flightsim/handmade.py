@@ -3,7 +3,7 @@
 import math
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive
+from aeroscene.solids.shapes import Primitive
 
 
 def empty_scene(start=(0.0, 0.0, 0.0), yaw_rad=0.0):

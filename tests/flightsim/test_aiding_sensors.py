@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms, is_in_room
 from flightsim.sensors.gnss import RTK, follow_gnss, hears_satellites, new_gnss, sample_gnss
 from flightsim.sensors.mocap import MOCAP_NORMALS, MocapCfg, new_mocap, sample_mocap
-from flightsim.sensors.rooms import ROOM_COLUMNS, indoor_rooms, is_in_room
 from flightsim.sensors.vio import VIO_NORMALS, VioCfg, new_vio, sample_vio
 from scenarios.bench.manoeuvres import meadow
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from aeroscene.catalogue import category_id
-from aeroscene.landing import derive_interaction_areas
+from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.catalogue import category_id
 from autonomy.perception import (
     DepthImage,
     ElevationMap,

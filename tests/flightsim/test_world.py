@@ -5,8 +5,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from aeroscene.curation import curate_scene
-from aeroscene.shapes import scene_primitives
+from aeroscene.corpus.curation import curate_scene
+from aeroscene.solids.shapes import scene_primitives
 from flightsim.geom_groups import RAY_GROUPS
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import GROUND_ID, VEHICLE_ID, WorldError, build_world

@@ -3,8 +3,8 @@
 import dataclasses
 import math
 
-from aeroscene.catalogue import category_id
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneObject
+from aeroscene.scene.catalogue import category_id
 
 CONTAINER, CRATE = 1, 10
 TOP_M = 2.5

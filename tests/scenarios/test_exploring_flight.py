@@ -2,20 +2,18 @@
 
 import numpy as np
 
-from scenarios.cameras import Cameras
-from scenarios.mavlink_client import MavlinkClient
-from scenarios.mission import plan_mission
+from flightsim.mavlink.client.client import MavlinkClient
+from flightsim.sensors.cameras import Cameras
+from flightsim.testbench import Testbench, TestbenchCfg
+from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg
-from scenarios.scoring import FlightLog
-from scenarios.testbench import Testbench, TestbenchCfg
+from scenarios.run.scoring import FlightLog
 from tests.scenarios.landing_scenes import ON_CONTAINER, yard
 
 
 def test_a_container_that_nobody_told_of_is_seen_and_landed_on():
     observers = []
-    bench = Testbench(
-        TestbenchCfg(speed="max"), scene=yard(), has_network=False, observers=observers
-    )
+    bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False, observers=observers)
     with bench:
         cameras = Cameras(bench.world, bench.plant)
         mission = plan_mission(yard(), bench.airframe, area=ON_CONTAINER, map_source="onboard")

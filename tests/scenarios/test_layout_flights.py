@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from scenarios.sitl import Sitl
-from scenarios.sitl_cfg import SitlCfg
-from scenarios.testbench import TestbenchCfg
+from flightsim.testbench import TestbenchCfg
+from scenarios.run.cfg import SitlCfg
+from scenarios.run.sitl import Sitl
 from tests.aeroscene.layouts.samples import (
     authors_scene,
     block,
@@ -27,8 +27,8 @@ FILES = {
 @pytest.mark.parametrize("name", FILES)
 def test_a_layout_is_flown_and_landed_in(tmp_path, name):
     vehicle = "hummingbird" if name == "house" else "iris"
-    bench = TestbenchCfg(scene=FILES[name](tmp_path), vehicle=vehicle, speed="max", instance=79)
-    with Sitl(SitlCfg(bench=bench, demo=True)) as sitl:
+    bench = TestbenchCfg(vehicle=vehicle, speed="max", instance=79)
+    with Sitl(SitlCfg(scene=FILES[name](tmp_path), bench=bench, demo=True)) as sitl:
         sitl.run(lambda: False)
         result = sitl.finish()
     assert result.success, result.reason

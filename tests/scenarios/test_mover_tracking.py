@@ -12,7 +12,7 @@ from flightsim.sensors.camera import open_camera_renderer
 from flightsim.sensors.depth_noise import depth_noise
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from scenarios.obstacles import scene_obstacles
+from scenarios.mission.obstacles import scene_obstacles
 from tests.flightsim.handmade import empty_scene
 
 IRIS = AIRFRAMES["iris"]

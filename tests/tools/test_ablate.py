@@ -14,13 +14,13 @@ from ablation.store import Outcome, outcome_key, read_outcome, write_outcome
 from ablation.table import line, markdown_table, plain
 from ablation.train import Trainer
 
-from aeroscene.dataset import open_dataset, store_scene, write_manifest
-from aeroscene.guidance.config import NO_GUIDANCE, GuidanceCfg
-from aeroscene.training.config import TrainingError
-from aeroscene.training.presets import preset_sections
-from aeroscene.training.settings import changed
+from aeroscene.corpus.dataset import open_dataset, store_scene, write_manifest
+from aeroscene.learning.guidance.config import NO_GUIDANCE, GuidanceCfg
+from aeroscene.learning.training.config import TrainingError
+from aeroscene.learning.training.presets import preset_sections
+from aeroscene.learning.training.settings import changed
 from tests.aeroscene.conftest import cached_scene
-from tests.aeroscene.shipped.scenes import renamed
+from tests.aeroscene.corpus.shipped.scenes import renamed
 
 SMALL = {"width": 16, "blocks": 2, "heads": 2, "has_borders": False}
 ROW = TrainedRow(

@@ -12,29 +12,29 @@ import numpy as np
 import torch
 from shapely.errors import ShapelyError
 
-from aeroscene.dataset import Dataset
-from aeroscene.diffusion.sampling import SamplerCfg
-from aeroscene.diffusion.schedule import Schedule
+from aeroscene.corpus.dataset import Dataset
 from aeroscene.feasibility import validity
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import snapshot, stage_report
 from aeroscene.feasibility.stages import stages
-from aeroscene.generation.loading import DEFAULT_SAMPLER
-from aeroscene.generation.raw import GeometrySampler
-from aeroscene.guidance.config import GuidanceCfg
-from aeroscene.model.network import HierarchicalDenoiser
+from aeroscene.learning.diffusion.sampling import SamplerCfg
+from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
+from aeroscene.learning.generation.raw import GeometrySampler
+from aeroscene.learning.guidance.config import GuidanceCfg
+from aeroscene.learning.model.network import HierarchicalDenoiser
+from aeroscene.learning.tokens.assembly import assemble
+from aeroscene.learning.tokens.examples import Example, encode
+from aeroscene.learning.tokens.kinds import Vocabulary
+from aeroscene.learning.tokens.statistics import Statistics
+from aeroscene.learning.tokens.training_set import TrainingSet
+from aeroscene.learning.training.checkpoint import Checkpoint, CheckpointError, DataSource
+from aeroscene.learning.training.config import Budget
+from aeroscene.learning.training.data import TrainingData
+from aeroscene.learning.training.loop import DenoiserTraining
+from aeroscene.learning.training.presets import sections_from_plain
+from aeroscene.learning.training.prior_stage import loss_function
 from aeroscene.scene import Scene, SceneError
-from aeroscene.tokens.assembly import assemble
-from aeroscene.tokens.examples import Example, encode
-from aeroscene.tokens.kinds import Vocabulary
-from aeroscene.tokens.statistics import Statistics
-from aeroscene.tokens.training_set import TrainingSet
-from aeroscene.training.checkpoint import Checkpoint, CheckpointError, DataSource
-from aeroscene.training.config import Budget
-from aeroscene.training.data import TrainingData
-from aeroscene.training.loop import DenoiserTraining
-from aeroscene.training.presets import sections_from_plain
-from aeroscene.training.prior_stage import loss_function
 
 _DEVICE = torch.device("cpu")
 _TIMED_STEPS = 4

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from aeroscene.generation.loading import DEFAULT_SAMPLER
-from aeroscene.guidance.borders import BordersCfg
-from aeroscene.guidance.config import NO_GUIDANCE, GuidanceCfg
-from aeroscene.guidance.objectives import ObjectivesCfg
-from aeroscene.guidance.separation import SeparationCfg
+from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
+from aeroscene.learning.guidance.borders import BordersCfg
+from aeroscene.learning.guidance.config import NO_GUIDANCE, GuidanceCfg
+from aeroscene.learning.guidance.separation import SeparationCfg
+from aeroscene.learning.paper.guidance.objectives import ObjectivesCfg
 
 Changes = Mapping[str, Mapping[str, Any]]
 """Fields of the configuration by section, as in a file for `aeroscene train --config`."""

@@ -11,16 +11,21 @@ from typing import Any
 import torch
 
 from ablation.rows import TrainedRow
-from aeroscene.dataset import open_dataset
-from aeroscene.model.config import ModelCfg
+from aeroscene.corpus.dataset import open_dataset
+from aeroscene.learning.model.config import ModelCfg
+from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
+from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
+from aeroscene.learning.training.data import TrainingData, prepared
+from aeroscene.learning.training.presets import (
+    codec_of,
+    fitted,
+    preset_sections,
+    sections_from_plain,
+)
+from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
+from aeroscene.learning.training.settings import changed
+from aeroscene.learning.training.state import STATE, read_state
 from aeroscene.scene import Scene
-from aeroscene.training.checkpoint import Checkpoint, read_checkpoint
-from aeroscene.training.config import Budget, TrainCfg, TrainingError
-from aeroscene.training.data import TrainingData, prepared
-from aeroscene.training.presets import codec_of, fitted, preset_sections, sections_from_plain
-from aeroscene.training.procedure import CHECKPOINT, Plan, Training
-from aeroscene.training.settings import changed
-from aeroscene.training.state import STATE, read_state
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar
 

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 from rich.progress import track
 
-from aeroscene.catalogue import CATALOGUE, Category
 from aeroscene.scene import OrientedBox, Scene, SceneObject
-from aeroscene.shapes import Primitive, object_primitives
+from aeroscene.scene.catalogue import CATALOGUE, Category
+from aeroscene.solids.shapes import Primitive, object_primitives
 from drawing.labels import label
 from flightsim.looks.framing import frame_points
 from flightsim.sensors.camera import Quality, open_camera_renderer

@@ -19,8 +19,8 @@ Scenes of the AeroScene dataset: skeleton, places and sizes are the model's.
 """,
     "places": """## Places of the corpus
 
-What the model learns from, as it comes out of `aeroscene/curation/`. Fine pictures: each pixel is
-lit by rays to the sun and the sky, so shadows are soft and corners dark.
+What the model learns from, as it comes out of `aeroscene/corpus/curation/`. Fine pictures: each
+pixel is lit by rays to the sun and the sky, so shadows are soft and corners dark.
 """,
     "onboard": """## On board
 

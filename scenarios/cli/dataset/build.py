@@ -12,8 +12,8 @@ from typing import Annotated
 
 import tyro
 
-from aeroscene.corpus import CORPUS_SIZE
-from aeroscene.provenance import curation_digest
+from aeroscene.corpus.corpus import CORPUS_SIZE
+from aeroscene.corpus.provenance import curation_digest
 from scenarios.cli.command_line import EXIT_DONE
 from scenarios.cli.dataset.options import check_jobs
 from scenarios.cli.progress import progress_bar

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import tyro
 
-from aeroscene.dataset import Dataset, DatasetError, SceneSet, open_dataset
-from aeroscene.provenance import curation_digest
+from aeroscene.corpus.dataset import Dataset, DatasetError, SceneSet, open_dataset
+from aeroscene.corpus.provenance import curation_digest
 from scenarios.cli.scene_numbers import scene_numbers
 
 Data = tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="DIR|shipped")]]
@@ -42,7 +42,7 @@ def open_scenes(data: str, scenes: str) -> SceneSet[Any]:
         SceneError: If there is no dataset, or a scene that is named is not in it.
     """
     if data == SHIPPED_NAME or not (data or _USUAL_FOLDER.is_dir()):
-        from aeroscene.shipped import open_shipped  # noqa: PLC0415 - only for these
+        from aeroscene.corpus.shipped import open_shipped  # noqa: PLC0415 - only for these
 
         return _select(open_shipped(), scenes)
     dataset = _select(open_dataset(data or _USUAL_FOLDER), scenes)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from aeroscene.dataset import DatasetError, SceneSet
+from aeroscene.corpus.dataset import DatasetError, SceneSet
 from scenarios.cli.command_line import EXIT_DONE
 from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
@@ -87,7 +87,7 @@ def _view(dataset: SceneSet[Any], viewer: Literal["auto", "native", "web"]) -> i
     # rerun: only where something is opened in it.
     from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
     from scenarios.recording.scene_file import write_scene_recording  # noqa: PLC0415
-    from scenarios.viewer import Viewer, ViewerError, has_display  # noqa: PLC0415
+    from scenarios.recording.viewer import Viewer, ViewerError, has_display  # noqa: PLC0415
 
     # An end from outside must end the viewer too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)

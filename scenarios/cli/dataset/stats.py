@@ -14,7 +14,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from aeroscene.dataset import DatasetError
+from aeroscene.corpus.dataset import DatasetError
 from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
 from scenarios.cli.command_line import EXIT_DONE

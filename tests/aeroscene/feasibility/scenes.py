@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from aeroscene.catalogue import category_id
-from aeroscene.geometry import quat_from_yaw
 from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import category_id
 
 LAWN, HOME, TABLE, CUP, BENCH, PLAZA = range(6)
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.feasibility.boxes import boxes_of, forbidden_overlaps, separation
-from aeroscene.geometry import penetration_depth
+from aeroscene.scene.geometry import penetration_depth
 from tests.aeroscene.feasibility.scenes import CUP, GARDEN, TABLE, thing
 
 places = st.floats(-2.0, 2.0)

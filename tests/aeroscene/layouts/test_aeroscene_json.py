@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from aeroscene.geometry import rotation_matrix
 from aeroscene.layouts import LayoutError, read_layout
 from aeroscene.layouts.aeroscene_json import aeroscene_layout
 from aeroscene.layouts.mapping import match
+from aeroscene.scene.box import rotation_matrix
 from tests.aeroscene.layouts.samples import authors_scene, write_json
 
 

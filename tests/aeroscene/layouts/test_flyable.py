@@ -10,16 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeroscene.freespace import build_distance_field, reachable
-from aeroscene.geometry import penetration_depth
 from aeroscene.layouts import LayoutError
 from aeroscene.layouts.flyable import make_flyable, map_layout
 from aeroscene.layouts.house import build_house
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.layouts.site import FINISH_M, GROUND_M, our_box, survey
 from aeroscene.layouts.start import LEAST_RADIUS_M
-from aeroscene.scene_io import scene_from_json, scene_to_json
-from aeroscene.shapes import object_primitives
+from aeroscene.scene.geometry import penetration_depth
+from aeroscene.scene.io import scene_from_json, scene_to_json
+from aeroscene.solids.freespace import build_distance_field, reachable
+from aeroscene.solids.shapes import object_primitives
 from tests.aeroscene.layouts.samples import block, box, house
 
 unit = st.floats(-1, 1)

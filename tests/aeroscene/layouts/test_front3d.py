@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from aeroscene.geometry import box_corners
 from aeroscene.layouts import LayoutError, read_layout, read_layouts
 from aeroscene.layouts.front3d import front3d_layout
+from aeroscene.scene.box import box_corners
 from tests.aeroscene.layouts.samples import front3d_house, write_json
 
 

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeroscene.catalogue import by_name, category_id
 from aeroscene.layouts import LayoutObject, MappingReport, read_neutral
 from aeroscene.layouts.mapping import building_kind, form_of, match, match_name
 from aeroscene.layouts.tables import FORMS, SAME, STAND_INS, SUPER_CATEGORIES, WORDS
 from aeroscene.scene import OrientedBox, SceneObject
-from aeroscene.shapes import object_primitives
-from tests.aeroscene.solids import bounds
+from aeroscene.scene.catalogue import by_name, category_id
+from aeroscene.solids.shapes import object_primitives
+from tests.aeroscene.sampling_solids import bounds
 
 TARGETS = sorted({*SAME, *STAND_INS, *SUPER_CATEGORIES.values(), *WORDS, "garage", "tower"})
 sizes = st.tuples(*[st.floats(0.004, 6.0)] * 3)

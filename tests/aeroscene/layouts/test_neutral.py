@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from aeroscene.layouts import LayoutError, read_neutral
-from aeroscene.polygon import signed_area
 from aeroscene.scene import SceneError
+from aeroscene.scene.polygon import signed_area
 from tests.aeroscene.layouts.samples import block, house, write_lines
 
 BAD_OBJECTS = {

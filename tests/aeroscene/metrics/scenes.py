@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from aeroscene.catalogue import category_id
 from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.catalogue import category_id
 
 
 def box(p, s, yaw_deg=0.0, q=None):

@@ -8,8 +8,9 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aeroscene.geometry import iou, rotation_matrix
 from aeroscene.metrics.intersection import pair_iou
+from aeroscene.scene.box import rotation_matrix
+from aeroscene.scene.geometry import iou
 from tests.aeroscene.metrics.scenes import box
 
 metres = st.floats(-1.5, 1.5)

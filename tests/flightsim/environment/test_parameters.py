@@ -2,18 +2,19 @@
 
 import pytest
 
+from aeroscene.sources import open_scene
 from flightsim.autopilot.parameters import ParameterValueError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
-from scenarios.testbench import Testbench, TestbenchCfg
+from flightsim.testbench import Testbench, TestbenchCfg
 
 
 @pytest.fixture
 def bench():
     cfg = TestbenchCfg(
-        scene="42", speed="max", wind=4.0, wind_from=90.0, turbulence="light", traffic="people=1"
+        speed="max", wind=4.0, wind_from=90.0, turbulence="light", traffic="people=1"
     )
-    with Testbench(cfg, has_network=False) as bench:
+    with Testbench(open_scene("42"), cfg, has_network=False) as bench:
         yield bench
 
 

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from aeroscene.shapes import scene_primitives
+from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
 from flightsim.environment.motion import new_movers, place_mover
 from flightsim.environment.traffic import TrafficCfg, TrafficError, plan_traffic

@@ -2,7 +2,7 @@
 
 import pytest
 
-from aeroscene.curation import curate_scene
+from aeroscene.corpus.curation import curate_scene
 from flightsim.export.glb import write_glb
 from flightsim.export.mjcf import write_mjcf
 from flightsim.export.usd import write_usd

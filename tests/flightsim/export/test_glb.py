@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from aeroscene.geometry import box_corners
+from aeroscene.scene.box import box_corners
 
 
 @pytest.fixture(scope="module")

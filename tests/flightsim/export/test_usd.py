@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdValidation
 
-from aeroscene.geometry import box_corners
+from aeroscene.scene.box import box_corners
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.export.files import ExportError
 from flightsim.export.usd import write_usd

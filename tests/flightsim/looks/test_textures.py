@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeroscene.shapes import MATERIALS
+from aeroscene.solids.shapes import MATERIALS
 from flightsim.looks.textures import PATTERNS, TILE_PIXELS, coarser, tile
 
 TEXTURED = [m for m in MATERIALS.values() if m.texture is not None]

@@ -1,8 +1,8 @@
 import pytest
 
-from scenarios.sitl import Sitl
-from scenarios.sitl_cfg import SitlCfg
-from scenarios.testbench import TestbenchCfg, TestbenchError
+from flightsim.testbench import TestbenchCfg, TestbenchError
+from scenarios.run.cfg import SitlCfg
+from scenarios.run.sitl import Sitl
 
 BENCH = TestbenchCfg(speed="max", instance=71)
 

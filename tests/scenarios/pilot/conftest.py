@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from scenarios.cameras import Cameras
-from scenarios.mavlink_client import MavlinkClient
-from scenarios.mission import plan_mission
+from flightsim.mavlink.client.client import MavlinkClient
+from flightsim.sensors.cameras import Cameras
+from flightsim.testbench import Testbench, TestbenchCfg
+from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Pilot, PilotCfg
-from scenarios.scoring import FlightLog
-from scenarios.testbench import Testbench, TestbenchCfg
+from scenarios.run.scoring import FlightLog
 from tests.scenarios.landing_scenes import ON_CONTAINER
 
 
@@ -35,8 +35,8 @@ class Demo:
         """The pilot's map is `known`, if that is not the scene itself."""
         observers = []
         self.bench = Testbench(
+            scene,
             TestbenchCfg(speed="max", vehicle=vehicle),
-            scene=scene,
             traffic=traffic,
             has_network=False,
             observers=observers,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from autonomy.planning import FlightLimits, plan_leg
+from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.vehicles.catalogue import AIRFRAMES
-from scenarios.mavlink_telemetry import Telemetry
 from scenarios.pilot.course import TOUCHDOWN_SPEED_MPS, Course
 
 SECOND_US = 1_000_000

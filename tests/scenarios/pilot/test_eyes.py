@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
+from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.vehicles.catalogue import AIRFRAMES
-from scenarios.mavlink_telemetry import Telemetry
 from scenarios.pilot.eyes import NoDepthError, camera_mount, posed_image
 
 

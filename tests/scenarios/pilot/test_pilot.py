@@ -6,7 +6,7 @@ import math
 import pytest
 
 from flightsim.autopilot.modes import Mode
-from scenarios.mavlink_client import MavlinkClient
+from flightsim.mavlink.client.client import MavlinkClient
 from scenarios.pilot import Phase, Pilot
 from tests.scenarios.landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, thing, yard
 

@@ -6,7 +6,7 @@ import pytest
 from autonomy.planning import MovingObstacles
 from autonomy.types import FlatReference
 from flightsim.vehicles.catalogue import AIRFRAMES
-from scenarios.mission import plan_mission
+from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase
 from scenarios.pilot.movers import room_to_movers_m
 from tests.scenarios.landing_scenes import FAR_LAWN, ON_CONTAINER, field, yard

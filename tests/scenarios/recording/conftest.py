@@ -12,16 +12,17 @@ import rerun as rr
 from rerun.chunk import RrdReader
 
 from aeroscene.scene import Scene
-from aeroscene.shapes import Primitive, scene_primitives
+from aeroscene.solids.shapes import Primitive, scene_primitives
+from aeroscene.sources import open_scene
 from autonomy.perception import LandingMap
 from autonomy.planning import MovingObstacles
 from flightsim.autopilot.events import Severity
 from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
+from flightsim.testbench import Testbench, TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
 from scenarios.pictures import FlightStory
 from scenarios.pictures.tape import FlightTape
 from scenarios.recording import Recorder, RunInfo
-from scenarios.testbench import Testbench, TestbenchCfg
 
 FLIGHT_S = 3.5
 PLAN_ENU_M = ((0.0, 0.0, 1.0), (1.0, 2.0, 3.0), (4.0, 4.0, 4.0))
@@ -91,7 +92,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
     rows: list[np.ndarray] = []
     frames: list[RgbdFrame] = []
     cfg = TestbenchCfg(seed=5, speed="max", wind=2.0, traffic="drones=1")
-    with Testbench(cfg, has_network=False) as bench:
+    with Testbench(open_scene("42"), cfg, has_network=False) as bench:
         primitives = tuple(scene_primitives(bench.scene))
         recorder = Recorder(
             path,

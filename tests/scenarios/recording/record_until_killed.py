@@ -3,12 +3,13 @@
 import sys
 from pathlib import Path
 
-from aeroscene.shapes import scene_primitives
+from aeroscene.solids.shapes import scene_primitives
+from aeroscene.sources import open_scene
 from flightsim.sensors.camera import open_camera_renderer
+from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.recording import Recorder, RunInfo
-from scenarios.testbench import Testbench, TestbenchCfg
 
-with Testbench(TestbenchCfg(speed=4.0), has_network=False) as bench:
+with Testbench(open_scene("42"), TestbenchCfg(speed=4.0), has_network=False) as bench:
     recorder = Recorder(
         Path(sys.argv[1]),
         scene=bench.scene,

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from aeroscene.shapes import MATERIALS
+from aeroscene.solids.shapes import MATERIALS
 from scenarios.recording.frames import depth_to_uint16, encode_png
 from scenarios.recording.scene import (
     DRONE_CLASS_RGB,

@@ -8,7 +8,7 @@ import pytest
 
 from scenarios.recording import Recorder, RunInfo
 from scenarios.recording.summary import summarise
-from scenarios.viewer import Viewer, ViewerError, free_port, has_display
+from scenarios.recording.viewer import Viewer, ViewerError, free_port, has_display
 
 
 def _listeners():

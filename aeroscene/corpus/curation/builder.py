@@ -1,0 +1,210 @@
+"""Collects the objects of a scene and refuses whatever would overlap."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import product
+
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject, Vector3
+from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import category_id
+from aeroscene.scene.geometry import iou
+
+TOUCH_M = 0.001
+"""Overlaps below this count as touching."""
+MAX_IOU = 0.01
+"""Of two boxes neither of which is the other's parent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """An object that stands in the scene, with the frame that its children use."""
+
+    id: int
+    name: str
+    frame: Frame
+    size: Vector3
+    base: float
+    domain: ObjectDomain
+
+    @property
+    def top(self) -> float:
+        """Height of the upper face of the box, m."""
+        return self.base + self.size[2]
+
+
+@dataclass(frozen=True, slots=True)
+class _Occupant:
+    """An upright box as the overlap test wants it."""
+
+    x: float
+    y: float
+    cos: float
+    sin: float
+    half_x: float
+    half_y: float
+    low: float
+    high: float
+    reach: float
+    object_id: int
+
+    def overlaps(self, other: _Occupant) -> bool:
+        """Whether two boxes share more than a touch."""
+        if self.low >= other.high - TOUCH_M or other.low >= self.high - TOUCH_M:
+            return False
+        dx, dy = other.x - self.x, other.y - self.y
+        reach = self.reach + other.reach
+        if dx * dx + dy * dy >= reach * reach:
+            return False
+        return self._is_near(other, dx, dy) and other._is_near(self, -dx, -dy)
+
+    def _is_near(self, other: _Occupant, dx: float, dy: float) -> bool:
+        """Whether neither axis of this box separates the two."""
+        c = abs(self.cos * other.cos + self.sin * other.sin)
+        s = abs(self.sin * other.cos - self.cos * other.sin)
+        along = abs(dx * self.cos + dy * self.sin)
+        across = abs(dy * self.cos - dx * self.sin)
+        return (
+            along < self.half_x + c * other.half_x + s * other.half_y - TOUCH_M
+            and across < self.half_y + s * other.half_x + c * other.half_y - TOUCH_M
+        )
+
+
+class Builder:
+    """The growing scene: every object gets the next id, so that parents precede children."""
+
+    def __init__(self, scene_id: str) -> None:
+        self.scene_id = scene_id
+        self.objects: list[SceneObject] = []
+        self.n_coarse = 0
+        self.n_fine = 0
+        self._occupants: list[_Occupant] = []
+        self._ancestors: dict[int, frozenset[int]] = {}
+        self._bounds: tuple[tuple[float, float], tuple[float, float]] | None = None
+
+    def enclose(self, low: tuple[float, float], high: tuple[float, float]) -> None:
+        """Refuse from now on whatever leaves an upright rectangle, ENU, m."""
+        self._bounds = (low, high)
+
+    def place(
+        self,
+        name: str,
+        frame: Frame,
+        u: float,
+        v: float,
+        size: Vector3,
+        *,
+        base: float,
+        turn: float = 0.0,
+        parent: Placed | None = None,
+        within: Placed | None = None,
+        margin: float = 0.0,
+        domain: ObjectDomain | None = None,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Put an object into the scene, or return None where it does not fit.
+
+        Args:
+            name: Category.
+            frame: Frame of `u`, `v` and `turn`.
+            u: Place of the centre along the frame's x axis, m.
+            v: Place of the centre along the frame's y axis, m.
+            size: Full extents, m.
+            base: Height of the underside, m.
+            turn: Heading relative to the frame.
+            parent: What carries or contains the object: the two may overlap. With the parent's
+                own line it may share as little as two strangers may.
+            within: Object whose outline must hold this one's.
+            margin: Distance to keep from everything else, m.
+            domain: Indoor or outdoor; the parent's by default.
+            attributes: What the box does not say.
+        """
+        spot = frame.moved(u, v, turn)
+        size = (round(size[0], 3), round(size[1], 3), round(size[2], 3))
+        box = _occupant(spot, size, base, margin, len(self.objects))
+        line = frozenset() if parent is None else self._ancestors[parent.id] | {parent.id}
+        if within is not None and not _is_inside(spot, size, within):
+            return None
+        if self._leaves_bounds(spot, size) or self._is_taken(box, line):
+            return None
+        domain = domain or (parent.domain if parent else "outdoor")
+        obj = SceneObject(
+            id=len(self.objects),
+            scene_id=self.scene_id,
+            parent_id=None if parent is None else parent.id,
+            category_id=category_id(name),
+            bbox=OrientedBox(
+                (round(spot.x, 4), round(spot.y, 4), round(base + size[2] / 2, 4)),
+                quat_from_yaw(spot.yaw),
+                size,
+            ),
+            domain=domain,
+            attributes=attributes or {},
+        )
+        if any(_share_too_much(obj, self.objects[i]) for i in line if i != obj.parent_id):
+            return None
+        self.objects.append(obj)
+        if obj.is_coarse:
+            self.n_coarse += 1
+        else:
+            self.n_fine += 1
+        self._occupants.append(_occupant(spot, size, base, 0.0, obj.id))
+        self._ancestors[obj.id] = line
+        return Placed(obj.id, name, spot, size, base, domain)
+
+    def reserve(
+        self, frame: Frame, u: float, v: float, size: Vector3, base: float, turn: float = 0.0
+    ) -> None:
+        """Keep a box of air free of everything that is placed from now on."""
+        self._occupants.append(_occupant(frame.moved(u, v, turn), size, base, 0.0, -1))
+
+    def is_free(self, frame: Frame, u: float, v: float, size: Vector3, base: float) -> bool:
+        """Whether nothing stands in a box."""
+        return not self._is_taken(_occupant(frame.moved(u, v), size, base, 0.0, -1), frozenset())
+
+    def _leaves_bounds(self, spot: Frame, size: Vector3) -> bool:
+        if self._bounds is None:
+            return False
+        (x0, y0), (x1, y1) = self._bounds
+        c, s = abs(math.cos(spot.yaw)), abs(math.sin(spot.yaw))
+        reach_x, reach_y = (c * size[0] + s * size[1]) / 2, (s * size[0] + c * size[1]) / 2
+        return (
+            spot.x - reach_x < x0 - TOUCH_M
+            or spot.x + reach_x > x1 + TOUCH_M
+            or spot.y - reach_y < y0 - TOUCH_M
+            or spot.y + reach_y > y1 + TOUCH_M
+        )
+
+    def _is_taken(self, box: _Occupant, line: frozenset[int]) -> bool:
+        return any(box.overlaps(other) for other in self._occupants if other.object_id not in line)
+
+
+def _occupant(spot: Frame, size: Vector3, base: float, margin: float, object_id: int) -> _Occupant:
+    half_x, half_y = size[0] / 2 + margin, size[1] / 2 + margin
+    return _Occupant(
+        spot.x,
+        spot.y,
+        math.cos(spot.yaw),
+        math.sin(spot.yaw),
+        half_x,
+        half_y,
+        base,
+        base + size[2],
+        math.hypot(half_x, half_y),
+        object_id,
+    )
+
+
+def _share_too_much(first: SceneObject, second: SceneObject) -> bool:
+    volumes = sorted((math.prod(first.bbox.s), math.prod(second.bbox.s)))
+    return volumes[0] > MAX_IOU * volumes[1] and iou(first.bbox, second.bbox) > MAX_IOU
+
+
+def _is_inside(spot: Frame, size: Vector3, outer: Placed) -> bool:
+    for su, sv in product((-0.5, 0.5), repeat=2):
+        u, v = outer.frame.local(*spot.point(su * size[0], sv * size[1]))
+        if abs(u) > outer.size[0] / 2 + TOUCH_M or abs(v) > outer.size[1] / 2 + TOUCH_M:
+            return False
+    return True

@@ -1,0 +1,185 @@
+"""What a site is: which plan its streets follow and which places stand on its parcels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
+
+import numpy as np
+
+from aeroscene.corpus.curation.builder import Builder
+from aeroscene.corpus.curation.composition import Composition, Place
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.parcels import Parcel
+from aeroscene.corpus.curation.places import (
+    Construction,
+    Depot,
+    Flats,
+    Ground,
+    Houses,
+    Market,
+    Offices,
+    Park,
+    Parking,
+    School,
+    Station,
+    Terraces,
+    Waterfront,
+    Yard,
+)
+from aeroscene.corpus.curation.site import Site
+from aeroscene.corpus.curation.sites import lay_out_site
+from aeroscene.corpus.curation.start import place_start
+from aeroscene.corpus.curation.streets import Streets
+from aeroscene.corpus.curation.terrain import Slope, raise_terrace
+from aeroscene.corpus.curation.water import Basin
+
+_CEILING_M = 22.0
+_TRIES = 20
+
+
+class NoGroundError(RuntimeError):
+    """A theme whose sites have no parcel for the places that it cannot do without."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of place and the least ground that it needs, m."""
+
+    make: Callable[[Ground], Place]
+    width: float
+    depth: float
+    is_lifted: bool = True
+    """Whether it may stand on a terrace above the street; not where vehicles drive in."""
+
+    def fits(self, parcel: Parcel) -> bool:
+        """Whether a parcel is large enough."""
+        return parcel.width >= self.width and parcel.depth >= self.depth
+
+
+KINDS: Mapping[str, Kind] = MappingProxyType(
+    {
+        "offices": Kind(Offices, 17, 18),
+        "houses": Kind(Houses, 16, 15),
+        "furnished_house": Kind(partial(Houses, is_furnished=True), 18, 15),
+        "flats": Kind(Flats, 14, 14),
+        "park": Kind(Park, 12, 12),
+        "market": Kind(Market, 12, 12),
+        "school": Kind(School, 20, 20),
+        "terraces": Kind(Terraces, 13, 20),
+        "waterfront": Kind(Waterfront, 18, 20, is_lifted=False),
+        "station": Kind(Station, 20, 15, is_lifted=False),
+        "parking": Kind(Parking, 12, 17, is_lifted=False),
+        "construction": Kind(Construction, 17, 17, is_lifted=False),
+        "yard": Kind(Yard, 18, 18, is_lifted=False),
+        "depot": Kind(Depot, 20, 20, is_lifted=False),
+        "warehouse": Kind(partial(Depot, is_furnished=True), 20, 20, is_lifted=False),
+    }
+)
+"""Kinds of places under the names that themes use."""
+
+_ANYWHERE = "park"
+"""What a parcel becomes that is too small for everything else."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Theme:
+    """A character that streets and places of a scene share."""
+
+    plans: Mapping[str, float]
+    """Ground plans and their weights."""
+    always: Sequence[Sequence[str]] = ()
+    """From each row one kind is certain, as far as parcels fit; the first gets the best parcel."""
+    others: Mapping[str, float]
+    """Kinds of the other parcels and their weights."""
+    terrace_chance: float = 0.1
+    """How often a parcel is lifted above the street."""
+
+
+def compose_theme(builder: Builder, rng: np.random.Generator, theme: Theme) -> Composition:
+    """Lay a theme's streets and give every parcel a place."""
+    plan, choice, start, streets = rng.spawn(4)
+    site = _lay_fitting_site(builder, plan, theme)
+    east, north = site.half_extent
+    return Composition(
+        places=[
+            *choose_places(builder, site, theme, choice),
+            *grow_nature(builder, site, choice),
+            Streets(builder, Draw(streets), site),
+        ],
+        extent_min_enu_m=(-east, -north, 0.0),
+        extent_max_enu_m=(east, north, _CEILING_M),
+        place_start=partial(place_start, builder, Draw(start), (east, north)),
+    )
+
+
+def _lay_fitting_site(builder: Builder, rng: np.random.Generator, theme: Theme) -> Site:
+    """The first of some sites, tried on paper, with ground for what the theme cannot do without.
+
+    Raises:
+        NoGroundError: If none has it.
+    """
+    for _ in range(_TRIES):
+        plan, seed = draw_one(rng, theme.plans), int(rng.integers(1 << 62))
+        draft = lay_out_site(Builder("draft"), np.random.default_rng(seed), plan)
+        if all(any(_suits(row, parcel) for parcel in draft.parcels) for row in theme.always):
+            return lay_out_site(builder, np.random.default_rng(seed), plan)
+    raise NoGroundError(
+        f"{builder.scene_id}: no site in {_TRIES} has ground for {list(theme.always)}, "
+        f"valid: a theme whose plans {list(theme.plans)} leave parcels large enough"
+    )
+
+
+def _suits(kinds: Sequence[str], parcel: Parcel) -> bool:
+    """Whether a parcel is free for all of some kinds and large enough."""
+    return not parcel.uses and all(KINDS[kind].fits(parcel) for kind in kinds)
+
+
+def draw_one(rng: np.random.Generator, weights: Mapping[str, float]) -> str:
+    """One of some names, by weight."""
+    shares = np.array(list(weights.values()))
+    return list(weights)[int(rng.choice(len(shares), p=shares / shares.sum()))]
+
+
+def choose_places(
+    builder: Builder, site: Site, theme: Theme, rng: np.random.Generator
+) -> list[Place]:
+    """A place for every parcel, larger parcels first."""
+    parcels = sorted(site.parcels, key=lambda parcel: -parcel.width * parcel.depth)
+    streams = rng.spawn(len(parcels))
+    lifts = Draw(rng)
+    places: list[Place] = []
+    kinds = _choose_kinds(parcels, theme, rng)
+    for parcel, kind, stream in zip(parcels, kinds, streams, strict=True):
+        lifted = parcel
+        if KINDS[kind].is_lifted and lifts.chance(theme.terrace_chance):
+            lifted = raise_terrace(builder, lifts, parcel)
+        places.append(KINDS[kind].make(Ground(builder, Draw(stream), lifted)))
+    return places
+
+
+def _choose_kinds(
+    parcels: Sequence[Parcel], theme: Theme, rng: np.random.Generator
+) -> Iterator[str]:
+    """What the plan wants, then what the theme wants, then what chance brings and fits."""
+    waiting = [str(rng.choice(list(row))) for row in theme.always]
+    for parcel in parcels:
+        certain = [*parcel.uses] or [name for name in waiting if KINDS[name].fits(parcel)][:1]
+        fitting = {n: w for n, w in theme.others.items() if KINDS[n].fits(parcel)}
+        if certain:
+            kind = str(rng.choice(certain))
+        else:
+            kind = draw_one(rng, fitting) if fitting else _ANYWHERE
+        if kind in waiting:
+            waiting.remove(kind)
+        yield kind
+
+
+def grow_nature(builder: Builder, site: Site, rng: np.random.Generator) -> list[Place]:
+    """What grows and floats beside the parcels: slopes and water."""
+    streams = rng.spawn(len(site.slopes) + len(site.waters))
+    slopes = [Slope(Ground(builder, Draw(streams.pop()), parcel)) for parcel in site.slopes]
+    basins = [Basin(builder, Draw(streams.pop()), water) for water in site.waters]
+    return [*slopes, *basins]

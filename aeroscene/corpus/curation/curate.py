@@ -1,0 +1,91 @@
+"""From the number of a corpus scene to the scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import ceil
+
+import numpy as np
+
+from aeroscene.areas.landing import AreaLimits, derive_interaction_areas
+from aeroscene.corpus.corpus import scene_domain
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.composers import compose_indoor, compose_mixed, compose_outdoor
+from aeroscene.corpus.curation.composition import Composition, fill
+from aeroscene.corpus.curation.start import start_yaw
+from aeroscene.scene import Scene
+from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
+
+_SEED_SPACE = 2026
+"""Entropy of the corpus beside the scene's number."""
+HEADROOM_M = 10.0
+"""Flight volume above the highest thing, where the sky is open."""
+
+_COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": compose_indoor}
+
+
+_N_COARSE = (32.8, 6.0)
+_N_FINE = (113.0, 22.0)
+"""Mean and spread of the numbers of objects at which a scene is full."""
+_N_AREAS = ((42.95, 8.0), (11.9, 2.5), (5.45, 1.2), (20.0, 5.0))
+"""Mean and spread of the most areas that a scene keeps: small, medium, large, perching.
+
+Scenes that have less to offer keep all; the averages come out at the paper's.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """How many objects a scene should have, and how many areas at most."""
+
+    n_coarse: int
+    n_fine: int
+    areas: AreaLimits
+
+
+def curate_scene(index: int) -> Scene:
+    """Scene `index` of the procedural corpus; equal on every call."""
+    streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(2)
+    layout, size = (np.random.default_rng(stream) for stream in streams)
+    budget = draw_budget(size)
+    builder = Builder(f"corpus-{index:04d}")
+    domain = scene_domain(index)
+    composition = _COMPOSERS[domain](builder, layout)
+    places = composition.places
+    fill([place.structures() for place in places], lambda: builder.n_coarse >= budget.n_coarse)
+    pad = composition.place_start()
+    fill([place.details() for place in places], lambda: builder.n_fine >= budget.n_fine)
+    scene = _finish(builder, composition, pad, index)
+    return replace(scene, interaction_areas=derive_interaction_areas(scene, limits=budget.areas))
+
+
+def draw_budget(rng: np.random.Generator) -> Budget:
+    """Counts about the paper's averages, each scene its own, within two and a half spreads."""
+    means, spreads = np.array([_N_COARSE, _N_FINE, *_N_AREAS]).T
+    counts = np.rint(means + spreads * rng.standard_normal(len(means)).clip(-2.5, 2.5))
+    n_coarse, n_fine, *areas = (int(count) for count in counts)
+    small, medium, large, perching = areas
+    return Budget(
+        n_coarse, n_fine, AreaLimits(small=small, medium=medium, large=large, perching=perching)
+    )
+
+
+def _finish(builder: Builder, composition: Composition, pad: Placed, index: int) -> Scene:
+    domain = scene_domain(index)
+    x, y, ceiling = composition.extent_max_enu_m
+    top = max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in builder.objects)
+    if domain != "indoor":
+        ceiling = float(max(ceiling, ceil(top + HEADROOM_M)))
+    return Scene(
+        scene_id=builder.scene_id,
+        domain=domain,
+        seed=index,
+        extent_min_enu_m=composition.extent_min_enu_m,
+        extent_max_enu_m=(x, y, ceiling),
+        start_position_enu_m=(round(pad.frame.x, 4), round(pad.frame.y, 4), round(pad.top, 4)),
+        start_yaw_rad=round(start_yaw(pad), 6),
+        latitude_deg=LATITUDE_DEG,
+        longitude_deg=LONGITUDE_DEG,
+        altitude_m=ALTITUDE_M,
+        objects=tuple(builder.objects),
+    )

@@ -1,0 +1,112 @@
+"""Raises a floor plan: shell, roof, slabs, rooms, walls with doors, rails and stairs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.indoor.floor_plan import Building, FloorPlan, sure
+from aeroscene.corpus.curation.indoor.galleries import guard_gallery, lay_upper_slabs
+from aeroscene.corpus.curation.indoor.partitions import raise_walls
+from aeroscene.corpus.curation.indoor.plans import START_M, open_place
+from aeroscene.corpus.curation.indoor.walls import insets
+from aeroscene.corpus.curation.indoor.zones import (
+    Border,
+    Side,
+    Zone,
+    barrier,
+    choose_doors,
+    find_borders,
+)
+from aeroscene.corpus.curation.shells import RoomSpace
+from aeroscene.scene import AttributeValue
+from aeroscene.solids.shapes.facade import SLAB_TOP_M, WALL_M
+from aeroscene.solids.shapes.shell import FINISH_M
+
+ROOF_M = 0.25
+PAD_RISE_M = 0.05
+"""Height of the home pad."""
+
+
+def raise_building(builder: Builder, draw: Draw, frame: Frame, plan: FloorPlan) -> Building:
+    """Place a floor plan's shell, slabs, rooms, walls and rails.
+
+    Raises:
+        PlanError: If a room of the plan has no door.
+        OverlapError: If the plan's zones overlap.
+    """
+    zones = plan.zones
+    borders = find_borders(zones)
+    doors = choose_doors(zones, borders)
+    building = Building(plan, _raise_shell(builder, frame, plan))
+    _lay_rooms(builder, building, insets(zones, borders))
+    building.sides += [_walled_sides(index, borders, zones) for index in range(len(zones))]
+    lay_upper_slabs(builder, building, borders)
+    raise_walls(builder, draw, building, borders, doors)
+    for border in borders:
+        if barrier(zones, border) == "rail":
+            guard_gallery(builder, draw, building, border)
+    return building
+
+
+def _raise_shell(builder: Builder, frame: Frame, plan: FloorPlan) -> Placed:
+    x, y = plan.size
+    storeys = len({zone.level for zone in plan.zones})
+    attributes: dict[str, AttributeValue] = {
+        "is_enterable": True,
+        "form": "closed",
+        "storeys": storeys,
+        "colour": plan.colour,
+    }
+    shell = sure(
+        builder.place(plan.name, frame, 0, 0, (x, y, plan.height), base=0.0, attributes=attributes)
+    )
+    builder.place("roof", frame, 0, 0, (x, y, ROOF_M), base=shell.top, parent=shell)
+    slab = (x - 2 * WALL_M, y - 2 * WALL_M, SLAB_TOP_M)
+    builder.place("floor", frame, 0, 0, slab, base=0.0, parent=shell, domain="indoor")
+    return shell
+
+
+def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side, float]]) -> None:
+    """A room for each zone; air stays free in the middle of wide ones and above the start."""
+    shell = building.shell
+    for zone, margin in zip(building.plan.zones, margins, strict=True):
+        x0, x1 = zone.x0 + margin["x0"], zone.x1 - margin["x1"]
+        y0, y1 = zone.y0 + margin["y0"], zone.y1 - margin["y1"]
+        finish = building.plan.finishes.get(zone.kind, "floor_tiles")
+        placed = sure(
+            builder.place(
+                "room",
+                shell.frame,
+                (x0 + x1) / 2,
+                (y0 + y1) / 2,
+                (x1 - x0, y1 - y0, zone.clear),
+                base=zone.level,
+                parent=shell,
+                domain="indoor",
+                attributes={"finish": finish, "use": zone.kind},
+            )
+        )
+        building.spaces.append(RoomSpace(placed))
+        if zone.open_m > 0:
+            size = (zone.open_m, zone.open_m, zone.clear - 0.1)
+            u, v = open_place(zone)
+            builder.reserve(placed.frame, u, v, size, placed.base + FINISH_M + 0.01)
+    hall = building.spaces[0]
+    size = (START_M, START_M, hall.placed.size[2] - 0.1)
+    builder.reserve(hall.placed.frame, 0, 0, size, hall.floor + PAD_RISE_M + 0.001)
+
+
+def _walled_sides(index: int, borders: Sequence[Border], zones: Sequence[Zone]) -> tuple[str, ...]:
+    """Sides of a zone, as furniture names them, that are no open border."""
+    is_open = {
+        border.side_of(index)
+        for border in borders
+        if index in border.zones
+        and barrier(zones, border) != "wall"
+        and border.base <= zones[index].level + 0.1
+    }
+    names: dict[Side, str] = {"x1": "front", "x0": "back", "y1": "left", "y0": "right"}
+    return tuple(name for side, name in names.items() if side not in is_open)

@@ -1,0 +1,56 @@
+"""What a building is to be, and what it has become."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.indoor.zones import Zone
+from aeroscene.corpus.curation.shells import RoomSpace
+
+
+class OverlapError(ValueError):
+    """A floor plan whose parts do not fit beside each other."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FloorPlan:
+    """Everything that is decided before the first object is placed."""
+
+    name: str
+    """Category of the shell: building or warehouse."""
+    size: tuple[float, float]
+    """Outer lengths along x and y, multiples of half a metre."""
+    height: float
+    """Underside of the roof above the ground."""
+    zones: tuple[Zone, ...]
+    """The first is the hall in which a flight starts."""
+    finishes: dict[str, str]
+    """Floor finish of each kind of zone."""
+    colour: str
+    """Of the outer walls."""
+
+
+@dataclass(slots=True)
+class Building:
+    """A building with a room for each zone of its plan."""
+
+    plan: FloorPlan
+    shell: Placed
+    spaces: list[RoomSpace] = field(default_factory=list)
+    """In the order of the plan's zones."""
+    sides: list[tuple[str, ...]] = field(default_factory=list)
+    """Of each room, the sides along which walls stand."""
+
+
+def sure(placed: Placed | None) -> Placed:
+    """What a plan needs placed.
+
+    Raises:
+        OverlapError: If the builder has refused it.
+    """
+    if placed is None:
+        raise OverlapError(
+            "a floor plan overlaps itself, valid: zones side by side inside the walls"
+        )
+    return placed

@@ -1,0 +1,117 @@
+"""The one place of an indoor scene: its features, its furniture, and where a flight starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import cycle, islice
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.indoor.building import PAD_RISE_M
+from aeroscene.corpus.curation.indoor.features import FEATURES, suits
+from aeroscene.corpus.curation.indoor.floor_plan import Building
+from aeroscene.corpus.curation.indoor.zones import Zone
+from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
+from aeroscene.corpus.curation.rooms.rest import furnish_rest
+from aeroscene.corpus.curation.start import PAD_M, NoStartError
+
+_PAD_M = (1.8, 1.8, 0.06)
+"""Size of the pads in halls and on galleries."""
+_WIDE_M2 = 70.0
+"""A zone of this area or more takes more than one step in each round."""
+_ROUNDS = 7
+"""How often the list of features is gone through."""
+FEATURED_M2 = 48.0
+"""Least area of a zone in which coarse structures stand."""
+
+
+@dataclass(slots=True)
+class IndoorPlace:
+    """A building's inside."""
+
+    builder: Builder
+    draw: Draw
+    building: Building
+    features: tuple[str, ...]
+    _interiors: list[Interior] = field(default_factory=list)
+
+    def place_start(self) -> Placed:
+        """The home pad in the first hall.
+
+        Raises:
+            NoStartError: If the plan has left no space for it.
+        """
+        hall = self.building.spaces[0]
+        pad = self.builder.place(
+            "landing_pad",
+            hall.placed.frame,
+            0,
+            0,
+            (PAD_M, PAD_M, PAD_RISE_M),
+            base=hall.floor,
+            parent=hall.placed,
+            within=hall.placed,
+            attributes={"is_start": True},
+        )
+        if pad is None:
+            raise NoStartError(f"{self.builder.scene_id}: no space for the home pad in the hall")
+        return pad
+
+    def structures(self) -> Iterator[None]:
+        """Coarse structures in wide zones, one a step, the most telling first."""
+        pairs = list(zip(self.building.plan.zones, self._all(), strict=True))
+        wide = [pair for pair in pairs if pair[0].area >= FEATURED_M2]
+        wide.sort(key=lambda pair: pair[0].role == "room")
+        yield
+        rooms = {
+            name: [room for zone, room in wide if suits(name, zone.kind)] for name in self.features
+        }
+        for name in islice(cycle(self.features), _ROUNDS * len(self.features)):
+            for _ in range(len(rooms[name])):
+                # The next room in turn, so that structures spread over the building.
+                rooms[name].append(rooms[name].pop(0))
+                if FEATURES[name](rooms[name][-1]):
+                    yield
+                    break
+
+    def details(self) -> Iterator[None]:
+        """Furniture of all zones in turn; a pad to land on in halls and on galleries."""
+        growing = [
+            (zone, _furnish(zone, interior))
+            for zone, interior in zip(self.building.plan.zones, self._all(), strict=True)
+        ]
+        while growing:
+            for item in tuple(growing):
+                zone, growth = item
+                for _ in range(_steps(zone)):
+                    if next(growth, self) is self:
+                        growing.remove(item)
+                        break
+                    yield
+
+    def _all(self) -> list[Interior]:
+        if not self._interiors:
+            self._interiors += [
+                Interior(self.builder, self.draw, space, sides)
+                for space, sides in zip(self.building.spaces, self.building.sides, strict=True)
+            ]
+        return self._interiors
+
+
+def _steps(zone: Zone) -> int:
+    """Steps of furnishing a round: halls tell most of what a building is."""
+    if zone.area < _WIDE_M2:
+        return 1
+    return 3 if zone.role == "hall" else 2
+
+
+def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:
+    """What makes the kind, a pad where drones come and go, then whatever else fits."""
+    own = FURNISHINGS[zone.kind](interior)
+    yield from islice(own, 2)
+    if zone.role in {"hall", "gallery"} and interior.draw.chance(0.6):
+        interior.anywhere("landing_pad", _PAD_M, keep=0.6)
+        yield
+    yield from own
+    yield from furnish_rest(interior, zone.kind)

@@ -1,0 +1,125 @@
+"""Painted bays for cars: where each is, the cars in them, roofs over some of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+
+from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.frame import INWARD, STREETWARD
+from aeroscene.corpus.curation.places.bearing import Bearing, beneath, on_top
+from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.roadside import park
+from aeroscene.scene import AttributeValue
+from aeroscene.solids.shapes.ground import BAY_WIDTH_M
+
+TWO_ROWS_M = 15.6
+"""Depth of two rows of bays with a lane between."""
+_PAINTED_M = 0.02
+"""Thickness of a field of bays on the asphalt."""
+_BAY_HALF_M = 2.65
+"""From the border of a field to the middle of its bays."""
+_CARPORT_M = (5.2, 2.9)
+"""Depth and height of a roof over bays."""
+_SOLAR_M = (2.0, 3.0, 0.5)
+
+
+@dataclass(frozen=True, slots=True)
+class Bay:
+    """One space: its place in the field's frame and the sign of its row."""
+
+    u: float
+    v: float
+    row: int
+
+
+@dataclass(slots=True)
+class BayField:
+    """A field of bays in one or two rows along the parcel's u axis."""
+
+    lot: Placed
+    bays: list[Bay]
+    carport: Placed | None = None
+    covered: frozenset[int] = frozenset()
+    """Numbers of the bays under the carport."""
+
+    def park_cars(self, ground: Ground) -> Iterator[None]:
+        """Cars two by two in more than half the bays, nose in or out."""
+        draw = ground.draw
+        share = draw.between(0.5, 0.75)
+        for step, index in enumerate(draw.shuffled(range(len(self.bays)))):
+            if step > share * len(self.bays):
+                break
+            bay, bearing = self.bays[index], on_top(ground, self.lot)
+            is_covered = self.carport is not None and index in self.covered
+            if is_covered and self.carport:
+                bearing = beneath(ground, self.carport)
+            name = "van" if not is_covered and draw.chance(0.12) else "car"
+            turn = INWARD if draw.chance(0.5) else STREETWARD
+            park(bearing, name, self.lot.frame, bay.u, bay.v, turn)
+            if step % 2:
+                yield
+        yield
+
+    def raise_carport(self, ground: Ground) -> None:
+        """A roof over some bays of the far row, for solar panels to lie on."""
+        row = [index for index, bay in enumerate(self.bays) if bay.row == 1]
+        count = min(5, len(row) - 1)
+        if count < 2:
+            return
+        first = ground.draw.count(0, len(row) - count)
+        covered = row[first : first + count]
+        middle = sum(self.bays[index].u for index in covered) / count
+        size = (_CARPORT_M[0], round(count * BAY_WIDTH_M - 0.1, 2), _CARPORT_M[1])
+        attributes: dict[str, AttributeValue] = {"colour": "silver", "form": "flat"}
+        self.carport = on_top(ground, self.lot).stand(
+            "canopy",
+            self.lot.frame,
+            middle,
+            self.bays[covered[0]].v,
+            size,
+            turn=STREETWARD,
+            margin=0.0,
+            attributes=attributes,
+        )
+        self.covered = frozenset(covered)
+
+    def equip(self, ground: Ground) -> Iterator[None]:
+        """Solar panels in a row on the carport, a lamp at each end of the lane."""
+        if self.carport:
+            platform = on_top(ground, self.carport)
+            count = max(1, int((self.carport.size[1] - 0.2) / 3.1))
+            for index in range(count):
+                at = (index - (count - 1) / 2) * 3.1
+                platform.stand("solar_panel", self.carport.frame, 0.6, at, _SOLAR_M)
+            yield
+        reach = self.lot.size[0] / 2 - 0.5
+        lot = on_top(ground, self.lot)
+        for sign in (-1, 1):
+            turn = pi if sign > 0 else 0.0
+            lot.stand("street_lamp", self.lot.frame, sign * reach, 0, (1.6, 0.5, 5.5), turn=turn)
+        yield
+
+
+def paint_bays(
+    ground: Ground, bearing: Bearing, span: tuple[float, float], v0: float, deep: float
+) -> BayField | None:
+    """Bays on some ground: from where to where along u, and from v0 on as deep as said."""
+    low, high = span
+    rows = 2 if deep >= TWO_ROWS_M - 0.5 else 1
+    attributes: dict[str, AttributeValue] = {"rows": rows}
+    size = (round(high - low, 2), round(deep, 2), _PAINTED_M)
+    middle = ((low + high) / 2, v0 + deep / 2)
+    lot = bearing.stand(
+        "parking_lot", ground.parcel.frame, *middle, size, margin=0.0, attributes=attributes
+    )
+    if lot is None:
+        return None
+    count = int((size[0] - 0.1) // BAY_WIDTH_M)
+    bays = [
+        Bay((index - (count - 1) / 2) * BAY_WIDTH_M, row * (deep / 2 - _BAY_HALF_M), row)
+        for row in (1, -1)[:rows]
+        for index in range(count)
+    ]
+    return BayField(lot, bays)

@@ -1,0 +1,124 @@
+"""What things stand on, so that a table is set alike on a lawn, on a deck and on a roof."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.scene import AttributeValue, Vector3
+
+
+class Bearing(Protocol):
+    """Something that carries objects and becomes their parent."""
+
+    @property
+    def builder(self) -> Builder:
+        """The scene."""
+        ...
+
+    @property
+    def draw(self) -> Draw:
+        """Chance."""
+        ...
+
+    def stand(
+        self,
+        name: str,
+        frame: Frame,
+        u: float,
+        v: float,
+        size: Vector3 | None = None,
+        *,
+        turn: float = 0.0,
+        margin: float = 0.04,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Stand something at a place of any frame, or nothing where it does not fit."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class OpenGround:
+    """The surface of a parcel, level or sloped."""
+
+    ground: Ground
+
+    @property
+    def builder(self) -> Builder:
+        """The scene."""
+        return self.ground.builder
+
+    @property
+    def draw(self) -> Draw:
+        """Chance."""
+        return self.ground.draw
+
+    def stand(
+        self,
+        name: str,
+        frame: Frame,
+        u: float,
+        v: float,
+        size: Vector3 | None = None,
+        *,
+        turn: float = 0.0,
+        margin: float = 0.04,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Stand something at a place of any frame, or nothing where it does not fit."""
+        at = self.ground.parcel.frame.local(*frame.point(u, v))
+        heading = self.ground.facing(frame, turn)
+        return self.ground.stand(
+            name, *at, size, turn=heading, margin=margin, attributes=attributes
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Platform:
+    """A level face of one object."""
+
+    builder: Builder
+    draw: Draw
+    bearer: Placed
+    height: float
+
+    def stand(
+        self,
+        name: str,
+        frame: Frame,
+        u: float,
+        v: float,
+        size: Vector3 | None = None,
+        *,
+        turn: float = 0.0,
+        margin: float = 0.04,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Stand something at a place of any frame, or nothing where it does not fit."""
+        return self.builder.place(
+            name,
+            frame,
+            u,
+            v,
+            size or self.draw.size_of(name),
+            base=self.height,
+            turn=turn,
+            parent=self.bearer,
+            within=self.bearer,
+            margin=margin,
+            attributes=attributes,
+        )
+
+
+def on_top(ground: Ground, bearer: Placed) -> Platform:
+    """The upper face of a deck, a path, a container or a table."""
+    return Platform(ground.builder, ground.draw, bearer, bearer.top)
+
+
+def beneath(ground: Ground, canopy: Placed) -> Platform:
+    """The ground under a canopy, which shelters and therefore owns what stands there."""
+    return Platform(ground.builder, ground.draw, canopy, canopy.base)

@@ -1,0 +1,81 @@
+"""Buildings of a place that a drone can fly into."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from aeroscene.corpus.curation.frame import STREETWARD
+from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
+from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.shells import RoomSpace, Shell, raise_shell
+from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.solids.shapes.facade import WALL_M
+from aeroscene.solids.shapes.materials import WALL_COLOURS
+
+_GATE_AIR_M = (7.0, 4.6, 3.8)
+"""Air kept free in each gate of a hall."""
+_CEILING_M = 0.3
+"""Thickness of a hall's roof."""
+
+
+def raise_furnished(
+    ground: Ground,
+    name: str,
+    u: float,
+    v: float,
+    *,
+    deep: float,
+    length: float,
+    storeys: int,
+) -> Shell | None:
+    """An enterable building with its door to the street, or None where it does not fit."""
+    return raise_shell(
+        ground.builder,
+        ground.draw,
+        ground.parcel.frame,
+        (u, v),
+        name=name,
+        depth=deep,
+        length=length,
+        storeys=storeys,
+        base=ground.level,
+        turn=STREETWARD,
+        colour=ground.draw.one_of((*WALL_COLOURS, "brick")),
+    )
+
+
+def raise_hall(
+    ground: Ground, u: float, v: float, size: Vector3, attributes: dict[str, AttributeValue]
+) -> Shell | None:
+    """An enterable warehouse: one room, with the air in its two gates kept free."""
+    hall = ground.erect("warehouse", u, v, size, attributes={**attributes, "is_enterable": True})
+    if hall is None:
+        return None
+    inner = (size[0] - 2 * WALL_M, size[1] - 2 * WALL_M, round(size[2] - _CEILING_M, 2))
+    room = ground.builder.place(
+        "room",
+        hall.frame,
+        0.0,
+        0.0,
+        inner,
+        base=hall.base,
+        parent=hall,
+        domain="indoor",
+        attributes={"finish": "concrete"},
+    )
+    for sign in (-1, 1):
+        at = sign * hall.size[0] / 2
+        ground.builder.reserve(hall.frame, at, 0.0, _GATE_AIR_M, hall.base + 0.05)
+    rooms = (RoomSpace(room),) if room else ()
+    return Shell(hall, rooms, size[2])
+
+
+def furnish(ground: Ground, rooms: Sequence[RoomSpace], kinds: Sequence[str]) -> Iterator[None]:
+    """Furnish all rooms side by side, so that none stays empty when the scene is full."""
+    yield from in_turn(
+        *(
+            FURNISHINGS[kinds[index % len(kinds)]](Interior(ground.builder, ground.draw, space))
+            for index, space in enumerate(rooms)
+        )
+    )

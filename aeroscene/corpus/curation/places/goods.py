@@ -1,0 +1,125 @@
+"""Goods in the open: stacks of containers, pallets in rows, crates on crates, drums together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.places.bearing import Bearing, on_top
+from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.seating import put_on
+from aeroscene.scene import AttributeValue
+from aeroscene.solids.shapes.materials import PAINT_COLOURS
+
+CONTAINER_M = (6.06, 2.44, 2.59)
+"""A twenty-foot container."""
+LONG_CONTAINER_M = (12.2, 2.44, 2.59)
+"""A forty-foot container."""
+
+_CLUSTER_M = (3.8, 2.0, 1.5)
+"""Ground that a cluster of goods takes."""
+_TRIES = 8
+
+Area = tuple[float, float, float, float]
+"""u0, u1, v0, v1 in the parcel's frame."""
+
+
+def paint(draw: Draw) -> dict[str, AttributeValue]:
+    """Some colour of a vehicle or a container."""
+    return {"colour": draw.one_of(PAINT_COLOURS)}
+
+
+def set_container(
+    ground: Ground, u: float, v: float, turn: float, *, is_long: bool = False
+) -> Placed | None:
+    """A container on the ground."""
+    size = LONG_CONTAINER_M if is_long else CONTAINER_M
+    return ground.erect("container", u, v, size, turn=turn, attributes=paint(ground.draw))
+
+
+def stack_container(ground: Ground, lower: Placed) -> Placed | None:
+    """Another container of the same size, flush on top of one."""
+    attributes = paint(ground.draw)
+    return on_top(ground, lower).stand(
+        "container", lower.frame, 0.0, 0.0, lower.size, margin=0.0, attributes=attributes
+    )
+
+
+def pallet_row(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
+    """Loaded pallets side by side along the frame's x axis."""
+    for index in range(count):
+        at = u + (index - (count - 1) / 2) * 1.4
+        size = (1.2, 1.0, bearing.draw.between(0.5, 1.4))
+        bearing.stand("pallet", frame, at, v, size)
+
+
+def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
+    """Two crates side by side and a smaller one on the first."""
+    draw = bearing.draw
+    first = bearing.stand("crate", frame, u - 0.6, v, (1.0, 1.0, draw.between(0.7, 1.0)))
+    side = draw.between(0.8, 1.05)
+    bearing.stand("crate", frame, u + 0.6, v, (side, side, 0.8), turn=draw.between(-0.15, 0.15))
+    if first and draw.chance(0.7):
+        bearing.builder.place(
+            "crate",
+            first.frame,
+            0.0,
+            0.0,
+            (0.8, 0.8, 0.6),
+            base=first.top,
+            turn=draw.between(-0.1, 0.1),
+            parent=first,
+            within=first,
+        )
+
+
+def drums(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
+    """Barrels close together in two ranks."""
+    attributes = paint(bearing.draw)
+    for index in range(count):
+        at = (u + (index // 2) * 0.72, v + (index % 2) * 0.72)
+        size = (0.6, 0.6, 0.88)
+        bearing.stand("barrel", frame, *at, size, attributes=attributes)
+
+
+def scatter_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:
+    """Clusters of goods at free places of an area, one cluster a step."""
+    draw = ground.draw
+    for index in range(rounds):
+        spot = _free_spot(ground, near)
+        if spot is None:
+            return
+        u, v = spot
+        kind = (index + draw.count(0, 1)) % 3
+        if kind == 0:
+            pallet_row(bearing, ground.parcel.frame, u, v, draw.count(2, 3))
+        elif kind == 1:
+            crate_stack(bearing, ground.parcel.frame, u, v)
+        else:
+            drums(bearing, ground.parcel.frame, u, v, draw.count(3, 4))
+        yield
+
+
+def _free_spot(ground: Ground, near: Area) -> tuple[float, float] | None:
+    """A place for a cluster of goods, if one of some tries finds it."""
+    u0, u1, v0, v1 = near
+    length, width, height = _CLUSTER_M
+    if u1 - u0 < length or v1 - v0 < width:
+        return None
+    for _ in range(_TRIES):
+        u = ground.draw.between(u0 + length / 2, u1 - length / 2)
+        v = ground.draw.between(v0 + width / 2, v1 - width / 2)
+        base = ground.level + 0.01
+        if ground.builder.is_free(ground.parcel.frame, u, v, (length, width, height), base):
+            return (u, v)
+    return None
+
+
+def boxes_on(ground: Ground, bearer: Placed, count: int) -> None:
+    """Cartons along an object's upper face."""
+    reach = bearer.size[1] / 2 - 0.4
+    for index in range(count):
+        at = 0.0 if count == 1 else -reach + 2 * reach * index / (count - 1)
+        put_on(ground.builder, ground.draw, bearer, "box", 0.0, at, 0.0)

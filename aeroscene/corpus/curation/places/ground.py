@@ -1,0 +1,210 @@
+"""The ground of a parcel, and the moves that every kind of place shares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, cos, pi, sin
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import QUARTER, STREETWARD, Frame
+from aeroscene.corpus.curation.parcels import Parcel
+from aeroscene.scene import AttributeValue, Vector3
+
+GROUND_M = {"lawn": 0.06, "plaza": 0.1, "parking_lot": 0.04, "sidewalk": 0.1}
+"""Heights of the surfaces of parcels above the ground."""
+_FINISH = {"lawn": "grass", "plaza": "paving", "parking_lot": "asphalt", "sidewalk": "paving"}
+"""What covers a slope instead of a surface of its own."""
+_MARGIN_M = 0.4
+_TRIES = 6
+_FENCE_STEP_M = 3.0
+"""Length of the pieces in which a fence climbs a slope."""
+
+
+@dataclass(slots=True)
+class Ground:
+    """One parcel with its surface; positions are in the parcel's frame, v from the street.
+
+    On a slope whatever stands on the surface stands at the lowest point of its outline, sunk into
+    the hill behind it.
+    """
+
+    builder: Builder
+    draw: Draw
+    parcel: Parcel
+    surface: Placed | None = None
+
+    @property
+    def level(self) -> float:
+        """Height on which things stand; on a slope that of its foot."""
+        if self.parcel.rise or not self.surface:
+            return self.parcel.level
+        return self.surface.top
+
+    def height_under(self, v: float, size: Vector3, turn: float) -> float:
+        """Height on which an outline stands: of the lowest ground that it covers, m."""
+        if not self.parcel.rise:
+            return self.level
+        reach = (abs(sin(turn)) * size[0] + abs(cos(turn)) * size[1]) / 2
+        share = min(1.0, max(0.0, (v - reach) / self.parcel.depth))
+        return self.parcel.level + share * self.parcel.rise
+
+    def cover(self, name: str, attributes: dict[str, AttributeValue] | None = None) -> None:
+        """Give the whole parcel a surface; on a slope the hill itself."""
+        parcel = self.parcel
+        turn, size = 0.0, (parcel.width, parcel.depth, GROUND_M[name])
+        if parcel.rise:
+            attributes = {"form": "ramp", "finish": _FINISH[name]}
+            name, turn, size = "terrain", QUARTER, (parcel.depth, parcel.width, parcel.rise)
+        self.surface = self.builder.place(
+            name,
+            parcel.frame,
+            0,
+            parcel.depth / 2,
+            size,
+            base=parcel.level,
+            turn=turn,
+            parent=parcel.bearer,
+            attributes=attributes,
+        )
+
+    def stand(
+        self,
+        name: str,
+        u: float,
+        v: float,
+        size: Vector3 | None = None,
+        *,
+        turn: float = STREETWARD,
+        margin: float = 0.15,
+        on: Placed | None = None,
+        base: float | None = None,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Stand something on the parcel's surface, if there is space."""
+        bearer = on or self.surface
+        size = size or self.draw.size_of(name)
+        if base is None:
+            base = self.height_under(v, size, turn)
+        return self.builder.place(
+            name,
+            self.parcel.frame,
+            u,
+            v,
+            size,
+            base=base,
+            turn=turn,
+            parent=bearer,
+            within=bearer,
+            margin=margin,
+            attributes=attributes,
+        )
+
+    def erect(
+        self,
+        name: str,
+        u: float,
+        v: float,
+        size: Vector3,
+        *,
+        turn: float = STREETWARD,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Put up a structure, if there is space: a root of its own, or a part of its hill."""
+        return self.builder.place(
+            name,
+            self.parcel.frame,
+            u,
+            v,
+            size,
+            base=self.height_under(v, size, turn),
+            turn=turn,
+            parent=self.surface if self.parcel.rise else None,
+            within=self.surface,
+            margin=_MARGIN_M,
+            attributes=attributes,
+        )
+
+    def scatter(
+        self,
+        name: str,
+        count: int,
+        *,
+        margin: float = 0.3,
+        near: tuple[float, float, float, float] | None = None,
+        turn: float | None = None,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> list[Placed]:
+        """Stand several of a kind at random places (u0, u1, v0, v1) of the parcel."""
+        half, depth = self.parcel.width / 2, self.parcel.depth
+        u0, u1, v0, v1 = near or (-half, half, 0.0, depth)
+        found: list[Placed] = []
+        for _ in range(count):
+            size = self.draw.size_of(name)
+            reach = max(size[0], size[1]) / 2
+            for _ in range(_TRIES):
+                u, v = self._spot(u0, u1, reach), self._spot(v0, v1, reach)
+                heading = self.draw.between(-pi, pi) if turn is None else turn
+                placed = self.stand(
+                    name, u, v, size, turn=heading, margin=margin, attributes=attributes
+                )
+                if placed:
+                    found.append(placed)
+                    break
+        return found
+
+    def plant_trees(
+        self, count: int, near: tuple[float, float, float, float] | None = None
+    ) -> None:
+        """Trees of one or two forms, square in outline so that the crown is round."""
+        form = self.draw.one_of(("round", "spreading", "conical"))
+        leaves = self.draw.one_of(("leaves", "leaves", "leaves_dark", "leaves_autumn"))
+        half, depth = self.parcel.width / 2, self.parcel.depth
+        u0, u1, v0, v1 = near or (-half, half, 0.0, depth)
+        for _ in range(count):
+            height = self.draw.between(4.5, 10.5)
+            width = round(height * self.draw.between(0.4, 0.58), 2)
+            if form == "conical":
+                width = round(0.7 * width, 2)
+            reach = width / 2 + 0.2
+            for _ in range(_TRIES):
+                u, v = self._spot(u0, u1, reach), self._spot(v0, v1, reach)
+                attributes: dict[str, AttributeValue] = {"form": form, "leaves": leaves}
+                size = (width, width, height)
+                if self.stand("tree", u, v, size, turn=0.0, attributes=attributes):
+                    break
+
+    def _spot(self, low: float, high: float, reach: float) -> float:
+        """A place between two borders, at least `reach` away from both where they allow."""
+        if high - low <= 2 * reach:
+            return (low + high) / 2
+        return self.draw.between(low + reach, high - reach)
+
+    def fence_line(
+        self, start: tuple[float, float], end: tuple[float, float], form: str, height: float
+    ) -> None:
+        """A fence between two points of the parcel that share u or v."""
+        (u0, v0), (u1, v1) = start, end
+        is_along_u = abs(u1 - u0) > abs(v1 - v0)
+        length = abs(u1 - u0) if is_along_u else abs(v1 - v0)
+        pieces = ceil(length / _FENCE_STEP_M) if self.parcel.rise and not is_along_u else 1
+        turn = QUARTER if is_along_u else 0.0
+        size = (0.3 if form == "hedge" else 0.1, length / pieces, height)
+        for piece in range(pieces):
+            share = (piece + 0.5) / pieces
+            u, v = u0 + share * (u1 - u0), v0 + share * (v1 - v0)
+            self.builder.place(
+                "fence",
+                self.parcel.frame,
+                u,
+                v,
+                size,
+                base=self.height_under(v, size, turn),
+                turn=turn,
+                parent=self.surface,
+                attributes={"form": form},
+            )
+
+    def facing(self, frame: Frame, turn: float) -> float:
+        """Turn in the parcel's frame of a heading in another frame."""
+        return frame.yaw + turn - self.parcel.frame.yaw

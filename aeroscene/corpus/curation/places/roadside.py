@@ -1,0 +1,69 @@
+"""Vehicles at rest and bicycles in racks, lamps and benches along ways."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+
+from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.frame import QUARTER, Frame
+from aeroscene.corpus.curation.places.bearing import Bearing
+from aeroscene.corpus.curation.places.goods import paint
+
+_LONGEST_M = {"car": 4.8, "van": 5.6}
+
+
+def park(
+    bearing: Bearing, name: str, frame: Frame, u: float, v: float, turn: float
+) -> Placed | None:
+    """A vehicle with some paint."""
+    length, width, height = bearing.draw.size_of(name, 0.25)
+    size = (min(length, _LONGEST_M.get(name, length)), width, height)
+    attributes = paint(bearing.draw)
+    return bearing.stand(name, frame, u, v, size, turn=turn, margin=0.15, attributes=attributes)
+
+
+def rack_bicycles(
+    bearing: Bearing, frame: Frame, u: float, v: float, count: int, turn: float = QUARTER
+) -> None:
+    """Bicycles side by side along the frame's x axis."""
+    for index in range(count):
+        at = u + (index - (count - 1) / 2) * 0.75
+        size = (1.75, 0.55, 1.05)
+        bearing.stand("bicycle", frame, at, v, size, turn=turn, attributes=paint(bearing.draw))
+
+
+def line_way(
+    bearing: Bearing, frame: Frame, span: tuple[float, float], reach: float
+) -> Iterator[None]:
+    """Benches in pairs beside a way along the frame's x axis, facing it; bins and lamps between.
+
+    Args:
+        bearing: What they stand on.
+        frame: x along the way, in its middle.
+        span: From where to where along the way.
+        reach: Half the way's width.
+    """
+    low, high = span
+    count = max(1, int((high - low) / 7.0))
+    spots = [low + (index + 0.5) * (high - low) / count for index in range(count)]
+    for index, at in enumerate(spots):
+        sides = (-1, 1) if index % 2 else (1, -1)
+        for side in sides[: 2 if count < 4 else 1]:
+            _bench(bearing, frame, at, side, reach)
+        if index % 2 == 0:
+            bearing.stand(
+                "bin", frame, at + 1.8, sides[0] * (reach + 0.5), (0.5, 0.5, 0.95), turn=pi
+            )
+        yield
+    for index in range(max(1, int((high - low) / 14.0))):
+        at = low + 3.5 + 14.0 * index
+        side = 1 if index % 2 else -1
+        turn = -side * QUARTER
+        bearing.stand("street_lamp", frame, at, side * (reach + 0.5), (0.9, 0.4, 4.2), turn=turn)
+        yield
+
+
+def _bench(bearing: Bearing, frame: Frame, at: float, side: int, reach: float) -> None:
+    size = (0.6, bearing.draw.between(1.5, 2.0), 0.85)
+    bearing.stand("bench", frame, at, side * (reach + 0.55), size, turn=-side * QUARTER)

@@ -1,0 +1,208 @@
+"""What covers buildings, and what stands on roofs: machines in rows, solar arrays, gardens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import sin
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import QUARTER, Frame
+from aeroscene.corpus.curation.places.bearing import Platform
+from aeroscene.corpus.curation.places.seating import dine
+from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.scene import AttributeValue
+from aeroscene.solids.shapes.roofs import ROOF_SLAB_M
+
+PARAPET_RISE_M = 0.45
+_INSET_M = 0.5
+"""From the roof's outer edge to what stands on it: the parapet and a hand's breadth."""
+_OVERHANG_M = 0.4
+"""Eaves beyond the wall."""
+MONOPITCH_SLOPE = 0.12
+"""Rise over run of a monopitch roof, 6.8 degrees: gentle enough to land on."""
+_SOLAR_M = (1.5, 3.0, 0.75)
+_DECK_M = 0.15
+
+
+def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -> Placed | None:
+    """A slab over a building's outline, with a parapet."""
+    x, y, _ = building.size
+    height = ROOF_SLAB_M + (PARAPET_RISE_M if parapet else 0.0)
+    return builder.place(
+        "roof",
+        building.frame,
+        0,
+        0,
+        (x, y, height),
+        base=building.top,
+        parent=building,
+        attributes={"form": "flat"},
+    )
+
+
+def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed | None:
+    """A gable or hip roof with overhanging eaves; its ridge runs along the longer side."""
+    x, y, _ = building.size
+    run, span = max(x, y), min(x, y)
+    size = (run + 2 * _OVERHANG_M, span + 2 * _OVERHANG_M, round(0.32 * span, 2))
+    attributes: dict[str, AttributeValue] = {
+        "form": draw.one_of(("gable", "hip")),
+        "tiles": draw.one_of(("roof_red", "roof_slate")),
+    }
+    return builder.place(
+        "roof",
+        building.frame,
+        0,
+        0,
+        size,
+        base=building.top,
+        turn=0.0 if x >= y else QUARTER,
+        parent=building,
+        attributes=attributes,
+    )
+
+
+def add_monopitch_roof(builder: Builder, building: Placed) -> Placed | None:
+    """One plane that rises towards the building's front, gentle enough to land on."""
+    x, y, _ = building.size
+    size = (x + 2 * _OVERHANG_M, y + 2 * _OVERHANG_M, round(0.2 + MONOPITCH_SLOPE * x, 2))
+    return builder.place(
+        "roof",
+        building.frame,
+        0,
+        0,
+        size,
+        base=building.top,
+        parent=building,
+        attributes={"form": "shed"},
+    )
+
+
+def add_chimney(builder: Builder, draw: Draw, roof: Placed) -> None:
+    """A stack that rises through a pitched roof near its ridge."""
+    u = draw.between(-0.3, 0.3) * roof.size[0]
+    foot = roof.base + 0.45 * roof.size[2]
+    size = (0.7, 0.7, round(0.55 * roof.size[2] + 0.8, 2))
+    builder.place("chimney", roof.frame, u, 0.06 * roof.size[1], size, base=foot, parent=roof)
+
+
+@dataclass(frozen=True, slots=True)
+class RoofTop:
+    """The walkable face of a flat roof: u along its longer side."""
+
+    platform: Platform
+    frame: Frame
+    half_u: float
+    half_v: float
+
+    def at_end(self, side: int, share: float) -> tuple[float, float]:
+        """Borders of the share of the roof that lies towards one end (1 or -1)."""
+        inner, outer = side * self.half_u * (1 - 2 * share), side * self.half_u
+        return (min(inner, outer), max(inner, outer))
+
+
+def roof_top(builder: Builder, draw: Draw, roof: Placed) -> RoofTop:
+    """The face between the parapets of a flat roof."""
+    x, y, _ = roof.size
+    frame = roof.frame if x >= y else roof.frame.moved(0, 0, QUARTER)
+    platform = Platform(builder, draw, roof, roof.base + ROOF_SLAB_M)
+    return RoofTop(platform, frame, max(x, y) / 2 - _INSET_M, min(x, y) / 2 - _INSET_M)
+
+
+def furnish_flat_roof(builder: Builder, draw: Draw, roof: Placed) -> Iterator[None]:
+    """Machines along one edge; at one end a solar array, a pad or nothing but room to land."""
+    top = roof_top(builder, draw, roof)
+    side = 1 if draw.chance(0.5) else -1
+    use = draw.one_of(("solar", "solar", "pad", "open"))
+    ends = iter(())
+    if use == "solar" and top.half_u > 3.5:
+        ends = _solar_array(top, top.at_end(side, 0.45))
+    elif use == "pad":
+        ends = _pad(top, side)
+    yield from in_turn(ends, _machines(top))
+
+
+def _machines(top: RoofTop) -> Iterator[None]:
+    """Air conditioners in a row along one edge, then a tank, a mast and chimneys in corners."""
+    platform, draw = top.platform, top.platform.draw
+    edge = 1 if draw.chance(0.5) else -1
+    size = draw.size_of("ac_unit", 0.3)
+    pitch = size[1] + 0.5
+    count = min(draw.count(2, 5), max(1, int(1.2 * top.half_u / pitch)))
+    v = edge * (top.half_v - size[0] / 2)
+    for index in range(count):
+        u = (index - (count - 1) / 2) * pitch
+        turn = -edge * QUARTER
+        platform.stand("ac_unit", top.frame, u, v, size, turn=turn)
+        if index % 2:
+            yield
+    yield
+    corners = [(su, sv) for su in (-1, 1) for sv in (-1, 1)]
+    names = ("water_tank", "antenna", "chimney", "ac_unit")
+    for index in draw.shuffled(range(len(corners)))[: draw.count(1, 3)]:
+        name = names[draw.count(0, 3)]
+        size = draw.size_of(name, 0.25)
+        reach_u, reach_v = top.half_u - size[0] / 2, top.half_v - size[1] / 2
+        if min(reach_u, reach_v) > 0.8:
+            su, sv = corners[index]
+            platform.stand(name, top.frame, su * reach_u, sv * reach_v, size)
+            yield
+
+
+def _solar_array(top: RoofTop, span: tuple[float, float]) -> Iterator[None]:
+    """Rows of panels that all lean towards the south, as far as the building allows."""
+    depth, width, _ = _SOLAR_M
+    # Rows run along the roof's longer side; of its two sides the more southern one is the front.
+    turn = max((-QUARTER, QUARTER), key=lambda angle: -sin(top.frame.yaw + angle))
+    low, high = span
+    columns = max(1, int((high - low) / (width + 0.15)))
+    rows = max(1, int((2 * top.half_v - 1.2) / (depth + 0.7)))
+    for row in range(min(rows, 4)):
+        v = top.half_v - depth / 2 - row * (depth + 0.7)
+        for column in range(min(columns, 4)):
+            u = low + (column + 0.5) * (width + 0.15)
+            top.platform.stand("solar_panel", top.frame, u, v, _SOLAR_M, turn=turn)
+        yield
+
+
+def _pad(top: RoofTop, side: int) -> Iterator[None]:
+    """A landing pad towards one end."""
+    length = top.platform.draw.between(2.6, 3.2)
+    u = side * (top.half_u - length / 2 - 0.3)
+    if top.half_v > length / 2 + 0.2:
+        pad = (length, length, 0.05)
+        top.platform.stand("landing_pad", top.frame, u, 0.0, pad, margin=0.3)
+        yield
+
+
+def lay_roof_deck(builder: Builder, draw: Draw, roof: Placed) -> Placed | None:
+    """Boards over one end of a flat roof."""
+    top = roof_top(builder, draw, roof)
+    length, width = min(6.0, 0.8 * top.half_u), min(5.5, 2 * top.half_v - 0.4)
+    if min(length, width) < 3.0:
+        return None
+    u = (1 if draw.chance(0.5) else -1) * (top.half_u - length / 2)
+    size = (round(length, 2), round(width, 2), _DECK_M)
+    return top.platform.stand("deck", top.frame, u, 0.0, size, margin=0.02)
+
+
+def furnish_roof_deck(builder: Builder, draw: Draw, deck: Placed) -> Iterator[None]:
+    """Tables for the tenants, planters along the rim, small trees in the corners."""
+    platform = Platform(builder, draw, deck, deck.top)
+    x, y, _ = deck.size
+    tables = [(0.0, -0.22 * y), (0.0, 0.22 * y)] if y > 4.5 else [(0.0, 0.0)]
+    yield from in_turn(dine(platform, deck.frame, tables, QUARTER), _greenery(platform, x, y))
+
+
+def _greenery(platform: Platform, x: float, y: float) -> Iterator[None]:
+    frame = platform.bearer.frame
+    for sign in (-1, 1):
+        size = (0.5, min(2.0, 0.4 * x), 0.95)
+        platform.stand("planter", frame, 0.0, sign * (y / 2 - 0.3), size, turn=QUARTER)
+    yield
+    for su in (-1, 1):
+        size = (0.9, 0.9, platform.draw.between(0.9, 1.5))
+        platform.stand("bush", frame, su * (x / 2 - 0.5), y / 2 - 0.5, size)
+    yield

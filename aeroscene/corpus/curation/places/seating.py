@@ -1,0 +1,124 @@
+"""Tables with chairs that face them, tables laid for a meal, benches that look at something."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.places.bearing import Bearing
+from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.solids.shapes.furniture import WOODS
+
+_SEAT_M = 0.72
+"""Length of table for one person."""
+_GAP_M = 0.06
+
+
+def set_table(
+    bearing: Bearing,
+    frame: Frame,
+    u: float,
+    v: float,
+    *,
+    turn: float = 0.0,
+    size: Vector3 | None = None,
+    chairs: int = 4,
+) -> Placed | None:
+    """A table with chairs along its two long sides, each facing it."""
+    size = size or (0.9, bearing.draw.between(1.2, 1.8), 0.74)
+    wood, form = bearing.draw.one_of(WOODS), bearing.draw.one_of(("legs", "trestle"))
+    table = bearing.stand(
+        "table", frame, u, v, size, turn=turn, margin=0.1, attributes={"wood": wood, "form": form}
+    )
+    if table is None:
+        return None
+    for side, along in _seats(size, chairs):
+        seat = (0.5, 0.5, 0.9)
+        reach = side * (size[0] / 2 + seat[0] / 2 + _GAP_M)
+        facing = pi if side > 0 else 0.0
+        bearing.stand(
+            "chair",
+            table.frame,
+            reach,
+            along,
+            seat,
+            turn=facing,
+            attributes={"wood": wood, "form": "legs"},
+        )
+    return table
+
+
+def _seats(size: Vector3, count: int) -> list[tuple[int, float]]:
+    """Side (1 or -1) and place along the table of some seats."""
+    per_side = max(1, min((count + 1) // 2, int(size[1] / _SEAT_M)))
+    spots = [
+        (side, (index - (per_side - 1) / 2) * size[1] / per_side)
+        for index in range(per_side)
+        for side in (-1, 1)
+    ]
+    return spots[:count]
+
+
+def lay_table(builder: Builder, draw: Draw, table: Placed, covers: int) -> None:
+    """Plate, cutlery and perhaps a cup for each of some seats."""
+    reach = table.size[0] / 2
+    for side, along in _seats(table.size, covers):
+        items: list[tuple[str, float, float]] = [
+            ("plate", reach - 0.2, 0.0),
+            ("cutlery", reach - 0.2, side * 0.2),
+        ]
+        if draw.chance(0.6):
+            items.append(("cup", reach - 0.36, side * -0.2))
+        for name, inset, aside in items:
+            put_on(builder, draw, table, name, side * inset, along + aside, 0.0)
+
+
+def put_on(
+    builder: Builder, draw: Draw, bearer: Placed, name: str, u: float, v: float, turn: float
+) -> Placed | None:
+    """Lay something on an object's upper face."""
+    return builder.place(
+        name,
+        bearer.frame,
+        u,
+        v,
+        draw.size_of(name),
+        base=bearer.top,
+        turn=turn,
+        parent=bearer,
+        within=bearer,
+    )
+
+
+def dine(
+    bearing: Bearing, frame: Frame, spots: list[tuple[float, float]], turn: float, chairs: int = 4
+) -> Iterator[None]:
+    """Tables at some places of a frame; afterwards they are laid, one by one."""
+    tables: list[Placed] = []
+    for u, v in spots:
+        table = set_table(bearing, frame, u, v, turn=turn, chairs=chairs)
+        if table:
+            tables.append(table)
+            yield
+    for table in tables:
+        lay_table(bearing.builder, bearing.draw, table, min(chairs, bearing.draw.count(1, 2)))
+        yield
+
+
+def picnic(bearing: Bearing, frame: Frame, u: float, v: float, turn: float) -> Placed | None:
+    """A table between two benches that face it."""
+    length = bearing.draw.between(1.6, 2.0)
+    form: dict[str, AttributeValue] = {"form": "trestle"}
+    size = (0.8, length, 0.74)
+    table = bearing.stand("table", frame, u, v, size, turn=turn, margin=0.1, attributes=form)
+    if table is None:
+        return None
+    for side in (-1, 1):
+        facing = pi if side > 0 else 0.0
+        size = (0.42, length, 0.46)
+        plain: dict[str, AttributeValue] = {"form": "plain"}
+        bearing.stand("bench", table.frame, side * 0.72, 0.0, size, turn=facing, attributes=plain)
+    return table

@@ -1,0 +1,227 @@
+"""A waterfront: a quay along the street, boats moored to it and to jetties, goods, benches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import pi
+
+from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
+from aeroscene.corpus.curation.places.bearing import OpenGround, Platform, beneath, on_top
+from aeroscene.corpus.curation.places.filling import fill_up
+from aeroscene.corpus.curation.places.goods import (
+    drums,
+    paint,
+    scatter_goods,
+    set_container,
+    stack_container,
+)
+from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.roadside import park
+from aeroscene.corpus.curation.places.seating import dine
+from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.scene import AttributeValue
+
+_QUAY_M = 0.25
+"""Height of the quay above the ground."""
+_WATER_M = 0.1
+_DRAUGHT_M = 0.03
+"""Height of a keel above the bed: hulls lie in the water, not on it."""
+_JETTY_M = 3.0
+_BERTH_M = 0.35
+"""Between a hull and what it is moored to."""
+
+
+@dataclass(slots=True)
+class Waterfront:
+    """Quay in front, water behind it."""
+
+    ground: Ground
+    _edge: float = 0.0
+    """Where the quay ends and the water begins, v."""
+    _water: Placed | None = None
+    _jetties: list[Placed] = field(default_factory=list)
+    _pavilion: Placed | None = None
+    _kiosk: Placed | None = None
+    _boxes: list[Placed] = field(default_factory=list)
+    _boathouse: Placed | None = None
+
+    def structures(self) -> Iterator[None]:
+        """Quay and water; then jetties, a pavilion, containers, a kiosk, a boathouse."""
+        ground, draw = self.ground, self.ground.draw
+        half = ground.parcel.width / 2
+        self._lay_quay()
+        yield
+        count = max(1, min(4, int(2 * half / 15.0)))
+        for index in range(count):
+            self._build_jetty((index - (count - 1) / 2) * 2 * half / count)
+            yield
+        side = 1 if draw.chance(0.5) else -1
+        size = (4.0, min(6.5, 0.5 * half), 3.2)
+        at = (side * 0.5 * half, self._edge - 3.6)
+        self._pavilion = ground.stand("canopy", *at, size, turn=INWARD, attributes=paint(draw))
+        yield
+        for index in range(2):
+            u = -side * (half - 4.0 - 7.0 * index)
+            box = set_container(ground, u, 2.0, 0.0)
+            if box:
+                self._boxes.append(box)
+                if draw.chance(0.4):
+                    stack_container(ground, box)
+            yield
+        at = (-side * 0.25 * half, max(2.2, 0.55 * self._edge))
+        self._kiosk = ground.stand(
+            "kiosk", *at, (2.4, 3.2, 2.8), turn=INWARD, attributes=paint(draw)
+        )
+        yield
+        if self._edge > 8:
+            form: dict[str, AttributeValue] = {"form": "shed"}
+            at = (side * (half - 2.6), 2.8)
+            self._boathouse = ground.erect("garage", *at, (4.4, 3.6, 2.8), attributes=form)
+            yield
+
+    def _lay_quay(self) -> None:
+        """Paving along the street and water behind it, side by side on the parcel's level."""
+        ground, parcel = self.ground, self.ground.parcel
+        self._edge = round(min(14.0, max(5.0, 0.42 * parcel.depth)), 2)
+        rest = round(parcel.depth - self._edge, 2)
+        size = (parcel.width, self._edge, _QUAY_M)
+        ground.surface = ground.builder.place(
+            "plaza", parcel.frame, 0, self._edge / 2, size, base=parcel.level
+        )
+        form: dict[str, AttributeValue] = {"form": "open"}
+        v, size = self._edge + rest / 2, (parcel.width, rest, _WATER_M)
+        self._water = ground.builder.place(
+            "water", parcel.frame, 0, v, size, base=parcel.level, attributes=form
+        )
+
+    def _afloat(self, water: Placed) -> Platform:
+        """The water as something to lie in."""
+        ground = self.ground
+        return Platform(ground.builder, ground.draw, water, water.base + _DRAUGHT_M)
+
+    def _build_jetty(self, u: float) -> None:
+        """Boards out into the water, level with the quay."""
+        ground, water = self.ground, self._water
+        rest = ground.parcel.depth - self._edge
+        if water is None or rest < 7:
+            return
+        long = round(min(12.0, rest - 3.0), 2)
+        size = (long, _JETTY_M, round(_QUAY_M - _DRAUGHT_M, 2))
+        jetty = self._afloat(water).stand(
+            "deck",
+            ground.parcel.frame,
+            u,
+            self._edge + long / 2 + 0.02,
+            size,
+            turn=INWARD,
+            margin=0.0,
+        )
+        if jetty:
+            self._jetties.append(jetty)
+
+    def details(self) -> Iterator[None]:
+        """Boats first; then goods on the quay, guests, benches that look at the water."""
+        ground = self.ground
+        half = ground.parcel.width / 2
+        quay = (-half + 0.5, half - 0.5, 1.0, self._edge - 0.5)
+        bearing = OpenGround(ground)
+        yield from in_turn(
+            self._moor(), self._line_edge(), self._serve(), scatter_goods(ground, bearing, quay, 4)
+        )
+
+    def _moor(self) -> Iterator[None]:
+        """Boats along both sides of each jetty, then along the quay."""
+        draw, water = self.ground.draw, self._water
+        if water is None:
+            return
+        afloat = self._afloat(water)
+        for jetty in self._jetties:
+            for side in (-1, 1):
+                _moor_along(
+                    afloat, jetty, side * _JETTY_M / 2, INWARD if draw.chance(0.7) else -INWARD
+                )
+            yield
+        frame = self.ground.parcel.frame
+        half = self.ground.parcel.width / 2
+        slots = max(1, int(2 * half / 7.5))
+        for number, index in enumerate(draw.shuffled(range(slots))):
+            beam, length = draw.between(1.8, 2.6), draw.between(5.0, 6.8)
+            u = (index - (slots - 1) / 2) * 2 * half / slots
+            v = self._edge + _BERTH_M + beam / 2
+            turn = 0.0 if draw.chance(0.5) else pi
+            size = (length, beam, draw.between(1.4, 2.4))
+            afloat.stand("boat", frame, u, v, size, turn=turn, attributes=paint(draw))
+            if number % 2:
+                yield
+        for index in range(2):
+            u = draw.between(-0.7, 0.7) * half
+            v = self.ground.parcel.depth - draw.between(1.8, 3.0)
+            size = (draw.between(5.0, 9.0), 2.4, draw.between(1.8, 3.0))
+            afloat.stand("boat", frame, u, v, size, turn=index * pi, attributes=paint(draw))
+            yield
+
+    def _line_edge(self) -> Iterator[None]:
+        """Benches towards the water, bollards, lamps."""
+        ground = self.ground
+        half = ground.parcel.width / 2
+        count = max(2, int(2 * half / 6.0))
+        for index in range(count):
+            u = (index + 0.5) * 2 * half / count - half
+            ground.stand("bench", u, self._edge - 1.6, (0.6, 1.8, 0.85), turn=INWARD)
+            ground.stand("barrel", u + 2.2, self._edge - 0.5, (0.5, 0.5, 0.8), turn=0.0)
+            if index % 2 == 0:
+                at = (u - 1.9, self._edge - 1.6)
+                ground.stand("street_lamp", *at, (0.9, 0.4, 4.2), turn=INWARD)
+            yield
+        for jetty in self._jetties:
+            end = jetty.size[0] / 2 - 0.6
+            on_top(ground, jetty).stand("crate", jetty.frame, end, 0.8, (0.8, 0.8, 0.7))
+            on_top(ground, jetty).stand("bench", jetty.frame, end - 0.4, -0.6, (0.6, 1.4, 0.85))
+            yield
+
+    def _serve(self) -> Iterator[None]:
+        """Tables in the pavilion, planters, a van at the kiosk, trees in the paving."""
+        ground, draw = self.ground, self.ground.draw
+        half, bearing = ground.parcel.width / 2, OpenGround(ground)
+        if self._pavilion:
+            width = self._pavilion.size[1]
+            spots = [(0.0, -width / 4), (0.0, width / 4)] if width > 4.6 else [(0.0, 0.0)]
+            yield from dine(beneath(ground, self._pavilion), self._pavilion.frame, spots, QUARTER)
+        for box in self._boxes:
+            at = box.size[0] / 2 - 1.0
+            drums(bearing, box.frame.moved(at, -box.size[1] / 2 - 1.2, 0), 0.0, 0.0, 3)
+            yield
+        park(bearing, "van", ground.parcel.frame, draw.between(-0.5, 0.5) * half, 1.6, 0.0)
+        yield
+        if self._kiosk:
+            for sign in (-1, 1):
+                at = sign * (self._kiosk.size[1] / 2 + 0.7)
+                bearing.stand("planter", self._kiosk.frame, 0.0, at, (1.2, 0.6, 0.9))
+            yield
+        for _ in range(3):
+            ground.plant_trees(1, (-half, half, 0.5, 0.6 * self._edge))
+            ground.scatter("planter", 1, near=(-half, half, 0.3, self._edge - 2.0), turn=0.0)
+            yield
+        ground.stand("sign", 0.8 * half, 0.6, (0.1, 1.4, 2.4), turn=STREETWARD)
+        ground.scatter("bin", 1, near=(-half, half, 0.5, self._edge), turn=0.0)
+        yield
+        names = ("bicycle", "crate", "planter", "bench", "barrel")
+        yield from fill_up(ground, names, (-half, half, 0.5, self._edge), 8)
+
+
+def _moor_along(afloat: Platform, jetty: Placed, edge: float, turn: float) -> None:
+    """A boat beside a jetty, its keel along it."""
+    draw = afloat.draw
+    beam = draw.between(1.8, 2.4)
+    length = min(draw.between(5.0, 7.5), round(jetty.size[0] - 1.0, 2))
+    side = 1 if edge > 0 else -1
+    at = edge + side * (_BERTH_M + beam / 2)
+    # A mast about as high as the boat is long, or a cabin.
+    high = draw.between(0.9, 1.15) * length if draw.chance(0.4) else draw.between(1.3, 2.2)
+    size = (round(length, 2), beam, round(high, 2))
+    heading = 0.0 if turn > 0 else pi
+    u = draw.between(-0.1, 0.25) * (jetty.size[0] - length)
+    u = max(u, -jetty.size[0] / 2 + length / 2 + 3.2)  # Clear of the boats along the quay.
+    afloat.stand("boat", jetty.frame, u, at, size, turn=heading, attributes=paint(draw))

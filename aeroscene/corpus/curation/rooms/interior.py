@@ -1,0 +1,307 @@
+"""The moves that furnishing a room is made of: against a wall, around a table, on a desk."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import QUARTER, Frame
+from aeroscene.corpus.curation.shells import RoomSpace
+from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.solids.shapes.furniture import WOODS
+from aeroscene.solids.shapes.materials import FABRIC_COLOURS
+
+_GAP_M = 0.03
+"""Between furniture and the wall behind it."""
+_TRIES = 6
+
+_INDOOR_SIZES: dict[str, Vector3] = {"bin": (0.42, 0.42, 0.8), "sign": (0.2, 1.3, 2.3)}
+
+SIDES = ("front", "back", "left", "right")
+# Turn of the wall's frame in the room: v leads from the wall into the room.
+_WALLS = {"front": QUARTER, "back": -QUARTER, "left": pi, "right": 0.0}
+_STYLED = frozenset(
+    ("table", "chair", "desk", "cabinet", "shelf", "coffee_table", "nightstand", "sofa", "armchair")
+)
+_BEARERS = frozenset(("cabinet", "counter", "shelf", "nightstand", "desk", "table", "coffee_table"))
+
+
+class Interior:
+    """Furnishes one room."""
+
+    def __init__(
+        self,
+        builder: Builder,
+        draw: Draw,
+        space: RoomSpace,
+        sides: Sequence[str] = SIDES,
+    ) -> None:
+        """Begin with an empty room that has walls on some of its sides."""
+        self._builder = builder
+        self.draw = draw
+        self.room = space.placed
+        self.floor = space.floor
+        self.sides = tuple(sides) or SIDES
+        """Sides on which furniture can have a wall in its back."""
+        self.bearers: list[Placed] = []
+        """Furniture on which small things can lie."""
+        # One room, one taste: furniture shares its wood and upholstery its colour.
+        self._style: dict[str, AttributeValue] = {
+            "wood": draw.one_of(WOODS),
+            "colour": draw.one_of(FABRIC_COLOURS),
+        }
+
+        # Corners bear things too, so no table is round.
+        self._forms = {
+            "table": draw.one_of(("legs", "trestle", "pedestal")),
+            "coffee_table": draw.one_of(("panels", "legs")),
+            "sign": "board",
+        }
+
+    def _size_of(self, name: str) -> Vector3:
+        """A size; of what streets have larger, the one that suits rooms."""
+        return _INDOOR_SIZES.get(name) or self.draw.size_of(name)
+
+    @property
+    def area(self) -> float:
+        """Of the floor, m2."""
+        return self.room.size[0] * self.room.size[1]
+
+    def wall(self, side: str) -> tuple[Frame, float]:
+        """Frame in the middle of a wall's foot with v into the room, and the wall's length."""
+        x, y, _ = self.room.size
+        place: dict[str, tuple[float, float]] = {
+            "front": (x / 2, 0),
+            "back": (-x / 2, 0),
+            "left": (0, y / 2),
+            "right": (0, -y / 2),
+        }
+        length = y if side in {"front", "back"} else x
+        return self.room.frame.moved(*place[side], _WALLS[side]), length
+
+    def some_side(self) -> str:
+        """A wall by chance."""
+        return self.draw.one_of(self.sides)
+
+    def against(
+        self,
+        side: str,
+        name: str,
+        size: Vector3 | None = None,
+        turn: float = 0.0,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Stand something with its back to a wall, or turned from that, where there is space.
+
+        Where the side has no wall or no space, another wall takes it.
+        """
+        size = size or self._size_of(name)
+        others = [self.sides[i] for i in self.draw.shuffled(range(len(self.sides)))]
+        for wall in (*(s for s in others if s == side), *(s for s in others if s != side)):
+            placed = self._against(wall, name, size, turn, attributes)
+            if placed:
+                return placed
+        return None
+
+    def _against(
+        self,
+        side: str,
+        name: str,
+        size: Vector3,
+        turn: float,
+        attributes: dict[str, AttributeValue] | None,
+    ) -> Placed | None:
+        frame, length = self.wall(side)
+        is_square = abs(turn) % pi < 0.1
+        deep, wide = (size[0], size[1]) if is_square else (size[1], size[0])
+        reach = length / 2 - wide / 2 - _GAP_M
+        if reach < 0:
+            return None
+        v = deep / 2 + _GAP_M
+        for _ in range(_TRIES):
+            u = self.draw.between(-reach, reach)
+            placed = self._stand(name, frame, u, v, size, QUARTER + turn, 0.02, attributes)
+            if placed:
+                return placed
+        return None
+
+    def lined(
+        self, side: str, name: str, count: int, size: Vector3 | None = None, gap: float = 0.05
+    ) -> list[Placed]:
+        """Stand several of a size side by side along a wall, beginning anywhere."""
+        size = size or self._size_of(name)
+        first = self.against(side, name, size)
+        row = [first] if first else []
+        for sign in (-1.0, 1.0):
+            while row and len(row) < count:
+                end = row[-1] if sign > 0 else row[0]
+                v = sign * (size[1] + gap)
+                placed = self._stand(name, end.frame, 0.0, v, size, 0.0)
+                if placed is None:
+                    break
+                row.insert(len(row) if sign > 0 else 0, placed)
+        return row
+
+    def anywhere(
+        self,
+        name: str,
+        size: Vector3 | None = None,
+        keep: float = 0.7,
+        turn: float = 0.0,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Stand something freely in the room, `keep` from everything."""
+        size = size or self._size_of(name)
+        x, y, _ = self.room.size
+        across, along = (size[0], size[1]) if abs(turn) % pi < 0.1 else (size[1], size[0])
+        reach_u, reach_v = x / 2 - across / 2 - keep, y / 2 - along / 2 - keep
+        if min(reach_u, reach_v) < 0:
+            return None
+        for _ in range(_TRIES):
+            u, v = self.draw.between(-reach_u, reach_u), self.draw.between(-reach_v, reach_v)
+            placed = self._stand(name, self.room.frame, u, v, size, turn, keep, attributes)
+            if placed:
+                return placed
+        return None
+
+    def put(
+        self,
+        name: str,
+        u: float,
+        v: float,
+        size: Vector3 | None = None,
+        turn: float = 0.0,
+        keep: float = 0.02,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Stand something at a place of the room, from its middle."""
+        size = size or self._size_of(name)
+        return self._stand(name, self.room.frame, u, v, size, turn, keep, attributes)
+
+    def beside(
+        self,
+        anchor: Placed,
+        name: str,
+        u: float,
+        v: float,
+        turn: float,
+        size: Vector3 | None = None,
+    ) -> Placed | None:
+        """Stand something at a place in another object's frame."""
+        return self._stand(name, anchor.frame, u, v, size or self._size_of(name), turn)
+
+    def in_front(
+        self, anchor: Placed | None, name: str, gap: float = 0.06, v: float = 0.0
+    ) -> Placed | None:
+        """Stand something before an object's front, facing it."""
+        if anchor is None:
+            return None
+        size = self._size_of(name)
+        u = anchor.size[0] / 2 + gap + size[0] / 2
+        return self._stand(name, anchor.frame, u, v, size, pi)
+
+    def behind(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
+        """Stand something behind an object, facing its back."""
+        if anchor is None:
+            return None
+        size = self._size_of(name)
+        u = -(anchor.size[0] / 2 + gap + size[0] / 2)
+        return self._stand(name, anchor.frame, u, 0.0, size, 0.0)
+
+    def on(
+        self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
+    ) -> Placed | None:
+        """Lay something on top of an object, at fractions of its half extents."""
+        if bearer is None:
+            return None
+        size = self._size_of(name)
+        if size[0] > bearer.size[0] - 0.04 or size[1] > bearer.size[1] - 0.04:
+            return None
+        reach_u = bearer.size[0] / 2 - max(size[:2]) / 2 - 0.02
+        reach_v = bearer.size[1] / 2 - max(size[:2]) / 2 - 0.02
+        return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size, turn)
+
+    def spots(
+        self, pitch_u: float, pitch_v: float, rim: float, *, is_tight: bool = False
+    ) -> list[tuple[float, float]]:
+        """Places of a regular grid, row by row, at least a pitch apart and `rim` from the walls.
+
+        A tight grid keeps to the pitch about the room's middle, any other fills the room.
+        """
+        x, y, _ = self.room.size
+        rows = (_spread(length - 2 * rim, pitch) for length, pitch in ((x, pitch_u), (y, pitch_v)))
+        (n_u, step_u), (n_v, step_v) = rows
+        if is_tight:
+            step_u, step_v = pitch_u, pitch_v
+        return [
+            ((i - (n_u - 1) / 2) * step_u, (j - (n_v - 1) / 2) * step_v)
+            for i in range(n_u)
+            for j in range(n_v)
+        ]
+
+    def lie(
+        self,
+        bearer: Placed,
+        name: str,
+        u: float,
+        v: float,
+        size: Vector3,
+        turn: float = 0.0,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        """Lay something of a given size on top of something, at a place in its frame."""
+        return self._builder.place(
+            name,
+            bearer.frame,
+            u,
+            v,
+            size,
+            base=bearer.top,
+            turn=turn,
+            parent=bearer,
+            within=bearer,
+            attributes=attributes,
+        )
+
+    def _stand(
+        self,
+        name: str,
+        frame: Frame,
+        u: float,
+        v: float,
+        size: Vector3,
+        turn: float,
+        margin: float = 0.02,
+        attributes: dict[str, AttributeValue] | None = None,
+    ) -> Placed | None:
+        if self.floor + size[2] > self.room.top:
+            return None
+        look = {**self._style, **(attributes or {})} if name in _STYLED else attributes
+        if name in self._forms:
+            look = {"form": self._forms[name], **(look or {})}
+        placed = self._builder.place(
+            name,
+            frame,
+            u,
+            v,
+            size,
+            base=self.floor,
+            turn=turn,
+            parent=self.room,
+            within=self.room,
+            margin=margin,
+            attributes=look,
+        )
+        if placed and name in _BEARERS:
+            self.bearers.append(placed)
+        return placed
+
+
+def _spread(length: float, pitch: float) -> tuple[int, float]:
+    """How many points at least a pitch apart fit on a length, and how far apart they then are."""
+    if length < 0:
+        return (0, 0.0)
+    count = int(length // pitch) + 1
+    return (count, length / (count - 1) if count > 1 else 0.0)

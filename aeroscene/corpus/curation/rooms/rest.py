@@ -1,0 +1,70 @@
+"""What any room may hold beyond what makes its kind: the long tail of furnishing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+
+from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.corpus.curation.rooms.tables import seats
+from aeroscene.scene import Vector3
+
+_ROUNDS = 30
+_FREE_SIZES: dict[str, Vector3] = {
+    "table": (0.95, 1.3, 0.74),
+    "coffee_table": (0.9, 1.1, 0.45),
+    "desk": (0.86, 1.6, 0.74),
+    "counter": (0.85, 2.0, 0.95),
+    "crate": (1.05, 1.05, 0.7),
+    "pallet": (1.25, 1.15, 0.7),
+    "landing_pad": (1.6, 1.6, 0.06),
+    "planter": (0.8, 1.8, 0.9),
+    "bench": (0.45, 1.8, 0.45),
+}
+"""Sizes of what stands freely: wide enough for a small drone where it is level."""
+_SEATED = {"table": "chair", "coffee_table": "armchair"}
+
+# Free-standing furniture, furniture against walls, small things on top.
+_Accents = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]
+_PUBLIC: _Accents = (("table", "planter"), ("bench", "plant", "bin"), ("cup", "plate", "book"))
+_WORK: _Accents = (("table", "desk"), ("cabinet", "shelf", "plant", "bin"), ("book", "cup", "box"))
+_HOME: _Accents = (
+    ("table", "coffee_table"),
+    ("cabinet", "shelf", "plant", "lamp"),
+    ("book", "cup", "plate", "cutlery"),
+)
+_GOODS: _Accents = (("pallet", "crate"), ("crate", "barrel", "shelf", "box"), ("box",))
+_SPORT: _Accents = (
+    ("landing_pad", "crate", "bench"),
+    ("bench", "chair", "bin", "barrel"),
+    ("box", "book"),
+)
+_ACCENTS: dict[str, _Accents] = {
+    **dict.fromkeys(("office", "open_office", "meeting", "classroom", "library"), _WORK),
+    **dict.fromkeys(("living", "bedroom", "kitchen", "dining", "lounge"), _HOME),
+    **dict.fromkeys(("store", "racks", "goods", "storage", "workshop", "aisles"), _GOODS),
+    **dict.fromkeys(("gym", "court", "changing", "stand"), _SPORT),
+    "booths": (("table", "crate"), ("plant", "sign", "cabinet"), ("book", "cup", "box")),
+    "produce": (("crate", "pallet", "table"), ("fridge", "bin", "plant"), ("box",)),
+    "checkout": (("crate", "table"), ("bin", "plant", "bench"), ("box", "cup")),
+    "corridor": ((), ("plant", "cabinet", "bench"), ("book",)),
+}
+
+
+def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
+    """More of what suits a kind of room, as long as there is space for it."""
+    free, lining, small = _ACCENTS.get(kind, _PUBLIC)
+    draw = room.draw
+    for number in range(_ROUNDS):
+        if free and number % 2 == 0:
+            name = draw.one_of(free)
+            stand = room.anywhere(name, _FREE_SIZES[name], keep=max(0.4, 0.8 - 0.03 * number))
+            if name in _SEATED:
+                seats(room, stand, 2, _SEATED[name])
+            yield
+        room.against(room.some_side(), draw.one_of(lining))
+        yield
+        for bearer in islice(room.bearers, number, None, _ROUNDS):
+            for _ in range(2):
+                room.on(bearer, draw.one_of(small), draw.between(-0.6, 0.6), 0.9)
+            yield

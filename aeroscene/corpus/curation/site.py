@@ -1,0 +1,221 @@
+"""The ground plan of a scene: what plans lay down, from carriageways to parcels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.parcels import (
+    FLAT,
+    Block,
+    Land,
+    Parcel,
+    Rectangle,
+    Side,
+    cut_unequal,
+)
+from aeroscene.scene import AttributeValue
+
+ROAD_M = 0.04
+SIDEWALK_M = 0.15
+VERGE_M = 0.12
+WATER_M = 0.15
+PARKING_LANE_M = 2.2
+"""Heights of the surfaces above the ground."""
+
+
+@dataclass(frozen=True, slots=True)
+class Road:
+    """A carriageway for both directions, driven on the right: towards +x at negative y."""
+
+    placed: Placed
+    parking: tuple[int, ...] = ()
+    """Sides along y, -1 or 1, whose outer lane is for parked vehicles."""
+    zebra_end: int = 0
+    """End along x where people cross, 0 for neither."""
+
+    def lane(self, side: int) -> float:
+        """Middle of the lane for moving traffic on a side, m along y."""
+        low, high = (
+            sign * (self.placed.size[1] / 2 - (PARKING_LANE_M if sign in self.parking else 0.0))
+            for sign in (-1, 1)
+        )
+        return (low + high) / 2 + side * (high - low) / 4
+
+
+@dataclass(slots=True)
+class Site:
+    """Streets laid out and parcels to fill; plans are drawn in the site's own frame."""
+
+    builder: Builder
+    frame: Frame
+    """Of the plan in the world: a city need not lie along the axes."""
+    half_x: float
+    half_y: float
+    road_m: float
+    """Width of a carriageway."""
+    walk_m: float
+    """Width of a sidewalk."""
+    parking: tuple[int, ...] = ()
+    """Sides of the streets along which vehicles are parked."""
+    style: Mapping[str, str] = field(default_factory=dict)
+    """Forms that all surfaces of a category share."""
+    roads: list[Road] = field(default_factory=list)
+    sidewalks: list[Placed] = field(default_factory=list)
+    """Their frames have u along the street and v leading away from the kerb."""
+    verges: list[Placed] = field(default_factory=list)
+    """Strips of green or parking between carriageway and sidewalk, framed likewise."""
+    parcels: list[Parcel] = field(default_factory=list)
+    slopes: list[Parcel] = field(default_factory=list)
+    """Ground that climbs, for grass and trees alone."""
+    waters: list[Placed] = field(default_factory=list)
+    """Basins and canals; their x axis runs along the quay on their -y side."""
+    junctions: list[Frame] = field(default_factory=list)
+
+    @property
+    def half_extent(self) -> tuple[float, float]:
+        """Half sides of the upright rectangle around the turned plan, m."""
+        c, s = abs(math.cos(self.frame.yaw)), abs(math.sin(self.frame.yaw))
+        return (c * self.half_x + s * self.half_y, s * self.half_x + c * self.half_y)
+
+    def world(self, frame: Frame) -> Frame:
+        """A frame of the plan in the world."""
+        return self.frame.moved(frame.x, frame.y, frame.yaw)
+
+    def raise_land(self, area: Rectangle, level: float, finish: str, wall: str) -> Land:
+        """Raised ground on a rectangle of the plan, its sides retaining walls."""
+        frame, width, depth = area.side_frame("south")
+        attributes: dict[str, AttributeValue] = {"form": "terrace", "finish": finish, "wall": wall}
+        size = (width, depth, level)
+        block = self.builder.place(
+            "terrain", self.world(frame), 0, depth / 2, size, base=0.0, attributes=attributes
+        )
+        return Land(level, block) if block else FLAT
+
+    def fill_with_water(self, area: Rectangle, quay: Side) -> Placed | None:
+        """Water on a rectangle of the plan, seen from the quay on one of its sides."""
+        frame, width, depth = area.side_frame(quay)
+        water = self.builder.place(
+            "water",
+            self.world(frame),
+            0,
+            depth / 2,
+            (width, depth, WATER_M),
+            base=0.0,
+            attributes={"form": "open"},
+        )
+        if water:
+            self.waters.append(water)
+        return water
+
+    def lay_road(
+        self,
+        frame: Frame,
+        length: float,
+        *,
+        width: float | None = None,
+        zebra_end: int = 0,
+        land: Land = FLAT,
+        after: Placed | None = None,
+        height: float = ROAD_M,
+    ) -> Placed | None:
+        """A carriageway along the x axis of a frame of the plan.
+
+        Args:
+            frame: Its middle.
+            length: Along x, m.
+            width: Across, m; the site's by default.
+            zebra_end: At which end along x people cross it, 0 for neither.
+            land: What it lies on.
+            after: A carriageway that this one continues, and may overlap at the bend.
+            height: Of its surface above the land.
+        """
+        size = (length, width or self.road_m, height)
+        attributes: dict[str, AttributeValue] = {"zebra_end": zebra_end, **self._form("road")}
+        road = self.builder.place(
+            "road",
+            self.world(frame),
+            0,
+            0,
+            size,
+            base=land.level,
+            parent=after or land.bearer,
+            attributes=attributes,
+        )
+        if road:
+            parking = self.parking if width is None else ()
+            self.roads.append(Road(road, parking, zebra_end))
+        return road
+
+    def lay_sidewalk(
+        self,
+        frame: Frame,
+        length: float,
+        *,
+        land: Land = FLAT,
+        after: Placed | None = None,
+        height: float = SIDEWALK_M,
+    ) -> Placed | None:
+        """A sidewalk whose kerb lies on the x axis of a frame of the plan; see `lay_road`."""
+        strip = self.builder.place(
+            "sidewalk",
+            self.world(frame),
+            0,
+            self.walk_m / 2,
+            (length, self.walk_m, height),
+            base=land.level,
+            parent=after or land.bearer,
+            attributes=self._form("sidewalk"),
+        )
+        if strip:
+            self.sidewalks.append(strip)
+        return strip
+
+    def lay_verge(self, frame: Frame, length: float, width: float, land: Land = FLAT) -> None:
+        """A strip of green between carriageway and sidewalk, the kerb on the frame's x axis."""
+        strip = self.builder.place(
+            "lawn",
+            self.world(frame),
+            0,
+            width / 2,
+            (length, width, VERGE_M),
+            base=land.level,
+            parent=land.bearer,
+            attributes={"form": "plain"},
+        )
+        if strip:
+            self.verges.append(strip)
+
+    def _form(self, name: str) -> dict[str, AttributeValue]:
+        return {"form": self.style[name]} if name in self.style else {}
+
+    def pave(self, block: Block, rng: np.random.Generator) -> None:
+        """Sidewalks along the block's streets; the rest becomes parcels of unequal size."""
+        rest = block.area
+        for side in block.street_sides:
+            frame, length, _ = rest.side_frame(side)
+            self.lay_sidewalk(frame, length, land=block.land)
+            rest = rest.without(side, self.walk_m)
+        front = str(rng.choice(list(block.street_sides)))
+        self.part(rest, front, rng, land=block.land, uses=block.uses)
+
+    def part(
+        self,
+        area: Rectangle,
+        front: Side,
+        rng: np.random.Generator,
+        *,
+        land: Land = FLAT,
+        uses: tuple[str, ...] = (),
+    ) -> None:
+        """Cut a rectangle across its front into unequal parcels; whole for a wanted use."""
+        frame, width, depth = area.side_frame(front)
+        for low, high in [(-width / 2, width / 2)] if uses else cut_unequal(width, rng):
+            at = self.world(frame.moved((low + high) / 2, 0))
+            parcel = Parcel(at, high - low, depth, land.level, bearer=land.bearer, uses=uses)
+            self.parcels.append(parcel)

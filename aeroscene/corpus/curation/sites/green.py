@@ -1,0 +1,44 @@
+"""Plans with more green than street: a park beside a road, and one with paths alone."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.parcels import Rectangle, cut_unequal
+from aeroscene.corpus.curation.site import Site
+
+_PARCEL_M = 38.0
+"""About the width of parcels between paths."""
+
+
+def lay_green_edge(site: Site, rng: np.random.Generator) -> None:
+    """A street along the southern border; north of it parcels in two rows with a path between."""
+    hx, hy, w = site.half_x, site.half_y, site.road_m
+    road = -hy + site.walk_m + w / 2
+    site.lay_sidewalk(Frame(0, road - w / 2, pi), 2 * hx)
+    site.lay_road(Frame(0, road, 0), 2 * hx)
+    site.lay_sidewalk(Frame(0, road + w / 2, 0), 2 * hx)
+    low = road + w / 2 + site.walk_m
+    middle = (low + hy) / 2 + float(rng.uniform(-0.1, 0.1)) * (hy - low)
+    site.part(Rectangle(-hx, low, hx, middle), "south", rng)
+    site.lay_sidewalk(Frame(0, middle, 0), 2 * hx)
+    site.part(Rectangle(-hx, middle + site.walk_m, hx, hy), "south", rng)
+
+
+def lay_paths(site: Site, rng: np.random.Generator) -> None:
+    """Paths that cross: no street at all."""
+    hx, hy, w = site.half_x, site.half_y, site.walk_m
+    y = float(rng.uniform(-0.2, 0.2)) * hy
+    site.lay_sidewalk(Frame(0, y - w / 2, 0), 2 * hx)
+    for low, high, front in ((-hy, y - w / 2, "north"), (y + w / 2, hy, "south")):
+        cuts = cut_unequal(2 * hx, rng, _PARCEL_M)
+        for index, (west, east) in enumerate(cuts):
+            area = Rectangle(west, low, east, high)
+            if index:
+                frame, length, _ = area.side_frame("west")
+                site.lay_sidewalk(frame, length)
+                area = area.without("west", w)
+            site.part(area, front, rng)

@@ -1,0 +1,110 @@
+"""From the name of a plan to a site laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import cos, floor, pi, sin
+from types import MappingProxyType
+
+import numpy as np
+
+from aeroscene.corpus.curation.builder import Builder
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.site import PARKING_LANE_M, Site
+from aeroscene.corpus.curation.sites.curve import lay_curve
+from aeroscene.corpus.curation.sites.green import lay_green_edge, lay_paths
+from aeroscene.corpus.curation.sites.grid import (
+    lay_cross,
+    lay_cul_de_sac,
+    lay_loop,
+    lay_square,
+    lay_tee,
+    lay_through,
+)
+from aeroscene.corpus.curation.sites.relief import lay_canal, lay_hillside, lay_quay, lay_shore
+from aeroscene.solids.shapes.forms import FORMS
+
+Plan = Callable[[Site, np.random.Generator], None]
+
+PLANS: Mapping[str, Plan] = MappingProxyType(
+    {
+        "through": lay_through,
+        "tee": lay_tee,
+        "cross": lay_cross,
+        "loop": lay_loop,
+        "square": lay_square,
+        "cul_de_sac": lay_cul_de_sac,
+        "curve": lay_curve,
+        "green_edge": lay_green_edge,
+        "paths": lay_paths,
+        "hillside": lay_hillside,
+        "quay": lay_quay,
+        "canal": lay_canal,
+        "shore": lay_shore,
+    }
+)
+"""Plans under their names."""
+
+_LEAST_SIDE_M: Mapping[str, float] = MappingProxyType(
+    {
+        "square": 76.0,
+        "loop": 66.0,
+        "curve": 72.0,
+        "hillside": 64.0,
+        "quay": 62.0,
+        "canal": 66.0,
+        "shore": 60.0,
+    }
+)
+"""Plans that need more ground than others."""
+_SIDE_M = (55.0, 95.0)
+"""Range of the sides of the flight volume."""
+_LEAST_LIMIT_M = 33.0
+_PARKED_PLANS = frozenset(("through", "tee", "cross", "loop", "curve", "quay", "shore", "hillside"))
+_PARKING: tuple[tuple[int, ...], ...] = ((), (-1,), (1,), (-1, 1))
+"""Sides of the streets on which vehicles may be parked."""
+_ALIGNED_CHANCE = 0.35
+
+
+def lay_out_site(builder: Builder, rng: np.random.Generator, plan: str) -> Site:
+    """Draw size and orientation of a site and lay a plan's streets.
+
+    The flight volume, upright around the turned plan, is 55 to 95 m a side; nothing leaves it.
+    """
+    yaw = _draw_yaw(rng)
+    half_x, half_y = _draw_half_sides(rng, yaw, _LEAST_SIDE_M.get(plan, _SIDE_M[0]))
+    parking = _PARKING[int(rng.integers(len(_PARKING)))] if plan in _PARKED_PLANS else ()
+    site = Site(
+        builder=builder,
+        frame=Frame(0.0, 0.0, yaw),
+        half_x=half_x,
+        half_y=half_y,
+        road_m=float(rng.choice([6.0, 6.4, 7.0])) + PARKING_LANE_M * len(parking),
+        walk_m=round(float(rng.uniform(1.8, 2.9)), 2),
+        parking=parking,
+        style={name: str(rng.choice(list(FORMS[name]))) for name in ("road", "sidewalk")},
+    )
+    east, north = site.half_extent
+    builder.enclose((-east, -north), (east, north))
+    PLANS[plan](site, rng)
+    return site
+
+
+def _draw_yaw(rng: np.random.Generator) -> float:
+    """Along the axes now and then, else any direction."""
+    if rng.random() < _ALIGNED_CHANCE:
+        return float(rng.integers(4)) * pi / 2
+    return round(float(rng.uniform(-pi, pi)), 3)
+
+
+def _draw_half_sides(
+    rng: np.random.Generator, yaw: float, least_side_m: float
+) -> tuple[float, float]:
+    """Half sides of a plan whose upright surroundings keep within the range, and a limit drawn."""
+    low, high = least_side_m / 2, _SIDE_M[1] / 2
+    half_x, half_y, limit = rng.uniform((low, low, max(low, _LEAST_LIMIT_M)), high).tolist()
+    c, s = abs(cos(yaw)), abs(sin(yaw))
+    reaches = (c * half_x + s * half_y, s * half_x + c * half_y)
+    scale = max(min(1.0, limit / max(reaches)), _SIDE_M[0] / 2 / min(reaches))
+    scale = min(scale, high / max(reaches))
+    return (floor(10 * scale * half_x) / 10, floor(10 * scale * half_y) / 10)

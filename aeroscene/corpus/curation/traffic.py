@@ -1,0 +1,110 @@
+"""Vehicles on carriageways: moving in lanes, waiting at crossings, parked along the kerb."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from math import pi
+
+from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.site import PARKING_LANE_M, Road
+from aeroscene.scene import Vector3
+from aeroscene.solids.shapes.materials import PAINT_COLOURS
+
+_SLOT_M = 11.0
+"""Length of road for each place in which a vehicle may drive."""
+_BUSY = 0.4
+_STOP_M = 4.3
+"""From the end of a road with a crossing to the waiting vehicle's bumper."""
+_BAY_M = 6.2
+"""Length of kerb for a parked vehicle."""
+_WIDE_M = 2.7
+"""Lanes narrower than this have no buses and trucks."""
+
+
+def drive(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
+    """One moving vehicle a step, some of the places in both lanes filled."""
+    length = road.placed.size[0]
+    count = max(1, int(length // _SLOT_M))
+    spots = list(product((-1, 1), range(count)))
+    for index in draw.shuffled(range(len(spots))):
+        side, slot = spots[index]
+        if not draw.chance(_BUSY):
+            continue
+        u = -length / 2 + (slot + 0.5) * length / count + draw.between(-1.5, 1.5)
+        if road.zebra_end * u > length / 2 - _STOP_M - 3.0:
+            continue
+        if _set_off(builder, draw, road, u, side):
+            yield
+
+
+def wait(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
+    """One or two vehicles before the crossing, bumper to bumper."""
+    if not road.zebra_end:
+        return
+    end = road.zebra_end
+    at = road.placed.size[0] / 2 - _STOP_M
+    for _ in range(draw.count(0, 2)):
+        size = draw.size_of("car", 0.3)
+        if _place(builder, draw, road, "car", size, (end * (at - size[0] / 2), -end)):
+            yield
+        at -= size[0] + draw.between(1.2, 2.0)
+
+
+def park(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
+    """Vehicles along the kerb, two a step, headed like the lane beside them."""
+    length, width, _ = road.placed.size
+    count = int((length - 8.0) // _BAY_M)
+    spots = list(product(road.parking, range(count)))
+    parked = 0
+    for index in draw.shuffled(range(len(spots))):
+        side, bay = spots[index]
+        if not draw.chance(0.6):
+            continue
+        name = "van" if draw.chance(0.15) else "car"
+        x, y, z = draw.size_of(name, 0.3)
+        size = (min(x, _BAY_M - 0.9), min(y, PARKING_LANE_M - 0.15), z)
+        u = (bay + 0.5 - count / 2) * _BAY_M + draw.between(-0.3, 0.3)
+        v = side * (width / 2 - PARKING_LANE_M / 2)
+        parked += bool(_place(builder, draw, road, name, size, (u, side), v))
+        if parked % 2 == 0:
+            yield
+
+
+def call_bus(builder: Builder, draw: Draw, road: Road, u: float, side: int) -> None:
+    """A bus at a stop."""
+    _place(builder, draw, road, "bus", draw.size_of("bus", 0.3), (u, side))
+
+
+def _set_off(builder: Builder, draw: Draw, road: Road, u: float, side: int) -> Placed | None:
+    name = "car"
+    if draw.chance(0.2) and 2 * abs(road.lane(1) - road.lane(-1)) > 2 * _WIDE_M:
+        name = draw.one_of(("van", "van", "bus", "truck", "truck"))
+    return _place(builder, draw, road, name, draw.size_of(name, 0.3), (u, side))
+
+
+def _place(
+    builder: Builder,
+    draw: Draw,
+    road: Road,
+    name: str,
+    size: Vector3,
+    at: tuple[float, int],
+    v: float | None = None,
+) -> Placed | None:
+    """A vehicle at a place along the road and on a side of it, on the right-hand side."""
+    u, side = at
+    return builder.place(
+        name,
+        road.placed.frame,
+        u,
+        road.lane(side) if v is None else v,
+        size,
+        base=road.placed.top,
+        turn=0.0 if side < 0 else pi,
+        parent=road.placed,
+        within=road.placed,
+        margin=0.2,
+        attributes={"colour": draw.one_of(PAINT_COLOURS)},
+    )

@@ -1,0 +1,322 @@
+"""The corpus as a folder: a file for each scene, and a manifest that says what each one is.
+
+    DIR/manifest.json                 what is there, with checksums
+    DIR/scenes/corpus-0042.json.gz    scene 42
+    DIR/journal.jsonl                 only while a build is under way, or after it was killed
+
+Nothing in the folder depends on when, where or in which order it was made.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal, Protocol, TypeVar
+
+import msgspec
+
+from aeroscene.corpus.corpus import scene_split
+from aeroscene.corpus.provenance import curation_digest
+from aeroscene.files import replacing
+from aeroscene.scene import Scene, SceneDomain, SceneError
+from aeroscene.scene.io import read_scene, write_scene
+
+FORMAT = "aeroscene-dataset"
+VERSION = 1
+MANIFEST = "manifest.json"
+JOURNAL = "journal.jsonl"
+SCENES = "scenes"
+
+Split = Literal["train", "test"]
+
+
+class DatasetError(SceneError):
+    """A dataset that cannot be read or made; one line saying where, what and what is valid."""
+
+
+class SceneSummary(msgspec.Struct, frozen=True, kw_only=True):
+    """What there is to know of a scene without opening it."""
+
+    index: int
+    """Number of the scene in its set."""
+    scene_id: str
+    split: Split
+    domain: SceneDomain
+    n_objects: int
+    n_coarse: int
+    n_fine: int
+    n_small: int
+    """Landing areas by the largest class of drone that fits."""
+    n_medium: int
+    n_large: int
+    n_perching: int
+
+    @property
+    def n_landing(self) -> int:
+        """Landing areas of all classes."""
+        return self.n_small + self.n_medium + self.n_large
+
+
+class SceneEntry(
+    SceneSummary, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True
+):
+    """What the manifest says of one scene; in the corpus its index is its seed."""
+
+    file: Annotated[str, msgspec.Meta(pattern=r"^scenes/[\w.-]+$")]
+    """Path below the dataset's folder."""
+    sha256: str
+    """Of the file's bytes, hexadecimal."""
+    sources: str
+    """Digest of what made it: the code, see `aeroscene.corpus.provenance`, or model and code."""
+    attempt: int = 0
+    """Draws of the scene before this one that were rejected."""
+
+
+Entry = TypeVar("Entry", bound=SceneSummary)
+
+
+class SceneSet(Protocol[Entry]):
+    """Scenes that are read one by one: a dataset in a folder, or the scenes that ship."""
+
+    @property
+    def title(self) -> str:
+        """What to call the set in a sentence."""
+        ...
+
+    @property
+    def place(self) -> Path:
+        """Folder or file that holds it."""
+        ...
+
+    @property
+    def entries(self) -> Sequence[Entry]:
+        """In the order of their numbers."""
+        ...
+
+    def select(self, indices: Container[int]) -> SceneSet[Entry]:
+        """The scenes whose numbers are among these; with none, what a process needs to read."""
+        ...
+
+    def read(self, entry: Entry) -> Scene:
+        """Read and validate one scene.
+
+        Raises:
+            SceneError: If it cannot be read.
+        """
+        ...
+
+
+class _Manifest(msgspec.Struct, forbid_unknown_fields=True):
+    format: str
+    version: int
+    scenes: tuple[SceneEntry, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Dataset:
+    """Scenes in a folder; a part of them is a `Dataset` too."""
+
+    folder: Path
+    entries: tuple[SceneEntry, ...]
+    """In the order of their numbers."""
+
+    @property
+    def title(self) -> str:
+        """What to call the set in a sentence."""
+        return "corpus"
+
+    @property
+    def place(self) -> Path:
+        """The folder."""
+        return self.folder
+
+    def of_split(self, split: Split) -> Dataset:
+        """The scenes for training, or those for testing."""
+        return Dataset(self.folder, tuple(e for e in self.entries if e.split == split))
+
+    def select(self, indices: Container[int]) -> Dataset:
+        """The scenes whose numbers are among these."""
+        return Dataset(self.folder, tuple(e for e in self.entries if e.index in indices))
+
+    def path(self, entry: SceneEntry) -> Path:
+        """The file of a scene."""
+        return self.folder / entry.file
+
+    def read(self, entry: SceneEntry) -> Scene:
+        """Read and validate one scene.
+
+        Raises:
+            SceneError: If the file is missing, damaged, not the one that was listed, or no scene.
+        """
+        path = self.path(entry)
+        scene = read_scene(path)
+        if _sha256(path) != entry.sha256:
+            raise DatasetError(
+                f"scene file {str(path)!r} is not the one that the manifest lists (another "
+                "sha256), valid: the file as it was made; aeroscene dataset build makes it again"
+            )
+        return scene
+
+    def scenes(self) -> Iterator[Scene]:
+        """Read every scene, in the order of the numbers.
+
+        Raises:
+            SceneError: As `read` does.
+        """
+        return (self.read(entry) for entry in self.entries)
+
+
+def open_dataset(folder: str | Path) -> Dataset:
+    """The dataset in a folder, whole or as far as its build has come.
+
+    Raises:
+        DatasetError: If there is none, or its manifest cannot be read.
+    """
+    folder = Path(folder)
+    entries = read_entries(folder)
+    if not entries:
+        raise DatasetError(
+            f"folder {str(folder)!r} holds no dataset ({MANIFEST} is missing), "
+            "valid: a folder that aeroscene dataset build has made"
+        )
+    return Dataset(folder, entries)
+
+
+def read_entries(folder: Path) -> tuple[SceneEntry, ...]:
+    """What is in a folder by its manifest and its journal, in the order of the numbers.
+
+    Raises:
+        DatasetError: If the manifest cannot be read.
+    """
+    entries = {entry.index: entry for entry in _read_manifest(folder)}
+    entries |= {entry.index: entry for entry in _read_journal(folder)}
+    return tuple(entries[index] for index in sorted(entries))
+
+
+def _read_manifest(folder: Path) -> tuple[SceneEntry, ...]:
+    path = folder / MANIFEST
+    try:
+        manifest = msgspec.json.decode(path.read_bytes(), type=_Manifest)
+    except FileNotFoundError:
+        return ()
+    except NotADirectoryError:
+        raise DatasetError(f"folder {str(folder)!r} is a file, valid: a folder") from None
+    except OSError as error:
+        reason = (error.strerror or type(error).__name__).lower()
+        raise DatasetError(f"manifest {str(path)!r} cannot be read ({reason})") from None
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise DatasetError(
+            f"manifest {str(path)!r} is damaged ({error}), valid: as it was made; "
+            "delete it, and aeroscene dataset build makes it again"
+        ) from None
+    if (manifest.format, manifest.version) != (FORMAT, VERSION):
+        raise DatasetError(
+            f"manifest {str(path)!r}: format is {manifest.format!r} version {manifest.version}, "
+            f"valid: {FORMAT!r} version {VERSION}"
+        )
+    return manifest.scenes
+
+
+def _read_journal(folder: Path) -> Iterator[SceneEntry]:
+    try:
+        lines = (folder / JOURNAL).read_bytes().splitlines()
+    except OSError:
+        return
+    for line in lines:
+        # The last line of a build that was killed may be cut short: that scene is made again.
+        with suppress(msgspec.DecodeError, UnicodeDecodeError):
+            yield msgspec.json.decode(line, type=SceneEntry)
+
+
+def journal_line(entry: SceneEntry) -> bytes:
+    """What the journal says of a scene that is finished."""
+    return msgspec.json.encode(entry) + b"\n"
+
+
+def write_manifest(folder: Path, entries: Iterable[SceneEntry]) -> None:
+    """Write the manifest whole or not at all, one scene a line; equal entries give equal bytes."""
+    lines = (msgspec.json.encode(e) for e in sorted(entries, key=lambda entry: entry.index))
+    head = f'{{"format":"{FORMAT}","version":{VERSION},"scenes":[\n'.encode()
+    with replacing(folder / MANIFEST) as file:
+        file.write(head + b",\n".join(lines) + b"\n]}\n")
+
+
+def make_scene(folder: Path, index: int) -> SceneEntry:
+    """Curate one scene and write its file; the same bytes on every call.
+
+    Raises:
+        OSError: If the file cannot be written.
+    """
+    from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy, and readers never do
+
+    try:
+        scene = curate_scene(index)
+    except Exception as error:
+        error.add_note(f"while curating scene {index}")
+        raise
+    return store_scene(folder, scene)
+
+
+def store_scene(
+    folder: Path,
+    scene: Scene,
+    index: int | None = None,
+    sources: str | None = None,
+    attempt: int = 0,
+) -> SceneEntry:
+    """Write a scene's file.
+
+    Args:
+        folder: Of the dataset.
+        scene: The scene.
+        index: Its number in the dataset; None for a scene of the corpus, where that is its seed.
+        sources: What made it; None for the curation code that runs now.
+        attempt: Draws before this one that were rejected.
+
+    Returns:
+        What the manifest should say of it.
+    """
+    file = f"{SCENES}/{scene.scene_id}.json.gz"
+    write_scene(scene, folder / file)
+    return SceneEntry(
+        **msgspec.structs.asdict(summarise(scene, scene.seed if index is None else index)),
+        file=file,
+        sha256=_sha256(folder / file),
+        sources=curation_digest() if sources is None else sources,
+        attempt=attempt,
+    )
+
+
+def summarise(scene: Scene, index: int) -> SceneSummary:
+    """What there is to know of a scene that has this number in its set."""
+    n_coarse = sum(obj.is_coarse for obj in scene.objects)
+    n_landing = Counter(area.drone_class for area in scene.landing_areas)
+    return SceneSummary(
+        index=index,
+        scene_id=scene.scene_id,
+        split=scene_split(index),
+        domain=scene.domain,
+        n_objects=len(scene.objects),
+        n_coarse=n_coarse,
+        n_fine=len(scene.objects) - n_coarse,
+        n_small=n_landing["small"],
+        n_medium=n_landing["medium"],
+        n_large=n_landing["large"],
+        n_perching=len(scene.perching_areas),
+    )
+
+
+def is_whole(folder: Path, entry: SceneEntry) -> bool:
+    """Whether a scene's file is there, byte for byte."""
+    try:
+        return _sha256(folder / entry.file) == entry.sha256
+    except OSError:
+        return False
+
+
+def _sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

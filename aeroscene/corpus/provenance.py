@@ -1,0 +1,43 @@
+"""Which code made a scene: a digest of the sources that decide what is in it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+_NO_PART_OF_A_SCENE = (
+    "corpus/dataset.py",
+    "corpus/provenance.py",
+    "corpus/shipped",
+    "sources.py",
+    "feasibility",
+    "layouts",
+    "learning",
+    "metrics",
+    "validation",
+)
+"""Reads, measures or judges scenes. What is forgotten here only makes scenes anew for nothing."""
+
+
+@cache
+def curation_digest() -> str:
+    """Digest of the sources of this very package."""
+    return sources_digest(Path(__file__).parents[1])
+
+
+def sources_digest(package: Path, without: Sequence[str] = _NO_PART_OF_A_SCENE) -> str:
+    """Sixteen hexadecimal digits that change with every source but those that are left out.
+
+    Args:
+        package: Folder of the package.
+        without: Files and folders in it; by default all that curation does without.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        name = path.relative_to(package)
+        if not any(name.is_relative_to(part) for part in without):
+            digest.update(name.as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

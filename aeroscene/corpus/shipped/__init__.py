@@ -1,0 +1,22 @@
+"""The AeroScene dataset as it ships: all scenes in one compact file, each opened by its number."""
+
+from aeroscene.corpus.shipped.archive import (
+    Archive,
+    ArchiveError,
+    Provenance,
+    open_archive,
+    write_archive,
+)
+from aeroscene.corpus.shipped.scenes import SHIPPED, ArchivedScenes, open_shipped, read_shipped
+
+__all__ = [
+    "SHIPPED",
+    "Archive",
+    "ArchiveError",
+    "ArchivedScenes",
+    "Provenance",
+    "open_archive",
+    "open_shipped",
+    "read_shipped",
+    "write_archive",
+]

@@ -1,5 +1,0 @@
-"""Hierarchical procedural scenes: streets, blocks, buildings, rooms, furniture, from a seed."""
-
-from aeroscene.curation.curate import curate_scene
-
-__all__ = ["curate_scene"]

@@ -1,5 +1,0 @@
-"""Ground plans: one file a family, each lays streets and leaves parcels."""
-
-from aeroscene.curation.sites.plan import PLANS, lay_out_site
-
-__all__ = ["PLANS", "lay_out_site"]

@@ -1,0 +1,1 @@
+"""The AeroScene model: tokens, skeleton, diffusion, guidance, training, generation."""

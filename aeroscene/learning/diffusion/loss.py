@@ -1,0 +1,179 @@
+"""The training loss: reconstruction, guidance and supervision of the gate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+from torch.nn.functional import binary_cross_entropy
+
+from aeroscene.learning.diffusion.parameterisation import (
+    Parameterisation,
+    min_snr_weight,
+    predicted_x0,
+    prediction_target,
+)
+from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule, normal_like
+from aeroscene.learning.tokens.batch import TokenBatch
+
+_GATE_MARGIN = 1e-6
+"""Keeps the logarithm of a saturated score finite."""
+
+
+class Predicted(Protocol):
+    """What a denoiser returns."""
+
+    @property
+    def output(self) -> Float[Tensor, "batch n channels"]:
+        """eps, v or x0."""
+        ...
+
+    @property
+    def tokenizability(self) -> Float[Tensor, "batch n"] | None:
+        """The paper's tau, where the network learns its routing."""
+        ...
+
+
+Denoiser = Callable[[Tensor, Tensor, TokenBatch], Predicted]
+"""`model(x_t, t, batch)`; t in [0, 1], 0 clean."""
+GuidanceLoss = Callable[[Tensor, TokenBatch], Float[Tensor, " batch"]]
+"""The paper's L_guide of layouts, one value a scene."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LossCfg:
+    """What is minimised."""
+
+    parameterisation: Parameterisation = "v"
+    """What the network predicts; the paper: eps."""
+    min_snr_gamma: float | None = None
+    """Cap of min-SNR weighting; None weighs all times alike, as the paper."""
+    is_stratified: bool = True
+    """Whether a batch's times are spread evenly; the paper draws each on its own."""
+    coarse_weight: float = 1.0
+    """How many times more than a fine token's a coarse token's error counts: everything stands on
+    or in coarse objects, so their errors move all that they carry."""
+    guide_weight: float = 0.0
+    """The paper's lambda_guide, which it leaves open."""
+    guide_scenes: int | None = None
+    """On how many scenes of a batch L_guide is evaluated; None takes all. Times and scenes of a
+    batch are random, so that its first scenes are a sample of it."""
+    gate_weight: float = 0.0
+    """Of the cross-entropy of tau with the known level. The paper has no such term: its hard
+    threshold gives the gate no gradient (notes/scenes.md)."""
+
+    def __post_init__(self) -> None:
+        for name in ("coarse_weight", "guide_weight", "gate_weight"):
+            if not 0 <= getattr(self, name) < float("inf"):
+                raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0")
+        if self.min_snr_gamma is not None and not self.min_snr_gamma > 0:
+            raise DiffusionError(
+                f"min_snr_gamma is {self.min_snr_gamma:g}, valid: above 0, or left out"
+            )
+        if self.guide_scenes is not None and self.guide_scenes < 1:
+            raise DiffusionError(f"guide_scenes is {self.guide_scenes}, valid: from 1, or left out")
+
+
+@dataclass(frozen=True)
+class LossTerms:
+    """The loss and its parts, scalars; the parts before their weights."""
+
+    total: Float[Tensor, ""]
+    reconstruction: Float[Tensor, ""]
+    guide: Float[Tensor, ""]
+    gate: Float[Tensor, ""]
+
+
+def diffusion_loss(
+    model: Denoiser,
+    batch: TokenBatch,
+    schedule: Schedule,
+    cfg: LossCfg,
+    generator: torch.Generator,
+    guide: GuidanceLoss | None = None,
+) -> LossTerms:
+    """Loss of a batch at random times.
+
+    Args:
+        model: The network.
+        batch: Layouts with `x0`. Channels of weight 0 are held at 0, as they are in `sample`.
+        schedule: Noise schedule.
+        cfg: What is minimised.
+        generator: Source of times and noise.
+        guide: L_guide, evaluated on the predicted x0; the paper leaves open on which layout. It
+            is weighted by alpha_bar, because at large t that prediction is a blur of all layouts,
+            and divided by the number of channels, as L_rec is here, a sum in the paper.
+
+    Raises:
+        ValueError: If the batch has no `x0` or no `weight`.
+
+    Source: the paper's algorithm 1, L = L_rec + lambda_guide L_guide.
+    """
+    if batch.x0 is None:
+        raise ValueError("batch.x0 is None, valid: the clean layouts to be learned")
+    weight = channel_weight(batch)
+    is_free = weight > 0
+    x0 = batch.x0 * is_free
+    time = schedule.draw_time(len(x0), generator, stratified=cfg.is_stratified).to(x0)
+    eps = normal_like(x0, generator) * is_free
+    x_t = schedule.forward_noise(x0, time, eps)
+    alpha, sigma = schedule.signal_and_noise(time)
+    prediction = model(x_t, time, batch)
+    target = prediction_target(cfg.parameterisation, x0, eps, alpha, sigma)
+    counts = _with_coarse_weight(weight, batch.n_coarse_slots, cfg.coarse_weight)
+    reconstruction = _weighted_error(prediction.output - target, counts, alpha, sigma, cfg)
+    zero = reconstruction.new_zeros(())
+    guide_loss, gate_loss = zero, zero
+    if guide is not None and cfg.guide_weight > 0:
+        x0_hat = predicted_x0(cfg.parameterisation, prediction.output, x_t, alpha, sigma)
+        some = slice(cfg.guide_scenes)
+        per_scene = guide((x0_hat * is_free)[some], batch.scenes(some))
+        n_channels = weight[some].sum((1, 2)).clamp(min=1)
+        guide_loss = (alpha[some] ** 2 * per_scene / n_channels).mean()
+    if prediction.tokenizability is not None and cfg.gate_weight > 0:
+        gate_loss = gate_cross_entropy(prediction.tokenizability, batch)
+    total = reconstruction + cfg.guide_weight * guide_loss + cfg.gate_weight * gate_loss
+    return LossTerms(total, reconstruction, guide_loss, gate_loss)
+
+
+def _with_coarse_weight(weight: Tensor, n_coarse: int, factor: float) -> Tensor:
+    return torch.cat([factor * weight[:, :n_coarse], weight[:, n_coarse:]], dim=1)
+
+
+def _weighted_error(
+    error: Tensor, weight: Tensor, alpha: Tensor, sigma: Tensor, cfg: LossCfg
+) -> Float[Tensor, ""]:
+    """Mean squared error over what has a weight."""
+    squared = (error.float() ** 2 * weight).sum((1, 2))
+    if cfg.min_snr_gamma is not None:
+        squared = squared * min_snr_weight(cfg.parameterisation, alpha, sigma, cfg.min_snr_gamma)
+    return squared.sum() / weight.sum().clamp(min=1)
+
+
+def channel_weight(batch: TokenBatch) -> Float[Tensor, "batch n channels"]:
+    """The weights of a batch's channels.
+
+    Raises:
+        ValueError: If it has none.
+    """
+    if batch.weight is None:
+        raise ValueError("batch.weight is None, valid: a weight for every channel of every token")
+    return batch.weight
+
+
+def gate_cross_entropy(
+    tokenizability: Float[Tensor, "batch n"], batch: TokenBatch
+) -> Float[Tensor, ""]:
+    """How far tau is from 0 at coarse tokens and from 1 at fine ones.
+
+    The paper routes tau below gamma to the coarse branch (its eq. coarseFineCheck).
+    """
+    slot = torch.arange(batch.mask.shape[1], device=batch.mask.device)
+    is_fine = (slot >= batch.n_coarse_slots).expand_as(batch.mask)
+    score = tokenizability.float().clamp(_GATE_MARGIN, 1 - _GATE_MARGIN)
+    loss = binary_cross_entropy(score, is_fine.to(score), reduction="none")
+    return (loss * batch.mask).sum() / batch.mask.sum().clamp(min=1)

@@ -1,0 +1,72 @@
+"""What the network predicts: the noise (the paper), the velocity or the clean layout."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from jaxtyping import Float
+from torch import Tensor
+
+from aeroscene.learning.diffusion.schedule import over_tokens
+
+Parameterisation = Literal["eps", "v", "x0"]
+
+_LEAST_ALPHA = 1e-4
+"""Below it, dividing by sqrt(alpha_bar) says nothing about x0."""
+
+
+def prediction_target(
+    kind: Parameterisation,
+    x0: Float[Tensor, "batch n channels"],
+    eps: Float[Tensor, "batch n channels"],
+    alpha: Float[Tensor, " batch"],
+    sigma: Float[Tensor, " batch"],
+) -> Float[Tensor, "batch n channels"]:
+    """What the network should say.
+
+    Args:
+        kind: What it predicts.
+        x0: The clean layout.
+        eps: The noise in x_t.
+        alpha: sqrt(alpha_bar) of each scene.
+        sigma: sqrt(1 - alpha_bar).
+
+    Source: eps as in the paper's L_rec; v from Salimans and Ho 2022.
+    """
+    if kind == "eps":
+        return eps
+    if kind == "x0":
+        return x0
+    return over_tokens(alpha) * eps - over_tokens(sigma) * x0
+
+
+def predicted_x0(
+    kind: Parameterisation,
+    output: Float[Tensor, "batch n channels"],
+    x_t: Float[Tensor, "batch n channels"],
+    alpha: Float[Tensor, " batch"],
+    sigma: Float[Tensor, " batch"],
+) -> Float[Tensor, "batch n channels"]:
+    """The clean layout that a network's output stands for; arguments as `prediction_target`."""
+    if kind == "x0":
+        return output
+    if kind == "v":
+        return over_tokens(alpha) * x_t - over_tokens(sigma) * output
+    return (x_t - over_tokens(sigma) * output) / over_tokens(alpha.clamp(min=_LEAST_ALPHA))
+
+
+def min_snr_weight(
+    kind: Parameterisation,
+    alpha: Float[Tensor, " batch"],
+    sigma: Float[Tensor, " batch"],
+    gamma: float,
+) -> Float[Tensor, " batch"]:
+    """Weight of a scene's squared error so that x0's error counts min(SNR, gamma) times.
+
+    Source: Hang et al. 2023, "Efficient Diffusion Training via Min-SNR Weighting Strategy", 3.4.
+    """
+    snr = (alpha / sigma.clamp(min=_LEAST_ALPHA)) ** 2
+    of_x0 = snr.clamp(max=gamma)
+    if kind == "x0":
+        return of_x0
+    return of_x0 / (snr if kind == "eps" else snr + 1)

@@ -1,0 +1,225 @@
+"""Sampling: from noise to a layout, guided on the way.
+
+Source: the paper's algorithm 2. DDIM and DPM-Solver++ stand beside its DDPM.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal, Protocol, get_args
+
+import torch
+from jaxtyping import Bool, Float
+from torch import Tensor
+
+from aeroscene.learning.diffusion.loss import Denoiser, channel_weight
+from aeroscene.learning.diffusion.parameterisation import Parameterisation, predicted_x0
+from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule, normal_like
+from aeroscene.learning.diffusion.steps import (
+    Level,
+    Variance,
+    ddim_step,
+    ddpm_step,
+    dpm_solver_step,
+    levels,
+)
+from aeroscene.learning.tokens.batch import TokenBatch
+
+SamplerKind = Literal["ddpm", "ddim", "dpm-solver++"]
+Spacing = Literal["time", "log_snr"]
+
+_MAX_STEPS = 1000
+
+
+@dataclass(frozen=True, kw_only=True)
+class SamplerCfg:
+    """How a layout is sampled."""
+
+    kind: SamplerKind = "ddim"
+    """`ddpm` is the paper's; `ddim` and `dpm-solver++` need fewer steps."""
+    n_steps: int = 30
+    """Calls of the network; the paper: 100."""
+    parameterisation: Parameterisation = "v"
+    """What the network predicts, as in its training."""
+    spacing: Spacing = "time"
+    """Steps of equal time, or of equal log signal-to-noise ratio and a last one to 0."""
+    eta: float = 0.0
+    """Of `ddim`: 0 is deterministic but for the first noise, 1 is ancestral."""
+    variance: Variance = "small"
+    """Of `ddpm`."""
+
+    def __post_init__(self) -> None:
+        for name, choices in (
+            ("kind", SamplerKind),
+            ("parameterisation", Parameterisation),
+            ("spacing", Spacing),
+            ("variance", Variance),
+        ):
+            if getattr(self, name) not in get_args(choices):
+                valid = ", ".join(get_args(choices))
+                raise DiffusionError(f"sampler.{name} is {getattr(self, name)!r}, valid: {valid}")
+        if not 1 <= self.n_steps <= _MAX_STEPS:
+            raise DiffusionError(f"sampler.n_steps is {self.n_steps}, valid: 1 to {_MAX_STEPS}")
+        if not 0 <= self.eta <= 1:
+            raise DiffusionError(f"sampler.eta is {self.eta:g}, valid: 0 to 1")
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """Tokens that are given and come out as they are: the coarse part in scene completion."""
+
+    mask: Bool[Tensor, "batch n"]
+    x0: Float[Tensor, "batch n channels"]
+    """Read where `mask` is true."""
+
+    def impose(self, x: Tensor, truth: Tensor) -> Tensor:
+        """A layout with the given tokens in their places."""
+        return torch.where(self.mask[..., None], truth, x)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where a sampler is."""
+
+    index: int
+    """Of the step, from 0."""
+    n_steps: int
+    time: float
+    """Of x_t: 1 is noise."""
+    alpha_bar: float
+    """Of x_t."""
+    fixed: Bool[Tensor, "batch n"] | None
+    """Tokens that must not move."""
+
+    @property
+    def is_last(self) -> bool:
+        """Whether the x0 of this step is the result."""
+        return self.index == self.n_steps - 1
+
+    @property
+    def share_left(self) -> float:
+        """Share of the steps that is still to come, this one included."""
+        return (self.n_steps - self.index) / self.n_steps
+
+
+class Guidance(Protocol):
+    """What pulls a layout towards plausibility while it is sampled."""
+
+    def on_x0(self, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
+        """The predicted clean layout, corrected."""
+        ...
+
+    def on_mean(self, mean: Tensor, x_t: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
+        """The next state before its noise, corrected."""
+        ...
+
+
+OnStep = Callable[[Moment, Tensor, Tensor], None]
+"""`on_step(moment, x_t, x0)`, after every step's prediction and guidance."""
+
+
+@torch.no_grad()
+def sample(
+    model: Denoiser,
+    batch: TokenBatch,
+    schedule: Schedule,
+    cfg: SamplerCfg,
+    generator: torch.Generator,
+    *,
+    guidance: Guidance | None = None,
+    fixed: Fixed | None = None,
+    x0_range: tuple[Tensor, Tensor] | None = None,
+    on_step: OnStep | None = None,
+) -> Float[Tensor, "batch n channels"]:
+    """Layouts for a batch of scenes.
+
+    Args:
+        model: The network.
+        batch: The scenes' tokens; `x0` is not read. `weight` says by its shape how many channels
+            there are, and where it is 0 the layout is held at 0, as in training.
+        schedule: Noise schedule of the training.
+        cfg: Which sampler.
+        generator: Source of all noise; same seed, same device: same layouts.
+        guidance: Applied at every step.
+        fixed: Given tokens. They are in x_t as noised truth and come out exactly.
+        x0_range: Least and greatest values in training, which broadcast to the layouts; the
+            prediction is clipped to them (static thresholding, Saharia et al. 2022, section 2.3).
+        on_step: Called at every step.
+
+    Source: the paper's algorithm 2; clipping and fixed tokens are ours.
+    """
+    weight = channel_weight(batch)
+    is_free = (weight > 0).to(weight)
+    first_noise = normal_like(is_free, generator) * is_free
+    path = levels(schedule, sampling_times(schedule, cfg))
+    x, before = first_noise, None
+    for index, (at, to) in enumerate(pairwise(path)):
+        if fixed is not None:
+            # One draw of noise throughout: given tokens follow a path as deterministic samplers do.
+            x = fixed.impose(x, (at.alpha * fixed.x0 + at.sigma * first_noise) * is_free)
+        moment = Moment(
+            index, cfg.n_steps, at.time, at.alpha**2, None if fixed is None else fixed.mask
+        )
+        x0 = _predict(model, x, batch, at, cfg, x0_range) * is_free
+        x0 = x0 if fixed is None else fixed.impose(x0, fixed.x0)
+        if guidance is not None:
+            x0 = guidance.on_x0(x0, batch, moment)
+            x0 = x0 if fixed is None else fixed.impose(x0, fixed.x0)
+        if on_step is not None:
+            on_step(moment, x, x0)
+        mean, std = _step(x, x0, at, to, before, cfg)
+        if guidance is not None:
+            mean = guidance.on_mean(mean, x, batch, moment)
+        x = mean + std * normal_like(mean, generator) * is_free if std > 0 else mean
+        before = (x0, at)
+    return x if fixed is None else fixed.impose(x, fixed.x0)
+
+
+def sampling_times(schedule: Schedule, cfg: SamplerCfg) -> Float[Tensor, " n_steps_and_1"]:
+    """Times from 1 down to 0 between which the sampler steps."""
+    if cfg.spacing == "time":
+        return torch.linspace(1, 0, cfg.n_steps + 1, dtype=torch.float64)
+    log = schedule.log_alpha_bar[1:]
+    half_log_snr = (log - torch.log1p(-log.exp())) / 2
+    wanted = torch.linspace(
+        float(half_log_snr[-1]), float(half_log_snr[0]), cfg.n_steps, dtype=torch.float64
+    )
+    # Rising in both, as a search wants it.
+    above = torch.searchsorted(-half_log_snr, -wanted).clamp(1, len(log) - 1)
+    left, right = half_log_snr[above - 1], half_log_snr[above]
+    share = ((wanted - left) / (right - left)).clamp(0, 1)
+    times = (above + share) / schedule.cfg.n_steps
+    times[0] = 1.0
+    return torch.cat([times, times.new_zeros(1)])
+
+
+def _predict(
+    model: Denoiser,
+    x: Tensor,
+    batch: TokenBatch,
+    at: Level,
+    cfg: SamplerCfg,
+    x0_range: tuple[Tensor, Tensor] | None,
+) -> Tensor:
+    time = x.new_full((len(x),), at.time)
+    alpha, sigma = (x.new_full((len(x),), value) for value in (at.alpha, at.sigma))
+    output = model(x, time, batch).output
+    x0 = predicted_x0(cfg.parameterisation, output.to(x), x, alpha, sigma)
+    return x0 if x0_range is None else torch.clamp(x0, *x0_range)
+
+
+def _step(
+    x: Tensor,
+    x0: Tensor,
+    at: Level,
+    to: Level,
+    before: tuple[Tensor, Level] | None,
+    cfg: SamplerCfg,
+) -> tuple[Tensor, float]:
+    if cfg.kind == "ddpm":
+        return ddpm_step(x, x0, at, to, cfg.variance)
+    if cfg.kind == "ddim":
+        return ddim_step(x, x0, at, to, cfg.eta)
+    return dpm_solver_step(x, x0, at, to, before)

@@ -1,0 +1,106 @@
+"""One step back in time by each sampler, as a mean and a standard deviation of what to add.
+
+All are written with the predicted clean layout x0, which may have been clipped or guided before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, inf, isinf, log, sqrt
+from typing import Literal
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from aeroscene.learning.diffusion.schedule import Schedule
+
+Variance = Literal["small", "large"]
+
+
+@dataclass(frozen=True)
+class Level:
+    """One time of a sampler's path and how noisy a layout is there."""
+
+    time: float
+    alpha: float
+    """sqrt(alpha_bar)."""
+    sigma: float
+    """sqrt(1 - alpha_bar)."""
+
+    @property
+    def half_log_snr(self) -> float:
+        """Lambda of DPM-Solver, log(alpha / sigma); infinite where there is no noise."""
+        return inf if self.sigma == 0 else log(self.alpha / self.sigma)
+
+
+def levels(schedule: Schedule, times: Float[Tensor, " n"]) -> list[Level]:
+    """The noise at each of some times."""
+    alpha_bar = schedule.alpha_bar(times.double())
+    rows = zip(
+        times.tolist(), alpha_bar.sqrt().tolist(), (1 - alpha_bar).sqrt().tolist(), strict=True
+    )
+    return [Level(*row) for row in rows]
+
+
+def noise_in(x: Tensor, x0: Tensor, at: Level) -> Tensor:
+    """The noise that makes x of x0."""
+    return (x - at.alpha * x0) / at.sigma
+
+
+def ddpm_step(
+    x: Tensor, x0: Tensor, at: Level, to: Level, variance: Variance
+) -> tuple[Tensor, float]:
+    """Ancestral step of DDPM.
+
+    Between levels that lie further apart than training's, alpha_t is the ratio of their alpha_bar
+    (Nichol and Dhariwal 2021, section 4), so that 100 steps serve a network trained with T = 1000.
+
+    Args:
+        x: Noisy layout at `at`.
+        x0: Predicted clean layout.
+        at: Where x is.
+        to: The less noisy level to go to.
+        variance: The paper leaves Sigma open: `small` is the posterior's of a known x0, `large`
+            is beta_t (Ho et al. 2020, section 3.2).
+
+    Source: the paper's mu_theta of the section "Inference Algorithm".
+    """
+    alpha_t = (at.alpha / to.alpha) ** 2
+    beta_t = 1 - alpha_t
+    mean = (x - beta_t / at.sigma * noise_in(x, x0, at)) / sqrt(alpha_t)
+    if to.sigma == 0:
+        return mean, 0.0
+    return mean, sqrt(beta_t) * (to.sigma / at.sigma if variance == "small" else 1.0)
+
+
+def ddim_step(x: Tensor, x0: Tensor, at: Level, to: Level, eta: float) -> tuple[Tensor, float]:
+    """Step of DDIM; `eta` 0 adds no noise, 1 as much as DDPM with small variance.
+
+    Source: Song, Meng and Ermon 2021, eqs. (12) and (16).
+    """
+    std = eta * to.sigma / at.sigma * sqrt(max(0.0, 1 - (at.alpha / to.alpha) ** 2))
+    along = sqrt(max(0.0, to.sigma**2 - std**2))
+    return to.alpha * x0 + along * noise_in(x, x0, at), std
+
+
+def dpm_solver_step(
+    x: Tensor, x0: Tensor, at: Level, to: Level, before: tuple[Tensor, Level] | None
+) -> tuple[Tensor, float]:
+    """Step of DPM-Solver++(2M): of second order with the x0 of the step before, else of first.
+
+    Args:
+        x: Noisy layout at `at`.
+        x0: Predicted clean layout.
+        at: Where x is.
+        to: The less noisy level to go to.
+        before: Predicted x0 and level of the step before; None at the first.
+
+    Source: Lu et al. 2022, "DPM-Solver++", algorithm 2.
+    """
+    step = to.half_log_snr - at.half_log_snr
+    blend = x0
+    if before is not None and not isinf(step):
+        ratio = (at.half_log_snr - before[1].half_log_snr) / step
+        blend = torch.lerp(before[0], x0, 1 + 1 / (2 * ratio))
+    return to.sigma / at.sigma * x + to.alpha * (1 - exp(-step)) * blend, 0.0

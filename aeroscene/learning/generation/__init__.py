@@ -1,0 +1,18 @@
+"""From a seed to a scene: skeleton, guided diffusion, feasibility."""
+
+from aeroscene.learning.generation.generator import (
+    Generated,
+    Generator,
+    NoFeasibleSceneError,
+    generate_scene,
+)
+from aeroscene.learning.generation.request import Request, RequestError
+
+__all__ = [
+    "Generated",
+    "Generator",
+    "NoFeasibleSceneError",
+    "Request",
+    "RequestError",
+    "generate_scene",
+]

@@ -1,0 +1,177 @@
+"""The trained model at work: skeleton, guided diffusion, feasibility.
+
+The same request gives the same scene on the same device with the same batch size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from aeroscene.areas.landing import AreaLimits
+from aeroscene.corpus.corpus import scene_domain
+from aeroscene.feasibility import FeasibilityCfg, FeasibilityReport, make_feasible
+from aeroscene.learning.generation.loading import load_proposer
+from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
+from aeroscene.learning.generation.request import Request
+from aeroscene.learning.tokens.assembly import assemble
+from aeroscene.learning.training.devices import choose_device, naming_memory
+from aeroscene.scene import Scene
+
+MOST_ATTEMPTS = 8
+"""Draws until one is feasible."""
+
+
+class NoFeasibleSceneError(RuntimeError):
+    """Every draw was rejected; one line with the last reason."""
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A scene as it came about."""
+
+    request: Request
+    attempt: int
+    """Draws before this one that were rejected, when asked for by `sound_scene`."""
+    proposal: Proposal
+    raw: Scene
+    """As sampled, without areas."""
+    projected: Scene
+    """After the projection, with areas."""
+    report: FeasibilityReport
+
+    @property
+    def scene(self) -> Scene | None:
+        """The finished scene, None where it was rejected."""
+        return None if self.report.rejection else self.projected
+
+
+class Generator:
+    """Scenes from seeds."""
+
+    def __init__(self, proposer: Proposer, device: str) -> None:
+        self._proposer = proposer
+        self.device = device
+
+    @staticmethod
+    def load(
+        checkpoint: Path | None = None,
+        *,
+        preset: str = "default",
+        device: str = "auto",
+        n_steps: int | None = None,
+    ) -> Generator:
+        """Read a trained model.
+
+        Args:
+            checkpoint: File that `aeroscene train` has written; None is the one that ships.
+            preset: Which of those that ship.
+            device: As `aeroscene.learning.training.devices.choose_device` takes it.
+            n_steps: Denoising steps; None are the preset's.
+
+        Raises:
+            SceneError: If checkpoint or device cannot be used.
+        """
+        where = choose_device(device)
+        return Generator(load_proposer(checkpoint, preset, where, n_steps), str(where))
+
+    def generate(
+        self,
+        requests: Sequence[Request],
+        *,
+        batch_size: int = 1,
+        attempt: int = 0,
+        on_step: OnStep | None = None,
+    ) -> Iterator[Generated]:
+        """One scene for each request, rejected ones among them, as they are finished.
+
+        Args:
+            requests: What is asked for.
+            batch_size: Scenes that are denoised at once. On a processor one by one is as fast.
+            attempt: Another draw of the same requests.
+            on_step: Sees every step of the denoising.
+
+        Raises:
+            DeviceError: If memory runs out.
+            RequestError: If a request cannot be met.
+        """
+        for start in range(0, len(requests), batch_size):
+            chunk = requests[start : start + batch_size]
+            streams = [_streams(request.seed, attempt) for request in chunk]
+            drawn = [r.drawn(rngs[0]) for r, rngs in zip(chunk, streams, strict=True)]
+            with naming_memory(choose_device(self.device), f"fewer than {len(chunk)} at once"):
+                proposals = self._proposer.propose(
+                    chunk, [wish for wish, _ in drawn], [rngs[1] for rngs in streams], on_step
+                )
+            for request, (_, limits), rngs, proposal in zip(
+                chunk, drawn, streams, proposals, strict=True
+            ):
+                yield self._finish(request, attempt, proposal, limits, rngs[2])
+
+    def sound_scene(self, request: Request, on_step: OnStep | None = None) -> Generated:
+        """Draw until a scene is feasible.
+
+        Raises:
+            NoFeasibleSceneError: If `MOST_ATTEMPTS` draws were rejected.
+        """
+        reason: str | None = None
+        for attempt in range(MOST_ATTEMPTS):
+            generated = next(self.generate([request], attempt=attempt, on_step=on_step))
+            reason = generated.report.rejection
+            if reason is None:
+                return generated
+        raise NoFeasibleSceneError(
+            f"seed {request.seed}: {MOST_ATTEMPTS} draws were rejected, the last because {reason}; "
+            "valid: another seed, or fewer objects"
+        )
+
+    def _finish(
+        self,
+        request: Request,
+        attempt: int,
+        proposal: Proposal,
+        limits: AreaLimits,
+        rng: np.random.Generator,
+    ) -> Generated:
+        raw = assemble(
+            proposal.skeleton,
+            proposal.geometry,
+            self._proposer.vocabulary,
+            scene_id=scene_name(request.seed),
+            seed=request.seed,
+            rng=rng,
+        )
+        feasible = make_feasible(raw, FeasibilityCfg(limits=limits))
+        return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
+
+
+def scene_name(seed: int) -> str:
+    """Name of the scene that a seed gives."""
+    return f"aeroscene-{seed:04d}"
+
+
+def generate_scene(seed: int) -> Scene:
+    """The scene of a seed by the model that ships, on the processor; in turn of all domains.
+
+    Raises:
+        SceneError: If the checkpoint is missing.
+        NoFeasibleSceneError: If no draw is feasible.
+    """
+    found = _shipped().sound_scene(Request(seed=seed, domain=scene_domain(seed))).scene
+    assert found is not None
+    return found
+
+
+@cache
+def _shipped() -> Generator:
+    return Generator.load(device="cpu")
+
+
+def _streams(seed: int, attempt: int) -> list[np.random.Generator]:
+    """Of the wish, of the model and of the looks."""
+    streams = np.random.SeedSequence((seed, attempt)).spawn(3)
+    return [np.random.default_rng(stream) for stream in streams]

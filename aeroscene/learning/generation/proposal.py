@@ -1,0 +1,133 @@
+"""From wishes to raw scenes' skeletons and geometry: one way for each preset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+import torch
+from jaxtyping import Float
+
+from aeroscene.learning.diffusion.sampling import Moment
+from aeroscene.learning.generation.raw import GeometrySampler
+from aeroscene.learning.generation.request import Request, RequestError
+from aeroscene.learning.skeleton.model import SkeletonModel
+from aeroscene.learning.skeleton.sample import sample_skeletons
+from aeroscene.learning.tokens.channels import HEADING, SIZE, Geometry
+from aeroscene.learning.tokens.examples import Example, encode
+from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary
+from aeroscene.learning.tokens.skeleton import Skeleton, Wish
+from aeroscene.learning.tokens.statistics import Statistics
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What the model says a scene is, before anything is mended."""
+
+    skeleton: Skeleton
+    geometry: Geometry
+
+
+OnStep = Callable[[Moment, Sequence[Proposal]], None]
+"""Called at every step of the denoising with the noisy layouts as they are."""
+
+
+class Proposer(Protocol):
+    """A trained model that makes scenes."""
+
+    vocabulary: Vocabulary
+
+    def propose(
+        self,
+        requests: Sequence[Request],
+        wishes: Sequence[Wish],
+        rngs: Sequence[np.random.Generator],
+        on_step: OnStep | None = None,
+    ) -> list[Proposal]:
+        """One scene for each request; `rngs` draw what each needs."""
+        ...
+
+
+class HierarchicalProposer:
+    """Ours: the skeleton first, then its geometry."""
+
+    def __init__(
+        self,
+        vocabulary: Vocabulary,
+        statistics: Statistics,
+        skeletons: SkeletonModel,
+        sampler: GeometrySampler,
+        device: torch.device,
+    ) -> None:
+        self.vocabulary = vocabulary
+        self._statistics = statistics
+        self._skeletons = skeletons
+        self._sampler = sampler
+        self._device = device
+
+    def propose(
+        self,
+        requests: Sequence[Request],
+        wishes: Sequence[Wish],
+        rngs: Sequence[np.random.Generator],
+        on_step: OnStep | None = None,
+    ) -> list[Proposal]:
+        """Skeletons by wish, then guided diffusion of all their geometry at once.
+
+        Raises:
+            RequestError: If a scene to complete has objects of kinds that the model never saw.
+        """
+        given = [self._given(request) for request in requests]
+        kept = [None if part is None else part.skeleton for part in given]
+        skeletons = sample_skeletons(self._skeletons, wishes, rngs, kept)
+        known = [
+            self._known_channels(request, part, skeleton)
+            for request, part, skeleton in zip(requests, given, skeletons, strict=True)
+        ]
+        noise = torch.Generator(self._device).manual_seed(int(rngs[0].integers(2**63)))
+        watch = None if on_step is None else _watched(on_step, skeletons)
+        layouts = self._sampler.sample(skeletons, wishes, noise, known, watch)
+        return [Proposal(*pair) for pair in zip(skeletons, layouts, strict=True)]
+
+    def _given(self, request: Request) -> Example | None:
+        """The coarse part of the scene that is to be completed."""
+        scene = request.complete
+        if scene is None:
+            return None
+        coarse = tuple(obj for obj in scene.objects if obj.is_coarse)
+        part = replace(scene, objects=coarse, interaction_areas=())
+        try:
+            return encode(part, self.vocabulary, self._statistics)
+        except KeyError as error:
+            raise RequestError(
+                f"scene {scene.scene_id!r} has an object of a kind that the model never saw "
+                f"({error.args[0]}), valid: coarse objects as in scenes of the corpus"
+            ) from None
+
+    def _known_channels(
+        self, request: Request, given: Example | None, skeleton: Skeleton
+    ) -> Float[np.ndarray, "k channels"]:
+        """Of the first tokens: a given coarse part, a given outline, or nothing."""
+        if given is not None:
+            return given.x0
+        kind = DOMAINS.index(skeleton.domain)
+        mean, spread = self._statistics.mean[kind], self._statistics.spread[kind]
+        channels = np.zeros((1, len(mean)))
+        if request.outline_m is None:
+            return channels[:0]
+        channels[0, HEADING] = (1.0, 0.0)
+        channels[0, SIZE.start : SIZE.start + 2] = self._statistics.codec.extents(
+            np.log(request.outline_m)
+        )
+        return np.where(self._statistics.is_free[kind], (channels - mean) / spread, 0.0)
+
+
+def _watched(
+    on_step: OnStep, skeletons: Sequence[Skeleton]
+) -> Callable[[Moment, Sequence[Geometry]], None]:
+    def watch(moment: Moment, layouts: Sequence[Geometry]) -> None:
+        on_step(moment, [Proposal(*pair) for pair in zip(skeletons, layouts, strict=True)])
+
+    return watch

@@ -1,0 +1,95 @@
+"""Pairs of upright boxes that overlap, and how deep, by separating axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from aeroscene.learning.tokens.boxes import Boxes
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Pairs of boxes near each other, of all scenes of a batch in one list.
+
+    Tokens are numbered through the batch: scene times tokens a scene, plus the slot.
+    """
+
+    first: Int[Tensor, " pairs"]
+    second: Int[Tensor, " pairs"]
+    axes: Float[Tensor, "pairs 5 3"]
+    """Unit normals of the faces of both boxes, ENU; the last is the vertical."""
+    reach_m: Float[Tensor, "pairs 5"]
+    """Distance of the centres along an axis at which the boxes touch."""
+    offset_m: Float[Tensor, "pairs 3"]
+    """From the first box's centre to the second's, ENU."""
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+
+def near_pairs(boxes: Boxes, excluded: Bool[Tensor, "batch n n"], margin_m: float) -> Pairs:
+    """Pairs that may come to overlap.
+
+    Args:
+        boxes: Upright boxes.
+        excluded: Pairs that may overlap: ancestors and descendants.
+        margin_m: Boxes this near count, because they move.
+    """
+    half = boxes.size_m / 2
+    cos, sin = boxes.heading.abs().unbind(-1)
+    width = cos * half[..., 0] + sin * half[..., 1]
+    breadth = sin * half[..., 0] + cos * half[..., 1]
+    near = ~excluded & boxes.mask[:, :, None] & boxes.mask[:, None]
+    for place, reach in zip(
+        boxes.center_enu_m.unbind(-1), (width, breadth, half[..., 2]), strict=True
+    ):
+        apart = (place[:, :, None] - place[:, None]).abs()
+        near &= apart < reach[:, :, None] + reach[:, None] + margin_m
+    scene, first, second = near.triu(1).nonzero(as_tuple=True)
+    n = boxes.mask.shape[1]
+    return pairs_of(boxes, scene * n + first, scene * n + second)
+
+
+def pairs_of(boxes: Boxes, first: Int[Tensor, " pairs"], second: Int[Tensor, " pairs"]) -> Pairs:
+    """Some pairs, by the numbers of their tokens through the batch."""
+    cos, sin = boxes.heading.reshape(-1, 2).unbind(-1)
+    zero, one = torch.zeros_like(cos), torch.ones_like(cos)
+    along, across = torch.stack([cos, sin, zero], -1), torch.stack([-sin, cos, zero], -1)
+    up = torch.stack([zero, zero, one], -1)
+    own = torch.stack([along, across, up], dim=1)
+    half = boxes.size_m.reshape(-1, 3) / 2
+    axes = torch.cat([own[first, :2], own[second]], dim=1)
+    reach = _reach(axes, own[first], half[first]) + _reach(axes, own[second], half[second])
+    center = boxes.center_enu_m.reshape(-1, 3)
+    return Pairs(first, second, axes, reach, center[second] - center[first])
+
+
+def _reach(axes: Tensor, own: Tensor, half: Tensor) -> Tensor:
+    """Half the extent of each box along each axis."""
+    return ((axes @ own.transpose(1, 2)).abs() * half[:, None]).sum(-1)
+
+
+def overlap_along(
+    pairs: Pairs, offset_m: Float[Tensor, "pairs 3"]
+) -> tuple[Float[Tensor, "pairs 5"], Float[Tensor, "pairs 5"]]:
+    """How far apart the centres are along each axis, signed, and by how much that is too little."""
+    apart = (pairs.axes * offset_m[:, None]).sum(-1)
+    return apart, pairs.reach_m - apart.abs()
+
+
+def penetration_depth(
+    boxes: Boxes, first: Int[Tensor, " pairs"], second: Int[Tensor, " pairs"]
+) -> Float[Tensor, " pairs"]:
+    """Least translation that parts upright boxes, negative when apart, m.
+
+    Args:
+        boxes: The boxes.
+        first: Numbers of tokens through the batch.
+        second: Those of their partners.
+    """
+    pairs = pairs_of(boxes, first, second)
+    return overlap_along(pairs, pairs.offset_m)[1].min(dim=-1).values

@@ -1,0 +1,159 @@
+"""What the network is made of, and the two presets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+N_GEOMETRY = 10
+"""Channels before the category in the paper's layout: p (3), q (4) and s (3)."""
+
+
+_CHOICES = {
+    "denoiser": ("unet", "tokens"),
+    "routing": ("learned", "given"),
+    "coarse_branch": ("cnn", "attention"),
+    "fine_branch": ("radius_gnn", "siblings"),
+}
+_RANGES = {
+    "channels": (8, 4096),
+    "n_kinds": (1, 65536),
+    "n_categories": (0, 4086),
+    "n_domains": (1, 64),
+    "width": (1, 4096),
+    "blocks": (1, 64),
+    "heads": (1, 64),
+    "ffn_ratio": (1, 16),
+    "fourier_bands": (0, 16),
+    "place_width": (2, 256),
+    "max_depth": (1, 64),
+    "grid_channels": (1, 1024),
+}
+
+
+class ModelCfgError(ValueError):
+    """A configuration of which no network can be made."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelCfg:
+    """Shape of a `HierarchicalDenoiser`; the defaults are the default preset.
+
+    Raises:
+        ModelCfgError: If a number is out of range or parts do not fit together.
+    """
+
+    denoiser: Literal["unet", "tokens"] = "tokens"
+    """The paper's UNet over a list, conditioned on F_attn; or a head on the tokens themselves."""
+    routing: Literal["learned", "given"] = "given"
+    """The paper's learned gate; or the level that the skeleton knows."""
+    coarse_branch: Literal["cnn", "attention"] = "attention"
+    """The paper's 3D CNN over a voxel grid; or attention among coarse tokens."""
+    fine_branch: Literal["radius_gnn", "siblings"] = "siblings"
+    """The paper's GNN over the radius graph; or attention among siblings."""
+    channels: int = 15
+    """Channels of an object."""
+    n_kinds: int = 256
+    """Kinds of the vocabulary; not read where the category is among the channels."""
+    n_categories: int = 0
+    """Length C of the one-hot category behind position, quaternion and scale (paper); 0: the
+    kind is given and no channel."""
+    n_domains: int = 3
+    """Mixed, outdoor, indoor."""
+    width: int = 128
+    """Token width, the paper's d_m, which it leaves open."""
+    blocks: int = 4
+    """Cross-scale blocks, the paper's L, which it leaves open: even top-down, odd bottom-up."""
+    heads: int = 4
+    """Attention heads, even."""
+    has_narrow_heads: bool = True
+    """Whether half of the default's heads see close kin alone (`relations`)."""
+    ffn_ratio: int = 2
+    """Hidden width of the default's FFN by `width`."""
+    fourier_bands: int = 6
+    """Octaves of the Fourier features of a position; 0 leaves them out."""
+    has_borders: bool = True
+    """Whether the default's tokens see the borders of their noisy boxes, see `borders`."""
+    place_width: int = 16
+    """Width of the encoding of a place among siblings."""
+    max_depth: int = 8
+    """Depths that the default tells apart."""
+    unet_widths: tuple[int, ...] = (128, 192, 256)
+    """Width of each level of the UNet."""
+    grid_shape: tuple[int, int, int] = (16, 16, 8)
+    """Voxels of the coarse branch along x, y and z."""
+    grid_channels: int = 32
+    """Width of the features on the grid."""
+    grid_reach: float = 2.25
+    """Half the extent of the grid in units of the position channels: 2.24 is the farthest east or
+    north of the corpus."""
+    graph_radius: float = 0.25
+    """The paper's delta_f, which it leaves open, in units of the position channels: about 5 m
+    in the corpus, where a fine object has 1.9 neighbours then."""
+
+    def __post_init__(self) -> None:
+        for name, choices in _CHOICES.items():
+            if getattr(self, name) not in choices:
+                valid = ", ".join(map(repr, choices))
+                raise ModelCfgError(f"{name} is {getattr(self, name)!r}, valid: {valid}")
+        for name, (low, high) in _RANGES.items():
+            _check(name, getattr(self, name), low, high)
+        for voxels in self.grid_shape:
+            _check("grid_shape", voxels, 2, 64)
+        for name in ("grid_reach", "graph_radius"):
+            if getattr(self, name) <= 0:
+                raise ModelCfgError(f"{name} is {getattr(self, name)}, valid: above 0")
+        self._check_widths()
+        if self.denoiser == "tokens":
+            self._check_tokens()
+
+    def _check_widths(self) -> None:
+        if self.heads % 2 or self.width % (2 * self.heads):
+            raise ModelCfgError(
+                f"heads is {self.heads} with width {self.width}, valid: an even number of which "
+                "twice divides the width"
+            )
+        if self.place_width % 2:
+            raise ModelCfgError(f"place_width is {self.place_width}, valid: even numbers, 2 to 256")
+        if not self.unet_widths:
+            raise ModelCfgError("unet_widths is (), valid: one width or more")
+        for width in self.unet_widths:
+            if width < 1 or width % self.heads:
+                raise ModelCfgError(
+                    f"unet_widths is {width}, valid: multiples of heads, {self.heads}"
+                )
+        if self.n_categories and self.channels != N_GEOMETRY + self.n_categories:
+            raise ModelCfgError(
+                f"channels is {self.channels} with n_categories {self.n_categories}, valid: "
+                f"{N_GEOMETRY + self.n_categories}"
+            )
+
+    def _check_tokens(self) -> None:
+        parts = (self.routing, self.coarse_branch, self.fine_branch)
+        if parts != ("given", "attention", "siblings"):
+            raise ModelCfgError(
+                f"routing, coarse_branch, fine_branch are {parts} with denoiser tokens, valid: "
+                "('given', 'attention', 'siblings'); the other parts need denoiser unet"
+            )
+
+
+def paper_cfg(n_categories: int) -> ModelCfg:
+    """The paper's network: equations 3 to 12 as they stand.
+
+    Args:
+        n_categories: C, the length of the one-hot category beside position, quaternion and scale.
+    """
+    return ModelCfg(
+        denoiser="unet",
+        routing="learned",
+        coarse_branch="cnn",
+        fine_branch="radius_gnn",
+        channels=N_GEOMETRY + n_categories,
+        n_categories=n_categories,
+        blocks=4,
+    )
+
+
+def _check(name: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise ModelCfgError(f"{name} is {value}, valid: {low} to {high}")

@@ -1,0 +1,77 @@
+"""The default network: hierarchy blocks over the tokens of a skeleton."""
+
+from __future__ import annotations
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+from aeroscene.learning.model.config import ModelCfg
+from aeroscene.learning.model.embedding import TokenEmbedding
+from aeroscene.learning.model.hierarchy import HierarchyBlock
+from aeroscene.learning.model.prediction import Prediction
+from aeroscene.learning.model.relations import Relations, relations_of
+from aeroscene.learning.tokens.batch import TokenBatch
+
+
+class TokenDenoiser(nn.Module):
+    """Embedding, alternating top-down and bottom-up `HierarchyBlock`s, a linear head.
+
+    The paper's UNet over a list of tokens is left out: a list has no neighbourhood that a
+    convolution could use, and the blocks already relate every token to its kin.
+    """
+
+    def __init__(self, cfg: ModelCfg) -> None:
+        super().__init__()
+        self.cfg = cfg
+        self.embedding = TokenEmbedding(cfg)
+        self.blocks = nn.ModuleList(
+            HierarchyBlock(cfg.width, cfg.heads, cfg.ffn_ratio, is_top_down=i % 2 == 0)
+            for i in range(cfg.blocks)
+        )
+        self.modulation = nn.Linear(cfg.width, 2 * cfg.width + cfg.channels)
+        self.head = nn.Linear(cfg.width, cfg.channels)
+        self._known: tuple[TokenBatch, Relations] | None = None
+        for layer in (self.modulation, self.head):
+            nn.init.zeros_(layer.weight)
+            nn.init.zeros_(layer.bias)
+
+    def forward(
+        self, x_t: Float[Tensor, "batch n channels"], t: Float[Tensor, " batch"], batch: TokenBatch
+    ) -> Prediction:
+        """Predict for a batch of noisy layouts; zero before training."""
+        real = batch.mask.unsqueeze(-1)
+        x_t = x_t * real
+        relations = self._relations(batch)
+        condition = self.embedding.condition(t, batch)
+        token = self.embedding(x_t, batch)
+        coarse, fine = token.split(
+            [batch.n_coarse_slots, token.shape[1] - batch.n_coarse_slots], dim=1
+        )
+        for block in self.blocks:
+            coarse, fine = block(coarse, fine, condition, relations)
+        return Prediction(self._head(torch.cat([coarse, fine], 1), condition, x_t) * real, None)
+
+    def _relations(self, batch: TokenBatch) -> Relations:
+        """Masks of a batch: sampling asks for those of one batch at every step."""
+        known = self._known
+        if known is None or known[0] is not batch:
+            cfg = self.cfg
+            found = relations_of(batch, cfg.heads, cfg.width, cfg.has_narrow_heads)
+            self._known = known = (batch, found)
+        return known[1]
+
+    def _head(
+        self,
+        token: Float[Tensor, "batch n d"],
+        condition: Float[Tensor, "batch d"],
+        x_t: Float[Tensor, "batch n channels"],
+    ) -> Float[Tensor, "batch n channels"]:
+        width = token.shape[-1]
+        parts = self.modulation(condition).unsqueeze(1)
+        shift, scale, gain = parts.split([width, width, x_t.shape[-1]], dim=-1)
+        level = functional.layer_norm(token, (width,))
+        # What is unknown of a layout is predicted from x_t by time alone: its own term spares the
+        # blocks from carrying x_t through.
+        return torch.addcmul(self.head(torch.addcmul(shift, level, 1.0 + scale)), gain, x_t)

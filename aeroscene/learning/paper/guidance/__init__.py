@@ -1,0 +1,1 @@
+"""The paper's guidance: collision avoidance, coarse-to-fine and semantic objectives."""

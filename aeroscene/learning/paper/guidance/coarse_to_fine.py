@@ -1,0 +1,54 @@
+"""The paper's coarse-to-fine guidance, L_c2f, and a form that leaves room within the region."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from aeroscene.learning.paper.guidance.layout import Layout
+
+RegionDistance = Literal["centroid", "border"]
+
+_LEAST_DISTANCE_M = 1e-4
+"""Where the distance to a point has no slope."""
+
+
+def coarse_to_fine_loss(layout: Layout, distance: RegionDistance) -> Float[Tensor, " batch"]:
+    """Sum over fine objects of their distance to the region of the nearest coarse object, m.
+
+    Args:
+        layout: Objects.
+        distance: `centroid`: to the coarse object's centre, the paper's. It draws all fine objects
+            into one point; `border`: to the coarse object's box, 0 within its footprint.
+
+    Source: the paper's L_c2f(x_t), section "Coarse-to-Fine Guidance". The region R_coarse(o_i) is
+    that of the coarse object whose centre is nearest.
+    """
+    fine = layout.mask & ~layout.is_coarse
+    coarse = layout.mask & layout.is_coarse
+    offset = layout.center_enu_m[:, :, None] - layout.center_enu_m[:, None]
+    away = offset.square().sum(-1).clamp(min=_LEAST_DISTANCE_M**2).sqrt()
+    away = away.masked_fill(~coarse[:, None], torch.inf)
+    nearest = away.min(dim=-1)
+    if distance == "centroid":
+        to_region = nearest.values
+    else:
+        to_region = _to_border(layout, offset, nearest.indices)
+    has_region = fine & coarse.any(dim=-1, keepdim=True)
+    return torch.where(has_region, to_region, 0.0).sum(-1)
+
+
+def _to_border(layout: Layout, offset: Tensor, nearest: Tensor) -> Float[Tensor, "batch n"]:
+    """Horizontal distance to the footprint of the region's object."""
+    pick = nearest[..., None, None].expand(-1, -1, 1, 3)
+    x, y = offset.gather(2, pick).squeeze(2)[..., :2].unbind(-1)
+    cos, sin = layout.heading.gather(1, nearest[..., None].expand(-1, -1, 2)).unbind(-1)
+    half = layout.size_m.gather(1, nearest[..., None].expand(-1, -1, 3))[..., :2] / 2
+    local = torch.stack([cos * x + sin * y, cos * y - sin * x], dim=-1)
+    outside = (local.abs() - half).clamp(min=0)
+    squared = outside.square().sum(-1)
+    is_outside = squared > 0
+    return torch.where(is_outside, torch.where(is_outside, squared, 1.0).sqrt(), 0.0)

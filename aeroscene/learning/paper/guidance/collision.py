@@ -1,0 +1,55 @@
+"""The paper's collision avoidance guidance, L_col."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from aeroscene.learning.paper.guidance.layout import Layout
+from aeroscene.learning.paper.guidance.overlap import BoxPairs, exact_iou, soft_iou
+
+IouKind = Literal["exact", "soft"]
+
+
+def collision_loss(
+    layout: Layout, *, tolerance: float, kind: IouKind, softness_m: float
+) -> Float[Tensor, " batch"]:
+    """Sum over ordered pairs of what their IoU exceeds a tolerance by.
+
+    Args:
+        layout: Objects.
+        tolerance: The paper's delta_d.
+        kind: The IoU itself, or a surrogate with a slope everywhere, as the paper's training asks
+            for ("smooth surrogates such as soft IoU").
+        softness_m: Of the soft one.
+
+    Source: the paper's L_col(x_t), section "Collision Avoidance Guidance".
+    """
+    scene, first, second = _near(layout, 4 * softness_m if kind == "soft" else 0.0)
+    pairs = BoxPairs(
+        *(
+            (values[scene, first], values[scene, second])
+            for values in (layout.center_enu_m, layout.heading, layout.size_m)
+        )
+    )
+    iou = exact_iou(pairs) if kind == "exact" else soft_iou(pairs, softness_m)
+    excess = (iou - tolerance).clamp(min=0)
+    hits = torch.nn.functional.one_hot(scene, len(layout.mask)).to(excess)
+    return 2 * excess @ hits
+
+
+def _near(layout: Layout, margin_m: float) -> tuple[Tensor, Tensor, Tensor]:
+    """Pairs whose boxes may overlap: scene, first, second."""
+    center, size = layout.center_enu_m.detach(), layout.size_m.detach()
+    reach = size[..., :2].norm(dim=-1) / 2
+    both = reach[:, :, None] + reach[:, None] + margin_m
+    apart = (center[:, :, None, :2] - center[:, None, :, :2]).square().sum(-1)
+    near = apart < both**2
+    height = (size[:, :, None, 2] + size[:, None, :, 2]) / 2 + margin_m
+    near &= (center[:, :, None, 2] - center[:, None, :, 2]).abs() < height
+    near &= layout.mask[:, :, None] & layout.mask[:, None]
+    scene, first, second = near.triu(1).nonzero(as_tuple=True)
+    return scene, first, second

@@ -1,0 +1,89 @@
+"""Draws from what the network says, within what the grammar allows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from aeroscene.learning.skeleton.config import SkeletonSamplerCfg
+from aeroscene.learning.skeleton.grammar import Grammar
+from aeroscene.learning.skeleton.needs import Needs
+from aeroscene.learning.skeleton.path import Paths
+
+
+class Chooser:
+    """Draws for many rows, each with a generator of its own.
+
+    What a row gets depends on its own logits and generator only, not on which others there are.
+    """
+
+    def __init__(self, generators: Sequence[np.random.Generator], cfg: SkeletonSamplerCfg) -> None:
+        self._generators = generators
+        self._cfg = cfg
+
+    def choose(
+        self,
+        rows: Int[np.ndarray, " r"],
+        logits: Float[Tensor, "r choices"],
+        allowed: Bool[np.ndarray, "r choices"],
+    ) -> Int[np.ndarray, " r"]:
+        """One of the allowed choices for each row; each row must have one."""
+        # Above 0 and up to 1: so the first share that reaches it is never an empty one.
+        uniform = np.array([1.0 - self._generators[row].random() for row in rows.tolist()])
+        scaled = logits.cpu().double().numpy() / self._cfg.temperature
+        scaled = np.where(allowed, scaled, -np.inf)
+        weight = np.exp(scaled - scaled.max(axis=1, keepdims=True))
+        share = weight / weight.sum(axis=1, keepdims=True)
+        if self._cfg.top_p < 1.0:
+            share = _nucleus(share, self._cfg.top_p)
+        total = share.cumsum(axis=1)
+        return (total < uniform[:, None] * total[:, -1:]).sum(axis=1)
+
+
+def _nucleus(share: Float[np.ndarray, "r c"], top_p: float) -> Float[np.ndarray, "r c"]:
+    """The smallest set of choices whose probabilities reach `top_p`; nothing for the others.
+
+    Source: Holtzman et al. 2020, "The curious case of neural text degeneration", section 3.1.
+    """
+    order = (-share).argsort(axis=1, kind="stable")
+    ranked = np.take_along_axis(share, order, axis=1)
+    is_kept = ranked.cumsum(axis=1) - ranked < top_p
+    kept = np.zeros_like(share)
+    np.put_along_axis(kept, order, ranked * is_kept, axis=1)
+    return kept
+
+
+def allowed_children(
+    grammar: Grammar,
+    paths: Paths,
+    rows: Int[np.ndarray, " r"],
+    wanted: Bool[np.ndarray, "r kinds"],
+    needs: Needs,
+    n_left: Int[np.ndarray, " r"],
+) -> Bool[np.ndarray, "r depths kinds"]:
+    """Which kinds may come next at which depth, from 1: those that training had there.
+
+    Where that leaves nothing, first what parents need is given up, then how often they may have
+    a kind, and at last who may be whose child: the root may have everything that is wanted.
+
+    Args:
+        grammar: What training had.
+        paths: Where the trees stand.
+        rows: Rows that place an object.
+        wanted: Kinds to choose from.
+        needs: What parents need of such kinds.
+        n_left: Objects that each row may still place, see `Needs.affordable`.
+    """
+    cap = grammar.cap[paths.kind[rows, :-1]]
+    seen = (cap > 0) & wanted[:, None]
+    few_enough = seen & (paths.bag[rows, :-1] < cap)
+    everything = np.zeros_like(seen)
+    everything[:, 0] = wanted
+    allowed = few_enough & needs.affordable(paths, rows, n_left)
+    for instead in (few_enough, seen, everything):
+        stuck = ~allowed.any(axis=(1, 2))
+        allowed[stuck] = instead[stuck]
+    return allowed

@@ -1,0 +1,41 @@
+"""Kinds as vectors."""
+
+from __future__ import annotations
+
+import torch
+from jaxtyping import Bool, Float
+from torch import Tensor, nn
+
+from aeroscene.learning.tokens.kinds import Vocabulary
+
+
+def kind_traits(vocabulary: Vocabulary) -> Bool[Tensor, "kinds traits"]:
+    """What kinds have in common: category, attachment, each attribute's value."""
+    found = [
+        {kind.category, f"at {kind.attachment}", f"aligned {kind.is_aligned}", f"in {kind.domain}"}
+        | set(kind.openings)
+        | {f"{name} {value}" for name, value in kind.attributes}
+        for kind in vocabulary.kinds
+    ]
+    names = sorted(set().union(*found))
+    return torch.tensor([[name in traits for name in names] for traits in found])
+
+
+class KindEmbedding(nn.Module):
+    """Kinds as vectors: one of their own, plus one for each of their traits.
+
+    So a kind that is rare in training shares what is known of its category and attributes.
+    """
+
+    traits: Tensor
+
+    def __init__(self, traits: Bool[Tensor, "kinds traits"], width: int) -> None:
+        super().__init__()
+        none = traits.new_zeros((1, traits.shape[1]))
+        self.register_buffer("traits", torch.cat([traits, none]), persistent=False)
+        self.own = nn.Parameter(0.1 * torch.randn(len(traits) + 1, width))
+        self.shared = nn.Parameter(0.1 * torch.randn(traits.shape[1], width))
+
+    def forward(self) -> Float[Tensor, "kinds_and_none width"]:
+        """The vectors of all kinds, and that of no kind at the end."""
+        return self.own + self.traits.to(self.own.dtype) @ self.shared

@@ -1,0 +1,288 @@
+"""What kinds of object there are: category, the attributes that shape it, how it is attached.
+
+A category says too little to know how tall a thing is or where it stands: a bench in a hall and a
+bench in a park share one. A kind adds the discrete attributes that decide an object's shape and
+the way it hangs on its parent. Kinds are counted in a corpus, not listed: a corpus of other
+categories has a vocabulary of its own.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple, get_args
+
+import msgspec
+import numpy as np
+from jaxtyping import Bool, Int
+
+from aeroscene.scene import AttributeValue, ObjectDomain, Scene, SceneDomain, SceneObject
+from aeroscene.scene.catalogue import CATALOGUE
+
+Attachment = Literal["top", "lift", "free"]
+"""Underside on the parent's upper face; at the usual height above its underside; anywhere."""
+
+DOMAINS: tuple[SceneDomain, ...] = get_args(SceneDomain)
+"""Kinds 0, 1 and 2 are the sites of these: the flight volume, parent of what has none."""
+
+OPENINGS = (
+    "door_m",
+    "door_offset_m",
+    "door_height_m",
+    "window_m",
+    "window_offset_m",
+    "window_sill_m",
+    "window_height_m",
+)
+"""Continuous attributes: they are diffused beside position, heading and size."""
+_SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra_end")
+"""Discrete attributes that decide what shape an object has."""
+_ATTACHED_M = 0.011
+"""Undersides nearer than this to a height are at it."""
+_ALIGNED_RAD = math.radians(0.5)
+_QUARTER_RAD = math.pi / 2
+_USUAL_SHARE = 0.25
+"""A height above the parent's underside is usual where this share of the pairs keeps it."""
+_NO_LIFT = math.nan
+_SITE = ""
+"""Category of the site, which is no object."""
+
+
+class Kind(msgspec.Struct, frozen=True, order=True):
+    """Objects that differ in size, place and looks only."""
+
+    category: str
+    domain: ObjectDomain
+    attachment: Attachment
+    is_aligned: bool
+    """Whether the heading is a multiple of a quarter turn to the parent's."""
+    openings: tuple[str, ...] = ()
+    """Which of `OPENINGS` an object has."""
+    attributes: tuple[tuple[str, AttributeValue], ...] = ()
+    """Those that decide the shape, sorted by name."""
+
+    @property
+    def is_site(self) -> bool:
+        """Whether this is the flight volume, not an object."""
+        return self.category == _SITE
+
+    @property
+    def is_start(self) -> bool:
+        """Whether flights start on it."""
+        return ("is_start", True) in self.attributes
+
+
+class Looks(msgspec.Struct, frozen=True):
+    """One way that objects of a kind were found to look: colour, wood, finish."""
+
+    attributes: dict[str, AttributeValue]
+    count: int
+
+
+class _Document(msgspec.Struct):
+    kinds: tuple[Kind, ...]
+    looks: tuple[tuple[Looks, ...], ...]
+    lifts_m: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """The kinds of a corpus; equal corpora give equal vocabularies."""
+
+    kinds: tuple[Kind, ...]
+    looks: tuple[tuple[Looks, ...], ...]
+    """How objects of each kind look, the commonest first."""
+    lifts_m: Mapping[tuple[str, str], float]
+    """Usual height of an underside above the parent's, by the categories of child and parent."""
+
+    @property
+    def n_kinds(self) -> int:
+        """Kinds, sites included."""
+        return len(self.kinds)
+
+    @cached_property
+    def category_id(self) -> Int[np.ndarray, " kinds"]:
+        """Number in the catalogue of each kind; 0 for sites and foreign categories."""
+        known = {category.name: category.id for category in CATALOGUE.values()}
+        return np.array([known.get(kind.category, 0) for kind in self.kinds])
+
+    @cached_property
+    def is_coarse(self) -> Bool[np.ndarray, " kinds"]:
+        """Which kinds are coarse; sites are."""
+        return np.array(
+            [
+                kind.is_site or (i > 0 and CATALOGUE[i].level == "coarse")
+                for kind, i in zip(self.kinds, self.category_id.tolist(), strict=True)
+            ]
+        )
+
+    @cached_property
+    def number(self) -> Mapping[Kind, int]:
+        """Numbers of the kinds."""
+        return {kind: index for index, kind in enumerate(self.kinds)}
+
+    @cached_property
+    def digest(self) -> str:
+        """Sixteen hexadecimal digits that differ between vocabularies."""
+        return hashlib.sha256(self.to_json().encode()).hexdigest()[:16]
+
+    def lift_m(self, category: str, parent: str) -> float:
+        """Usual height of an underside above the parent's, NaN where there is none."""
+        return self.lifts_m.get((category, parent), _NO_LIFT)
+
+    def kind_of(
+        self, obj: SceneObject, parent: SceneObject | None, site_yaw_rad: float = 0.0
+    ) -> int:
+        """Number of the kind that an object is of.
+
+        Args:
+            obj: The object.
+            parent: Its parent; None is the site.
+            site_yaw_rad: Heading of the site, see `site_yaw`.
+
+        Raises:
+            KeyError: If the corpus had no such object.
+        """
+        return self.number[_kind(_Placed(obj, parent, site_yaw_rad), self.lifts_m)]
+
+    def to_json(self) -> str:
+        """The vocabulary as text."""
+        lifts = {f"{child}<{parent}": v for (child, parent), v in sorted(self.lifts_m.items())}
+        return msgspec.json.encode(_Document(self.kinds, self.looks, lifts)).decode()
+
+    @staticmethod
+    def from_json(text: str) -> Vocabulary:
+        """What `to_json` wrote.
+
+        Raises:
+            msgspec.DecodeError: If it is not that.
+        """
+        document = msgspec.json.decode(text, type=_Document)
+        pairs = {tuple(name.split("<")): value for name, value in document.lifts_m.items()}
+        lifts = {(pair[0], pair[1]): value for pair, value in pairs.items()}
+        return Vocabulary(document.kinds, document.looks, lifts)
+
+
+def count_kinds(scenes: Iterable[Scene]) -> Vocabulary:
+    """The vocabulary of a corpus."""
+    placed = [each for scene in scenes for each in _placed(scene)]
+    lifts_m = _usual_lifts(placed)
+    looks: defaultdict[Kind, Counter[str]] = defaultdict(Counter)
+    for each in placed:
+        looks[_kind(each, lifts_m)][_looks(each.obj)] += 1
+    kinds = sorted(looks)
+    sites = (_site(domain) for domain in DOMAINS)
+    return Vocabulary(
+        (*sites, *kinds),
+        (((),) * len(DOMAINS) + tuple(_ranked(looks[kind]) for kind in kinds)),
+        lifts_m,
+    )
+
+
+def _site(domain: SceneDomain) -> Kind:
+    return Kind(_SITE, "outdoor", "lift", is_aligned=True, attributes=(("domain", domain),))
+
+
+class _Placed(NamedTuple):
+    """An object with what it is attached to."""
+
+    obj: SceneObject
+    parent: SceneObject | None
+    site_yaw_rad: float
+
+    @property
+    def category(self) -> str:
+        """Of the parent."""
+        return _SITE if self.parent is None else self.parent.category
+
+    @property
+    def rise_m(self) -> float:
+        """Height of the underside above the parent's."""
+        return underside_m(self.obj) - underside_m(self.parent)
+
+    @property
+    def is_on_top(self) -> bool:
+        """Whether it stands on the upper face of its parent."""
+        parent = self.parent
+        if parent is None:
+            return False
+        return abs(underside_m(self.obj) - underside_m(parent) - parent.bbox.s[2]) < _ATTACHED_M
+
+    @property
+    def is_aligned(self) -> bool:
+        """Whether its heading is a multiple of a quarter turn to the parent's."""
+        yaw = self.site_yaw_rad if self.parent is None else self.parent.bbox.yaw_rad
+        turn = math.remainder(self.obj.bbox.yaw_rad - yaw, _QUARTER_RAD)
+        return abs(turn) < _ALIGNED_RAD
+
+
+def _placed(scene: Scene) -> list[_Placed]:
+    by_id, yaw = scene.object_by_id, site_yaw(scene)
+    return [
+        _Placed(obj, None if obj.parent_id is None else by_id[obj.parent_id], yaw)
+        for obj in scene.objects
+    ]
+
+
+def site_yaw(scene: Scene) -> float:
+    """Heading of the ground plan, from -45 to 45 degrees: that of most of what stands on it."""
+    headings = Counter(
+        round(math.remainder(obj.bbox.yaw_rad, _QUARTER_RAD), 4)
+        for obj in scene.objects
+        if obj.parent_id is None
+    )
+    if not headings:
+        return 0.0
+    return min(headings.items(), key=lambda item: (-item[1], abs(item[0]), item[0]))[0]
+
+
+def underside_m(obj: SceneObject | None) -> float:
+    """Height of the lower face of an upright box; that of the site is the ground."""
+    return 0.0 if obj is None else obj.bbox.p[2] - obj.bbox.s[2] / 2
+
+
+def _usual_lifts(placed: Sequence[_Placed]) -> dict[tuple[str, str], float]:
+    heights: defaultdict[tuple[str, str], Counter[float]] = defaultdict(Counter)
+    for each in placed:
+        if not each.is_on_top:
+            heights[each.obj.category, each.category][round(each.rise_m, 2) + 0.0] += 1
+    lifts = {}
+    for names in sorted(heights):
+        height, count = min(heights[names].items(), key=lambda item: (-item[1], item[0]))
+        if count >= _USUAL_SHARE * heights[names].total():
+            lifts[names] = height
+    return lifts
+
+
+def _kind(placed: _Placed, lifts_m: Mapping[tuple[str, str], float]) -> Kind:
+    obj = placed.obj
+    return Kind(
+        obj.category,
+        obj.domain,
+        _attachment(placed, lifts_m),
+        is_aligned=placed.is_aligned,
+        openings=tuple(name for name in OPENINGS if name in obj.attributes),
+        attributes=tuple((k, obj.attributes[k]) for k in _SHAPING if k in obj.attributes),
+    )
+
+
+def _attachment(placed: _Placed, lifts_m: Mapping[tuple[str, str], float]) -> Attachment:
+    if placed.is_on_top:
+        return "top"
+    lift = lifts_m.get((placed.obj.category, placed.category), _NO_LIFT)
+    return "lift" if abs(placed.rise_m - lift) < _ATTACHED_M else "free"
+
+
+def _looks(obj: SceneObject) -> str:
+    """The other discrete attributes, as a sorted text."""
+    rest = {k: v for k, v in obj.attributes.items() if k not in _SHAPING and k not in OPENINGS}
+    return msgspec.json.encode(dict(sorted(rest.items()))).decode()
+
+
+def _ranked(counts: Counter[str]) -> tuple[Looks, ...]:
+    ranked = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+    return tuple(Looks(msgspec.json.decode(text), count) for text, count in ranked)

@@ -1,0 +1,125 @@
+"""Skeletons: which objects a scene has, of which kind, child of whom, before any geometry."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, site_yaw
+from aeroscene.scene import Scene, SceneDomain, SceneObject
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What a scene is asked to have."""
+
+    domain: SceneDomain
+    n_coarse: int
+    n_fine: int
+    n_areas: int
+    """Landing areas of all sizes."""
+
+    @staticmethod
+    def of(scene: Scene) -> Wish:
+        """What a scene has."""
+        n_coarse = sum(obj.is_coarse for obj in scene.objects)
+        n_fine = len(scene.objects) - n_coarse
+        return Wish(scene.domain, n_coarse, n_fine, len(scene.landing_areas))
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """A tree of kinds: the site first, then all coarse objects, then the fine ones.
+
+    Coarse objects stand depth first; fine ones in the order of the coarse objects that they belong
+    to, depth first again. Parents come before their children, coarse objects have coarse parents.
+    """
+
+    domain: SceneDomain
+    kind_id: Int[np.ndarray, " n"]
+    parent: Int[np.ndarray, " n"]
+    """Places of the parents; the site is its own."""
+    n_coarse: int
+    """Site included: these come first."""
+
+    def __len__(self) -> int:
+        return len(self.kind_id)
+
+    @cached_property
+    def depth(self) -> Int[np.ndarray, " n"]:
+        """Steps down from the site."""
+        depth = np.zeros(len(self), dtype=np.int64)
+        for i in range(1, len(self)):
+            depth[i] = depth[self.parent[i]] + 1
+        return depth
+
+    @cached_property
+    def ordinal(self) -> Int[np.ndarray, " n"]:
+        """Place of each object among the children of its parent."""
+        return _counted(self.parent.tolist())
+
+    @cached_property
+    def twin(self) -> Int[np.ndarray, " n"]:
+        """Place of each object among those children of its parent that are of its kind."""
+        return _counted(list(zip(self.parent.tolist(), self.kind_id.tolist(), strict=True)))
+
+    def family(self) -> Bool[np.ndarray, "n n"]:
+        """Which objects are ancestor and descendant, or the same."""
+        above = np.eye(len(self), dtype=bool)
+        for i in range(1, len(self)):
+            above[i] |= above[self.parent[i]]
+        return above | above.T
+
+
+def _counted(keys: list) -> Int[np.ndarray, " n"]:
+    seen: Counter = Counter()
+    places = np.zeros(len(keys), dtype=np.int64)
+    for i, key in enumerate(keys[1:], 1):
+        places[i] = seen[key]
+        seen[key] += 1
+    return places
+
+
+def token_order(scene: Scene) -> tuple[SceneObject, ...]:
+    """The objects of a scene in a skeleton's order."""
+    coarse: list[SceneObject] = []
+    _descend(scene, None, coarse, is_coarse=True)
+    fine: list[SceneObject] = []
+    for parent in (None, *(obj.id for obj in coarse)):
+        _descend(scene, parent, fine, is_coarse=False)
+    return (*coarse, *fine)
+
+
+def _descend(
+    scene: Scene, parent: int | None, found: list[SceneObject], *, is_coarse: bool
+) -> None:
+    for child in scene.children_by_id.get(parent, ()):
+        if child.is_coarse == is_coarse:
+            found.append(child)
+            _descend(scene, child.id, found, is_coarse=is_coarse)
+
+
+def skeleton_of(scene: Scene, vocabulary: Vocabulary) -> Skeleton:
+    """The skeleton of a scene.
+
+    Raises:
+        KeyError: If an object is of no kind of the vocabulary.
+    """
+    order = token_order(scene)
+    place = {None: 0} | {obj.id: i for i, obj in enumerate(order, 1)}
+    by_id, yaw = scene.object_by_id, site_yaw(scene)
+    kinds = [DOMAINS.index(scene.domain)]
+    for obj in order:
+        parent = None if obj.parent_id is None else by_id[obj.parent_id]
+        kinds.append(vocabulary.kind_of(obj, parent, yaw))
+    parents = [0, *(place[obj.parent_id] for obj in order)]
+    return Skeleton(
+        scene.domain,
+        np.array(kinds),
+        np.array(parents),
+        1 + sum(obj.is_coarse for obj in order),
+    )

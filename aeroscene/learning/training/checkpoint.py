@@ -1,0 +1,293 @@
+"""A trained model in one file: weights by part, and everything needed to run them.
+
+    FILE.safetensors
+      tensors    denoiser.*, skeleton.*, prior.*: weights by their part's prefix;
+                 statistics.*: what scales the channels of a token
+      metadata   "aeroscene": JSON with format, version, preset, configurations, vocabulary,
+                 what it was trained on, by which code, with which figures
+
+A part may be missing: a training that was stopped has not all of them yet.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import msgspec
+import numpy as np
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save
+from torch import Tensor, nn
+
+from aeroscene.files import replacing
+from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.tokens.codec import CodecCfg
+from aeroscene.learning.tokens.statistics import Statistics
+from aeroscene.learning.training.settings import section_from_plain
+from aeroscene.scene import SceneError
+from aeroscene.scene.catalogue import CATALOGUE
+
+FORMAT = "aeroscene-checkpoint"
+VERSION = 1
+
+Part = Literal["denoiser", "skeleton", "prior"]
+PARTS: tuple[Part, ...] = get_args(Part)
+Weights = Mapping[str, Tensor]
+AnyStatistics = Statistics | FlatStatistics
+
+_KEY = "aeroscene"
+_STATISTICS = "statistics"
+
+
+class CheckpointError(SceneError):
+    """A checkpoint that cannot be used; one line saying why and what would do."""
+
+
+class DataSource(msgspec.Struct, frozen=True, kw_only=True):
+    """What a model was trained on."""
+
+    name: str
+    """Folder or file, without its place."""
+    digest: str
+    """Of everything that was trained on, hexadecimal."""
+    n_scenes: int
+
+
+class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):
+    """What a checkpoint says of itself."""
+
+    format: str = FORMAT
+    version: int = VERSION
+    preset: str
+    configs: dict[str, dict[str, Any]]
+    """Every configuration by its section, as in a configuration file."""
+    vocabulary: str
+    """The kinds of objects, as JSON of their own."""
+    categories: tuple[str, ...]
+    """Names of the categories in the order of their numbers, from 1."""
+    is_foreign: bool = False
+    """Whether the categories are those of a foreign layout file, not our catalogue's."""
+    data: DataSource
+    code: str
+    """Version of the code that trained it."""
+    training: dict[str, Any]
+    """Figures of the training: steps, seconds, losses, device."""
+    digest: str = ""
+    """Of all weights, hexadecimal; made when it is written."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A trained model, on the processor, in single precision."""
+
+    facts: CheckpointFacts
+    parts: Mapping[Part, Weights]
+    statistics: AnyStatistics
+
+    def weights_of(self, part: Part) -> Weights:
+        """The weights of a part.
+
+        Raises:
+            CheckpointError: If it is missing.
+        """
+        if part not in self.parts:
+            raise CheckpointError(
+                f"checkpoint has no {part}, only {', '.join(self.parts) or 'nothing'}, valid: a "
+                "training run to its end; aeroscene train --resume goes on with it"
+            )
+        return self.parts[part]
+
+    def load_into(self, module: nn.Module, part: Part) -> None:
+        """Give a module the weights of a part.
+
+        Raises:
+            CheckpointError: If the part is missing or was made for another module.
+        """
+        weights = dict(self.weights_of(part))
+        try:
+            module.load_state_dict(weights)
+        except RuntimeError as error:
+            detail = str(error).splitlines()[-1].strip()
+            raise CheckpointError(
+                f"checkpoint's {part} does not fit the configuration stored with it ({detail}), "
+                "valid: weights and configuration of one training"
+            ) from None
+
+
+def category_names() -> tuple[str, ...]:
+    """The catalogue's categories in the order of their numbers."""
+    return tuple(CATALOGUE[number].name for number in sorted(CATALOGUE))
+
+
+def write_checkpoint(
+    path: Path,
+    facts: CheckpointFacts,
+    parts: Mapping[Part, Weights],
+    statistics: AnyStatistics,
+    *,
+    is_half: bool = True,
+) -> None:
+    """Write a checkpoint, whole or not at all.
+
+    Args:
+        path: File to write.
+        facts: What it says of itself.
+        parts: Weights by part.
+        statistics: What scales the channels of a token; never in half precision.
+        is_half: Half precision on disk; what is read back is single again.
+
+    Raises:
+        OSError: If it cannot be written.
+    """
+    tensors = {
+        f"{part}.{name}": _stored(value, is_half=is_half)
+        for part, weights in parts.items()
+        for name, value in weights.items()
+    }
+    tensors |= {f"{_STATISTICS}.{k}": v for k, v in statistics_tensors(statistics).items()}
+    facts = msgspec.structs.replace(facts, digest=_digest(tensors.items()))
+    data = save(tensors, metadata={_KEY: msgspec.json.encode(facts).decode()})
+    with replacing(path) as file:
+        file.write(data)
+
+
+def read_checkpoint(path: str | Path) -> Checkpoint:
+    """Read and check a checkpoint.
+
+    Raises:
+        CheckpointError: If it is missing, truncated, damaged, of another version or of other
+            categories.
+    """
+    path = Path(path)
+    text, tensors = _read(path)
+    facts = _facts(path, text)
+    if facts.digest != _digest(tensors.items()):
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} is damaged (its weights are not those that were written), "
+            "valid: the file as it was made; copy it again"
+        )
+    try:
+        statistics = statistics_from(under(tensors, f"{_STATISTICS}."))
+    except TypeError:
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} lacks the statistics of its channels, "
+            "valid: the file as aeroscene train has written it"
+        ) from None
+    if isinstance(statistics, Statistics) and "codec" in facts.configs:
+        codec = section_from_plain(CodecCfg, facts.configs["codec"], "codec")
+        statistics = replace(statistics, codec=codec)
+    single = {k: v.float() if v.dtype == torch.float16 else v for k, v in tensors.items()}
+    parts: dict[Part, Weights] = {part: under(single, f"{part}.") for part in PARTS}
+    return Checkpoint(
+        facts, {part: weights for part, weights in parts.items() if weights}, statistics
+    )
+
+
+def under(tensors: Weights, prefix: str) -> dict[str, Tensor]:
+    """The tensors whose names begin with a prefix, without it."""
+    return {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
+
+
+def statistics_tensors(statistics: AnyStatistics) -> dict[str, Tensor]:
+    """Statistics as tensors by the name of their field; the codec is a section of its own."""
+    values = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
+    return {
+        name: torch.from_numpy(np.ascontiguousarray(value))
+        for name, value in values.items()
+        if isinstance(value, np.ndarray)
+    }
+
+
+def statistics_from(tensors: Weights) -> AnyStatistics:
+    """What `statistics_tensors` made them of.
+
+    Raises:
+        TypeError: If one is missing, or one too many.
+    """
+    arrays: dict[str, Any] = {name: value.numpy() for name, value in tensors.items()}
+    is_flat = arrays.keys() == {field.name for field in fields(FlatStatistics)}
+    return FlatStatistics(**arrays) if is_flat else Statistics(**arrays)
+
+
+def _stored(value: Tensor, *, is_half: bool) -> Tensor:
+    value = value.detach().cpu()
+    if value.is_floating_point():
+        value = value.half() if is_half else value.float()
+    # A copy: safetensors refuses weights that two names share.
+    return value.contiguous().clone()
+
+
+def _read(path: Path) -> tuple[str, dict[str, Tensor]]:
+    try:
+        # Before safetensors, whose errors do not name what is missing.
+        with path.open("rb"):
+            pass
+        with safe_open(path, framework="pt", device="cpu") as file:
+            text = (file.metadata() or {}).get(_KEY, "")
+            return text, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except OSError as error:
+        reason = (error.strerror or type(error).__name__).lower()
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} cannot be read ({reason}), "
+            "valid: a .safetensors file that aeroscene train has written"
+        ) from None
+    except SafetensorError as error:
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} is truncated or no checkpoint ({error}), valid: a "
+            ".safetensors file as aeroscene train has written it; copy it again"
+        ) from None
+
+
+def _facts(path: Path, text: str) -> CheckpointFacts:
+    head = _head(text)
+    if head.get("format") != FORMAT:
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} holds weights of another program (format is "
+            f"{head.get('format')!r}), valid: {FORMAT!r}, as aeroscene train writes it"
+        )
+    if head.get("version") != VERSION:
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} is of version {head.get('version')!r}, valid: {VERSION}; "
+            f"it was made by AeroScene {head.get('code')}: use that, or train anew"
+        )
+    try:
+        facts = msgspec.json.decode(text, type=CheckpointFacts)
+    except msgspec.DecodeError as error:
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} is damaged ({error}), valid: the file as it was made"
+        ) from None
+    _check_categories(path, facts)
+    return facts
+
+
+def _head(text: str) -> dict[str, Any]:
+    try:
+        head = msgspec.json.decode(text)
+    except msgspec.DecodeError:
+        return {}
+    return head if isinstance(head, dict) else {}
+
+
+def _check_categories(path: Path, facts: CheckpointFacts) -> None:
+    known = category_names()
+    if facts.is_foreign or facts.categories == known:
+        return
+    strange = [name for name in facts.categories if name not in known]
+    example = f"it has {strange[0]!r}" if strange else "they are others, or in another order"
+    raise CheckpointError(
+        f"checkpoint {str(path)!r} was trained with {len(facts.categories)} other categories "
+        f"({example}), valid: the {len(known)} of this catalogue; train anew with aeroscene train"
+    )
+
+
+def _digest(tensors: Iterable[tuple[str, Tensor]]) -> str:
+    digest = hashlib.sha256()
+    for name, value in sorted(tensors):
+        digest.update(f"{name} {value.dtype} {tuple(value.shape)}".encode())
+        digest.update(value.contiguous().view(-1).view(torch.uint8).numpy().tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,109 @@
+"""How to train: the numbers of the denoiser's training and of the whole procedure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from aeroscene.learning.training.rates import RateSchedule
+from aeroscene.scene import SceneError
+
+Preset = Literal["default", "paper"]
+
+
+class TrainingError(SceneError):
+    """A training that cannot begin or go on; one line saying what would do."""
+
+
+def require(*, ok: bool, name: str, value: object, valid: str) -> None:
+    """Refuse a field of a configuration.
+
+    Raises:
+        TrainingError: If it is not `ok`.
+    """
+    if not ok:
+        raise TrainingError(f"{name} is {value!r}, valid: {valid}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainCfg:
+    """Training of the denoiser."""
+
+    batch_size: int = 16
+    """Scenes a step."""
+    optimiser: Literal["adam", "adamw"] = "adamw"
+    """AdamW decays weights apart from the gradient."""
+    learning_rate: float = 1.5e-3
+    """At its highest."""
+    weight_decay: float = 0.01
+    """Of AdamW, in units of the learning rate a step."""
+    schedule: RateSchedule = "cooldown"
+    """How the learning rate goes over the training."""
+    warmup_steps: int = 200
+    """Steps over which the learning rate grows from nothing."""
+    cooldown_share: float = 0.5
+    """Share of the training at its end in which the rate of `cooldown` falls."""
+    clip_norm: float = 1.0
+    """Longest gradient; 0 leaves gradients as they are."""
+    average_decay: float = 0.999
+    """Of the moving average that generates; 0 generates with the last weights."""
+    prior_steps: int = 400
+    """Of the semantic prior, where it is trained."""
+    precision: Literal["auto", "single", "mixed"] = "auto"
+    """`mixed` multiplies matrices in bfloat16; `auto` does so on a GPU only, since processors
+    without units for it take longer."""
+    seed: int = 0
+    """Decides initial weights, batches, times and noise."""
+
+    def __post_init__(self) -> None:
+        least_by_name = {"batch_size": 1, "warmup_steps": 0, "prior_steps": 1, "seed": 0}
+        for name, least in least_by_name.items():
+            value = getattr(self, name)
+            ok = least <= value < 2**31
+            require(ok=ok, name=name, value=value, valid=f"an integer from {least}")
+        rate = self.learning_rate
+        require(ok=0 < rate <= 1, name="learning_rate", value=rate, valid="above 0, at most 1")
+        shares = (
+            ("cooldown_share", self.cooldown_share, 1.0),
+            ("weight_decay", self.weight_decay, 1.0),
+        )
+        for name, value, most in (*shares, ("clip_norm", self.clip_norm, 1e6)):
+            require(ok=0 <= value <= most, name=name, value=value, valid=f"0 to {most:g}")
+        ok = 0 <= self.average_decay < 1
+        require(ok=ok, name="average_decay", value=self.average_decay, valid="0 to below 1")
+
+
+PAPER_TRAINING = TrainCfg(
+    batch_size=64,
+    optimiser="adam",
+    learning_rate=2e-4,
+    weight_decay=0.0,
+    schedule="cosine",
+    warmup_steps=0,
+    clip_norm=0.0,
+    average_decay=0.0,
+)
+"""Section 4.1, "Implementation Details": Adam at 2e-4, batches of 64, cosine schedule."""
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """How long to train: so many steps, or so many seconds, whatever ends first."""
+
+    steps: int | None = None
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.steps is None and self.seconds is None:
+            raise TrainingError("training has no end, valid: a number of steps or of minutes")
+        if self.steps is not None:
+            require(ok=self.steps >= 1, name="steps", value=self.steps, valid="1 or more")
+        if self.seconds is not None:
+            valid = "more than 0 minutes"
+            require(ok=self.seconds > 0, name="seconds", value=self.seconds, valid=valid)
+
+    def share(self, step: int, seconds: float) -> float:
+        """Share of the training that is done, at least 1 at its end."""
+        by_steps = 0.0 if self.steps is None else step / self.steps
+        by_time = 0.0 if self.seconds is None else seconds / self.seconds
+        return max(by_steps, by_time)

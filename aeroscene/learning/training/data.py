@@ -1,0 +1,129 @@
+"""What to train on: the corpus in a folder, or a file of neutral layouts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from aeroscene.corpus.dataset import open_dataset
+from aeroscene.layouts.neutral import read_neutral
+from aeroscene.learning.paper.tokens import FlatTrainingSet, encode_flat, flat_training_set
+from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
+from aeroscene.learning.tokens.examples import encode
+from aeroscene.learning.tokens.kinds import Vocabulary, count_kinds
+from aeroscene.learning.tokens.skeleton import Skeleton, Wish, skeleton_of
+from aeroscene.learning.tokens.training_set import TrainingSet, training_set
+from aeroscene.learning.training.checkpoint import DataSource
+from aeroscene.learning.training.config import TrainingError
+from aeroscene.scene import Scene
+
+_HELD_OUT_EVERY = 10
+"""Of a layout file, which has no splits: every so many is held out."""
+_LEAST_SCENES = 2
+
+OnScene = Callable[[], None]
+Set = TrainingSet | FlatTrainingSet
+
+
+@dataclass(frozen=True)
+class TrainingData:
+    """Scenes to train on, and others to watch the training by."""
+
+    source: DataSource
+    vocabulary: Vocabulary
+    skeletons: tuple[tuple[Skeleton, Wish], ...]
+    """Of the scenes to train on, with what each has."""
+    train: Set
+    held_out: Set
+    """Scenes that are not trained on, those of them whose kinds occur in training."""
+
+
+def open_training_data(
+    path: Path,
+    *,
+    is_flat: bool = False,
+    codec: CodecCfg = DEFAULT_CODEC,
+    on_scene: OnScene = lambda: None,
+) -> TrainingData:
+    """Read what a user names.
+
+    Args:
+        path: Folder of a dataset, whose training split is taken; or a file of neutral layouts.
+        is_flat: As the paper has scenes, objects beside each other in the scene's frame; otherwise
+            as trees, each object in the frame of its parent.
+        codec: What the channels of a tree stand for.
+        on_scene: Called after each scene.
+
+    Raises:
+        SceneError: If there is no such data, or it is not valid.
+    """
+    train, held_out = _scenes(path, on_scene)
+    if len(train) < _LEAST_SCENES:
+        raise TrainingError(
+            f"data {str(path)!r} has {len(train)} scenes to train on, "
+            f"valid: {_LEAST_SCENES} or more"
+        )
+    return prepared(path.name, train, held_out, is_flat=is_flat, codec=codec)
+
+
+def prepared(
+    name: str,
+    train: Sequence[Scene],
+    held_out: Sequence[Scene],
+    *,
+    is_flat: bool = False,
+    codec: CodecCfg = DEFAULT_CODEC,
+) -> TrainingData:
+    """Scenes as tokens.
+
+    Args:
+        name: What a checkpoint calls them.
+        train: Scenes to train on.
+        held_out: Scenes to watch the training by.
+        is_flat: See `open_training_data`.
+        codec: See `open_training_data`.
+    """
+    tree = training_set(train, codec)
+    vocabulary = count_kinds(train)
+    source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))
+    skeletons = tuple((skeleton_of(scene, vocabulary), Wish.of(scene)) for scene in train)
+    known = flat_training_set(train) if is_flat else tree
+    return TrainingData(source, vocabulary, skeletons, known, _encoded(held_out, known))
+
+
+def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
+    if path.is_file() or ".jsonl" in path.name:
+        return _layout_scenes(path, on_scene)
+    dataset = open_dataset(path)
+    train: list[Scene] = []
+    held_out: list[Scene] = []
+    for entry in dataset.entries:
+        (train if entry.split == "train" else held_out).append(dataset.read(entry))
+        on_scene()
+    return train, held_out
+
+
+def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
+    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - shapely, only for layouts
+
+    scenes: list[Scene] = []
+    for layout in read_neutral(path):
+        scenes.append(make_flyable(layout)[0])
+        on_scene()
+    held_out = scenes[_HELD_OUT_EVERY - 1 :: _HELD_OUT_EVERY]
+    train = [scene for i, scene in enumerate(scenes) if (i + 1) % _HELD_OUT_EVERY]
+    return train, held_out
+
+
+def _encoded(scenes: Sequence[Scene], known: Set) -> Set:
+    if isinstance(known, FlatTrainingSet):
+        examples = tuple(encode_flat(scene, known.statistics) for scene in scenes)
+        return FlatTrainingSet(known.statistics, examples)
+    found = []
+    for scene in scenes:
+        try:
+            found.append(encode(scene, known.vocabulary, known.statistics))
+        except KeyError:
+            continue  # An object of a kind that no scene of the training split has.
+    return TrainingSet(known.vocabulary, known.statistics, tuple(found))

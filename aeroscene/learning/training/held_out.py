@@ -1,0 +1,56 @@
+"""The loss on scenes that are not trained on: what says when a model begins to memorise."""
+
+from __future__ import annotations
+
+from collections.abc import Sized
+from typing import Protocol
+
+import torch
+from torch import Tensor
+from torch.func import functional_call
+
+from aeroscene.learning.diffusion.loss import Predicted
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.training.loop import TOTAL, DenoiserTraining, LossFunction
+
+_SEED = 20260
+_MOST = 48
+"""Scenes: a second of one core."""
+
+
+class HeldOutSet(Protocol):
+    """Scenes that are not trained on."""
+
+    @property
+    def examples(self) -> Sized:
+        """As many as there are."""
+        ...
+
+    def in_order(self, start: int, size: int) -> TokenBatch:
+        """Scenes from a place on, at most so many."""
+        ...
+
+
+def held_out_loss(training: DenoiserTraining, data: HeldOutSet, loss: LossFunction) -> float | None:
+    """Loss of the averaged weights on other scenes, at the same times and noise on every call.
+
+    Returns:
+        The mean over the scenes; None where there are none.
+    """
+    n_scenes = min(len(data.examples), _MOST)
+    if n_scenes == 0:
+        return None
+    total = 0.0
+    generator = torch.Generator(training.device).manual_seed(_SEED)
+
+    def averaged(x_t: Tensor, time: Tensor, batch: TokenBatch) -> Predicted:
+        return functional_call(training.model, training.average.weights, (x_t, time, batch))
+
+    training.model.eval()
+    with torch.no_grad():
+        for start in range(0, n_scenes, training.cfg.batch_size):
+            size = min(training.cfg.batch_size, n_scenes - start)
+            batch = data.in_order(start, size).to(training.device)
+            total += float(loss(averaged, batch, generator)[TOTAL]) * size
+    training.model.train()
+    return total / n_scenes

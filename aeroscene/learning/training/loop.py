@@ -1,0 +1,173 @@
+"""The denoiser's training, step by step: the paper's algorithm 1.
+
+Batch, time and noise of step k come from the seed and k alone. So a training that was stopped and
+goes on takes the same steps as one that was not, if its length is given in steps; where it is
+given in minutes, the learning rate follows the clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from aeroscene.learning.diffusion.loss import Denoiser
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.training.average import MovingAverage
+from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
+from aeroscene.learning.training.rates import rate_factor
+
+LossTerms = Mapping[str, Tensor]
+"""Terms of the loss by name; `total` is what is minimised."""
+LossFunction = Callable[[Denoiser, TokenBatch, torch.Generator], LossTerms]
+
+TOTAL = "total"
+
+
+class TrainingSet(Protocol):
+    """Scenes to train on, varied at random."""
+
+    def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
+        """Scenes drawn from the set, on the processor."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepReport:
+    """What a step did."""
+
+    step: int
+    """Counted from 1."""
+    seconds: float
+    """Spent on training until now, over all its runs."""
+    share: float
+    """Of the training that is done."""
+    losses: Mapping[str, Tensor]
+    """Terms of the loss, still where they were computed: reading them waits for the device."""
+    gradient_norm: Tensor
+    learning_rate: float
+
+
+@dataclass
+class DenoiserTraining:
+    """A denoiser on its way: everything that changes from step to step."""
+
+    model: nn.Module
+    cfg: TrainCfg
+    device: torch.device
+    step: int = 0
+    """Steps done."""
+    seconds: float = 0.0
+    """Spent on them."""
+    average: MovingAverage = field(init=False)
+    optimiser: torch.optim.Optimizer = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.model.to(self.device).train()
+        self.average = MovingAverage(self.model, self.cfg.average_decay)
+        kind = torch.optim.AdamW if self.cfg.optimiser == "adamw" else torch.optim.Adam
+        self.optimiser = kind(
+            self.model.parameters(),
+            lr=self.cfg.learning_rate,
+            weight_decay=self.cfg.weight_decay,
+            fused=True,
+        )
+
+    def advance(self, data: TrainingSet, loss: LossFunction, budget: Budget) -> StepReport:
+        """Take one step.
+
+        Raises:
+            TrainingError: If the loss is not finite any more.
+        """
+        share = budget.share(self.step, self.seconds)
+        rate = self.cfg.learning_rate * rate_factor(
+            self.cfg.schedule,
+            share,
+            self.step,
+            warmup_steps=self.cfg.warmup_steps,
+            cooldown_share=self.cfg.cooldown_share,
+        )
+        for group in self.optimiser.param_groups:
+            group["lr"] = rate
+        terms = self._terms(data, loss)
+        self.optimiser.zero_grad(set_to_none=True)
+        terms[TOTAL].backward()
+        longest = self.cfg.clip_norm or math.inf
+        norm = nn.utils.clip_grad_norm_(self.model.parameters(), longest)
+        self._check(norm, rate)
+        self.optimiser.step()
+        self.step += 1
+        self.average.update(self.step)
+        return StepReport(
+            step=self.step,
+            seconds=self.seconds,
+            share=budget.share(self.step, self.seconds),
+            losses={name: term.detach() for name, term in terms.items()},
+            gradient_norm=norm,
+            learning_rate=rate,
+        )
+
+    def _terms(self, data: TrainingSet, loss: LossFunction) -> LossTerms:
+        batch = data.sample_batch(self.cfg.batch_size, batch_generator(self.cfg.seed, self.step))
+        generator = noise_generator(self.cfg.seed, self.step, self.device)
+        precision = self.cfg.precision
+        is_mixed = precision == "mixed" or (precision == "auto" and self.device.type == "cuda")
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=is_mixed):
+            return loss(self.model, batch.to(self.device), generator)
+
+    def _check(self, norm: Tensor, rate: float) -> None:
+        # Every step on the processor; on a GPU now and then, since asking waits for it.
+        if self.device.type != "cpu" and self.step % 50:
+            return
+        if not math.isfinite(float(norm)):
+            raise TrainingError(
+                f"gradient is {float(norm)} in step {self.step + 1} at a learning rate of "
+                f"{rate:.3g}, valid: finite; lower learning_rate or clip_norm, then --resume"
+            )
+
+
+def batch_generator(seed: int, step: int) -> np.random.Generator:
+    """What draws the batch of a step."""
+    return np.random.default_rng([seed, step, 0])
+
+
+def noise_generator(seed: int, step: int, device: torch.device) -> torch.Generator:
+    """What draws times and noise of a step."""
+    number = int(np.random.SeedSequence([seed, step, 1]).generate_state(1, np.uint64)[0])
+    return torch.Generator(device).manual_seed(number >> 1)
+
+
+def train_denoiser(
+    training: DenoiserTraining,
+    data: TrainingSet,
+    loss: LossFunction,
+    budget: Budget,
+    on_step: Callable[[StepReport], bool],
+    clock: Callable[[], float],
+) -> None:
+    """Train until the budget is spent.
+
+    Args:
+        training: What is trained; goes on from where it is.
+        data: What to train on.
+        loss: The loss of a batch.
+        budget: When to end.
+        on_step: Called after each step; whether to go on.
+        clock: Seconds, for the budget only.
+
+    Raises:
+        TrainingError: If the loss is not finite any more.
+    """
+    before_s = clock()
+    while budget.share(training.step, training.seconds) < 1.0:
+        report = training.advance(data, loss, budget)
+        now_s = clock()
+        training.seconds += now_s - before_s
+        before_s = now_s
+        if not on_step(report):
+            return

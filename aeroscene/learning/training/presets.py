@@ -1,0 +1,114 @@
+"""The two presets: every section of a training's configuration, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, get_args
+
+from aeroscene.learning.diffusion.loss import LossCfg
+from aeroscene.learning.diffusion.schedule import ScheduleCfg
+from aeroscene.learning.model.config import ModelCfg, paper_cfg
+from aeroscene.learning.paper.guidance.objectives import ObjectivesCfg
+from aeroscene.learning.paper.guidance.semantic import SemanticPriorCfg
+from aeroscene.learning.skeleton.config import SkeletonCfg, SkeletonTrainingCfg
+from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
+from aeroscene.learning.tokens.kinds import Vocabulary
+from aeroscene.learning.training.checkpoint import Part
+from aeroscene.learning.training.config import PAPER_TRAINING, Preset, TrainCfg, TrainingError
+from aeroscene.learning.training.settings import section_from_plain, section_to_plain
+from aeroscene.scene.catalogue import CATALOGUE
+
+_SHARED = ("model", "schedule", "loss", "training")
+Sections = Mapping[str, Any]
+"""Frozen dataclasses by the name of their section."""
+
+_DEFAULT: Sections = {
+    "model": ModelCfg(),
+    "schedule": ScheduleCfg(),
+    "loss": LossCfg(coarse_weight=3.0),
+    "training": TrainCfg(),
+    "codec": CodecCfg(),
+    "skeleton": SkeletonCfg(),
+    "skeleton_training": SkeletonTrainingCfg(),
+}
+_PAPER: Sections = {
+    "model": paper_cfg(len(CATALOGUE)),
+    "schedule": ScheduleCfg(kind="linear"),
+    # The paper leaves lambda_guide open but for "small", and does not supervise its gate.
+    "loss": LossCfg(
+        parameterisation="eps",
+        is_stratified=False,
+        guide_weight=0.1,
+        guide_scenes=8,
+        gate_weight=0.1,
+    ),
+    "training": PAPER_TRAINING,
+    "prior": SemanticPriorCfg(n_categories=len(CATALOGUE)),
+    "guidance": ObjectivesCfg(),
+}
+_KINDS: Mapping[str, type] = {
+    name: type(section) for name, section in {**_DEFAULT, **_PAPER}.items()
+}
+PARTS: Mapping[Preset, tuple[Part, ...]] = {
+    "default": ("skeleton", "denoiser"),
+    "paper": ("prior", "denoiser"),
+}
+"""What each preset consists of, in the order of its training: L_guide reads the prior."""
+
+
+def preset_sections(preset: Preset) -> dict[str, Any]:
+    """What a preset consists of.
+
+    Raises:
+        TrainingError: If there is no such preset.
+    """
+    if preset not in get_args(Preset):
+        raise TrainingError(f"preset is {preset!r}, valid: {', '.join(get_args(Preset))}")
+    return dict(_PAPER if preset == "paper" else _DEFAULT)
+
+
+def is_flat(sections: Sections) -> bool:
+    """Whether the model sees scenes as the paper does: no hierarchy, categories as channels."""
+    return sections["model"].n_categories > 0
+
+
+def codec_of(sections: Sections) -> CodecCfg:
+    """What the channels stand for; trainings from before there was a choice have the default."""
+    return sections.get("codec", DEFAULT_CODEC)
+
+
+def fitted(sections: Sections, vocabulary: Vocabulary) -> dict[str, Any]:
+    """Sections for the kinds that there are.
+
+    Raises:
+        TrainingError: If the network would see the borders of another codec.
+    """
+    if is_flat(sections):
+        return dict(sections)
+    if codec_of(sections) != DEFAULT_CODEC and sections["model"].has_borders:
+        raise TrainingError(
+            "model.has_borders is True beside another [codec], valid: false; borders are read "
+            "from the default's channels"
+        )
+    return {**sections, "model": replace(sections["model"], n_kinds=vocabulary.n_kinds)}
+
+
+def sections_to_plain(sections: Sections) -> dict[str, dict[str, Any]]:
+    """Sections as a checkpoint keeps them."""
+    return {name: section_to_plain(section) for name, section in sections.items()}
+
+
+def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """What `sections_to_plain` made of them.
+
+    Raises:
+        TrainingError: If a section is missing, unknown, or out of range.
+    """
+    unknown = [name for name in plain if name not in _KINDS]
+    if unknown:
+        raise TrainingError(f"section [{unknown[0]}] is unknown, valid: {', '.join(_KINDS)}")
+    missing = [name for name in _SHARED if name not in plain]
+    if missing:
+        raise TrainingError(f"section [{missing[0]}] is missing, valid: {', '.join(_KINDS)}")
+    return {name: section_from_plain(_KINDS[name], values, name) for name, values in plain.items()}

@@ -1,0 +1,130 @@
+"""The semantic prior's place in a training, and the loss that L_guide is a part of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import torch
+
+from aeroscene.learning.diffusion.loss import Denoiser, GuidanceLoss, LossCfg, diffusion_loss
+from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.paper.guidance.layout import Layout, Reader, flat_reader, tree_reader
+from aeroscene.learning.paper.guidance.objectives import Objectives
+from aeroscene.learning.paper.guidance.semantic import SemanticPrior, train_semantic_prior
+from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.tokens.decode import TreeDecoder
+from aeroscene.learning.training.checkpoint import Weights
+from aeroscene.learning.training.data import TrainingData
+from aeroscene.learning.training.journal import append_line, forget_after
+from aeroscene.learning.training.loop import (
+    LossFunction,
+    LossTerms,
+    batch_generator,
+    noise_generator,
+)
+from aeroscene.learning.training.presets import Sections
+
+OnProgress = Callable[[float, Mapping[str, float]], bool]
+"""Called with the share that is done and losses by name; whether to go on."""
+
+_LOG_STEPS = 10
+_STREAM = 1 << 30
+"""Steps of the denoiser's training end before: the prior draws other batches."""
+
+
+class _StoppedError(Exception):
+    """Somebody looks on and wants it to end."""
+
+
+def train_prior_part(
+    folder: Path,
+    sections: Sections,
+    data: TrainingData,
+    device: torch.device,
+    on_progress: OnProgress,
+) -> Weights | None:
+    """Train the paper's P_sem; it takes a minute and begins anew where it was stopped.
+
+    Args:
+        folder: Where the log is.
+        sections: Configuration.
+        data: What to train on.
+        device: Where to.
+        on_progress: Called after each step.
+
+    Returns:
+        Its weights; None where it was stopped.
+    """
+    forget_after(folder, "prior", 0)
+    cfg = sections["training"]
+    read = layout_reader(data, device)
+    n_drawn = 0
+
+    def layouts(size: int) -> Layout:
+        nonlocal n_drawn
+        batch = data.train.sample_batch(size, batch_generator(cfg.seed, _STREAM + n_drawn))
+        n_drawn += 1
+        batch = batch.to(device)
+        assert batch.x0 is not None
+        return read(batch.x0, batch)
+
+    def on_step(step: int, loss: float) -> None:
+        if step % _LOG_STEPS == 0:
+            append_line(folder, {"stage": "prior", "step": step + 1, "total": round(loss, 6)})
+        if not on_progress((step + 1) / cfg.prior_steps, {"total": loss}):
+            raise _StoppedError
+
+    generator = noise_generator(cfg.seed, _STREAM, device)
+    try:
+        prior = train_semantic_prior(
+            layouts, sections["prior"], cfg.prior_steps, generator, on_step
+        )
+    except _StoppedError:
+        return None
+    return prior.state_dict()
+
+
+def layout_reader(data: TrainingData, device: torch.device) -> Reader:
+    """From channels of the data to the objects that they stand for."""
+    statistics = data.train.statistics
+    if isinstance(statistics, FlatStatistics):
+        return flat_reader(statistics, device)
+    decoder = TreeDecoder(data.vocabulary, statistics, device)
+    return tree_reader(decoder, data.vocabulary.n_kinds)
+
+
+def loss_function(
+    sections: Sections, data: TrainingData, device: torch.device, prior: Weights | None
+) -> LossFunction:
+    """The loss that the sections describe.
+
+    Args:
+        sections: Configuration.
+        data: What is trained on.
+        device: Where.
+        prior: Weights of P_sem; without them L_guide has no semantic term.
+    """
+    cfg: LossCfg = sections["loss"]
+    guide: GuidanceLoss | None = None
+    if cfg.guide_weight > 0:
+        known = None
+        if prior is not None:
+            known = SemanticPrior(sections["prior"])
+            known.load_state_dict(dict(prior))
+            known = known.to(device).eval().requires_grad_(requires_grad=False)
+        guide = Objectives(layout_reader(data, device), sections["guidance"], known).loss
+    return partial(_loss, Schedule(sections["schedule"]), cfg, guide)
+
+
+def _loss(
+    schedule: Schedule,
+    cfg: LossCfg,
+    guide: GuidanceLoss | None,
+    model: Denoiser,
+    batch: TokenBatch,
+    generator: torch.Generator,
+) -> LossTerms:
+    return vars(diffusion_loss(model, batch, schedule, cfg, generator, guide))

@@ -1,0 +1,98 @@
+"""Configuration files: TOML whose sections change some fields of a preset.
+
+    [training]
+    batch_size = 32
+    learning_rate = 5e-4
+
+Every section is a frozen dataclass; what it does not name stays as the preset has it.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from aeroscene.learning.training.config import TrainingError
+
+Section = TypeVar("Section")
+
+
+def read_settings(path: Path, sections: Mapping[str, Any]) -> dict[str, Any]:
+    """Sections as a file changes them.
+
+    Args:
+        path: TOML file.
+        sections: Dataclasses by the name of their section.
+
+    Raises:
+        TrainingError: If the file cannot be read, or names what is not there or out of range.
+    """
+    where = f"config {str(path)!r}"
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        reason = (error.strerror or type(error).__name__).lower()
+        raise TrainingError(f"{where} cannot be read ({reason}), valid: a TOML file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise TrainingError(f"{where} is no TOML ({error})") from None
+    try:
+        return changed(sections, document)
+    except TrainingError as error:
+        raise error.within(where) from None
+
+
+def changed(sections: Mapping[str, Any], document: Mapping[str, Any]) -> dict[str, Any]:
+    """Sections with some fields set anew.
+
+    Raises:
+        TrainingError: If a section or field is not there, or a value is out of range.
+    """
+    result = dict(sections)
+    for name, values in document.items():
+        if name not in sections:
+            raise TrainingError(f"section [{name}] is unknown, valid: {', '.join(sections)}")
+        if not isinstance(values, dict):
+            raise TrainingError(f"{name} is {values!r}, valid: a section [{name}] with fields")
+        result[name] = section_with(sections[name], values, name)
+    return result
+
+
+def section_with(section: Section, values: Mapping[str, Any], name: str) -> Section:
+    """A section with some fields set anew.
+
+    Raises:
+        TrainingError: If a field is not there, or a value is of another type or out of range.
+    """
+    plain = section_to_plain(section)
+    for key in values:
+        if key not in plain:
+            raise TrainingError(f"{name}.{key} is unknown, valid: {', '.join(plain)}")
+    return section_from_plain(type(section), plain | dict(values), name)
+
+
+def section_from_plain(kind: type[Section], plain: Mapping[str, Any], name: str) -> Section:
+    """A section from what `section_to_plain` made of it.
+
+    Raises:
+        TrainingError: If a value is of another type or out of range.
+    """
+    try:
+        return msgspec.convert(dict(plain), kind)
+    except msgspec.ValidationError as error:
+        raise TrainingError(f"[{name}] {_without_path(str(error))}") from None
+
+
+def section_to_plain(section: Any) -> dict[str, Any]:
+    """A section as numbers, texts, lists and dictionaries."""
+    return msgspec.to_builtins(asdict(section))
+
+
+def _without_path(message: str) -> str:
+    """What msgspec says, with its path `$.field` as a field's name."""
+    text, _, path = message.partition(" - at `$.")
+    return f"{path.rstrip('`')}: {text}" if path else message

@@ -1,7 +1,0 @@
-"""The hierarchical denoiser: noisy layout in, prediction of noise, velocity or clean layout out."""
-
-from aeroscene.model.config import ModelCfg, ModelCfgError, paper_cfg
-from aeroscene.model.network import HierarchicalDenoiser
-from aeroscene.model.prediction import Prediction
-
-__all__ = ["HierarchicalDenoiser", "ModelCfg", "ModelCfgError", "Prediction", "paper_cfg"]

@@ -1,0 +1,33 @@
+"""What a scene breaks a rule by, and the checks that say so in one line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import get_args
+
+
+class SceneError(ValueError):
+    """A scene that breaks a rule of the schema; one line saying where, what and what is valid."""
+
+    def within(self, where: str) -> SceneError:
+        """The same error with the place that contains it in front."""
+        return type(self)(f"{where}: {self}")
+
+
+def require(*, ok: bool, field_name: str, value: object, valid: str) -> None:
+    """Raise `SceneError` that names field, value and what would be valid, unless `ok`."""
+    if not ok:
+        raise SceneError(f"{field_name} is {value!r}, valid: {valid}")
+
+
+def require_finite(values: Sequence[float], count: int, field_name: str) -> None:
+    """Require `count` finite numbers."""
+    ok = len(values) == count and all(math.isfinite(v) for v in values)
+    require(ok=ok, field_name=field_name, value=values, valid=f"{count} finite numbers")
+
+
+def require_one_of(value: str, choices: object, field_name: str) -> None:
+    """Require one of the values of a `Literal` type."""
+    valid = get_args(choices)
+    require(ok=value in valid, field_name=field_name, value=value, valid=", ".join(valid))

@@ -1,0 +1,261 @@
+"""The scene document: objects, hierarchy, landing areas. Frozen and validated.
+
+The fields are those of the paper's section "AeroScene Dataset Statistic and Labels". World frame
+ENU in metres, quaternions `wxyz` body to world. A document that exists is valid: construction
+raises `SceneError` otherwise, with one line that names scene, object and field.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+from aeroscene.scene.box import MAX_EXTENT_M, OrientedBox, Vector3
+from aeroscene.scene.catalogue import CATALOGUE
+from aeroscene.scene.errors import SceneError, require, require_finite, require_one_of
+from aeroscene.scene.polygon import distance_inside, is_simple, signed_area
+
+AttributeValue = str | float | int | bool
+ObjectDomain = Literal["indoor", "outdoor"]
+SceneDomain = Literal["indoor", "outdoor", "mixed"]
+DroneClass = Literal["small", "medium", "large"]
+AreaKind = Literal["landing", "perching"]
+
+INSCRIBED_TOLERANCE_M = 0.01
+"""By how much an area's radius may exceed the distance from its centroid to its border."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SceneObject:
+    """One node of the hierarchy; its parent carries or contains it."""
+
+    id: int
+    scene_id: str
+    parent_id: int | None
+    category_id: int
+    bbox: OrientedBox
+    domain: ObjectDomain
+    attributes: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
+    """What the box does not say: colour, storeys, form, kind of room."""
+
+    def __post_init__(self) -> None:
+        try:
+            self._validate()
+        except SceneError as error:
+            raise error.within(f"object {self.id}") from None
+
+    def _validate(self) -> None:
+        require(ok=self.id >= 0, field_name="id", value=self.id, valid="an integer from 0")
+        require(
+            ok=self.category_id in CATALOGUE,
+            field_name="category_id",
+            value=self.category_id,
+            valid=f"1 to {len(CATALOGUE)}",
+        )
+        require_one_of(self.domain, ObjectDomain, "domain")
+        for name, value in self.attributes.items():
+            if isinstance(value, float):
+                require_finite((value,), 1, f"attributes.{name}")
+
+    @property
+    def category(self) -> str:
+        """Name of the category."""
+        return CATALOGUE[self.category_id].name
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether the category is one of the 23 coarse ones."""
+        return CATALOGUE[self.category_id].level == "coarse"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InteractionArea:
+    """Where a drone may land: a flat, clear polygon and the largest circle about its centroid."""
+
+    id: int
+    kind: AreaKind = "landing"
+    """Perching areas are too narrow to land on without care: ledges, wall tops, benches."""
+    object_id: int | None
+    """The object that bears the area; None is the bare ground."""
+    polygon: tuple[Vector3, ...]
+    """Border, ENU, m, counter-clockwise from above, not closed."""
+    centroid: Vector3
+    """Touchdown point, ENU, m."""
+    radius: float
+    """Radius of the circle about the centroid that lies within the polygon, m."""
+    drone_class: DroneClass
+    """The largest class of drone that fits."""
+    slope_rad: float
+    clearance_m: float
+    """Free height above the surface, m; capped where nothing is above."""
+    surface: str
+    """What the landing gear meets: asphalt, grass, concrete, metal, wood, fabric..."""
+
+    def __post_init__(self) -> None:
+        try:
+            self._validate()
+        except SceneError as error:
+            raise error.within(f"interaction area {self.id}") from None
+
+    def _validate(self) -> None:
+        require_one_of(self.drone_class, DroneClass, "drone_class")
+        require_one_of(self.kind, AreaKind, "kind")
+        ok = len(self.polygon) >= 3
+        require(ok=ok, field_name="polygon", value=self.polygon, valid="at least 3 vertices")
+        for index, vertex in enumerate(self.polygon):
+            require_finite(vertex, 3, f"polygon[{index}]")
+        require_finite(self.centroid, 3, "centroid")
+        require_finite((self.radius, self.clearance_m), 2, "radius and clearance_m")
+        require(ok=self.radius > 0, field_name="radius", value=self.radius, valid="above 0 m")
+        ok = 0 <= self.slope_rad < math.pi / 2
+        require(ok=ok, field_name="slope_rad", value=self.slope_rad, valid="0 to below pi/2")
+        ok = self.clearance_m > 0
+        require(ok=ok, field_name="clearance_m", value=self.clearance_m, valid="above 0 m")
+        self._validate_polygon()
+
+    def _validate_polygon(self) -> None:
+        outline = [(x, y) for x, y, _ in self.polygon]
+        valid = "a simple polygon, counter-clockwise seen from above"
+        ok = signed_area(outline) > 0 and is_simple(outline)
+        require(ok=ok, field_name="polygon", value=self.polygon, valid=valid)
+        inside_m = distance_inside(outline, self.centroid[0], self.centroid[1])
+        require(
+            ok=inside_m > 0,
+            field_name="centroid",
+            value=self.centroid,
+            valid="a point inside the polygon",
+        )
+        require(
+            ok=self.radius <= inside_m + INSCRIBED_TOLERANCE_M,
+            field_name="radius",
+            value=self.radius,
+            valid=f"at most {inside_m:.3f} m, the distance from the centroid to the border",
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A place to fly in: what stands where, where the flight starts, where it may end."""
+
+    scene_id: str
+    domain: SceneDomain
+    seed: int
+    extent_min_enu_m: Vector3
+    """Lower corner of the flight volume."""
+    extent_max_enu_m: Vector3
+    """Upper corner of the flight volume."""
+    start_position_enu_m: Vector3
+    """Where the landing gear stands at the start: a point ON a surface."""
+    start_yaw_rad: float
+    latitude_deg: float
+    """Geodetic place of the ENU origin, WGS 84."""
+    longitude_deg: float
+    altitude_m: float
+    """Height of the ENU origin above mean sea level."""
+    objects: tuple[SceneObject, ...]
+    """Parents come before their children."""
+    interaction_areas: tuple[InteractionArea, ...] = ()
+
+    def __post_init__(self) -> None:
+        try:
+            self._validate_frame()
+            self._validate_hierarchy()
+            self._validate_areas()
+        except SceneError as error:
+            raise error.within(f"scene {self.scene_id!r}") from None
+
+    def _validate_frame(self) -> None:
+        ok = bool(self.scene_id)
+        require(ok=ok, field_name="scene_id", value=self.scene_id, valid="a non-empty name")
+        require_one_of(self.domain, SceneDomain, "domain")
+        require(ok=self.seed >= 0, field_name="seed", value=self.seed, valid="an integer from 0")
+        require_finite(self.extent_min_enu_m, 3, "extent.min")
+        require_finite(self.extent_max_enu_m, 3, "extent.max")
+        low, high = self.extent_min_enu_m, self.extent_max_enu_m
+        ok = all(a < b <= a + MAX_EXTENT_M for a, b in zip(low, high, strict=True))
+        valid = f"min below max and at most {MAX_EXTENT_M:g} m apart on each axis"
+        require(ok=ok, field_name="extent", value=(low, high), valid=valid)
+        require_finite(self.start_position_enu_m, 3, "start.position")
+        start = self.start_position_enu_m
+        ok = all(a <= x <= b for a, x, b in zip(low, start, high, strict=True))
+        valid = f"a point inside the extent, {low} to {high}"
+        require(ok=ok, field_name="start.position", value=start, valid=valid)
+        require_finite((self.start_yaw_rad,), 1, "start.yaw")
+        ok = -90 <= self.latitude_deg <= 90
+        require(ok=ok, field_name="latitude_deg", value=self.latitude_deg, valid="-90 to 90")
+        ok = -180 <= self.longitude_deg <= 180
+        require(ok=ok, field_name="longitude_deg", value=self.longitude_deg, valid="-180 to 180")
+        require_finite((self.altitude_m,), 1, "altitude_m")
+
+    def _validate_hierarchy(self) -> None:
+        seen: set[int] = set()
+        for obj in self.objects:
+            if obj.id in seen:
+                raise SceneError(f"object {obj.id}: id is used twice, valid: an id of its own")
+            if obj.parent_id is not None and obj.parent_id not in seen:
+                raise SceneError(
+                    f"object {obj.id}: parent_id is {obj.parent_id}, valid: null or the id of an "
+                    "object that comes before it"
+                )
+            if obj.scene_id != self.scene_id:
+                raise SceneError(
+                    f"object {obj.id}: scene_id is {obj.scene_id!r}, valid: {self.scene_id!r}"
+                )
+            if not self._is_near(obj.bbox.p):
+                raise SceneError(
+                    f"object {obj.id}: bbox.p is {obj.bbox.p}, valid: at most {MAX_EXTENT_M:g} m "
+                    "outside the extent"
+                )
+            seen.add(obj.id)
+
+    def _is_near(self, p: Vector3) -> bool:
+        bounds = zip(self.extent_min_enu_m, p, self.extent_max_enu_m, strict=True)
+        return all(a - MAX_EXTENT_M <= x <= b + MAX_EXTENT_M for a, x, b in bounds)
+
+    def _validate_areas(self) -> None:
+        ids = {obj.id for obj in self.objects}
+        seen: set[int] = set()
+        for area in self.interaction_areas:
+            where = f"interaction area {area.id}"
+            if area.id in seen:
+                raise SceneError(f"{where}: id is used twice, valid: an id of its own")
+            if area.object_id is not None and area.object_id not in ids:
+                raise SceneError(
+                    f"{where}: object_id is {area.object_id}, valid: null or the id of an object"
+                )
+            seen.add(area.id)
+
+    @cached_property
+    def landing_areas(self) -> tuple[InteractionArea, ...]:
+        """Areas wide enough to land on."""
+        return tuple(area for area in self.interaction_areas if area.kind == "landing")
+
+    @cached_property
+    def perching_areas(self) -> tuple[InteractionArea, ...]:
+        """Narrow areas that bear a small drone."""
+        return tuple(area for area in self.interaction_areas if area.kind == "perching")
+
+    @cached_property
+    def object_by_id(self) -> Mapping[int, SceneObject]:
+        """Objects under their ids."""
+        return {obj.id: obj for obj in self.objects}
+
+    @cached_property
+    def children_by_id(self) -> Mapping[int | None, tuple[SceneObject, ...]]:
+        """Children under their parent's id; roots under None."""
+        children: dict[int | None, list[SceneObject]] = {}
+        for obj in self.objects:
+            children.setdefault(obj.parent_id, []).append(obj)
+        return {parent: tuple(group) for parent, group in children.items()}
+
+    def ancestors(self, object_id: int) -> tuple[int, ...]:
+        """Ids from the parent of an object up to its root."""
+        chain: list[int] = []
+        parent = self.object_by_id[object_id].parent_id
+        while parent is not None:
+            chain.append(parent)
+            parent = self.object_by_id[parent].parent_id
+        return tuple(chain)

@@ -1,0 +1,178 @@
+"""Distance fields that were computed before: of this process, and of earlier ones on disk.
+
+A field is kept under a hash of all that it follows from: the solids, the flight volume, the cells
+and the code that computes it. A file that is damaged, or is not ours, is as good as none. In the
+folder `fields` of the user's cache (or of `AEROSCENE_CACHE_DIR`) 200 MB are kept, what was not used
+for longest goes first; `AEROSCENE_CACHE=off` reads and writes no file.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import io
+import os
+import zlib
+from collections import OrderedDict
+from collections.abc import Sequence
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from aeroscene.files import replacing
+from aeroscene.scene import Scene
+from aeroscene.solids import freespace, solids, voxels
+from aeroscene.solids.freespace import MAX_DISTANCE_M, VoxelField, build_distance_field
+from aeroscene.solids.shapes import Primitive
+
+BUDGET_BYTES = 200_000_000
+_KEPT_IN_PROCESS = 4
+_MAGIC = b"aeroscene field 1\n"
+_DIGEST_BYTES = 16
+_DAMAGED = (OSError, ValueError, EOFError, KeyError, zlib.error)
+
+_of_process: OrderedDict[str, VoxelField] = OrderedDict()
+
+
+def kept_distance_field(
+    scene: Scene,
+    resolution_m: float,
+    primitives: Sequence[Primitive],
+    cap_m: float = MAX_DISTANCE_M,
+) -> VoxelField:
+    """`build_distance_field` of a scene that is flown in more than once; not to be written to.
+
+    Args:
+        scene: The scene.
+        resolution_m: Edge of a cell.
+        primitives: The scene's primitives.
+        cap_m: Distances are capped here.
+    """
+    key = _key(scene, resolution_m, primitives, cap_m)
+    field = _of_process.pop(key, None)
+    if field is None:
+        field = _from_disk_or_new(key, scene, resolution_m, primitives, cap_m)
+    _of_process[key] = field
+    while len(_of_process) > _KEPT_IN_PROCESS:
+        _of_process.popitem(last=False)
+    return field
+
+
+def forget() -> None:
+    """Drop the fields of this process; files stay."""
+    _of_process.clear()
+
+
+def _from_disk_or_new(
+    key: str, scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap_m: float
+) -> VoxelField:
+    folder = _folder()
+    if folder is None:
+        return build_distance_field(scene, resolution_m, primitives, cap_m)
+    path = folder / f"{key}.field"
+    try:
+        field = _decode(path.read_bytes(), resolution_m, cap_m)
+        os.utime(path)
+    except _DAMAGED:
+        field = build_distance_field(scene, resolution_m, primitives, cap_m)
+        _save(path, _encode(field, cap_m))
+    return field
+
+
+def _folder() -> Path | None:
+    """Where fields are kept; None where they are not."""
+    from platformdirs import user_cache_dir  # noqa: PLC0415 - only where the cache is used
+
+    if os.environ.get("AEROSCENE_CACHE", "").lower() == "off":
+        return None
+    return Path(os.environ.get("AEROSCENE_CACHE_DIR") or user_cache_dir("aeroscene")) / "fields"
+
+
+def _key(scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap_m: float) -> str:
+    digest = hashlib.blake2b(_code(), digest_size=_DIGEST_BYTES)
+    extents = (*scene.extent_min_enu_m, *scene.extent_max_enu_m)
+    digest.update(np.array([*extents, resolution_m, cap_m]).tobytes())
+    for one in primitives:
+        if one.collides:
+            digest.update(f"{one.kind} {len(one.vertices_m)} ".encode())
+            numbers = (*one.position_enu_m, *one.quat_wxyz, *one.size_m)
+            digest.update(np.array(numbers).tobytes())
+            digest.update(np.array(one.vertices_m, dtype=float).tobytes())
+    return digest.hexdigest()
+
+
+@functools.cache
+def _code() -> bytes:
+    """Hash of the code that a field follows from."""
+    digest = hashlib.blake2b(_MAGIC, digest_size=_DIGEST_BYTES)
+    for module in (freespace, solids, voxels):
+        digest.update(Path(str(module.__file__)).read_bytes())
+    return digest.digest()
+
+
+def _encode(field: VoxelField, cap_m: float) -> bytes:
+    """Squares in units of half a cell, as whole numbers, up to the highest that is not capped."""
+    is_near = (field.distance_m < np.float32(cap_m)).any(axis=(0, 1))
+    top = int(np.flatnonzero(is_near)[-1]) + 1 if is_near.any() else 0
+    squares = np.rint((field.distance_m[:, :, :top] * (2 / field.resolution_m)) ** 2)
+    squares[field.distance_m[:, :, :top] >= np.float32(cap_m)] = _capped(field.resolution_m, cap_m)
+    payload = io.BytesIO()
+    for array in (
+        np.array(field.origin_enu_m),
+        np.array(field.distance_m.shape),
+        squares.astype(np.uint16),
+    ):
+        np.save(payload, array, allow_pickle=False)
+    body = zlib.compress(payload.getvalue(), 1)
+    return _MAGIC + hashlib.blake2b(body, digest_size=_DIGEST_BYTES).digest() + body
+
+
+def _decode(data: bytes, resolution_m: float, cap_m: float) -> VoxelField:
+    """The field that `_encode` wrote, to the bit.
+
+    Raises:
+        ValueError: If the data is not that.
+    """
+    head = len(_MAGIC) + _DIGEST_BYTES
+    body = data[head:]
+    if data[:head] != _MAGIC + hashlib.blake2b(body, digest_size=_DIGEST_BYTES).digest():
+        raise ValueError("not a distance field of this version; valid: what was written here")
+    payload = io.BytesIO(zlib.decompress(body))
+    origin, shape, squares = (np.load(payload, allow_pickle=False) for _ in range(3))
+    x, y, z = origin.tolist()
+    distance_m = np.full(tuple(shape.tolist()), cap_m, dtype=np.float32)
+    lookup = _distances(_capped(resolution_m, cap_m), resolution_m, cap_m)
+    distance_m[:, :, : squares.shape[2]] = lookup[squares]
+    return VoxelField(origin_enu_m=(x, y, z), resolution_m=resolution_m, distance_m=distance_m)
+
+
+def _capped(resolution_m: float, cap_m: float) -> int:
+    """A square whose root is the cap or more."""
+    return ceil((2 * cap_m / resolution_m) ** 2)
+
+
+def _distances(most: int, resolution_m: float, cap_m: float) -> Float[np.ndarray, " squares"]:
+    """Distance of each square, as `distance_to_occupied` has it."""
+    squares: Int[np.ndarray, " squares"] = np.arange(most + 1)
+    return np.minimum(np.sqrt(squares) * resolution_m / 2, cap_m).astype(np.float32)
+
+
+def _save(path: Path, data: bytes) -> None:
+    """Write a file and remove the oldest beyond the budget; without a folder to write to, nothing.
+
+    Other processes may do the same at the same time.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as file:
+            file.write(data)
+        files = [(one.stat().st_mtime, one.stat().st_size, one) for one in path.parent.iterdir()]
+        total = 0
+        for _, size, one in sorted(files, reverse=True):
+            total += size
+            if total > BUDGET_BYTES:
+                one.unlink(missing_ok=True)
+    except OSError:
+        return

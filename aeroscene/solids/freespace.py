@@ -1,0 +1,248 @@
+"""Free space: how far every cell of a scene is from the nearest occupied cell, and flooding.
+
+The distance is a lower bound of the true one, because occupied cells are a superset of the solids,
+so a path along which it stays above a drone's radius is free of contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.scene import Scene, Vector3
+from aeroscene.solids.shapes import Primitive, scene_primitives
+from aeroscene.solids.voxels import Grid, voxelise
+
+MAX_DISTANCE_M = 3.0
+"""Distances are capped here: beyond it nothing is in the way of a drone."""
+_START_SEARCH_M = 4.0
+"""How far above a start the first free cell may lie."""
+
+
+class NoFreeSpaceError(ValueError):
+    """A place from which no drone of a radius can start."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VoxelField:
+    """Distances on a regular grid."""
+
+    origin_enu_m: Vector3
+    """Centre of cell (0, 0, 0)."""
+    resolution_m: float
+    distance_m: Float[np.ndarray, "nx ny nz"]
+    """From a cell's centre to the nearest occupied cell, 0 inside one, at most the cap."""
+
+    def cell(self, position_enu_m: Vector3) -> tuple[int, int, int] | None:
+        """Index of the cell that holds a point, or None outside the grid."""
+        offset = np.asarray(position_enu_m) - self.origin_enu_m
+        i, j, k = np.rint(offset / self.resolution_m).astype(int).tolist()
+        nx, ny, nz = self.distance_m.shape
+        return (i, j, k) if 0 <= i < nx and 0 <= j < ny and 0 <= k < nz else None
+
+    def centre(self, cell: tuple[int, int, int]) -> Vector3:
+        """Centre of a cell, ENU, m."""
+        x, y, z = (o + self.resolution_m * i for o, i in zip(self.origin_enu_m, cell, strict=True))
+        return (x, y, z)
+
+
+def build_distance_field(
+    scene: Scene,
+    resolution_m: float = 0.25,
+    primitives: Iterable[Primitive] | None = None,
+    cap_m: float = MAX_DISTANCE_M,
+) -> VoxelField:
+    """Distance field of a scene's flight volume; the ground below it counts as occupied.
+
+    Args:
+        scene: The scene.
+        resolution_m: Edge of a cell.
+        primitives: The scene's primitives, where the caller has them already.
+        cap_m: Distances are capped here; a lower cap is faster.
+    """
+    low, high = np.asarray(scene.extent_min_enu_m), np.asarray(scene.extent_max_enu_m)
+    shape = np.maximum(1, np.ceil((high - low) / resolution_m - 1e-6)).astype(int)
+    origin = low + resolution_m / 2
+    # One more layer of cells below: the ground.
+    origin[2] -= resolution_m
+    grid = Grid(_vector(origin), resolution_m, (int(shape[0]), int(shape[1]), int(shape[2]) + 1))
+    occupied = voxelise(scene_primitives(scene) if primitives is None else primitives, grid)
+    occupied[:, :, 0] = True
+    return VoxelField(
+        origin_enu_m=grid.origin_enu_m,
+        resolution_m=resolution_m,
+        distance_m=distance_to_occupied(occupied, resolution_m, cap_m),
+    )
+
+
+def distance_to_occupied(
+    occupied: Bool[np.ndarray, "nx ny nz"], resolution_m: float, cap_m: float = MAX_DISTANCE_M
+) -> Float[np.ndarray, "nx ny nz"]:
+    """Exact distance from cell centres to the nearest occupied cell's surface, capped.
+
+    Separable: along one axis, cells n apart are (2n - 1)/2 cells apart from centre to surface, and
+    squares add up over the axes. Integers in units of half a cell keep it exact and fast.
+    """
+    n_max = ceil(cap_m / resolution_m + 0.5)
+    heights = np.flatnonzero(occupied.any(axis=(0, 1)))
+    distance = np.full(occupied.shape, cap_m, dtype=np.float32)
+    if not len(heights):
+        return distance
+    top = min(occupied.shape[2], int(heights[-1]) + n_max + 1)
+    steps = np.maximum(2 * np.arange(n_max + 2, dtype=np.int64) - 1, 0)
+    far = int(3 * steps[-1] ** 2)
+    costs = (steps**2).astype(np.uint16)
+    costs[-1] = min(far, np.iinfo(np.uint16).max // 4)
+    squared = costs[_steps_along_x(occupied[:, :, :top], n_max + 1)]
+    lookup = np.minimum(np.sqrt(np.arange(int(costs[-1]) + 1)) * resolution_m / 2, cap_m)
+    lookup = lookup.astype(np.float32)
+    for i in range(len(squared)):
+        plane = _spread(squared[i], costs, n_max)
+        plane = _spread(np.ascontiguousarray(plane.T), costs, n_max).T
+        distance[i, :, :top] = lookup[plane]
+    return distance
+
+
+def _steps_along_x(occupied: np.ndarray, limit: int) -> Int[np.ndarray, "nx ny nz"]:
+    """Cells to the nearest occupied cell along the first axis, at most `limit`."""
+    steps = np.full(occupied.shape, limit, dtype=np.uint8)
+    steps[occupied] = 0
+    for order in (range(1, len(steps)), range(len(steps) - 2, -1, -1)):
+        step = 1 if order.step < 0 else -1
+        for i in order:
+            np.minimum(steps[i], steps[i + step] + np.uint8(1), out=steps[i])
+    return steps
+
+
+def _spread(squared: np.ndarray, costs: np.ndarray, n_max: int) -> Int[np.ndarray, "a b"]:
+    """Least cost over shifts along the first axis of a plane."""
+    best = squared.copy()
+    limit = costs[-1]
+    moved = np.empty_like(squared)
+    for n in range(1, min(n_max, len(squared) - 1) + 1):
+        np.add(squared, costs[n], out=moved)
+        np.minimum(best[n:], moved[:-n], out=best[n:])
+        np.minimum(best[:-n], moved[n:], out=best[:-n])
+    return np.minimum(best, limit, out=best)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Flood:
+    """What a ball can reach, as upright runs of free cells: fewer than cells by a hundred times."""
+
+    shape: tuple[int, int, int]
+    run_start: Int[np.ndarray, " runs"]
+    """Number of a run's first cell, columns counted one after another with a gap of one cell."""
+    run_end: Int[np.ndarray, " runs"]
+    """Number of the cell after a run's last."""
+
+    def reaches(self, cell: tuple[int, int, int], n_up: int) -> bool:
+        """Whether a cell or one of the `n_up` above it is reached."""
+        i, j, k = cell
+        _, ny, nz = self.shape
+        column = (i * ny + j) * (nz + 1)
+        low, high = column + k, column + min(k + n_up + 1, nz)
+        run = int(np.searchsorted(self.run_end, low, side="right"))
+        return run < len(self.run_start) and int(self.run_start[run]) < high
+
+    def cells(self) -> Bool[np.ndarray, "nx ny nz"]:
+        """Every cell that is reached."""
+        nx, ny, nz = self.shape
+        change = np.zeros(nx * ny * (nz + 1), dtype=np.int8)
+        change[self.run_start] = 1
+        change[self.run_end] = -1
+        is_reached = np.cumsum(change, dtype=np.int8, out=change).view(bool)
+        return is_reached.reshape(nx, ny, nz + 1)[:, :, :nz]
+
+
+def flood(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> Flood:
+    """Where a ball can move from above a start without touching anything.
+
+    Args:
+        field: Distances.
+        start_enu_m: A point on or above a surface; the ball rises from it to the first free cell.
+        radius_m: Radius of the ball.
+
+    Raises:
+        NoFreeSpaceError: If no cell within 4 m above the start has that much space.
+    """
+    seed = start_cell(field, start_enu_m, radius_m)
+    nx, ny, nz = shape = field.distance_m.shape
+    free = field.distance_m >= radius_m
+    is_edge = np.empty((nx, ny, nz + 1), dtype=bool)
+    is_edge[:, :, 0], is_edge[:, :, nz] = free[:, :, 0], free[:, :, -1]
+    np.not_equal(free[:, :, 1:], free[:, :, :-1], out=is_edge[:, :, 1:nz])
+    edges = np.flatnonzero(is_edge)
+    start, end = edges[::2], edges[1::2]
+    # Under open sky the runs that end in the top layer are one from the outset: most of them.
+    is_top = end % (nz + 1) == nz if free[:, :, -1].all() else np.zeros(len(end), dtype=bool)
+    labels = _connected(start, end, is_top, (nx, ny, nz + 1))
+    run = np.searchsorted(end, (seed[0] * ny + seed[1]) * (nz + 1) + seed[2], side="right")
+    is_reached = labels == labels[run]
+    return Flood(shape=shape, run_start=start[is_reached], run_end=end[is_reached])
+
+
+def _connected(
+    start: np.ndarray, end: np.ndarray, is_top: np.ndarray, shape: tuple[int, int, int]
+) -> Int[np.ndarray, " n"]:
+    """Labels of runs that hang together: runs of neighbouring columns at a common height."""
+    # Start-up time: floods are rare.
+    from scipy.sparse import coo_array  # noqa: PLC0415
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
+    nx, ny, stride = shape
+    lower = np.flatnonzero(~is_top)
+    node = np.zeros(len(start), dtype=np.intp)
+    node[lower] = np.arange(1, len(lower) + 1)
+    column = start[lower] // stride
+    i, j = column // ny, column % ny
+    runs, others = [], []
+    for is_inner, step in ((j < ny - 1, 1), (j > 0, -1), (i < nx - 1, ny), (i > 0, -ny)):
+        run, shift = lower[is_inner], step * stride
+        first = np.searchsorted(end, start[run] + shift, side="right")
+        count = np.maximum(np.searchsorted(start, end[run] + shift, side="left") - first, 0)
+        runs.append(np.repeat(run, count))
+        offset = np.repeat(first - np.cumsum(count) + count, count)
+        others.append(np.arange(len(offset)) + offset)
+    pairs = (node[np.concatenate(runs)], node[np.concatenate(others)])
+    graph = coo_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=(len(lower) + 1,) * 2)
+    return connected_components(graph.tocsr(), directed=False)[1][node]
+
+
+def reachable(
+    field: VoxelField, start_enu_m: Vector3, radius_m: float
+) -> Bool[np.ndarray, "nx ny nz"]:
+    """Cells of `flood`.
+
+    Raises:
+        NoFreeSpaceError: As `flood`.
+    """
+    return flood(field, start_enu_m, radius_m).cells()
+
+
+def start_cell(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> tuple[int, int, int]:
+    """The lowest cell above a point where a ball has space.
+
+    Raises:
+        NoFreeSpaceError: If there is none within 4 m.
+    """
+    cell = field.cell(start_enu_m)
+    if cell is not None:
+        i, j, k = cell
+        column = field.distance_m[i, j, k : k + round(_START_SEARCH_M / field.resolution_m)]
+        free = np.flatnonzero(column >= radius_m)
+        if len(free):
+            return (i, j, k + int(free[0]))
+    raise NoFreeSpaceError(
+        f"start {start_enu_m} has no free ball of radius {radius_m} m within {_START_SEARCH_M} m "
+        "above it, valid: a point inside the grid under open space"
+    )
+
+
+def _vector(values: np.ndarray) -> Vector3:
+    x, y, z = values.tolist()
+    return (x, y, z)

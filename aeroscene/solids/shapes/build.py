@@ -1,0 +1,171 @@
+"""From objects to primitives in the world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from aeroscene.scene import Scene, SceneObject, Vector3
+from aeroscene.scene.box import quat_product, rotation_matrix
+from aeroscene.solids.shapes import (
+    boats,
+    buildings,
+    fences,
+    furniture,
+    goods,
+    ground,
+    household,
+    roofs,
+    rooftop,
+    seats,
+    shell,
+    stalls,
+    storage,
+    street,
+    structures,
+    terrain,
+    vegetation,
+    vehicles,
+)
+from aeroscene.solids.shapes.look import Look, Shape
+from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block, centred
+
+SHAPES: Mapping[str, Shape] = MappingProxyType(
+    {
+        "building": buildings.building,
+        "house": buildings.house,
+        "tower": buildings.tower,
+        "warehouse": buildings.warehouse,
+        "garage": stalls.garage,
+        "terrain": terrain.terrain,
+        "kiosk": stalls.kiosk,
+        "container": stalls.container,
+        "canopy": structures.canopy,
+        "bridge": structures.bridge,
+        "deck": structures.deck,
+        "water": terrain.water,
+        "roof": roofs.roof,
+        "floor": shell.floor,
+        "room": shell.room,
+        "wall": shell.wall,
+        "road": ground.road,
+        "sidewalk": ground.sidewalk,
+        "lawn": ground.lawn,
+        "parking_lot": ground.parking_lot,
+        "plaza": ground.plaza,
+        "fence": fences.fence,
+        "stairs": structures.stairs,
+        "car": vehicles.car,
+        "van": vehicles.van,
+        "truck": vehicles.truck,
+        "bus": vehicles.bus,
+        "bicycle": vehicles.bicycle,
+        "tree": vegetation.tree,
+        "bush": vegetation.bush,
+        "street_lamp": street.street_lamp,
+        "traffic_light": street.traffic_light,
+        "sign": street.sign,
+        "bench": seats.bench,
+        "bin": street.bin_,
+        "boat": boats.boat,
+        "planter": vegetation.planter,
+        "crate": goods.crate,
+        "barrel": goods.barrel,
+        "pallet": goods.pallet,
+        "landing_pad": goods.landing_pad,
+        "ac_unit": rooftop.ac_unit,
+        "chimney": rooftop.chimney,
+        "solar_panel": rooftop.solar_panel,
+        "water_tank": rooftop.water_tank,
+        "antenna": rooftop.antenna,
+        "table": furniture.table,
+        "chair": seats.chair,
+        "sofa": seats.sofa,
+        "armchair": seats.armchair,
+        "bed": seats.bed,
+        "desk": furniture.desk,
+        "cabinet": storage.cabinet,
+        "wardrobe": storage.wardrobe,
+        "shelf": storage.shelf,
+        "coffee_table": furniture.coffee_table,
+        "nightstand": furniture.nightstand,
+        "counter": furniture.counter,
+        "fridge": storage.fridge,
+        "stove": storage.stove,
+        "television": household.television,
+        "lamp": household.lamp,
+        "plant": vegetation.plant,
+        "laptop": household.laptop,
+        "monitor": household.monitor,
+        "plate": household.plate,
+        "cup": household.cup,
+        "cutlery": household.cutlery,
+        "book": household.book,
+        "box": household.box,
+    }
+)
+"""The shape of every category."""
+
+
+_LEAST_M = 5e-4
+_SLACK_M = 0.02
+"""By how much a part may stand out of its box: paint on a road, a handle."""
+
+
+def object_parts(category: str, look: Look) -> list[Part]:
+    """Parts of a category at a size; a size too odd for its shape gives a plain box."""
+    parts = SHAPES[category](look)
+    is_solid = any(part.collides for part in parts)
+    if is_solid and all(_is_sound(part, look.size_m) for part in parts):
+        return parts
+    x, y, z = look.size_m
+    return [block(centred(x), centred(y), (0.0, z), "concrete")]
+
+
+def _is_sound(part: Part, size_m: Vector3) -> bool:
+    if min(part.size_m) < _LEAST_M:
+        return False
+    extents = part.size_m
+    if part.quat_wxyz != IDENTITY:
+        extents = (np.abs(rotation_matrix(part.quat_wxyz)) @ extents).tolist()
+    x, y, z = part.position_m
+    offsets = (x, y, z - size_m[2] / 2)
+    return all(
+        abs(offset) + extent / 2 <= whole / 2 + _SLACK_M
+        for offset, extent, whole in zip(offsets, extents, size_m, strict=True)
+    )
+
+
+def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
+    """Primitives of one object in the world, ENU."""
+    box = obj.bbox
+    look = Look(box.s, obj.attributes, obj.id)
+    rows = rotation_matrix(box.q).tolist()
+    floor = box.s[2] / 2
+    primitives = []
+    for part in object_parts(obj.category, look):
+        x, y, z = part.position_m
+        z -= floor
+        position = tuple(
+            box.p[i] + rows[i][0] * x + rows[i][1] * y + rows[i][2] * z for i in range(3)
+        )
+        primitives.append(
+            Primitive(
+                kind=part.kind,
+                position_enu_m=position,  # pyright: ignore[reportArgumentType]
+                quat_wxyz=quat_product(box.q, part.quat_wxyz),  # pyright: ignore[reportArgumentType]
+                size_m=part.size_m,
+                material=part.material,
+                object_id=obj.id,
+                collides=part.collides,
+                vertices_m=part.vertices_m,
+            )
+        )
+    return tuple(primitives)
+
+
+def scene_primitives(scene: Scene) -> tuple[Primitive, ...]:
+    """Primitives of every object of a scene, in the order of the objects."""
+    return tuple(primitive for obj in scene.objects for primitive in object_primitives(obj))

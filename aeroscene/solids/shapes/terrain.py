@@ -1,0 +1,94 @@
+"""Ground that is not flat, and water."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, tan
+
+from aeroscene.scene import Vector3
+from aeroscene.solids.shapes.forms import FORMS
+from aeroscene.solids.shapes.look import Look
+from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder, hull
+from aeroscene.solids.shapes.solids import cone, inwards
+
+FINISHES = ("grass", "paving", "asphalt", "gravel", "concrete")
+"""What terrain may be covered with: attribute `finish`."""
+_CRUST_M = 0.15
+"""Thickness of a terrace's cover over its retaining walls."""
+_MOUND_SIDE_RAD = radians(19.0)
+"""Steepest side of a mound."""
+_MOUND_SLOPE_SHARE = 0.8
+"""Of the way to the middle that the sides may take."""
+_MOUND_CORNERS = 12
+_POND_M = 15.0
+"""Wider water has banks of its own, and no rim unless told so."""
+
+
+def terrain(look: Look) -> list[Part]:
+    """Raised ground: a terrace, a low mound, or a ramp from nothing at -x to its height at +x."""
+    form, finish = look.choice("form", FORMS["terrain"]), look.choice("finish", FINISHES)
+    if form == "terrace":
+        return _terrace(look, finish)
+    return [_ramp(look, finish)] if form == "ramp" else [_mound(look, finish)]
+
+
+def _terrace(look: Look, finish: str) -> list[Part]:
+    x, y, z = look.size_m
+    wall = look.choice("wall", ("stone", "brick", "dark_concrete"))
+    if z < 2 * _CRUST_M or wall == finish:
+        return [block(centred(x), centred(y), (0, z), finish)]
+    low = z - _CRUST_M
+    return [
+        block(centred(x), centred(y), (0, low), wall),
+        block(centred(x), centred(y), (low, z), finish),
+    ]
+
+
+def _ramp(look: Look, finish: str) -> Part:
+    x, y, z = look.size_m
+    low, high = centred(x)
+    foot: list[Vector3] = [(low, side, 0.0) for side in centred(y)]
+    back: list[Vector3] = [(high, side, height) for side in centred(y) for height in (0.0, z)]
+    return hull([*foot, *back], finish)
+
+
+def mound_top(size_m: Vector3) -> tuple[float, float, float]:
+    """Extents along x and y of a mound's level top, and its height, m.
+
+    A box too high for its width holds a mound that is lower than the box.
+    """
+    x, y, z = size_m
+    # A polygon's sides lie further in than its corners: they are what is steepest.
+    reach = min(x, y) / 2 * cos(pi / _MOUND_CORNERS)
+    height = min(z, _MOUND_SLOPE_SHARE * reach * tan(_MOUND_SIDE_RAD))
+    share = 1 - height / tan(_MOUND_SIDE_RAD) / reach
+    return (share * x, share * y, height)
+
+
+def _mound(look: Look, finish: str) -> Part:
+    """Two rings of one shape: the sides of least reach are the steepest."""
+    x, y, _ = look.size_m
+    top_x, top_y, height = mound_top(look.size_m)
+    return cone((x, y), (top_x, top_y), (0.0, height), finish, sides=_MOUND_CORNERS)
+
+
+def water(look: Look) -> list[Part]:
+    """A basin with a rim, bare or with water lilies; `open` is a sheet without a rim."""
+    x, y, z = look.size_m
+    is_pond = max(x, y) <= _POND_M
+    form = look.choice("form", FORMS["water"], ("basin", "planted") if is_pond else ("open",))
+    if form == "open":
+        return [block(centred(x), centred(y), (0, z), "water")]
+    rim = min(0.35, 0.12 * min(x, y))
+    stone = look.choice("rim", ("stone", "brick", "dark_wood"))
+    level = 0.6 * z
+    parts = [block(centred(x - 2 * rim), centred(y - 2 * rim), (0, level), "water")]
+    for sign in (-1, 1):
+        parts.append(block(inwards(sign, x / 2, rim), centred(y), (0, z), stone))
+        parts.append(block(centred(x - 2 * rim), inwards(sign, y / 2, rim), (0, z), stone))
+    if form == "planted":
+        wide = min(0.9, 0.16 * min(x, y))
+        for index, (u, v) in enumerate(((-0.3, 0.28), (-0.22, 0.2), (0.3, -0.26))):
+            lily = (u * x, v * y, level + 0.005)
+            name = "blossom" if index == 1 else "leaves"
+            parts.append(cylinder(lily, wide, 0.01, name, collides=False))
+    return parts

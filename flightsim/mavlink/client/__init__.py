@@ -1,0 +1,1 @@
+"""A MAVLink client for companions: commands, setpoints and telemetry in ENU."""

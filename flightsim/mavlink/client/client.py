@@ -1,0 +1,253 @@
+"""A MAVLink companion in lockstep with the simulation, over any pipe of bytes.
+
+It speaks MAVLink 2 with the `common` dialect like any other onboard computer: heartbeats,
+commands that are repeated until acknowledged, setpoints. Its only clock is the simulated time it is
+called with.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Protocol
+
+from pymavlink.dialects.v20 import common as mavlink
+
+from autonomy.types import FlatReference
+from flightsim.frames import LocalFrame, swap_enu_ned, swap_yaw_enu_ned
+from flightsim.mavlink.client.telemetry import Telemetry, TelemetryReader
+
+_HEARTBEAT_PERIOD_US = 1_000_000
+_ACK_TIMEOUT_US = 500_000
+_PROGRESS_TIMEOUT_US = 5_000_000
+_TRIES = 5
+_AUTOPILOT_COMPONENT = 1
+# PX4's custom modes, sub << 24 | main << 16.
+PX4_OFFBOARD = 6 << 16
+PX4_LAND = 6 << 24 | 4 << 16
+PX4_RETURN = 5 << 24 | 4 << 16
+PX4_HOLD = 3 << 24 | 4 << 16
+_NEEDED_HZ = {
+    mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 50,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: 50,
+    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 10,
+    mavlink.MAVLINK_MSG_ID_HEARTBEAT: 5,
+    mavlink.MAVLINK_MSG_ID_DISTANCE_SENSOR: 10,
+    mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 5,
+}
+_NOT_NEEDED = (
+    mavlink.MAVLINK_MSG_ID_ATTITUDE,
+    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+    mavlink.MAVLINK_MSG_ID_HIGHRES_IMU,
+    mavlink.MAVLINK_MSG_ID_ODOMETRY,
+    mavlink.MAVLINK_MSG_ID_VFR_HUD,
+    mavlink.MAVLINK_MSG_ID_ALTITUDE,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE_TARGET,
+    mavlink.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED,
+    mavlink.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT,
+    mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW,
+    mavlink.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT,
+)
+
+
+class BytePipe(Protocol):
+    """Carries MAVLink frames both ways."""
+
+    def send(self, data: bytes) -> None:
+        """Send bytes to the vehicle."""
+        ...
+
+    def recv(self) -> bytes:
+        """All bytes that came since the last call, possibly none."""
+        ...
+
+
+class CommandState(Enum):
+    """How far a command got."""
+
+    PENDING = "pending"
+    ACCEPTED = "accepted"
+    REFUSED = "refused"
+    UNANSWERED = "unanswered"
+
+
+@dataclass(kw_only=True, slots=True)
+class Command:
+    """A COMMAND_LONG on its way."""
+
+    command: int
+    params: tuple[float, ...]
+    state: CommandState = CommandState.PENDING
+    result: int | None = None
+    """MAV_RESULT of the acknowledgement."""
+    tries: int = 0
+    due_us: int = 0
+
+    @property
+    def is_done(self) -> bool:
+        """Whether nothing more will happen to it."""
+        return self.state is not CommandState.PENDING
+
+    @property
+    def is_accepted(self) -> bool:
+        """Whether the vehicle agreed."""
+        return self.state is CommandState.ACCEPTED
+
+    def outcome(self) -> str:
+        """The result in words."""
+        if self.result is None:
+            return self.state.value
+        return mavlink.enums["MAV_RESULT"][self.result].name.removeprefix("MAV_RESULT_").lower()
+
+
+class MavlinkClient:
+    """One companion computer; call `update` once a tick.
+
+    Attributes:
+        telemetry: What the vehicle last told.
+    """
+
+    def __init__(self, pipe: BytePipe, frame: LocalFrame) -> None:
+        """Prepare a connection; nothing is sent before the first `update`.
+
+        Args:
+            pipe: To the vehicle.
+            frame: The scene's, in which `telemetry` gives positions and setpoints are taken.
+        """
+        self._pipe = pipe
+        self._mav = mavlink.MAVLink(
+            None,
+            srcSystem=1,
+            srcComponent=mavlink.MAV_COMP_ID_ONBOARD_COMPUTER,
+        )
+        self._mav.robust_parsing = True
+        self._reader = TelemetryReader(frame)
+        self.telemetry: Telemetry = self._reader.telemetry
+        self._time_us = 0
+        self._heartbeat_due_us = 0
+        self._commands: list[Command] = []
+
+    def update(self, time_us: int) -> None:
+        """Read what came, answer, repeat what was not acknowledged."""
+        self._time_us = time_us
+        for message in self._mav.parse_buffer(self._pipe.recv()) or ():
+            if message.get_type() == "COMMAND_ACK":
+                self._on_ack(message)
+            else:
+                self._reader.read(message)
+        if time_us >= self._heartbeat_due_us:
+            self._heartbeat_due_us = time_us + _HEARTBEAT_PERIOD_US
+            self._send_heartbeat()
+        # Two commands of one number cannot be told apart by their acknowledgements: one at a time.
+        first_of_kind = {command.command: command for command in reversed(self._commands)}
+        for command in first_of_kind.values():
+            self._press(command)
+        self._commands = [command for command in self._commands if not command.is_done]
+
+    def command(self, command: int, *params: float) -> Command:
+        """Send a command, and again until the vehicle answers; look at the result's `state`."""
+        padded = (*params, *[math.nan] * (7 - len(params)))
+        pending = Command(command=command, params=padded)
+        self._commands.append(pending)
+        return pending
+
+    def request_streams(self) -> list[Command]:
+        """Ask for what a companion steers by, and for silence about the rest."""
+        wanted = [(message_id, 1e6 / hz) for message_id, hz in _NEEDED_HZ.items()]
+        unwanted = [(message_id, -1.0) for message_id in _NOT_NEEDED]
+        return [
+            self.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, interval_us)
+            for message_id, interval_us in (*wanted, *unwanted)
+        ]
+
+    def request_origin(self) -> Command:
+        """Ask where MAVLink's local frame begins."""
+        return self.command(
+            mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
+        )
+
+    def set_mode(self, custom_mode: int) -> Command:
+        """Change the flight mode; see `PX4_OFFBOARD` and its neighbours."""
+        return self.command(
+            mavlink.MAV_CMD_DO_SET_MODE,
+            mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED,
+            custom_mode >> 16 & 0xFF,
+            custom_mode >> 24,
+        )
+
+    def arm(self) -> Command:
+        """Start the rotors."""
+        return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+
+    def disarm(self) -> Command:
+        """Stop the rotors; refused in the air."""
+        return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+
+    def send_setpoint(self, reference: FlatReference) -> None:
+        """One offboard setpoint: position, velocity, acceleration and heading."""
+        origin = self.telemetry.local_origin_enu_m
+        if origin is None:
+            return
+        x, y, z = reference.position_enu_m
+        self._send(
+            mavlink.MAVLink_set_position_target_local_ned_message(
+                self._time_us // 1000,
+                self.telemetry.system_id,
+                _AUTOPILOT_COMPONENT,
+                mavlink.MAV_FRAME_LOCAL_NED,
+                0,
+                *swap_enu_ned((x - origin[0], y - origin[1], z - origin[2])),
+                *swap_enu_ned(reference.velocity_enu_mps),
+                *swap_enu_ned(reference.acceleration_enu_mps2),
+                swap_yaw_enu_ned(reference.yaw_rad),
+                -reference.yaw_rate_radps,
+            )
+        )
+
+    def _send(self, message: Any) -> None:
+        self._pipe.send(message.pack(self._mav))
+        self._mav.seq = (self._mav.seq + 1) % 256
+
+    def _send_heartbeat(self) -> None:
+        self._send(
+            mavlink.MAVLink_heartbeat_message(
+                mavlink.MAV_TYPE_ONBOARD_CONTROLLER,
+                mavlink.MAV_AUTOPILOT_INVALID,
+                0,
+                0,
+                mavlink.MAV_STATE_ACTIVE,
+                3,
+            )
+        )
+
+    def _press(self, command: Command) -> None:
+        """Send a pending command if it is time to."""
+        if command.is_done or self._time_us < command.due_us or not self.telemetry.system_id:
+            return
+        if command.tries == _TRIES:
+            command.state = CommandState.UNANSWERED
+            return
+        self._send(
+            mavlink.MAVLink_command_long_message(
+                self.telemetry.system_id,
+                _AUTOPILOT_COMPONENT,
+                command.command,
+                command.tries,
+                *command.params,
+            )
+        )
+        command.tries += 1
+        command.due_us = self._time_us + _ACK_TIMEOUT_US
+
+    def _on_ack(self, ack: Any) -> None:
+        for command in self._commands:
+            if command.command != ack.command or not command.tries or command.is_done:
+                continue
+            if ack.result == mavlink.MAV_RESULT_IN_PROGRESS:
+                command.due_us = self._time_us + _PROGRESS_TIMEOUT_US
+                return
+            command.result = ack.result
+            is_accepted = ack.result == mavlink.MAV_RESULT_ACCEPTED
+            command.state = CommandState.ACCEPTED if is_accepted else CommandState.REFUSED
+            return

@@ -1,0 +1,181 @@
+"""The testbench: a scene, a vehicle in it, its autopilot and its MAVLink, in one loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, Self
+
+from aeroscene.scene import Scene
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.environment.movers import MovingObstacle
+from flightsim.environment.parameters import follow_parameters, wind_parameters
+from flightsim.environment.traffic import TrafficCfg
+from flightsim.environment.wind import WindCfg, turbulence_mps
+from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.links import InProcessLink, Link, TcpServerLink, UdpLink
+from flightsim.mavlink.server import MavlinkServer
+from flightsim.plant import Plant, PlantCfg
+from flightsim.simulator import Simulator
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import World, build_world
+
+MAX_INSTANCES = 100
+
+
+class TestbenchError(ValueError):
+    """A configuration that no testbench can be built from."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TestbenchCfg:
+    """What to simulate, and how."""
+
+    vehicle: str = "iris"
+    """Airframe: iris, iris-rotors or hummingbird."""
+    seed: int = 0
+    """Seed of every random draw: sensor noise, choice of the landing area."""
+    gnss: Literal["rtk", "standard"] = "rtk"
+    """GNSS grade: rtk has decimetre errors, standard metres."""
+    aiding: Literal["gnss", "vio", "mocap", "auto"] = "auto"
+    """What tells where the vehicle is: gnss (not in rooms), vio (visual-inertial odometry), mocap
+    (motion capture), or auto, which is GNSS where there is sky and VIO everywhere."""
+    wind: float = 0.0
+    """Speed of the steady wind, m/s."""
+    wind_from: float = 270.0
+    """Where the wind comes from, degrees clockwise from north: 270 is the west."""
+    turbulence: str = "none"
+    """Dryden turbulence: none, natural (what goes with the wind), light, moderate, severe, or the
+    standard deviation of its vertical part in m/s."""
+    gust: float = 0.0
+    """What a gust adds to the wind at its peak, m/s; 3 s of every 15 s."""
+    traffic: str = "none"
+    """What else moves about, as people=3,cars=2,drones=1."""
+    depth_camera: Literal["exact", "d435", "d455"] = "exact"
+    """Depth of the cameras: exact, or with the errors of a RealSense D435 or D455."""
+    speed: float | Literal["max"] = 1.0
+    """Simulated seconds per wall second, or max for as fast as it goes."""
+    instance: int = 0
+    """Number of this vehicle: shifts every port and the MAVLink system id (1 + instance)."""
+    bind: str = "127.0.0.1"
+    """Address that the MAVLink ports listen on; 0.0.0.0 opens them to the network."""
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be built, before anything is."""
+        airframe_by_name(self.vehicle)
+        _ = self.wind_cfg, self.traffic_cfg
+        if self.speed != "max" and not 0.0 < self.speed < float("inf"):
+            raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
+        if not 0 <= self.instance < MAX_INSTANCES:
+            raise TestbenchError(
+                f"instance {self.instance} is out of range; valid: 0 to {MAX_INSTANCES - 1}"
+            )
+        if self.seed < 0:
+            raise TestbenchError(f"seed {self.seed} is negative; valid: 0 or more")
+
+    @property
+    def wind_cfg(self) -> WindCfg:
+        """The wind that the options ask for.
+
+        Raises:
+            WindError: If it makes no sense.
+        """
+        return WindCfg(
+            speed_mps=self.wind,
+            from_deg=self.wind_from,
+            turbulence_mps=turbulence_mps(self.turbulence, self.wind),
+            gust_mps=self.gust,
+        )
+
+    @property
+    def traffic_cfg(self) -> TrafficCfg:
+        """The traffic that the options ask for.
+
+        Raises:
+            TrafficError: If it makes no sense.
+        """
+        return TrafficCfg.parse(self.traffic, self.seed)
+
+
+class Testbench:
+    """Builds every part of a run and owns what must be closed.
+
+    Attributes:
+        pilot_link: Lockstep MAVLink for a companion inside this process.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        cfg: TestbenchCfg,
+        *,
+        traffic: Sequence[MovingObstacle] | None = None,
+        has_network: bool = True,
+        extra_links: Sequence[Link] = (),
+        observers: Sequence[Callable[[], None]] = (),
+    ) -> None:
+        """Build the world of a scene and open the links.
+
+        `traffic` are movers on paths of their own instead of those of the configuration.
+        `extra_links` are MAVLink links besides the in-process one and the network's.
+
+        Raises:
+            WorldError: If the vehicle cannot start there.
+            TrafficError: If the scene has no room for the traffic.
+            PortInUseError: If a MAVLink port is taken.
+        """
+        self.cfg = cfg
+        self.scene = scene
+        self.airframe = airframe_by_name(cfg.vehicle)
+        self.world: World = build_world(
+            self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
+        )
+        self.plant = Plant(
+            self.world,
+            PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg),
+        )
+        self.frame = LocalFrame(
+            Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
+        )
+        system_id = 1 + cfg.instance
+        self.autopilot = Autopilot(
+            self.plant,
+            self.frame,
+            airframe=self.airframe,
+            initial_parameters={"MAV_SYS_ID": system_id, **wind_parameters(cfg.wind_cfg)},
+        )
+        follow_parameters(self.autopilot.parameters, self.plant)
+        self.pilot_link = InProcessLink()
+        links: list[Link] = [self.pilot_link, *extra_links]
+        if has_network:
+            links += network_links(cfg.instance, cfg.bind)
+        self.server = MavlinkServer(
+            self.autopilot, self.plant, self.frame, links, system_id=system_id
+        )
+        self.simulator = Simulator(
+            self.plant, self.autopilot, self.server, observers=observers, speed=cfg.speed
+        )
+
+    def close(self) -> None:
+        """Close every link."""
+        self.server.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def network_links(instance: int, bind: str) -> list[Link]:
+    """The ports of a PX4 SITL instance: UDP to 14550 and 14540, TCP server on 5760."""
+    return [
+        UdpLink(local_port=18570 + instance, remote_port=14550 + instance, bind_address=bind),
+        UdpLink(
+            local_port=14580 + instance,
+            remote_port=14540 + instance,
+            profile="onboard",
+            bind_address=bind,
+        ),
+        TcpServerLink(port=5760 + 10 * instance, bind_address=bind),
+    ]

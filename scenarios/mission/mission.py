@@ -1,0 +1,166 @@
+"""The task of a flight: which landing area, from where to look at it, and the way there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from aeroscene.scene import InteractionArea, Scene
+from autonomy.model.quadrotor import Vector3
+from autonomy.planning import PlanningError, Trajectory
+from autonomy.types import FlatReference
+from flightsim.vehicles.airframe import Airframe
+from scenarios.mission.surroundings import (
+    DESCENT_MARGIN_M,
+    HOVER_MARGIN_M,
+    MapSource,
+    MissionError,
+    Surroundings,
+    survey,
+)
+
+TAKEOFF_HEIGHTS_M = (2.5, 2.0, 1.5, 3.0, 4.0, 1.2)
+FAR_ENOUGH_M = 15.0
+"""Areas nearer to the start than this are flown to only where there is no other."""
+_MAX_ATTEMPTS = 8
+_LUCK = 2.0
+"""What chance adds to an area's appeal at most: twice what height above the ground does."""
+_CLASSES = ("small", "medium", "large")
+Target = Literal["landing", "perching", "any"]
+"""What kind of area is wanted."""
+_WANTED = {"landing": "landing area", "perching": "place to perch", "any": "area"}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mission:
+    """A flight that was planned."""
+
+    surroundings: Surroundings
+    area: InteractionArea
+    alternates: tuple[InteractionArea, ...]
+    """Areas to try when the first turns out not to be safe, best first."""
+    takeoff_enu_m: Vector3
+    """Where the take-off ends, above the start."""
+    hover_enu_m: Vector3
+    """From where the area is looked at."""
+    trajectory: Trajectory
+    """From above the start to the hover point; where the map grows, a stay above the start."""
+
+
+def plan_mission(
+    scene: Scene,
+    airframe: Airframe,
+    *,
+    seed: int = 0,
+    area: InteractionArea | None = None,
+    target: Target = "landing",
+    map_source: MapSource = "truth",
+) -> Mission:
+    """Choose an area (unless one is given) and plan the way to it.
+
+    Args:
+        scene: Where to fly.
+        airframe: What flies.
+        seed: Of the choice among good areas.
+        area: Where to land, if that is settled.
+        target: What kind of area is chosen.
+        map_source: Whether the map is given, or grows with what the vehicle sees; then the way is
+            planned from above the start, and the areas are those of the brief.
+
+    Raises:
+        MissionError: If no area suits the vehicle, or none can be flown to.
+    """
+    surroundings = survey(scene, airframe, map_source=map_source)
+    takeoff = takeoff_point(surroundings)
+    candidates = [area] if area is not None else rank_areas(scene, airframe, seed, target)
+    reason = f"no {_WANTED[target]} suits class {airframe.drone_class}"
+    for index, candidate in enumerate(candidates[:_MAX_ATTEMPTS]):
+        hover = surroundings.hover_point(candidate)
+        if hover is None:
+            reason = f"area {candidate.id} has no free place to hover above it"
+            continue
+        try:
+            trajectory = _first_way(surroundings, takeoff, hover)
+        except PlanningError as error:
+            reason = f"area {candidate.id}: {error}"
+            continue
+        return Mission(
+            surroundings=surroundings,
+            area=candidate,
+            alternates=tuple(candidates[index + 1 : index + 1 + _MAX_ATTEMPTS]),
+            takeoff_enu_m=takeoff,
+            hover_enu_m=hover,
+            trajectory=trajectory,
+        )
+    raise MissionError(f"scene {scene.scene_id}, {airframe.name}: {reason}")
+
+
+def _first_way(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3) -> Trajectory:
+    """From above the start to above the area; where nothing was seen yet, a stay above the start.
+
+    Raises:
+        PlanningError: If there is none.
+    """
+    yaw_rad = world.scene.start_yaw_rad
+    if not world.is_known:
+        return world.leg(takeoff_enu_m, takeoff_enu_m, yaw_rad)
+    start = FlatReference(position_enu_m=takeoff_enu_m, yaw_rad=yaw_rad)
+    return world.plan(start, hover_enu_m)
+
+
+def takeoff_point(surroundings: Surroundings) -> Vector3:
+    """Where to rise to from the start before flying on.
+
+    Raises:
+        MissionError: If something is above the start.
+    """
+    x, y, z = surroundings.scene.start_position_enu_m
+    for height_m in TAKEOFF_HEIGHTS_M:
+        heights = np.arange(surroundings.radius_m + 2 * DESCENT_MARGIN_M, height_m + 0.1, 0.1)
+        column = np.column_stack([np.full_like(heights, x), np.full_like(heights, y), z + heights])
+        room_m = surroundings.clearance_m(column)
+        if np.all(room_m >= DESCENT_MARGIN_M) and room_m[-1] >= HOVER_MARGIN_M:
+            return (x, y, z + height_m)
+    raise MissionError(
+        f"start {surroundings.scene.start_position_enu_m} has something above it; "
+        f"valid: {HOVER_MARGIN_M} m of room at one of {TAKEOFF_HEIGHTS_M} m above the start"
+    )
+
+
+def rank_areas(
+    scene: Scene, airframe: Airframe, seed: int, target: Target = "landing"
+) -> list[InteractionArea]:
+    """Areas for the vehicle's class, best first: far, elevated, roomy, under the open sky.
+
+    The seed settles the order among areas that are about as good.
+    """
+    fits = [
+        area
+        for area in _areas(scene, target)
+        if _CLASSES.index(area.drone_class) >= _CLASSES.index(airframe.drone_class)
+    ]
+    start = scene.start_position_enu_m
+    chance = np.random.default_rng(seed).uniform(0.0, _LUCK, len(fits)).tolist()
+    score = {area.id: luck + _appeal(scene, area) for area, luck in zip(fits, chance, strict=True)}
+
+    def is_near(area: InteractionArea) -> bool:
+        return math.dist(area.centroid, start) < FAR_ENOUGH_M
+
+    return sorted(fits, key=lambda area: (is_near(area), -score[area.id], area.id))
+
+
+def _areas(scene: Scene, target: Target) -> tuple[InteractionArea, ...]:
+    if target == "any":
+        return (*scene.landing_areas, *scene.perching_areas)
+    return scene.landing_areas if target == "landing" else scene.perching_areas
+
+
+def _appeal(scene: Scene, area: InteractionArea) -> float:
+    bearer = None if area.object_id is None else scene.object_by_id[area.object_id]
+    is_indoor = bearer is not None and bearer.domain == "indoor"
+    is_elevated = area.centroid[2] - scene.start_position_enu_m[2] > 1.5
+    is_pad = bearer is not None and bearer.category == "landing_pad"
+    return 1.0 * is_elevated + 0.8 * is_pad + 0.5 * min(area.radius, 2.0) - 2.0 * is_indoor

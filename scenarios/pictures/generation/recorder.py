@@ -1,0 +1,52 @@
+"""Looks on while a scene is generated, and draws what it saw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from aeroscene.learning.diffusion.sampling import Moment
+from aeroscene.learning.generation import Generated
+from aeroscene.learning.generation.proposal import Proposal
+from scenarios.pictures.generation.layout_view import Layout
+from scenarios.pictures.generation.strip import chosen_steps, draw_strip
+
+_MARGIN = 1.15
+"""The pictures show this much of the finished site's half side."""
+
+
+class Recorder:
+    """Keeps the layouts of a few steps."""
+
+    def __init__(self) -> None:
+        self._kept: list[tuple[str, Layout]] = []
+
+    def __call__(self, moment: Moment, proposals: Sequence[Proposal]) -> None:
+        """Keep the first scene of the batch where its step is one to be drawn."""
+        if moment.index in chosen_steps(moment.n_steps):
+            self._kept.append((f"t = {moment.time:.2f} T", _layout_of(proposals[0])))
+
+    def draw(self, found: Generated, out: Path) -> None:
+        """Draw the steps, the sampled layout, and the finished scene.
+
+        Raises:
+            OSError: If the file cannot be written.
+        """
+        low, high = found.raw.extent_min_enu_m, found.raw.extent_max_enu_m
+        half_m = _MARGIN * max(high[axis] - low[axis] for axis in (0, 1)) / 2
+        moments = [*self._kept, ("t = 0, guided", _layout_of(found.proposal))]
+        draw_strip(moments, half_m, found.scene, out)
+
+
+def _layout_of(proposal: Proposal) -> Layout:
+    """All boxes but the site, which is the frame of the picture."""
+    geometry, skeleton = proposal.geometry, proposal.skeleton
+    yaw = geometry.yaw_rad[1:]
+    return Layout(
+        center_enu_m=geometry.center_enu_m[1:],
+        heading=np.stack([np.cos(yaw), np.sin(yaw)], axis=1),
+        size_m=geometry.size_m[1:],
+        is_coarse=np.arange(1, len(skeleton)) < skeleton.n_coarse,
+    )

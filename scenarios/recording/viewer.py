@@ -1,0 +1,178 @@
+"""rerun's viewer, live or on a file: a child process that listens on loopback only."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Literal, Self
+from urllib.parse import quote
+
+from scenarios.recording.program import quiet_environment, rerun_program
+from scenarios.recording.viewer_page import LOOPBACK, PageServer
+
+_log = logging.getLogger(__name__)
+
+ViewerKind = Literal["web", "native"]
+
+PAGE_PORT = 9090
+"""Where the web page is served, unless something else is there."""
+DATA_PORT = 9876
+"""Where viewers fetch the recording, unless something else is there."""
+_START_TIMEOUT_S = 20.0
+_END_TIMEOUT_S = 3.0
+
+
+class ViewerError(RuntimeError):
+    """A viewer that cannot be opened here."""
+
+
+class Viewer:
+    """An open viewer; closing it ends its processes.
+
+    Attributes:
+        url: The page to open in a browser; None for the native viewer.
+    """
+
+    def __init__(self, kind: ViewerKind, source: str | Path) -> None:
+        """Open a viewer.
+
+        Args:
+            kind: "web" serves a page on loopback, "native" opens a window.
+            source: A live recording's URL, or an .rrd file.
+
+        Raises:
+            ViewerError: If there is no display for a window, or the viewer does not start.
+        """
+        self.url: str | None = None
+        with ExitStack() as stack:
+            if kind == "native":
+                self._open_window(stack, source)
+            else:
+                self._serve_page(stack, source)
+            self._stack = stack.pop_all()
+
+    def _open_window(self, stack: ExitStack, source: str | Path) -> None:
+        if not has_display():
+            raise ViewerError("viewer 'native' needs a display and there is none; valid: web")
+        port = free_port(DATA_PORT + 1)
+        connect = ["--connect", source] if isinstance(source, str) else [str(source)]
+        self._process = _RerunProcess(["--bind", LOOPBACK, "--port", str(port), *connect])
+        stack.callback(self._process.close)
+        self._process.wait_for_port(port)
+
+    def _serve_page(self, stack: ExitStack, source: str | Path) -> None:
+        upstream_port = free_port(0)
+        arguments = ["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(upstream_port)]
+        if isinstance(source, str):
+            data_url = source
+            data_port = int(source.rpartition(":")[2].partition("/")[0])
+        else:
+            data_port = free_port(DATA_PORT)
+            data_url = f"rerun+http://{LOOPBACK}:{data_port}/proxy"
+            arguments += ["--port", str(data_port)]
+        self._process = _RerunProcess([*arguments, str(source)])
+        stack.callback(self._process.close)
+        self._process.wait_for_port(upstream_port)
+        page = stack.enter_context(PageServer(free_port(PAGE_PORT), upstream_port, data_port))
+        self.url = f"http://{LOOPBACK}:{page.port}/?url={quote(data_url, safe='')}"
+        _log.info("watch at %s", self.url)
+
+    def wait(self) -> None:
+        """Block until the viewer is closed by its user, or for ever."""
+        self._process.wait()
+
+    def close(self) -> None:
+        """End the viewer."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+class _RerunProcess:
+    """The `rerun` program in a process group of its own."""
+
+    def __init__(self, arguments: Sequence[str]) -> None:
+        self._output = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
+        self._process = subprocess.Popen(  # noqa: S603 - arguments are ours
+            [str(rerun_program()), *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=self._output,
+            stderr=self._output,
+            start_new_session=True,
+            env=quiet_environment(),
+        )
+
+    def wait_for_port(self, port: int) -> None:
+        """Return when the viewer listens.
+
+        Raises:
+            ViewerError: With the viewer's last words, if it ends instead.
+        """
+        deadline_s = time.monotonic() + _START_TIMEOUT_S
+        while not _is_listening(port):
+            if self._process.poll() is not None or time.monotonic() > deadline_s:
+                raise ViewerError(f"viewer did not start: {self._last_words()}")
+            time.sleep(0.05)
+
+    def wait(self) -> None:
+        """Block until it ends."""
+        self._process.wait()
+
+    def close(self) -> None:
+        """End the whole group."""
+        for ending in (signal.SIGTERM, signal.SIGKILL):
+            try:
+                os.killpg(self._process.pid, ending)
+            except (ProcessLookupError, PermissionError):
+                break
+            try:
+                self._process.wait(_END_TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                continue
+        self._process.wait()
+        self._output.close()
+
+    def _last_words(self) -> str:
+        self._output.seek(0)
+        lines = self._output.read().decode(errors="replace").strip().splitlines()
+        return lines[-1] if lines else "it said nothing"
+
+
+def has_display() -> bool:
+    """Whether a window can be opened."""
+    if sys.platform != "linux":
+        return True
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def free_port(preferred: int) -> int:
+    """The preferred loopback TCP port if nothing is there, else one that is free; 0 for any."""
+    for port in (preferred, 0):
+        with socket.socket() as probe:
+            # A port that was just given back may linger without being in anybody's way.
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((LOOPBACK, port))
+            except OSError:
+                continue
+            return probe.getsockname()[1]
+    raise ViewerError(f"no free TCP port on {LOOPBACK}")
+
+
+def _is_listening(port: int) -> bool:
+    with socket.socket() as probe:
+        probe.settimeout(0.5)
+        return probe.connect_ex((LOOPBACK, port)) == 0

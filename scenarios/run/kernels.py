@@ -1,0 +1,122 @@
+"""Compiles every kernel by using it once, so that nothing compiles in a flight."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeroscene.sources import open_scene
+from autonomy.jit import announce_if_cold
+from autonomy.mapping import SeenMap, plan_towards
+from autonomy.perception import MapAnchor, MoverTracker
+from autonomy.planning import FlightLimits, PlannerCfg
+from autonomy.types import FlatReference
+from flightsim.mavlink.client.telemetry import Telemetry
+from flightsim.plant import compile_kernels
+from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.mission.mission import Mission, plan_mission
+from scenarios.mission.surroundings import MapSource
+from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.landing_watch import CAMERA, LandingWatch
+
+PILOT_MODULES = (
+    "autonomy.perception.cell_distances",
+    "autonomy.perception.depth_image",
+    "autonomy.perception.elevation",
+    "autonomy.perception.foreground",
+    "autonomy.perception.point_spread",
+    "autonomy.perception.rasterise",
+    "autonomy.perception.registration",
+    "autonomy.perception.solid_index",
+    "autonomy.perception.windows",
+    "autonomy.planning.clearance",
+    "autonomy.planning.corridor",
+    "autonomy.planning.feasibility",
+    "autonomy.planning.search",
+    "autonomy.planning.solids",
+)
+"""Where the kernels are that only our own pilot uses."""
+EXPLORING_MODULES = (
+    "autonomy.mapping.distances",
+    "autonomy.mapping.rays",
+    "autonomy.mapping.views",
+)
+"""Where the kernels are that only a flight with a map that grows uses."""
+SCENE = "42"
+VEHICLE = "iris"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Frame:
+    """What a camera sees before something flat."""
+
+    depth_m: np.ndarray
+    fx: float = 208.0
+    fy: float = 208.0
+    cx: float = 159.5
+    cy: float = 119.5
+
+
+def announce_pilot_kernels(map_source: MapSource = "truth") -> None:
+    """Say so if our pilot's first flight is going to compile; what exploring needs, do at once.
+
+    Args:
+        map_source: Whether the map of the flight is given or grows.
+    """
+    announce_if_cold(PILOT_MODULES, "planning and perception kernels", 12.0)
+    if map_source == "onboard":
+        announce_if_cold(EXPLORING_MODULES, "mapping kernels", 12.0)
+        explore_once()
+
+
+def explore_once() -> None:
+    """Look about in a small place, so that nothing compiles where a map grows in flight."""
+    airframe = airframe_by_name(VEHICLE)
+    seen = SeenMap((-4.0, -4.0, 0.0), (12.0, 4.0, 8.0))
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    telemetry = Telemetry(position_enu_m=(0.0, 0.0, 2.0), quat_wxyz=(1.0, 0.0, 0.0, 0.0))
+    wall = _Frame(depth_m=np.full((240, 320), 6.0, dtype=np.float32))
+    image = posed_image(wall, camera_mount(airframe, "forward"), telemetry)
+    seen.observe(image)
+    seen.observe(image)
+    seen.distance_to_seen_m(np.array([telemetry.position_enu_m]))
+    cfg = PlannerCfg(vehicle_radius_m=airframe.collision_radius_m)
+    # Ahead is free; above nothing was seen, so there it looks for a place to look from.
+    for height_m, goal_enu_m in ((2.0, (3.0, 0.0, 2.0)), (2.7, (0.0, 0.0, 6.5))):
+        start = FlatReference(position_enu_m=(0.0, 0.0, height_m))
+        plan_towards(seen, start, goal_enu_m, FlightLimits(), airframe.quadrotor, cfg)
+
+
+def compile_everything(progress: Callable[[str, float], None]) -> None:
+    """Compile what is not in the cache yet, and keep it there.
+
+    Args:
+        progress: Told what is under way and the share that is done, 0 to 1.
+    """
+    progress("flight kernels", 0.0)
+    compile_kernels()
+    progress("planning kernels", 0.5)
+    mission = plan_mission(open_scene(SCENE), airframe_by_name(VEHICLE))
+    mission.surroundings.brake(mission.trajectory, 0.0)
+    progress("landing perception kernels", 0.8)
+    _look_at_flat_ground(mission)
+    progress("mapping kernels", 0.9)
+    explore_once()
+    progress("done", 1.0)
+
+
+def _look_at_flat_ground(mission: Mission) -> None:
+    height_m = mission.hover_enu_m[2] - mission.area.centroid[2]
+    depth_m = np.full((240, 320), height_m, dtype=np.float32)
+    watch = LandingWatch(mission.surroundings, mission.area, mission.hover_enu_m)
+    telemetry = Telemetry(position_enu_m=mission.hover_enu_m, quat_wxyz=(1.0, 0.0, 0.0, 0.0))
+    mount = camera_mount(mission.surroundings.airframe, CAMERA)
+    image = posed_image(_Frame(depth_m=depth_m), mount, telemetry)
+    watch.fuse(0, image)
+    MapAnchor(mission.surroundings.obstacles).update(0.0, image)
+    MoverTracker().update(0.0, image, mission.surroundings.clearance_m)
+    site = watch.choose()
+    if site is not None:
+        watch.objection(site)

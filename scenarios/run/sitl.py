@@ -1,0 +1,267 @@
+"""One run of the testbench: simulate, record, show, and, if asked, fly our own mission."""
+
+from __future__ import annotations
+
+import json
+import logging
+import time
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from aeroscene.scene import SceneError
+from aeroscene.solids.shapes import scene_primitives
+from aeroscene.sources import open_scene
+from flightsim.environment.traffic import TrafficError
+from flightsim.environment.wind import WindError
+from flightsim.mavlink.links import LinkError
+from flightsim.sensors.camera import CameraError
+from flightsim.sensors.cameras import Cameras
+from flightsim.sensors.depth_noise import depth_noise
+from flightsim.simulator import TICK_US
+from flightsim.testbench import Testbench, TestbenchError
+from flightsim.vehicles.catalogue import AirframeError
+from flightsim.world import WorldError
+from scenarios.run.cfg import SitlCfg
+from scenarios.run.scoring import FlightLog
+from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge
+
+if TYPE_CHECKING:
+    from scenarios.pictures.tape import FlightTape
+    from scenarios.pilot import Pilot
+    from scenarios.recording import Recorder
+
+_LOG = logging.getLogger(__name__)
+
+INPUT_ERRORS = (
+    SceneError,
+    AirframeError,
+    WorldError,
+    WindError,
+    TrafficError,
+    LinkError,
+    CameraError,
+    TestbenchError,
+)
+"""What a run raises when its input or this machine does not allow it; each says so in a line."""
+
+
+class Sitl:
+    """Everything of one run: opens it, runs it, judges it, closes it.
+
+    Attributes:
+        bench: The simulated world and its autopilot.
+        pilot: Our own pilot, in a demo.
+        recorder: Where the run is recorded or watched.
+        viewer_url: The page to watch, if a web viewer serves one.
+        pictures: What was drawn when the run ended.
+    """
+
+    def __init__(self, cfg: SitlCfg) -> None:
+        """Open every part, or none.
+
+        Raises:
+            INPUT_ERRORS: One line that says what cannot be had, and what would be valid.
+        """
+        self.cfg = cfg
+        self.recorder: Recorder | None = None
+        self.viewer_url: str | None = None
+        self.pictures: list[Path] = []
+        self._cameras: Cameras | None = None
+        self._observers: list[Callable[[], None]] = []
+        with ExitStack() as stack:
+            self.bench = stack.enter_context(
+                Testbench(open_scene(cfg.scene), cfg.bench, observers=self._observers)
+            )
+            self.log = FlightLog(self.bench.plant)
+            self._observers.append(self.log.on_tick)
+            self.pilot = self._board_pilot(stack) if cfg.demo else None
+            if cfg.record is not None or cfg.viewer != "off":
+                self._record(stack)
+            self._tape = None if cfg.pictures is None else self._open_tape()
+            self._stack = stack.pop_all()
+
+    def _open_cameras(self, stack: ExitStack) -> Cameras:
+        if self._cameras is None:
+            bench = self.bench
+            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed)
+            cameras = Cameras(bench.world, bench.plant, depth_noise=noise)
+            self._cameras = stack.enter_context(closing(cameras))
+        return self._cameras
+
+    def _board_pilot(self, stack: ExitStack) -> Pilot:
+        # casadi and the kernels of planning and perception: only where our pilot flies.
+        from flightsim.mavlink.client.client import MavlinkClient  # noqa: PLC0415
+        from scenarios.mission.mission import plan_mission  # noqa: PLC0415
+        from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
+        from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415
+        from scenarios.run.kernels import announce_pilot_kernels  # noqa: PLC0415
+
+        announce_pilot_kernels(self.cfg.map)
+        bench = self.bench
+        try:
+            mission = plan_mission(
+                bench.scene,
+                bench.airframe,
+                seed=bench.cfg.seed,
+                target=self.cfg.target,
+                map_source=self.cfg.map,
+            )
+        except MissionError as error:
+            raise TestbenchError(str(error)) from error
+        client = MavlinkClient(bench.pilot_link.client, bench.frame)
+        brief = PilotCfg(expects_traffic=bench.cfg.traffic_cfg.has_any)
+        pilot = Pilot(client, mission, self._open_cameras(stack).render, brief)
+        self._observers.append(lambda: pilot.update(bench.plant.time_us))
+        return pilot
+
+    def _record(self, stack: ExitStack) -> None:
+        # rerun takes half a second to import: only where somebody records or looks.
+        from scenarios.recording import Recorder, RecordingError, RunInfo  # noqa: PLC0415
+        from scenarios.recording.viewer import DATA_PORT, Viewer, ViewerError, free_port  # noqa: PLC0415
+
+        cfg, bench = self.cfg, self.bench
+        info = RunInfo(
+            scene=bench.scene.scene_id,
+            vehicle=cfg.bench.vehicle,
+            seed=cfg.bench.seed,
+            config=cfg.to_plain(),
+        )
+        try:
+            recorder = Recorder(
+                cfg.record,
+                scene=bench.scene,
+                primitives=scene_primitives(bench.scene),
+                airframe=bench.airframe,
+                info=info,
+                serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
+            )
+            stack.enter_context(recorder)
+            if cfg.viewer != "off" and recorder.url is not None:
+                self.viewer_url = stack.enter_context(Viewer(cfg.viewer, recorder.url)).url
+        except (RecordingError, ViewerError) as error:
+            raise TestbenchError(str(error)) from error
+        if cfg.camera_hz > 0:
+            cameras = self._open_cameras(stack)
+            cameras.listen(recorder.log_frame)
+            self._observers.append(self._shutter(cameras))
+        if self.pilot is not None:
+            from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415
+
+            pilot_log = PilotLog(self.pilot, recorder)
+            self._observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
+        bench.server.statustext.listeners.append(
+            lambda severity, text: recorder.log_statustext(bench.plant.time_us, severity, text)
+        )
+        self._observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
+        self.recorder = recorder
+
+    def _open_tape(self) -> FlightTape:
+        from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
+
+        tape = FlightTape(self.bench.plant, self.bench.autopilot, self.pilot)
+        self._observers.append(tape.on_tick)
+        return tape
+
+    def _draw(self, ending: str) -> list[Path]:
+        """Draw what the tape holds; a folder that cannot be written costs no verdict."""
+        if self._tape is None or self.cfg.pictures is None or not self._tape.has_any:
+            return []
+        from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415 - as above
+
+        try:
+            return draw_pictures(self._tape.story(ending), self.cfg.pictures)
+        except PictureError as error:
+            _LOG.warning("%s", error)
+            return []
+
+    def _shutter(self, cameras: Cameras) -> Callable[[], None]:
+        """Renders each camera at the configured rate."""
+        plant = self.bench.plant
+        names = [mount.name for mount in self.bench.airframe.cameras]
+        period_us = round(1e6 / self.cfg.camera_hz)
+
+        def on_tick() -> None:
+            if plant.time_us % period_us < TICK_US:
+                for name in names:
+                    cameras.render(name)
+
+        return on_tick
+
+    def run(self, should_stop: Callable[[], bool]) -> None:
+        """Simulate until the demo is done, the time is up or `should_stop` says so."""
+        simulator, plant = self.bench.simulator, self.bench.plant
+        until_us = None
+        if self.cfg.headless_seconds is not None:
+            until_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
+        self._wall_start_s = time.perf_counter()
+        pilot = self.pilot
+        if pilot is None:
+            simulator.run(until_us=until_us, stop=should_stop)
+            return
+        deadline_us = plant.time_us + round(MAX_TRIAL_S * 1e6)
+        simulator.run(
+            until_us=min(deadline_us, until_us or deadline_us),
+            stop=lambda: pilot.is_done or should_stop(),
+        )
+        simulator.run(until_us=plant.time_us + round(SETTLE_S * 1e6), stop=should_stop)
+
+    def finish(self) -> TrialResult:
+        """Judge what was flown, and write the verdict into and beside the recording."""
+        result = self._judge()
+        if self.recorder is not None:
+            self.recorder.close(verdict=result.to_plain())
+        if self.cfg.record is not None:
+            summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
+            if self.pilot is not None:
+                summary |= decisions(self.pilot)
+            write_text(self.cfg.record.with_suffix(".json"), json.dumps(summary, indent=2) + "\n")
+        self.pictures = self._draw(result.reason)
+        return result
+
+    def _judge(self) -> TrialResult:
+        """Without a demo there is no verdict, only figures."""
+        cfg, plant = self.cfg.bench, self.bench.plant
+        wall_s = time.perf_counter() - self._wall_start_s
+        sim_s = plant.time_us * 1e-6
+        pilot = self.pilot
+        score = self.log.score(
+            None if pilot is None else pilot.area,
+            None if pilot is None else pilot.touchdown_enu_m,
+            self.bench.airframe.leg_length_m,
+        )
+        verdict = None if pilot is None else judge(pilot, score)
+        return TrialResult(
+            success=None if verdict is None else verdict.success,
+            reason="ended" if verdict is None else verdict.reason,
+            scene=self.bench.scene.scene_id,
+            vehicle=cfg.vehicle,
+            seed=cfg.seed,
+            area=None if pilot is None else pilot.area.id,
+            sim_seconds=round(sim_s, 2),
+            wall_seconds=round(wall_s, 2),
+            real_time_factor=round(sim_s / wall_s, 2),
+            contacts_before_touchdown=None if pilot is None else score.contacts_before_touchdown,
+            touchdown_error_m=score.touchdown_error_m,
+            position_rmse_m=round(score.position_rmse_m, 3),
+            attitude_rmse_deg=round(score.attitude_rmse_deg, 3),
+            recording=None if self.cfg.record is None else str(self.cfg.record),
+        )
+
+    def close(self) -> None:
+        """Finish the recording, end the viewer, give the ports back."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole or not at all."""
+    temporary = path.with_name(f".{path.name}.part")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)

@@ -1,0 +1,95 @@
+"""A trial: one flight of our own pilot to a landing area, judged by the truth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from scenarios.run.scoring import FlightScore
+
+if TYPE_CHECKING:
+    from scenarios.pilot import Pilot
+
+MAX_TRIAL_S = 240.0
+"""Simulated seconds after which a trial has failed."""
+SETTLE_S = 1.0
+"""How long the vehicle rests after the pilot is done, before it is judged."""
+MAX_TILT_AT_REST_DEG = 20.0
+"""Beyond this it did not land, it fell over."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TrialResult:
+    """What `--json` prints of a flight; figures that do not apply are None."""
+
+    success: bool | None
+    reason: str
+    scene: str
+    vehicle: str
+    seed: int
+    area: int | None
+    sim_seconds: float
+    wall_seconds: float
+    real_time_factor: float
+    contacts_before_touchdown: int | None
+    touchdown_error_m: float | None
+    """Where it rests against the touchdown point that the pilot chose, horizontally."""
+    position_rmse_m: float
+    attitude_rmse_deg: float
+    recording: str | None
+
+    def to_plain(self) -> dict[str, Any]:
+        """As plain data; a figure that is not a number is None."""
+        return {
+            name: None if isinstance(value, float) and math.isnan(value) else value
+            for name, value in asdict(self).items()
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Whether a trial counts as done, and why."""
+
+    success: bool
+    reason: str
+
+
+def decisions(pilot: Pilot) -> dict[str, list[dict[str, Any]]]:
+    """Every change of phase and every plan made anew, with its time and reason, as plain data."""
+    transitions = [
+        {
+            "time_s": round(change.time_us * 1e-6, 2),
+            "from": change.source.value,
+            "to": change.target.value,
+            "reason": change.reason,
+        }
+        for change in pilot.transitions
+    ]
+    replans = [
+        {"time_s": round(replan.time_us * 1e-6, 2), "reason": replan.reason}
+        for replan in pilot.replans
+    ]
+    return {"transitions": transitions, "replans": replans}
+
+
+def judge(pilot: Pilot, score: FlightScore) -> Verdict:
+    """A trial succeeds when the pilot says so and the truth agrees."""
+    objections: tuple[tuple[bool, str], ...] = (
+        (not pilot.is_done, f"not finished, still in {pilot.phase.value}"),
+        (pilot.is_done and not pilot.verdict.success, pilot.verdict.reason),
+        (not score.has_flown, "never left the ground"),
+        (
+            score.contacts_before_touchdown > 0,
+            f"touched something {score.contacts_before_touchdown} times before touchdown",
+        ),
+        (not score.is_inside_area, "came to rest outside the chosen landing area"),
+        (
+            score.tilt_at_rest_deg > MAX_TILT_AT_REST_DEG,
+            f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest",
+        ),
+    )
+    for applies, reason in objections:
+        if applies:
+            return Verdict(success=False, reason=reason)
+    return Verdict(success=True, reason=pilot.verdict.reason)

@@ -1,0 +1,131 @@
+"""The model that ships, at work."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from aeroscene.feasibility import validity
+from aeroscene.learning.diffusion.sampling import Moment
+from aeroscene.learning.generation import Generated, Generator, Request, RequestError
+from aeroscene.learning.generation.proposal import Proposal
+from aeroscene.learning.training.checkpoint import CheckpointError
+from aeroscene.learning.training.devices import DeviceError
+from aeroscene.scene.io import scene_to_json
+from aeroscene.validation import validate
+from tests.aeroscene.conftest import cached_scene
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_thread() -> Iterator[None]:
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+@pytest.fixture(scope="module")
+def generator() -> Generator:
+    return Generator.load(device="cpu", n_steps=12)
+
+
+@pytest.fixture(scope="module")
+def generated(generator: Generator) -> list[Generated]:
+    """One scene of each domain."""
+    domains = ("mixed", "outdoor", "indoor")
+    requests = [Request(seed=3 + i, domain=domain) for i, domain in enumerate(domains)]
+    return list(generator.generate(requests))
+
+
+def test_scenes_are_sound_and_can_be_flown(generated: list[Generated]) -> None:
+    for each in generated:
+        assert each.scene is not None, each.report.rejection
+        assert each.scene.domain == each.request.domain
+        assert validate(each.scene) == ()
+        assert len(each.scene.landing_areas) > 5
+
+
+def test_most_objects_are_right_before_the_projection(generated: list[Generated]) -> None:
+    shares = [validity(each.raw).is_valid.mean() for each in generated]
+    assert sum(shares) / len(shares) > 0.75
+    assert all(validity(each.projected).is_valid.mean() > 0.98 for each in generated)
+
+
+def test_same_request_gives_the_same_scene(
+    generator: Generator, generated: list[Generated]
+) -> None:
+    again = next(generator.generate([generated[2].request]))
+    assert scene_to_json(again.projected) == scene_to_json(generated[2].projected)
+    other = next(generator.generate([replace(generated[2].request, seed=77)]))
+    assert other.proposal.skeleton.kind_id.tolist() != again.proposal.skeleton.kind_id.tolist()
+
+
+def test_site_has_the_outline_that_was_asked_for(generator: Generator) -> None:
+    request = Request(seed=5, domain="outdoor", outline_m=(62.0, 84.0))
+    raw = next(generator.generate([request])).raw
+    assert raw.extent_max_enu_m[0] == pytest.approx(31.0, abs=0.02)
+    assert raw.extent_max_enu_m[1] == pytest.approx(42.0, abs=0.02)
+
+
+def test_completion_keeps_coarse_objects_where_they_are(generator: Generator) -> None:
+    given = cached_scene(311)
+    raw = next(generator.generate([Request(seed=6, complete=given)])).raw
+    kept = {obj.bbox.p: obj.category for obj in given.objects if obj.is_coarse}
+    found = [obj for obj in raw.objects if obj.is_coarse]
+    assert len(found) == len(kept)
+    for obj in found:
+        nearest = min(kept, key=lambda place: math.dist(place, obj.bbox.p))
+        assert nearest == pytest.approx(obj.bbox.p, abs=0.05)
+        assert kept[nearest] == obj.category
+    assert sum(not obj.is_coarse for obj in raw.objects) > 20
+
+
+def test_completion_of_strange_objects_is_refused(generator: Generator) -> None:
+    given = cached_scene(311)
+    roof = next(obj for obj in given.objects if obj.category == "roof")
+    strange = replace(roof, attributes={"form": "of no scene"})
+    objects = tuple(strange if obj is roof else obj for obj in given.objects)
+    scene = replace(given, objects=objects, interaction_areas=())
+    with pytest.raises(RequestError, match="a kind that the model never saw"):
+        next(generator.generate([Request(seed=6, complete=scene)]))
+
+
+def test_onlooker_sees_every_step_from_noise_to_layout(generator: Generator) -> None:
+    times: list[float] = []
+
+    def look(moment: Moment, proposals: Sequence[Proposal]) -> None:
+        times.append(moment.time)
+        assert len(proposals) == 1
+
+    next(generator.generate([Request(seed=0, domain="indoor")], on_step=look))
+    assert len(times) == 12
+    assert times[0] == 1.0
+    assert times == sorted(times, reverse=True)
+
+
+def test_the_papers_model_lays_out_as_many_objects_within_its_training() -> None:
+    """How good it is on so little training, docs/results.md says."""
+    paper = Generator.load(preset="paper", device="cpu", n_steps=25)
+    made = next(paper.generate([Request(seed=1, n_objects=60)]))
+    assert len(made.raw.objects) == 60
+    assert len({obj.category for obj in made.raw.objects}) > 10
+    places = np.array([obj.bbox.p for obj in made.raw.objects])
+    assert (np.abs(places[:, :2]) < 60.0).all()
+    again = next(paper.generate([made.request]))
+    assert scene_to_json(again.raw) == scene_to_json(made.raw)
+    with pytest.raises(RequestError, match="outline and scene to complete are given"):
+        next(paper.generate([Request(seed=1, outline_m=(50.0, 50.0))]))
+
+
+def test_missing_checkpoint_or_device_or_preset_says_what_is_valid() -> None:
+    with pytest.raises(CheckpointError, match="cannot be read"):
+        Generator.load("nowhere.safetensors", device="cpu")
+    with pytest.raises(CheckpointError, match="preset is 'better', valid: default, paper"):
+        Generator.load(preset="better", device="cpu")
+    with pytest.raises(DeviceError, match="device 'cuda:9' is not there"):
+        Generator.load(device="cuda:9")

@@ -1,0 +1,61 @@
+"""What may be asked for, and what is drawn of what is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aeroscene.learning.generation import Request, RequestError
+from tests.aeroscene.conftest import cached_scene
+
+
+def drawn(request: Request, seed: int = 0):
+    return request.drawn(np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize(
+    ("wish", "message"),
+    [
+        ({"seed": -1}, r"seed is -1, valid: 0 to"),
+        ({"seed": 0, "n_objects": 3}, "objects is 3, valid: 20 to 250"),
+        ({"seed": 0, "n_areas": 0}, "areas is 0, valid: 1 to 200"),
+        ({"seed": 0, "outline_m": (60.0, 900.0)}, r"outline is 900\.0, valid: 15 to 150"),
+    ],
+)
+def test_wish_out_of_range_says_what_is_valid(wish: dict, message: str) -> None:
+    with pytest.raises(RequestError, match=message):
+        Request(**wish)
+
+
+def test_outline_and_completion_exclude_each_other() -> None:
+    with pytest.raises(RequestError, match="the scene has an outline of its own"):
+        Request(seed=0, outline_m=(60.0, 60.0), complete=cached_scene(42))
+
+
+def test_what_is_asked_for_is_kept_and_the_rest_is_drawn() -> None:
+    wish, limits = drawn(Request(seed=0, domain="indoor", n_objects=100, n_areas=30))
+    assert wish.domain == "indoor"
+    assert wish.n_coarse + wish.n_fine == 100
+    assert limits.small + limits.medium + limits.large == 30 == wish.n_areas
+    assert limits.small > limits.medium > limits.large >= 0
+
+
+def test_wishes_do_not_change_the_other_draws() -> None:
+    free, _ = drawn(Request(seed=0))
+    bound, _ = drawn(Request(seed=0, n_objects=100))
+    assert free.domain == bound.domain
+    assert free.n_areas == bound.n_areas
+
+
+def test_averages_of_what_is_drawn_are_the_papers() -> None:
+    wishes = [drawn(Request(seed=i), i)[0] for i in range(400)]
+    assert {wish.domain for wish in wishes} == {"mixed", "outdoor", "indoor"}
+    assert np.mean([wish.n_coarse for wish in wishes]) == pytest.approx(34, abs=1.5)
+    assert np.mean([wish.n_fine for wish in wishes]) == pytest.approx(114, abs=5)
+
+
+def test_completion_takes_domain_and_coarse_objects_from_the_scene() -> None:
+    scene = cached_scene(311)
+    wish, _ = drawn(Request(seed=0, complete=scene))
+    assert wish.domain == "indoor"
+    assert wish.n_coarse == sum(obj.is_coarse for obj in scene.objects)

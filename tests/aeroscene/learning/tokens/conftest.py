@@ -1,0 +1,16 @@
+"""A small corpus as tokens."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+
+from aeroscene.learning.tokens.training_set import TrainingSet, training_set
+from aeroscene.scene import Scene
+
+
+@pytest.fixture(scope="session")
+def known(scenes: list[Scene]) -> TrainingSet:
+    """The sampled scenes as a training set."""
+    torch.set_num_threads(1)
+    return training_set(scenes)

@@ -1,0 +1,77 @@
+import gzip
+import json
+
+import pytest
+
+from aeroscene.corpus.dataset import DatasetError, store_scene, write_manifest
+from aeroscene.layouts.document import LayoutError
+from aeroscene.learning.paper.tokens import FlatTrainingSet
+from aeroscene.learning.training.config import TrainingError
+from aeroscene.learning.training.data import open_training_data, prepared
+from tests.aeroscene.conftest import cached_scene
+
+SCENES = (7, 42, 45)
+
+
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("corpus")
+    (folder / "scenes").mkdir()
+    write_manifest(folder, [store_scene(folder, cached_scene(index)) for index in SCENES])
+    return folder
+
+
+def layouts(path, count):
+    """Rooms with a table against a wall and chairs about it."""
+    lines = []
+    for number in range(count):
+        boxes = [("dining table", 1.6, 0.9, 0.75)] + [("chair", 0.5, 0.5, 0.9)] * (1 + number % 3)
+        objects = [
+            {"category": name, "p": [k - 1.5, 1.0, z / 2], "q": [1, 0, 0, 0], "s": [x, y, z]}
+            for k, (name, x, y, z) in enumerate(boxes)
+        ]
+        floor = [[-3, -2], [3, -2], [3, 2], [-3, 2]]
+        record = {"scene_id": f"room-{number}", "domain": "indoor", "floor": floor}
+        lines.append(json.dumps(record | {"objects": objects}))
+    path.write_bytes(gzip.compress("\n".join(lines).encode()))
+    return path
+
+
+def test_corpus_is_split_as_its_manifest_says(corpus):
+    seen = []
+    data = open_training_data(corpus, on_scene=lambda: seen.append(None))
+    # Every fifth scene is of the test split: 45.
+    assert data.source.n_scenes == len(data.train.examples) == len(data.skeletons) == 2
+    assert len(data.held_out.examples) <= 1
+    assert len(seen) == 3
+    assert data.source.name == corpus.name
+
+
+def test_digest_changes_with_the_scenes_not_with_the_folder(small_scenes):
+    first = prepared("a", small_scenes, [])
+    assert prepared("b", small_scenes, []).source.digest == first.source.digest
+    assert prepared("a", small_scenes[:3], []).source.digest != first.source.digest
+
+
+def test_papers_layouts_have_categories_as_channels(small_scenes):
+    data = prepared("flat", small_scenes, small_scenes[:1], is_flat=True)
+    assert isinstance(data.train, FlatTrainingSet)
+    assert data.train.in_order(0, 2).x0.shape[-1] == 80
+    assert len(data.held_out.examples) == 1
+
+
+def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):
+    data = open_training_data(layouts(tmp_path / "rooms.jsonl.gz", 20))
+    assert data.source.n_scenes == 18
+    assert len(data.held_out.examples) == 2
+    categories = {kind.category for kind in data.vocabulary.kinds}
+    assert {"table", "chair"} <= categories
+
+
+def test_data_that_cannot_be_trained_on_is_named(tmp_path):
+    with pytest.raises(DatasetError, match="holds no dataset"):
+        open_training_data(tmp_path)
+    with pytest.raises(LayoutError, match=r"none\.jsonl"):
+        open_training_data(tmp_path / "none.jsonl")
+    with pytest.raises(TrainingError, match="has 1 scenes to train on, valid: 2 or more"):
+        open_training_data(layouts(tmp_path / "one.jsonl.gz", 1))

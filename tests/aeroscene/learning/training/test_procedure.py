@@ -1,0 +1,127 @@
+from dataclasses import replace
+
+import pytest
+import torch
+
+from aeroscene.learning.training.checkpoint import read_checkpoint
+from aeroscene.learning.training.config import Budget, TrainingError
+from aeroscene.learning.training.data import prepared
+from aeroscene.learning.training.journal import read_log
+from aeroscene.learning.training.procedure import CHECKPOINT, Training, taken_parts
+from aeroscene.learning.training.state import STATE, read_state
+from tests.aeroscene.learning.training.conftest import Watcher, small_sections
+
+
+def weights(plan):
+    return read_checkpoint(plan.folder / CHECKPOINT).parts
+
+
+def assert_equal(left, right):
+    assert left.keys() == right.keys()
+    for part in left:
+        assert left[part].keys() == right[part].keys()
+        for name, value in left[part].items():
+            torch.testing.assert_close(value, right[part][name], rtol=0, atol=0)
+
+
+def test_training_stopped_and_resumed_twice_equals_an_unbroken_one(plan, tmp_path):
+    assert Training(plan, Watcher()).run()
+    broken = replace(plan, folder=tmp_path / "broken")
+    assert not Training(broken, Watcher(stop_after=3)).run()
+    for stop_after in (2, None):
+        state = read_state(broken.folder / STATE)
+        is_done = Training(broken, Watcher(stop_after)).run(state)
+        assert is_done == (stop_after is None)
+    assert_equal(weights(plan), weights(broken))
+
+
+def test_stop_while_skeletons_are_learned_resumes_to_the_same_weights(plan, tmp_path):
+    assert Training(plan, Watcher()).run()
+    broken = replace(plan, folder=tmp_path / "broken")
+    assert not Training(broken, Watcher(stop_after=1, stage="skeleton")).run()
+    assert weights(broken) == {}
+    assert Training(broken, Watcher()).run(read_state(broken.folder / STATE))
+    assert_equal(weights(plan), weights(broken))
+
+
+def test_other_seed_gives_other_weights(plan, tmp_path):
+    Training(plan, Watcher()).run()
+    sections = small_sections(plan.data, seed=1)
+    other = replace(plan, folder=tmp_path / "other", sections=sections)
+    Training(other, Watcher()).run()
+    mine, theirs = weights(plan)["denoiser"], weights(other)["denoiser"]
+    assert any((mine[name] != theirs[name]).any() for name in mine)
+
+
+def test_longer_budget_goes_on_from_the_end_of_a_shorter_one(plan):
+    Training(plan, Watcher()).run()
+    longer = replace(plan, budget=Budget(steps=12))
+    assert Training(longer, Watcher()).run(read_state(plan.folder / STATE))
+    facts = read_checkpoint(plan.folder / CHECKPOINT).facts
+    assert facts.training["steps"] == 12
+    steps = [line["step"] for line in read_log(plan.folder) if "total" in line]
+    assert steps[-4:] == [6, 8, 10, 12]
+
+
+def test_log_after_resuming_has_no_line_twice(plan):
+    Training(plan, Watcher(stop_after=4)).run()
+    state = read_state(plan.folder / STATE)
+    # Steps taken after the last save, then lost.
+    with (plan.folder / "log.jsonl").open("a") as file:
+        file.write('{"stage": "denoiser", "step": 6, "total": 9.0}\n{"stage": "den')
+    Training(plan, Watcher()).run(state)
+    lines = [line["step"] for line in read_log(plan.folder) if "learning_rate" in line]
+    assert lines == [2, 4, 6, 8]
+
+
+def test_checkpoint_says_what_it_was_trained_on_and_by_what(plan):
+    Training(plan, Watcher()).run()
+    facts = read_checkpoint(plan.folder / CHECKPOINT).facts
+    assert facts.data.digest == plan.data.source.digest
+    assert facts.data.n_scenes == 4
+    assert facts.configs["training"]["batch_size"] == 4
+    assert facts.configs["model"]["n_kinds"] == plan.data.vocabulary.n_kinds
+    assert facts.code.startswith("0.")
+    assert facts.training["steps"] == 8
+    assert facts.training["held_out_loss"] > 0
+
+
+def test_progress_reaches_one_in_every_stage(plan):
+    watcher = Watcher()
+    Training(plan, watcher).run()
+    last = dict(watcher.seen)
+    assert list(last) == ["skeleton", "denoiser"]
+    assert all(share >= 1.0 for share in last.values())
+
+
+def test_parts_of_another_training_are_taken_over(plan, tmp_path):
+    first = replace(plan, parts=("skeleton",))
+    Training(first, Watcher()).run()
+    taken = taken_parts(first.folder / CHECKPOINT, plan.data, ("denoiser",))
+    second = replace(plan, folder=tmp_path / "b", parts=("denoiser",), taken=taken)
+    Training(second, Watcher()).run()
+    assert set(weights(second)) == {"skeleton", "denoiser"}
+    whole = replace(plan, folder=tmp_path / "whole")
+    Training(whole, Watcher()).run()
+    assert_equal(weights(whole), weights(second))
+
+
+def test_other_data_is_refused_when_resuming_or_taking(plan, small_scenes):
+    Training(plan, Watcher(stop_after=1)).run()
+    other = prepared("fewer", small_scenes[:3], [])
+    state = read_state(plan.folder / STATE)
+    with pytest.raises(TrainingError, match=r"data 'fewer' .3 scenes.* valid: the same data"):
+        Training(replace(plan, data=other), Watcher()).run(state)
+    with pytest.raises(TrainingError, match="is of other data"):
+        taken_parts(plan.folder / CHECKPOINT, other, ("denoiser",))
+
+
+def test_weights_that_are_not_finite_leave_the_last_save_as_it_was(plan):
+    training = Training(plan, Watcher(stop_after=2))
+    training.run()
+    before = (plan.folder / CHECKPOINT).read_bytes(), (plan.folder / STATE).read_bytes()
+    assert training._denoiser is not None
+    next(iter(training._denoiser.average.weights.values())).fill_(torch.nan)
+    with pytest.raises(TrainingError, match="not finite after step 2"):
+        training.save()
+    assert ((plan.folder / CHECKPOINT).read_bytes(), (plan.folder / STATE).read_bytes()) == before

@@ -1,0 +1,191 @@
+"""`aeroscene generate` as a user meets it."""
+
+import json
+
+import cv2
+import msgspec
+import pytest
+import torch
+from safetensors.torch import load_file, safe_open, save_file
+
+from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
+from aeroscene.scene.io import read_scene, write_scene
+from scenarios.cli.generate import GenerateError, outline_sides_m
+from scenarios.cli.main import main
+from tests.aeroscene.conftest import cached_scene
+from tests.scenarios.cli.test_train import TINY
+
+
+@pytest.fixture(autouse=True)
+def one_thread():
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+@pytest.fixture(scope="module")
+def checkpoint(tmp_path_factory):
+    """Of a training of two steps: it is read, not used."""
+    folder = tmp_path_factory.mktemp("trained")
+    (folder / "corpus" / "scenes").mkdir(parents=True)
+    entries = [store_scene(folder / "corpus", cached_scene(index)) for index in (7, 42)]
+    write_manifest(folder / "corpus", entries)
+    (folder / "tiny.toml").write_text(TINY)
+    args = ["--data", folder / "corpus", "--config", folder / "tiny.toml", "--steps", 2]
+    assert main(["train", *map(str, args), "--out", str(folder / "out")]) == 0
+    return folder / "out" / "checkpoint.safetensors"
+
+
+def run(capsys, *args):
+    try:
+        status = main(["generate", *map(str, args)])
+    except SystemExit as stop:
+        status = stop.code
+    output = capsys.readouterr()
+    return status, output.out, output.err
+
+
+def refused(capsys, out, *args):
+    status, text, errors = run(capsys, "--out", out, *args)
+    assert (status, text) == (2, "")
+    assert errors.startswith("aeroscene")
+    assert errors.count("\n") == 1
+    assert not out.exists()
+    return errors
+
+
+def test_same_seeds_give_the_same_scenes_whatever_their_number(tmp_path, capsys):
+    one, two = tmp_path / "one", tmp_path / "two"
+    status, text, errors = run(capsys, "--seed", 5, "--count", 2, "--out", one, "--json")
+    assert (status, errors) == (0, "")
+    facts = json.loads(text)
+    assert facts["scenes"] == ["aeroscene-0005.json", "aeroscene-0006.json"]
+    assert facts["seconds_per_scene"] > 0
+    assert facts["failed"] == []
+    assert set(facts["stages"]) == {"guided", "feasible"}
+    assert facts["stages"]["feasible"]["collision_rate"] < 0.01
+    assert run(capsys, "--seed", 6, "--out", two)[0] == 0
+    name = "aeroscene-0006.json"
+    assert (one / name).read_bytes() == (two / name).read_bytes()
+    scene = read_scene(one / name)
+    assert scene.seed == 6
+    assert scene.landing_areas
+
+
+def test_wishes_are_kept(tmp_path, capsys):
+    wishes = ("--domain", "outdoor", "--objects", 80, "--areas", 12, "--outline", "70,60")
+    assert run(capsys, "--seed", 3, "--out", tmp_path, *wishes)[0] == 0
+    scene = read_scene(tmp_path / "aeroscene-0003.json")
+    assert scene.domain == "outdoor"
+    assert abs(len(scene.objects) - 80) <= 8
+    assert 1 <= len(scene.landing_areas) <= 12
+    low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
+    assert high[0] - low[0] == pytest.approx(70, abs=7)
+    assert high[1] - low[1] == pytest.approx(60, abs=6)
+
+
+def test_completed_scene_keeps_its_coarse_objects(tmp_path, capsys):
+    given = cached_scene(42)
+    write_scene(given, tmp_path / "given.json")
+    out = tmp_path / "out"
+    args = ("--seed", 9, "--complete", tmp_path / "given.json", "--out", out)
+    assert run(capsys, *args)[0] == 0
+    scene = read_scene(out / "aeroscene-0009.json")
+    coarse = sorted(obj.category for obj in given.objects if obj.is_coarse)
+    kept = sorted(obj.category for obj in scene.objects if obj.is_coarse)
+    assert len(set(coarse) & set(kept)) >= 0.9 * len(set(coarse))
+    assert abs(len(kept) - len(coarse)) <= 0.1 * len(coarse)
+
+
+def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
+    picture = tmp_path / "strip.png"
+    assert run(capsys, "--seed", 1, "--out", tmp_path / "out", "--progress", picture)[0] == 0
+    strip = cv2.imread(str(picture))
+    assert strip.shape[1] > 6 * strip.shape[0]
+    assert strip.std() > 10
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (("--seed", -1), "seed is -1, valid: 0 to"),
+        (("--count", 0), "count is 0, valid: 1 to"),
+        (("--steps", 0), "steps is 0, valid: 1 to 1000"),
+        (("--batch", 0), "batch is 0, valid: 1 to"),
+        (("--threads", 0), "threads is 0, valid: 1 to 1024"),
+        (("--objects", 5), "objects is 5, valid: 20 to 250"),
+        (("--areas", 0), "areas is 0, valid: 1 to"),
+        (("--outline", "60"), "outline is '60', valid: EAST,NORTH"),
+        (("--outline", "3,60"), "outline is 3.0, valid: 15 to 150"),
+        (("--outline", "none.json"), "outline 'none.json' cannot be read"),
+        (("--complete", "none.json"), "none.json"),
+        (("--complete", "42", "--outline", "60,60"), "valid: one of the two"),
+        (("--progress", "strip.jpg"), "progress 'strip.jpg' is no .png file"),
+        (("--domain", "sea"), "--domain"),
+        (("--device", "cuda:9"), "device 'cuda:9' is not there, valid here: auto, cpu"),
+        (("--checkpoint", "none.safetensors"), "checkpoint 'none.safetensors' cannot be read"),
+    ],
+)
+def test_what_cannot_be_done_is_said_before_anything_is_written(tmp_path, capsys, args, message):
+    assert message in refused(capsys, tmp_path / "out", *args)
+
+
+def changed(path, to, **facts):
+    """A checkpoint that says something else of itself."""
+    with safe_open(path, framework="pt") as file:
+        head = msgspec.json.decode(file.metadata()["aeroscene"])
+    text = msgspec.json.encode(head | facts).decode()
+    save_file(load_file(path), to, metadata={"aeroscene": text})
+    return to
+
+
+def test_truncated_checkpoint_says_what_to_do(checkpoint, tmp_path, capsys):
+    path = tmp_path / "cut.safetensors"
+    path.write_bytes(checkpoint.read_bytes()[:-100])
+    errors = refused(capsys, tmp_path / "out", "--checkpoint", path)
+    assert "is truncated or no checkpoint" in errors
+    assert "copy it again" in errors
+
+
+@pytest.mark.parametrize(
+    ("facts", "message"),
+    [
+        ({"version": 2}, "is of version 2, valid: 1"),
+        ({"categories": ["house", "dragon"]}, "2 other categories (it has 'dragon')"),
+        ({"format": "other"}, "holds weights of another program"),
+        ({"configs": {}}, "section [model] is missing"),
+    ],
+)
+def test_checkpoint_of_something_else_says_what_to_do(checkpoint, tmp_path, capsys, facts, message):
+    path = changed(checkpoint, tmp_path / "other.safetensors", **facts)
+    assert message in refused(capsys, tmp_path / "out", "--checkpoint", path)
+
+
+@pytest.mark.parametrize("part", ["denoiser", "skeleton"])
+def test_checkpoint_of_a_stopped_training_names_what_is_missing(checkpoint, tmp_path, capsys, part):
+    found = read_checkpoint(checkpoint)
+    rest = {name: weights for name, weights in found.parts.items() if name != part}
+    path = tmp_path / "part.safetensors"
+    write_checkpoint(path, found.facts, rest, found.statistics)
+    errors = refused(capsys, tmp_path / "out", "--checkpoint", path)
+    assert f"checkpoint has no {part}" in errors
+    assert "--resume" in errors
+
+
+def test_outline_is_two_sides_or_the_rectangle_about_a_polygon(tmp_path):
+    assert outline_sides_m("60,45.5") == (60.0, 45.5)
+    path = tmp_path / "outline.json"
+    path.write_text("[[0, 0], [50, 5], [45, 40]]")
+    assert outline_sides_m(str(path)) == (50.0, 40.0)
+
+
+@pytest.mark.parametrize(
+    "text", ["[]", "[1, 2]", "{}", "[[0, 0], [1]]", "[[0, 0]", "[[0,0],[9,0]]"]
+)
+def test_file_that_is_no_polygon_is_refused(tmp_path, text):
+    path = tmp_path / "outline.json"
+    path.write_text(text)
+    with pytest.raises(GenerateError, match="valid: EAST,NORTH"):
+        outline_sides_m(str(path))

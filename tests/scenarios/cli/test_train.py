@@ -1,0 +1,251 @@
+"""`aeroscene train` as a user meets it."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import torch
+
+from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.learning.training.checkpoint import read_checkpoint
+from scenarios.cli.main import main
+from tests.aeroscene.conftest import cached_scene
+
+SCENES = (7, 42, 49)
+TINY = """
+[model]
+width = 16
+blocks = 2
+heads = 2
+[training]
+batch_size = 2
+warmup_steps = 2
+[skeleton]
+width = 8
+kind_width = 4
+layers = 1
+[skeleton_training]
+steps = 2
+batch = 2
+"""
+
+
+@pytest.fixture(autouse=True)
+def as_before():
+    """The command sets these for its process, which is this one here."""
+    threads = torch.get_num_threads()
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    torch.set_num_threads(threads)
+    assert {number: signal.getsignal(number) for number in handlers} == handlers
+
+
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("data") / "corpus"
+    (folder / "scenes").mkdir(parents=True)
+    write_manifest(folder, [store_scene(folder, cached_scene(index)) for index in SCENES])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def config(tmp_path_factory):
+    path = tmp_path_factory.mktemp("config") / "tiny.toml"
+    path.write_text(TINY)
+    return path
+
+
+def command(corpus, config, out, *more):
+    fixed = ("--data", corpus, "--config", config, "--out", out, "--threads", 1)
+    return ["train", *map(str, fixed), *map(str, more)]
+
+
+def run(capsys, args):
+    try:
+        status = main(args)
+    except SystemExit as stop:
+        status = stop.code
+    output = capsys.readouterr()
+    return status, output.out, output.err
+
+
+@pytest.fixture(scope="module")
+def trained(corpus, config, tmp_path_factory):
+    """A training of four steps, begun and ended in a process."""
+    out = tmp_path_factory.mktemp("trained") / "out"
+    assert main(command(corpus, config, out, "--steps", 4)) == 0
+    return out
+
+
+def copied(folder, to):
+    to.mkdir()
+    for path in folder.iterdir():
+        (to / path.name).write_bytes(path.read_bytes())
+    return to
+
+
+def test_training_leaves_checkpoint_state_log_and_curves(corpus, config, tmp_path, capsys):
+    out = tmp_path / "out"
+    status, text, errors = run(capsys, command(corpus, config, out, "--steps", 4, "--json"))
+    assert (status, errors) == (0, "")
+    facts = json.loads(text)
+    assert facts["done"]
+    assert facts["steps"] == 4
+    assert facts["checkpoint"] == str(out / "checkpoint.safetensors")
+    names = {path.name for path in out.iterdir()}
+    assert {"checkpoint.safetensors", "state.safetensors", "log.jsonl", "curves.png"} >= names
+    assert set(read_checkpoint(out / "checkpoint.safetensors").parts) == {"skeleton", "denoiser"}
+
+
+def test_resume_takes_the_steps_that_are_left(trained, corpus, config, tmp_path, capsys):
+    out = copied(trained, tmp_path / "out")
+    more = ("--steps", 6, "--resume", "--json")
+    status, text, _ = run(capsys, command(corpus, config, out, *more))
+    assert status == 0
+    assert json.loads(text)["steps"] == 6
+    whole = tmp_path / "whole"
+    assert run(capsys, command(corpus, config, whole, "--steps", 4))[0] == 0
+    assert (whole / "checkpoint.safetensors").exists()
+    assert run(capsys, command(corpus, config, whole, "--steps", 6, "--resume"))[0] == 0
+    left, right = (read_checkpoint(f / "checkpoint.safetensors").parts for f in (out, whole))
+    for part, weights in left.items():
+        assert all(torch.equal(value, right[part][name]) for name, value in weights.items())
+
+
+def test_ctrl_c_saves_and_a_resume_goes_on(corpus, config, tmp_path):
+    out = tmp_path / "out"
+    args = command(corpus, config, out, "--steps", 1_000_000)
+    # A shell's background job ignores Ctrl-C, and so would its children.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "scenarios.cli.main", *args],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+    finally:
+        signal.signal(signal.SIGINT, before)
+    log = out / "log.jsonl"
+    deadline_s = time.monotonic() + 90.0
+    while not (log.exists() and '"denoiser"' in log.read_text()):
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < deadline_s
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    text, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "stopped and saved; --resume goes on from here" in errors
+    assert "Traceback" not in errors
+    n_steps = int(re.search(r"([\d,]+) steps", text)[1].replace(",", ""))
+    found = read_checkpoint(out / "checkpoint.safetensors")
+    assert found.facts.training["steps"] == n_steps >= 25
+    assert main(command(corpus, config, out, "--steps", n_steps + 2, "--resume")) == 0
+    found = read_checkpoint(out / "checkpoint.safetensors")
+    assert found.facts.training["steps"] == n_steps + 2
+
+
+def refused(capsys, args):
+    """What the command says where it does not do what it is asked; always one line."""
+    status, text, errors = run(capsys, args)
+    assert (status, text) == (2, "")
+    assert errors.startswith("aeroscene")
+    assert errors.count("\n") == 1
+    return errors
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (("--device", "cuda:7"), "device 'cuda:7' is not there, valid here: auto, cpu"),
+        (("--steps", 0), "steps is 0, valid: 1 or more"),
+        (("--minutes", -1), "valid: more than 0 minutes"),
+        (("--minutes", "nan"), "valid: more than 0 minutes"),
+        (("--threads", 0), "threads is 0, valid: 1 to 1024"),
+        (("--save-minutes", 0), "save_minutes is 0.0, valid: more than 0"),
+        (("--resume",), "holds no training to resume (state.safetensors is missing)"),
+        (("--preset", "best"), "--preset"),
+        (("--parts", "prior"), "parts is 'prior', valid: skeleton, denoiser with preset default"),
+        (("--take", "none.safetensors"), "checkpoint 'none.safetensors' cannot be read"),
+    ],
+)
+def test_what_cannot_be_done_is_said_before_anything_is_written(
+    corpus, config, tmp_path, capsys, more, message
+):
+    out = tmp_path / "out"
+    assert message in refused(capsys, command(corpus, config, out, "--steps", 2, *more))
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[training]\nbatch_size = -4", "batch_size is -4, valid: an integer from 1"),
+        ("[loss]\nparameterisation = 'y'", "parameterisation: Invalid enum value 'y'"),
+        ("[model]\ndepth = 3", "model.depth is unknown, valid: denoiser"),
+        ("[model", "is no TOML"),
+    ],
+)
+def test_configuration_out_of_range_names_field_and_file(corpus, tmp_path, capsys, text, message):
+    config = tmp_path / "bad.toml"
+    config.write_text(text)
+    errors = refused(capsys, command(corpus, config, tmp_path / "out", "--steps", 1))
+    assert message in errors
+    assert "bad.toml" in errors
+
+
+def test_data_that_is_not_there_is_named(config, tmp_path, capsys):
+    errors = refused(capsys, command(tmp_path / "none", config, tmp_path / "out", "--steps", 1))
+    assert "holds no dataset" in errors
+
+
+def test_training_that_is_there_is_not_overwritten(trained, corpus, config, tmp_path, capsys):
+    out = copied(trained, tmp_path / "out")
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    errors = refused(capsys, command(corpus, config, out, "--steps", 9))
+    assert "holds a training already (4 steps), valid: --resume" in errors
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_resume_with_another_configuration_or_preset_is_refused(trained, corpus, tmp_path, capsys):
+    out = copied(trained, tmp_path / "out")
+    other = tmp_path / "other.toml"
+    other.write_text(TINY.replace("width = 16", "width = 32"))
+    more = ("--steps", 9, "--resume")
+    assert "([model] differs)" in refused(capsys, command(corpus, other, out, *more))
+    same = tmp_path / "same.toml"
+    same.write_text(TINY)
+    errors = refused(capsys, command(corpus, same, out, *more, "--preset", "paper"))
+    assert "preset is 'paper', valid: 'default'" in errors
+
+
+def test_truncated_state_says_what_to_do(trained, corpus, config, tmp_path, capsys):
+    out = copied(trained, tmp_path / "out")
+    state = out / "state.safetensors"
+    state.write_bytes(state.read_bytes()[:5000])
+    errors = refused(capsys, command(corpus, config, out, "--steps", 9, "--resume"))
+    assert "is truncated or no state of a training" in errors
+    assert "delete it to train anew" in errors
+
+
+def test_paper_preset_trains_its_prior_first(corpus, tmp_path, capsys):
+    config = tmp_path / "paper.toml"
+    config.write_text(
+        "[model]\nwidth = 16\nblocks = 2\nheads = 2\nunet_widths = [8, 8]\n"
+        "[training]\nbatch_size = 2\nprior_steps = 2\n"
+    )
+    out = tmp_path / "out"
+    args = command(corpus, config, out, "--steps", 2, "--preset", "paper", "--json")
+    status, text, _ = run(capsys, args)
+    assert status == 0
+    assert json.loads(text)["preset"] == "paper"
+    found = read_checkpoint(out / "checkpoint.safetensors")
+    assert set(found.parts) == {"prior", "denoiser"}
+    stages = [json.loads(line)["stage"] for line in (out / "log.jsonl").read_text().splitlines()]
+    assert stages[0] == "prior"
+    assert stages[-1] == "denoiser"

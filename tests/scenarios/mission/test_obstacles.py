@@ -1,0 +1,66 @@
+"""What the planner keeps away from is what the physics collides with."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from aeroscene.solids.freespace import build_distance_field
+from aeroscene.solids.shapes import scene_primitives
+from aeroscene.sources import open_scene
+from flightsim.vehicles.catalogue import AIRFRAMES
+from flightsim.world import build_world
+from scenarios.mission.obstacles import distance_field, scene_obstacles
+from tests.scenarios.landing_scenes import yard
+
+
+def hits(scene, n_rays):
+    """Points in the air, directions from there, and how far each gets in the physics."""
+    world = build_world(scene, AIRFRAMES["iris"])
+    data = world.new_data()
+    mujoco.mj_forward(world.model, data)
+    rng = np.random.default_rng(0)
+    low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
+    starts = rng.uniform(low + [0, 0, 0.1], high, (n_rays, 3))
+    towards = rng.normal(size=(n_rays, 3))
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    model, geom = world.model, np.zeros(1, np.int32)
+    # Only what collides counts: paint and panes belong to another group.
+    solid_groups = {int(model.geom_group[i]) for i in range(model.ngeom) if model.geom_contype[i]}
+    groups = np.array([g in solid_groups for g in range(6)], np.uint8)
+    reach = np.array(
+        [
+            mujoco.mj_ray(model, data, p, v, groups, 1, world.vehicle_body_id, geom)
+            for p, v in zip(starts, towards, strict=True)
+        ]
+    )
+    return starts, towards, reach
+
+
+@pytest.mark.parametrize("scene", ["yard", "42"])
+def test_rays_of_the_physics_end_where_the_planners_distance_is_zero(scene):
+    scene = yard(has_crates_on_top=True) if scene == "yard" else open_scene(scene)
+    obstacles = scene_obstacles(scene, scene_primitives(scene))
+    starts, towards, reach = hits(scene, 400)
+    outside = obstacles.signed_distance(starts)[0] > 0.05
+    starts, towards, reach = starts[outside], towards[outside], reach[outside]
+    assert np.count_nonzero((reach > 0) & (reach < 20.0)) > 100
+    for p, v, r in zip(starts, towards, reach, strict=True):
+        free_m = r if r > 0 else 100.0
+        along = p + v * (np.linspace(0, 0.999, 60) * free_m)[:, None]
+        assert obstacles.signed_distance(along)[0].min() > -5e-3
+        if r > 0:
+            end = obstacles.signed_distance((p + v * r)[None])[0][0]
+            is_far = np.abs(p + v * r).max() > 50.0
+            assert is_far or end == pytest.approx(0.0, abs=5e-3)
+
+
+def test_cells_never_promise_more_room_than_there_is():
+    scene = open_scene("corpus:42")
+    primitives = scene_primitives(scene)
+    field = distance_field(build_distance_field(scene, 0.25, primitives))
+    obstacles = scene_obstacles(scene, primitives)
+    cells = np.random.default_rng(0).integers(0, field.distance_m.shape, (4000, 3))
+    cells = cells[cells[:, 2] > 0]
+    exact, _ = obstacles.signed_distance(field.centres(cells))
+    promised = field.distance_m[tuple(cells.T)]
+    assert np.all(promised <= np.maximum(exact, 0.0) + 1e-3)

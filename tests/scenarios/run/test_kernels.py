@@ -1,0 +1,31 @@
+"""Kernels of our pilot: what will compile is announced, what is cached is not."""
+
+import logging
+
+from autonomy.jit import announce_if_cold, cache_directory
+from scenarios.run.kernels import (
+    EXPLORING_MODULES,
+    PILOT_MODULES,
+    announce_pilot_kernels,
+    compile_everything,
+)
+
+
+def test_compiled_kernels_are_not_announced(caplog):
+    steps = []
+    compile_everything(lambda _, share: steps.append(share))
+    assert steps == sorted(steps)
+    with caplog.at_level(logging.WARNING):
+        announce_pilot_kernels()
+        announce_pilot_kernels("onboard")
+    assert caplog.messages == []
+    for module in (*PILOT_MODULES, *EXPLORING_MODULES):
+        assert any(cache_directory(module).rglob("*.nbi")), module
+
+
+def test_kernels_without_cached_code_are_announced_once(caplog):
+    module = "autonomy.types"  # has no kernels, so never any code
+    assert not any(cache_directory(module).rglob("*.nbi"))
+    with caplog.at_level(logging.WARNING):
+        announce_if_cold([*PILOT_MODULES, module], "the kernels", 3.0)
+    assert caplog.messages == ["compiling the kernels, once, about 3 s"]

@@ -1,0 +1,187 @@
+"""`aeroscene-sitl` as a user runs it: a process with ports, a recording, a verdict."""
+
+import json
+import math
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from flightsim.testbench import TestbenchCfg
+from scenarios.recording.summary import summarise
+from scenarios.run.cfg import SitlCfg
+from scenarios.run.sitl import Sitl
+
+COMMAND = [sys.executable, "-m", "scenarios.cli.sitl"]
+
+
+def instance():
+    # Ports of instances that differ by less than 10 never meet.
+    worker = re.sub(r"\D", "", os.environ.get("PYTEST_XDIST_WORKER", "0"))
+    return 80 + int(worker or 0) % 10
+
+
+def sitl(*args, **options):
+    return subprocess.run(
+        [*COMMAND, "--instance", str(instance()), *args],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+        **options,
+    )
+
+
+def demo(*args):
+    done = sitl("--demo", "--speed", "max", "--json", *args)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def recorded_demo(tmp_path_factory):
+    path = tmp_path_factory.mktemp("demo") / "flight.rrd"
+    return demo("--record", str(path), "--camera-hz", "1"), path
+
+
+def test_the_demo_lands_on_the_chosen_area_without_touching_anything(recorded_demo):
+    result, _ = recorded_demo
+    assert result["success"] is True
+    assert result["contacts_before_touchdown"] == 0
+    assert result["touchdown_error_m"] < 0.3
+    assert result["position_rmse_m"] < 1.5
+    assert result["attitude_rmse_deg"] < 2.0
+
+
+def test_the_recording_and_its_summary_hold_the_same_verdict(recorded_demo):
+    result, path = recorded_demo
+    beside = json.loads(path.with_suffix(".json").read_text())
+    assert beside["result"] == result
+    assert beside["config"]["bench"]["scene"] == "42"
+    reasons = [change["reason"] for change in beside["transitions"]]
+    assert all(reasons)
+    assert reasons[-1] == result["reason"]
+    assert beside["replans"] == []
+    assert summarise(path).is_complete
+
+
+def test_the_same_seed_gives_the_same_flight_recorded_or_not(recorded_demo):
+    result, _ = recorded_demo
+    again = demo()
+    for figure in (
+        "sim_seconds",
+        "area",
+        "touchdown_error_m",
+        "position_rmse_m",
+        "attitude_rmse_deg",
+    ):
+        assert again[figure] == result[figure]
+
+
+def test_another_seed_gives_another_flight(recorded_demo):
+    result, _ = recorded_demo
+    assert demo("--seed", "5")["position_rmse_m"] != result["position_rmse_m"]
+
+
+def test_a_hummingbird_lands_too():
+    assert demo("--scene", "45", "--vehicle", "hummingbird")["contacts_before_touchdown"] == 0
+
+
+def test_standard_gnss_leaves_errors_of_metres():
+    done = sitl(
+        "--demo", "--speed", "max", "--json", "--gnss", "standard", "--headless-seconds", "30"
+    )
+    assert json.loads(done.stdout)["position_rmse_m"] > 0.5
+
+
+def test_interrupting_closes_the_recording_and_gives_the_ports_back(tmp_path):
+    path = tmp_path / "cut.rrd"
+    args = ["--instance", str(instance()), "--record", str(path), "--camera-hz", "0"]
+    process = subprocess.Popen([*COMMAND, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    port = 5760 + 10 * instance()
+    assert process.stderr is not None
+    assert any(b"Ctrl-C ends" in line for line in process.stderr)
+    time.sleep(2.0)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == 0, errors
+    assert b"Traceback" not in errors
+    assert summarise(path).is_complete
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        probe.bind(("127.0.0.1", port))
+
+
+def test_a_run_that_is_stopped_before_its_first_step_ends_like_any_other():
+    with Sitl(SitlCfg(bench=TestbenchCfg(instance=instance()))) as run:
+        run.run(lambda: True)
+        result = run.finish()
+    assert result.success is None
+    assert result.sim_seconds == 0.0
+    assert math.isnan(result.position_rmse_m)
+
+
+def test_a_port_in_use_is_named_with_the_way_out():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 18570 + instance()))
+        done = sitl()
+    assert done.returncode == 2
+    assert f"UDP port {18570 + instance()}" in done.stderr
+    assert "--instance" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_recording_that_cannot_be_written_is_refused_before_anything_flies(tmp_path):
+    (tmp_path / "file").touch()
+    done = sitl("--record", str(tmp_path / "file" / "flight.rrd"))
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+
+
+def test_nothing_listens_beyond_loopback():
+    process = subprocess.Popen(
+        [*COMMAND, "--instance", str(instance())],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        wait_for(5760 + 10 * instance())
+        for connection in psutil.Process(process.pid).net_connections():
+            assert connection.laddr.ip == "127.0.0.1"
+    finally:
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=20) == 0
+
+
+def test_the_first_heartbeat_comes_unasked():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
+        station.bind(("127.0.0.1", 14550 + instance()))
+        station.settimeout(30.0)
+        process = subprocess.Popen(
+            [*COMMAND, "--instance", str(instance())],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            messages = mavlink.MAVLink(None).parse_buffer(station.recv(2048))
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait(timeout=20)
+    assert any(message.get_type() == "HEARTBEAT" for message in messages)
+
+
+def wait_for(port):
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline:
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.05)
+    raise AssertionError(f"nothing opened port {port}")
