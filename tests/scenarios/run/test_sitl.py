@@ -64,7 +64,7 @@ def test_the_recording_and_its_summary_hold_the_same_verdict(recorded_demo):
     result, path = recorded_demo
     beside = json.loads(path.with_suffix(".json").read_text())
     assert beside["result"] == result
-    assert beside["config"]["bench"]["scene"] == "42"
+    assert beside["config"]["scene"] == "42"
     reasons = [change["reason"] for change in beside["transitions"]]
     assert all(reasons)
     assert reasons[-1] == result["reason"]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from flightsim.plant import Plant
-from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
-from flightsim.sensors.depth_noise import DepthNoise
+from flightsim.sensors.cameras.depth_noise import DepthNoise
+from flightsim.sensors.cameras.renderer import open_camera_renderer
+from flightsim.sensors.cameras.view import RgbdFrame
 from flightsim.world import World
 
 
