@@ -186,7 +186,7 @@ def _motions(dt: float) -> list[tuple[Float[np.ndarray, "6 6"], Float[np.ndarray
         turn_s = min(dt, _LONGEST_TURN_S)
         angle = rate * turn_s
         c, s = math.cos(angle), math.sin(angle)
-        # What a unit of velocity covers, along itself and to its left: on the arc, then straight on.
+        # What a unit of velocity covers, ahead and to its left: on the arc, then straight on.
         ahead, aside = (s / rate, (1.0 - c) / rate) if rate else (turn_s, 0.0)
         ahead, aside = ahead + (dt - turn_s) * c, aside + (dt - turn_s) * s
         move = np.eye(6)

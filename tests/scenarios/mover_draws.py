@@ -1,4 +1,4 @@
-"""Movers on drawn paths as a passing vehicle's depth camera sees them, and how they are followed."""
+"""Movers on drawn paths as a passing vehicle's depth camera sees them, and how tracked."""
 
 import math
 from contextlib import closing
@@ -10,8 +10,7 @@ from autonomy.perception import DepthImage, MoverTracker
 from autonomy.rotation import matrix_from_quat, quat_from_rotation_vector
 from flightsim.environment.motion import new_movers, place_mover
 from flightsim.environment.movers import MOVER_KINDS, MovingObstacle
-from flightsim.sensors.camera import open_camera_renderer
-from flightsim.sensors.depth_noise import depth_noise
+from flightsim.sensors.cameras import depth_noise, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene
