@@ -72,8 +72,8 @@ class GenerateCfg:
     progress: Path | None = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: scenes, seconds_per_scene, device, failed, and for each of the stages
-    guided and feasible collision_rate (the paper's, a share) and rejected."""
+    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, and for each of the
+    stages guided and feasible collision_rate (the paper's, a share) and rejected."""
 
 
 def run(cfg: GenerateCfg) -> int:
@@ -252,7 +252,7 @@ def _keep(cfg: GenerateCfg, found: Generated, tally: _Tally) -> bool:
     tally.feasible.append(collision_rate(found.scene))
     path = cfg.out / f"{found.scene.scene_id}.json"
     write_scene(found.scene, path)
-    tally.files.append(path.name)
+    tally.files.append(str(path))
     return True
 
 
