@@ -15,7 +15,7 @@ from scenarios.doctor.check import REINSTALL, Check
 
 SUPPORTED_PYTHONS = ((3, 11), (3, 12), (3, 13))
 LIBRARIES = (
-    "mujoco",
+    "mujoco-core",
     "numpy",
     "numba",
     "scipy",
