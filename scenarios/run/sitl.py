@@ -86,7 +86,7 @@ class Sitl:
         if self._cameras is None:
             bench = self.bench
             noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed)
-            cameras = Cameras(bench.world, bench.plant, depth_noise=noise)
+            cameras = Cameras(bench.plant, depth_noise=noise)
             self._cameras = stack.enter_context(closing(cameras))
         return self._cameras
 
