@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -189,13 +190,29 @@ class Sitl:
 
         return on_tick
 
-    def run(self, should_stop: Callable[[], bool]) -> None:
-        """Simulate until the demo is done, the time is up or `should_stop` says so."""
+    def run(self, should_stop: Callable[[], bool] = lambda: False) -> TrialResult:
+        """Simulate, judge what was flown, and write the verdict into and beside the recording.
+
+        Args:
+            should_stop: Asked every tick; the run ends where the demo is done, the time is up, or
+                this says so.
+
+        Returns:
+            The verdict and the figures; without a demo there is no verdict, only figures.
+        """
+        wall_start_s, cpu_start_s = time.perf_counter(), time.process_time()
+        self._simulate(should_stop)
+        result = self._judge(
+            wall_s=time.perf_counter() - wall_start_s, cpu_s=time.process_time() - cpu_start_s
+        )
+        self._write(result)
+        return result
+
+    def _simulate(self, should_stop: Callable[[], bool]) -> None:
         simulator, plant = self.bench.simulator, self.bench.plant
         until_us = None
         if self.cfg.headless_seconds is not None:
             until_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        self._wall_start_s = time.perf_counter()
         pilot = self.pilot
         if pilot is None:
             simulator.run(until_us=until_us, stop=should_stop)
@@ -207,9 +224,7 @@ class Sitl:
         )
         simulator.run(until_us=plant.time_us + round(SETTLE_S * 1e6), stop=should_stop)
 
-    def finish(self) -> TrialResult:
-        """Judge what was flown, and write the verdict into and beside the recording."""
-        result = self._judge()
+    def _write(self, result: TrialResult) -> None:
         if self.recorder is not None:
             self.recorder.close(verdict=result.to_plain())
         if self.cfg.record is not None:
@@ -218,12 +233,9 @@ class Sitl:
                 summary |= decisions(self.pilot)
             write_text(self.cfg.record.with_suffix(".json"), json.dumps(summary, indent=2) + "\n")
         self.pictures = self._draw(result.reason)
-        return result
 
-    def _judge(self) -> TrialResult:
-        """Without a demo there is no verdict, only figures."""
+    def _judge(self, wall_s: float, cpu_s: float) -> TrialResult:
         cfg, plant = self.cfg.bench, self.bench.plant
-        wall_s = time.perf_counter() - self._wall_start_s
         sim_s = plant.time_us * 1e-6
         pilot = self.pilot
         score = self.log.score(
@@ -241,11 +253,13 @@ class Sitl:
             area=None if pilot is None else pilot.area.id,
             sim_seconds=round(sim_s, 2),
             wall_seconds=round(wall_s, 2),
+            cpu_seconds=round(cpu_s, 2),
             real_time_factor=round(sim_s / wall_s, 2),
             contacts_before_touchdown=None if pilot is None else score.contacts_before_touchdown,
-            touchdown_error_m=score.touchdown_error_m,
-            position_rmse_m=round(score.position_rmse_m, 3),
-            attitude_rmse_deg=round(score.attitude_rmse_deg, 3),
+            touchdown_error_m=rounded(score.touchdown_error_m),
+            position_rmse_m=rounded(score.position_rmse_m),
+            attitude_rmse_deg=rounded(score.attitude_rmse_deg),
+            state_hash=self.log.state_hash(),
             recording=None if self.cfg.record is None else str(self.cfg.record),
         )
 
@@ -258,6 +272,11 @@ class Sitl:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def rounded(figure: float | None) -> float | None:
+    """To a millimetre or a thousandth of a degree; None where there is no figure."""
+    return None if figure is None or math.isnan(figure) else round(figure, 3)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -31,20 +30,20 @@ class TrialResult:
     area: int | None
     sim_seconds: float
     wall_seconds: float
+    cpu_seconds: float
     real_time_factor: float
     contacts_before_touchdown: int | None
     touchdown_error_m: float | None
     """Where it rests against the touchdown point that the pilot chose, horizontally."""
-    position_rmse_m: float
-    attitude_rmse_deg: float
+    position_rmse_m: float | None
+    attitude_rmse_deg: float | None
+    state_hash: str
+    """Of every state of the flight: the same seed gives the same on the same machine."""
     recording: str | None
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data; a figure that is not a number is None."""
-        return {
-            name: None if isinstance(value, float) and math.isnan(value) else value
-            for name, value in asdict(self).items()
-        }
+        """As plain data."""
+        return asdict(self)
 
 
 @dataclass(frozen=True, slots=True)
