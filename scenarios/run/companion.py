@@ -11,6 +11,7 @@ import numpy as np
 from aeroscene.scene import InteractionArea, Scene
 from flightsim.mavlink.client import BytePipe, MavlinkClient
 from flightsim.vehicles import Airframe
+from scenarios.pilot import PilotVerdict
 from scenarios.pilot.eyes import DepthFrame
 from scenarios.run.trial import Verdict
 
@@ -48,7 +49,7 @@ class Companion(Protocol):
         ...
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> Verdict | PilotVerdict:
         """How it ended, as far as the companion can know; read when the run is over."""
         ...
 
