@@ -1,7 +1,7 @@
 """Guidance, navigation and control, without simulator or MAVLink.
 
-The names of `__all__` are the vocabulary that everything else speaks; planning, perception, mapping,
-control and estimation each say their own.
+The names of `__all__` are the vocabulary that everything else speaks; planning, perception,
+mapping, control and estimation each say their own.
 """
 
 from autonomy.model import QuadrotorParams, RotorParams

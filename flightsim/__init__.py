@@ -11,14 +11,29 @@ if TYPE_CHECKING:
     from autonomy import ControlLevel, FlatReference, QuadrotorParams, RotorParams, Setpoint, State
     from flightsim.environment.traffic import TrafficCfg
     from flightsim.environment.wind import WindCfg
-    from flightsim.mavlink.client import PX4_HOLD, PX4_LAND, PX4_OFFBOARD, PX4_RETURN, BytePipe, Command, MavlinkClient, Telemetry
+    from flightsim.mavlink.client import (
+        PX4_HOLD,
+        PX4_LAND,
+        PX4_OFFBOARD,
+        PX4_RETURN,
+        BytePipe,
+        Command,
+        MavlinkClient,
+        Telemetry,
+    )
     from flightsim.plant import PhysicsDivergedError, Plant, PlantCfg, PlantError
     from flightsim.sensors.camera import CameraError, RgbdFrame
     from flightsim.sensors.cameras import Cameras
     from flightsim.sensors.depth_noise import depth_noise
     from flightsim.simulator import Controller, Simulator
     from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError
-    from flightsim.vehicles import Airframe, AirframeError, BatteryParams, CameraMount, airframe_by_name
+    from flightsim.vehicles import (
+        Airframe,
+        AirframeError,
+        BatteryParams,
+        CameraMount,
+        airframe_by_name,
+    )
     from flightsim.world import World, WorldError, build_world
 else:
     __getattr__, __dir__ = public_names(
@@ -27,14 +42,16 @@ else:
             "autonomy": "ControlLevel FlatReference QuadrotorParams RotorParams Setpoint State",
             "flightsim.environment.traffic": "TrafficCfg",
             "flightsim.environment.wind": "WindCfg",
-            "flightsim.mavlink.client": "PX4_HOLD PX4_LAND PX4_OFFBOARD PX4_RETURN BytePipe Command MavlinkClient Telemetry",
+            "flightsim.mavlink.client": "PX4_HOLD PX4_LAND PX4_OFFBOARD PX4_RETURN BytePipe "
+            "Command MavlinkClient Telemetry",
             "flightsim.plant": "PhysicsDivergedError Plant PlantCfg PlantError",
             "flightsim.sensors.camera": "CameraError RgbdFrame",
             "flightsim.sensors.cameras": "Cameras",
             "flightsim.sensors.depth_noise": "depth_noise",
             "flightsim.simulator": "Controller Simulator",
             "flightsim.testbench": "Testbench TestbenchCfg TestbenchError",
-            "flightsim.vehicles": "Airframe AirframeError BatteryParams CameraMount airframe_by_name",
+            "flightsim.vehicles": "Airframe AirframeError BatteryParams CameraMount "
+            "airframe_by_name",
             "flightsim.world": "World WorldError build_world",
         },
     )
