@@ -47,6 +47,10 @@ def _gaze(mission: Mission, cfg: PilotCfg) -> Gaze | None:
     return Gaze(world.limits) if cfg.expects_traffic and world.is_known else None
 
 
+def _unfinished(phase: Phase) -> PilotVerdict:
+    return PilotVerdict(success=False, reason=f"not finished, still in {phase.value}")
+
+
 class Pilot:
     """Flies one mission; call `update` at the end of every tick.
 
@@ -87,7 +91,7 @@ class Pilot:
         area.ways_out = way
         self._guard = Guard(flight, way, area)
         self.phase = Phase.CONNECT
-        self.verdict = PilotVerdict(success=False, reason="not finished")
+        self.verdict = _unfinished(self.phase)
         self.transitions: list[Transition] = []
         self._steps: dict[Phase, Callable[[], Step]] = {
             Phase.CONNECT: self._ground.connect,
@@ -184,6 +188,8 @@ class Pilot:
             self.verdict = self._ground.success()
         elif phase is Phase.FAILED:
             self.verdict = PilotVerdict(success=False, reason=flight.given_up or reason)
+        else:
+            self.verdict = _unfinished(phase)
         self.phase = phase
         flight.since_us = flight.time_us
         flight.commands = []

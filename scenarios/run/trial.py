@@ -9,6 +9,7 @@ from scenarios.run.scoring import FlightScore
 
 if TYPE_CHECKING:
     from scenarios.pilot import Pilot
+    from scenarios.run.companion import Companion
 
 MAX_TRIAL_S = 240.0
 """Simulated seconds after which a trial has failed."""
@@ -72,17 +73,17 @@ def decisions(pilot: Pilot) -> dict[str, list[dict[str, Any]]]:
     return {"transitions": transitions, "replans": replans}
 
 
-def judge(pilot: Pilot, score: FlightScore) -> Verdict:
+def judge(pilot: Companion, score: FlightScore) -> Verdict:
     """A trial succeeds when the pilot says so and the truth agrees."""
+    is_landing = pilot.area is not None
     objections: tuple[tuple[bool, str], ...] = (
-        (not pilot.is_done, f"not finished, still in {pilot.phase.value}"),
-        (pilot.is_done and not pilot.verdict.success, pilot.verdict.reason),
+        (not pilot.is_done or not pilot.verdict.success, pilot.verdict.reason),
         (not score.has_flown, "never left the ground"),
         (
-            score.contacts_before_touchdown > 0,
+            is_landing and score.contacts_before_touchdown > 0,
             f"touched something {score.contacts_before_touchdown} times before touchdown",
         ),
-        (not score.is_inside_area, "came to rest outside the chosen landing area"),
+        (is_landing and not score.is_inside_area, "came to rest outside the chosen landing area"),
         (
             score.tilt_at_rest_deg > MAX_TILT_AT_REST_DEG,
             f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest",
