@@ -91,7 +91,7 @@ class OffboardService:
         return (east, north, up)
 
     def _apply(self, message: Message, position_enu_m: Vector3) -> None:
-        """Apply the fields of both messages: velocity, acceleration and yaw, in NED or by heading."""
+        """Apply the fields of both messages: velocity, acceleration and yaw, NED or by heading."""
         mask = message.type_mask
         velocity = _masked((message.vx, message.vy, message.vz), mask >> 3)
         acceleration = _masked((message.afx, message.afy, message.afz), mask >> 6)

@@ -146,7 +146,7 @@ class MavlinkClient:
         self._commands = [command for command in self._commands if not command.is_done]
 
     def command(self, command: int, *params: float) -> Command:
-        """Send a command, repeated until the vehicle answers; the result's `state` has the outcome."""
+        """Send a command, repeated until the vehicle answers; the outcome is in the result."""
         padded = (*params, *[math.nan] * (7 - len(params)))
         pending = Command(command=command, params=padded)
         self._commands.append(pending)
