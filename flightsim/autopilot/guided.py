@@ -90,7 +90,7 @@ class Guided:
         return reply
 
     def orbit(self, centre: Geodetic, *, radius_m: float, speed_mps: float) -> Reply:
-        """Circle a centre, clockwise for a positive radius; NaN in it is the vehicle's place."""
+        """Circle a centre, clockwise if `radius_m` > 0; NaN in the centre means the vehicle's."""
         flight = self._flight
         if not self._commander.is_armed:
             return rejected("orbit denied: not armed")
