@@ -1,4 +1,4 @@
-"""Messages about what sensors, motors and the battery say."""
+"""Sensor telemetry: messages of sensors, motors and the battery."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _millimetres(value_m: float) -> int:
 
 
 class SensorTelemetry:
-    """Packs messages out of the latest readings."""
+    """Packs messages from the latest readings."""
 
     def __init__(self, view: VehicleView, *, max_rotor_speed_radps: float) -> None:
         self._view = view
