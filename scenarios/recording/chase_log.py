@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 _TICK_S = 0.02
 _SIZE_PX = (1600.0, 900.0)
 _PLANE_M = 0.05
-"""The eye's frustum is drawn this small: nobody should see it."""
 
 
 class ChaseLog:
@@ -66,5 +65,6 @@ class ChaseLog:
             height=height,
             camera_xyz=rr.ViewCoordinates.RDF,
             image_plane_distance=_PLANE_M,
+            color=(0, 0, 0, 0),
         )
         self._stream.log(layout.CHASE, lens, static=True)
