@@ -13,7 +13,7 @@ from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.wind import CALM, WindCfg
 from flightsim.sensors.barometer import BarometerCfg
 from flightsim.sensors.gnss import GRADES
-from flightsim.sensors.imu import ADIS16448, PX4_IMU
+from flightsim.sensors.imu import IMUS
 from flightsim.sensors.magnetometer import MagnetometerCfg
 from flightsim.sensors.mocap import MocapCfg
 from flightsim.sensors.rangefinder import RangefinderCfg
@@ -25,7 +25,8 @@ ADVANCE_HZ = 50
 _PRESSURE_GRADIENT_PAPM = 11.6
 """Of the standard atmosphere near 400 m above the sea."""
 
-IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
+
+_AIDED_BY = {"gnss": ("gnss", "auto"), "vio": ("vio", "auto"), "mocap": ("mocap",)}
 
 
 class PlantError(ValueError):
@@ -67,10 +68,9 @@ class PlantCfg:
     controller: ControllerCfg | None = None
     """None: gains for the airframe, `autonomy.control.cfg.controller_cfg_for`."""
 
-    @property
-    def has_gnss(self) -> bool:
-        """Whether there is a receiver."""
-        return self.aiding in ("gnss", "auto")
+    def has(self, sensor: str) -> bool:
+        """Whether a sensor, by its name, is switched on at the start."""
+        return self.aiding in _AIDED_BY.get(sensor, (self.aiding,))
 
     def check(self, timestep_s: float) -> None:
         """Check the rates against each other and against the world's physics step.
