@@ -71,7 +71,7 @@ class Sensor(Generic[ReadingT]):
     grades: Mapping[str, Any] | None = None
     """Configurations by name, where the setting is a name."""
     gauges: Mapping[str, Callable[[ReadingT], float]] = field(default_factory=dict)
-    """What a recording shows of a reading, by legend; fields of `Plant.history` are shown anyway."""
+    """What a recording plots of a reading, by legend."""
 
     @property
     def dtype(self) -> np.dtype:
@@ -126,7 +126,7 @@ def time_us(r: np.void, tick_us: int) -> int:
 
 
 class NormalStream:
-    """Standard normals of one second, drawn in blocks: a kernel pays 11 ns for one, Python far more.
+    """Standard normals of one second: drawn in blocks one costs 11 ns, alone in Python far more.
 
     Every sensor has its own stream, so that another rate or another number of draws in one leaves
     the errors of the others as they were.
