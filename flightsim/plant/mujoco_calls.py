@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
-import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
+from numba.np.numpy_support import carray
 
 from autonomy.jit import kernel
 
@@ -97,10 +97,10 @@ def _pointer(_typing: Any, _address: Any) -> Any:
 @kernel
 def doubles(address: int, n: int) -> np.ndarray:
     """The n doubles at an address."""
-    return numba.carray(_pointer(address), (n,), np.float64)
+    return carray(_pointer(address), (n,), np.float64)
 
 
 @kernel
 def integers(address: int, n: int) -> np.ndarray:
     """The n integers of 32 bits at an address."""
-    return numba.carray(_pointer(address), (n,), np.int32)
+    return carray(_pointer(address), (n,), np.int32)

@@ -67,5 +67,5 @@ RANGEFINDER = Sensor(
     stream=6,
     configure=_configure,
     read=lambda r, _: float(r["range_m"]),
-    gauges={"range m": lambda range_m: range_m},
+    gauge=("range m", lambda range_m: range_m),
 )

@@ -70,8 +70,8 @@ class Sensor(Generic[ReadingT]):
     """The latest sample, of the record and the length of a control tick in us."""
     grades: Mapping[str, Any] | None = None
     """Configurations by name, where the setting is a name."""
-    gauges: Mapping[str, Callable[[ReadingT], float]] = field(default_factory=dict)
-    """What a recording plots of a reading, by legend."""
+    gauge: tuple[str, Callable[[ReadingT], float]] | None = None
+    """What a recording plots of a reading, with its legend."""
 
     @property
     def dtype(self) -> np.dtype:

@@ -140,7 +140,11 @@ def _plots() -> rrb.Container:
         plot("Gyroscope", layout.ANGULAR_RATE),
         plot("Motors", layout.MOTOR_COMMAND, layout.MOTOR_SPEED),
         plot("Battery", layout.BATTERY_VOLTAGE, layout.BATTERY_CURRENT),
-        plot("Rangefinder", layout.RANGE),
+        rrb.TimeSeriesView(
+            name="Sensors",
+            origin="/",
+            contents=[f"+ /{layout.sensor('**')}", f"- /{layout.IMU}/**"],
+        ),
         active_tab=0,
     )
 

@@ -43,9 +43,9 @@ POSITION_SIGMA = "error/sigma"
 
 WIND = "environment/wind"
 
-ACCELERATION = "sensors/imu/acceleration"
-ANGULAR_RATE = "sensors/imu/angular_rate"
-RANGE = "sensors/rangefinder"
+IMU = "sensors/imu"
+ACCELERATION = f"{IMU}/acceleration"
+ANGULAR_RATE = f"{IMU}/angular_rate"
 MOTOR_COMMAND = "motors/command"
 MOTOR_SPEED = "motors/speed"
 BATTERY_VOLTAGE = "battery/voltage"
@@ -63,6 +63,11 @@ SCENE_DOCUMENT = "run/scene"
 
 RUN_PROPERTY = "run"
 VERDICT_PROPERTY = "verdict"
+
+
+def sensor(name: str) -> str:
+    """Entity of the gauge of a sensor, by its setting in `PlantCfg`."""
+    return f"sensors/{name}"
 
 
 def mover(name: str) -> str:

@@ -155,7 +155,7 @@ def test_gauges_are_sampled_ten_times_a_second(contents):
         layout.BATTERY_VOLTAGE,
         layout.BATTERY_CURRENT,
         layout.BATTERY_REMAINING,
-        layout.RANGE,
+        layout.sensor("rangefinder"),
         f"{layout.POSITION_SIGMA}/horizontal",
         f"{layout.POSITION_SIGMA}/vertical",
     ):
