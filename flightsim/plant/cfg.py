@@ -11,6 +11,7 @@ from autonomy.estimation import EstimatorCfg
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.wind import CALM, WindCfg
+from flightsim.plant.sensing import SENSORS
 from flightsim.sensors.barometer import BarometerCfg
 from flightsim.sensors.gnss import GRADES
 from flightsim.sensors.imu import IMUS
@@ -93,11 +94,12 @@ class PlantCfg:
                 f"physics_hz = {self.physics_hz}: the world steps at {1.0 / timestep_s:g} Hz, "
                 "both must be the same"
             )
-        for name in ("barometer", "magnetometer", "rangefinder", "vio", "mocap"):
-            rate = getattr(self, name).rate_hz
+        for sensor in SENSORS:
+            rate = getattr(sensor.cfg(self), "rate_hz", self.control_hz)
             if rate <= 0 or self.control_hz % rate:
                 raise PlantError(
-                    f"{name}.rate_hz = {rate}: a divisor of control_hz ({self.control_hz}) is valid"
+                    f"{sensor.setting}.rate_hz = {rate}: a divisor of control_hz "
+                    f"({self.control_hz}) is valid"
                 )
 
 
