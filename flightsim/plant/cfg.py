@@ -12,6 +12,7 @@ from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.wind import CALM, WindCfg
 from flightsim.plant.sensing import SENSORS
+from flightsim.sensors.airspeed import AirspeedCfg
 from flightsim.sensors.barometer import BarometerCfg
 from flightsim.sensors.gnss import GRADES
 from flightsim.sensors.imu import IMUS
@@ -64,6 +65,7 @@ class PlantCfg:
     rangefinder: RangefinderCfg = field(default_factory=RangefinderCfg)
     vio: VioCfg = field(default_factory=VioCfg)
     mocap: MocapCfg = field(default_factory=MocapCfg)
+    airspeed: AirspeedCfg = field(default_factory=AirspeedCfg)
     estimator: EstimatorCfg | None = None
     """None: tuned to the sensors, `estimator_cfg_for`."""
     controller: ControllerCfg | None = None

@@ -9,6 +9,7 @@ import numpy as np
 from autonomy.estimation.terrain import fuse_range
 from autonomy.jit import kernel
 from flightsim.plant.mujoco_calls import call_mj_ray
+from flightsim.sensors.airspeed import AIRSPEED, AirspeedReading, sense_airspeed
 from flightsim.sensors.barometer import BAROMETER, BaroReading, sense_barometer
 from flightsim.sensors.gnss import GNSS, GnssReading, sense_gnss
 from flightsim.sensors.imu import IMU, ImuReading, sense_imu
@@ -18,7 +19,16 @@ from flightsim.sensors.rangefinder import RANGEFINDER, aim_ray, sample_rangefind
 from flightsim.sensors.sensor import Sensor, is_due, noise
 from flightsim.sensors.vio import VIO, VioReading, sense_vio
 
-SENSORS: tuple[Sensor[Any], ...] = (IMU, GNSS, VIO, MOCAP, BAROMETER, MAGNETOMETER, RANGEFINDER)
+SENSORS: tuple[Sensor[Any], ...] = (
+    IMU,
+    GNSS,
+    VIO,
+    MOCAP,
+    BAROMETER,
+    MAGNETOMETER,
+    RANGEFINDER,
+    AIRSPEED,
+)
 
 
 @kernel
@@ -42,6 +52,7 @@ def sense(
     sense_barometer(p.baro, f, tick, qpos, normals)
     sense_magnetometer(p.mag, f, tick, qpos, normals)
     _sense_range(p.range, f, p.engine, qpos, normals)
+    sense_airspeed(p.airspeed, tick, qpos, qvel, p.rotors.wind_enu_mps, normals)
 
 
 @kernel
@@ -113,3 +124,8 @@ class SensorReadings:
     def range_m(self) -> float:
         """Along body -z; infinite beyond reach, NaN before the first sample."""
         return self.read(RANGEFINDER)
+
+    @property
+    def airspeed(self) -> AirspeedReading:
+        """Pitot tube along body x."""
+        return self.read(AIRSPEED)

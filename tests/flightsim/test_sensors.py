@@ -14,6 +14,7 @@ from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa
 from flightsim.plant.cfg import PlantCfg
 from flightsim.plant.record import PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS, SensorReadings
+from flightsim.sensors.airspeed import AIRSPEED, AirspeedCfg, sample_airspeed
 from flightsim.sensors.barometer import BAROMETER, BarometerCfg, sample_barometer
 from flightsim.sensors.drift import density_of, drift_terms
 from flightsim.sensors.gnss import GNSS, RTK, STANDARD, follow_gnss, sample_gnss
@@ -235,6 +236,40 @@ def test_ray_looks_along_body_down(vector):
     aim_ray(r, np.array([1.0, 2.0, 3.0]), attitude.as_quat(scalar_first=True))
     np.testing.assert_allclose(r["ray"][:3], (1.0, 2.0, 3.0))
     np.testing.assert_allclose(r["ray"][3:], attitude.apply([0.0, 0.0, -1.0]), atol=1e-9)
+
+
+@given(
+    hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)),
+    hnp.arrays(float, 3, elements=st.floats(-15.0, 15.0)),
+    hnp.arrays(float, 3, elements=st.floats(-15.0, 15.0)),
+)
+def test_a_pitot_tube_feels_the_air_that_comes_along_its_axis(vector, velocity, air):
+    attitude = Rotation.from_rotvec(vector)
+    perfect = AirspeedCfg(noise_pa=0.0, zero_sigma_pa=0.0, span_sigma=0.0)
+    r = AIRSPEED.new(perfect, start(altitude_m=0.0))[0]
+    quat = attitude.as_quat(scalar_first=True)
+    sample_airspeed(r, 1, 0.0, quat, air, velocity, np.zeros(1))
+    forward = attitude.inv().apply(velocity - air)[0]
+    assert r["differential_pa"] == pytest.approx(
+        0.5 * 1.225 * forward * abs(forward), rel=1e-4, abs=1e-6
+    )
+    assert r["indicated_mps"] == pytest.approx(forward, rel=1e-4, abs=1e-3)
+    sample_airspeed(r, 1, 5000.0, quat, air, velocity, np.zeros(1))
+    # ISO 2533: 0.7361 kg/m^3 at 5 km
+    thin = math.sqrt(0.7361 / 1.225)
+    assert r["indicated_mps"] == pytest.approx(thin * forward, rel=1e-3, abs=1e-3)
+    assert r["temperature_degc"] == pytest.approx(-17.5)
+
+
+def test_airspeed_errs_by_its_noise_and_by_what_was_drawn_once():
+    tubes = [AIRSPEED.new(AirspeedCfg(), start(k))[0] for k in range(400)]
+    assert np.std([r["zero_pa"] for r in tubes]) == pytest.approx(0.1, rel=0.1)
+    assert np.std([r["span"] for r in tubes]) == pytest.approx(0.015, rel=0.1)
+    readings = []
+    for row in rng().standard_normal((1000, 1)):
+        sample_airspeed(tubes[0], 1, 0.0, LEVEL, np.zeros(3), np.zeros(3), row)
+        readings.append(tubes[0]["differential_pa"])
+    assert np.std(readings) == pytest.approx(1.0, rel=0.1)
 
 
 def test_streams_go_on_and_sensors_with_more_draws_leave_the_others_alone():

@@ -156,6 +156,7 @@ def test_gauges_are_sampled_ten_times_a_second(contents):
         layout.BATTERY_CURRENT,
         layout.BATTERY_REMAINING,
         layout.sensor("rangefinder"),
+        layout.sensor("airspeed"),
         f"{layout.POSITION_SIGMA}/horizontal",
         f"{layout.POSITION_SIGMA}/vertical",
     ):
