@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms, is_in_room
 from flightsim.sensors.gnss import GNSS, RTK, follow_gnss, hears_satellites, sample_gnss
 from flightsim.sensors.mocap import MOCAP, MocapCfg, sample_mocap
-from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms, is_in_room
 from flightsim.sensors.sensor import SensorStart
 from flightsim.sensors.vio import VIO, VioCfg, sample_vio
 from scenarios.bench.manoeuvres import meadow
