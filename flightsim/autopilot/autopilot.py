@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import isfinite
 
 from autonomy.model.quadrotor import Vector3
-from autonomy.types import OFF, Setpoint
+from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.autopilot.arming import ArmingChecks
 from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.behaviours.mission import MissionFlight
@@ -125,6 +125,8 @@ class Autopilot:
                 self._refresh_reports()
         self._n_ticks += 1
         setpoint = commander.tick()
+        if setpoint.level > ControlLevel.IDLE and not vehicle.is_attitude_ok:
+            setpoint = IDLE  # armed by force: there is nothing to fly by yet
         self.setpoint = setpoint
         self._plant.apply(setpoint)
 

@@ -35,6 +35,10 @@ class PlantError(ValueError):
     """A plant that cannot be built as configured."""
 
 
+class NotAlignedError(RuntimeError):
+    """A setpoint for a plant whose estimator does not know yet how the vehicle lies."""
+
+
 class PhysicsDivergedError(RuntimeError):
     """The physics engine met numbers that it could not go on with."""
 

@@ -8,16 +8,23 @@ from __future__ import annotations
 
 import logging
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from autonomy.control.record import setpoint_row
 from autonomy.jit import compile_ahead
-from autonomy.types import OFF, ControlLevel, Quaternion, Setpoint, State, Vector3
+from autonomy.types import OFF, ControlLevel, Setpoint, State, Vector3
 from flightsim.environment.motion import MAX_RATE
 from flightsim.environment.movers import MOVER_KINDS, MoverName, ObstacleStates
 from flightsim.environment.wind import WindCfg
-from flightsim.plant.cfg import ADVANCE_HZ, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.cfg import (
+    ADVANCE_HZ,
+    NotAlignedError,
+    PhysicsDivergedError,
+    PlantCfg,
+    PlantError,
+)
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, example_arguments
 from flightsim.plant.readings import EstimatorStatus, Report
@@ -103,12 +110,41 @@ class Plant:
         )
         self._truth = self._estimate = self._status = None
 
+    @property
+    def is_aligned(self) -> bool:
+        """Whether the controller knows the vehicle's state: by the estimator, or as the truth."""
+        return self.cfg.state == "truth" or self._report.scalar("is_aligned") == 1.0
+
+    def align(self, timeout_s: float = 10.0) -> None:
+        """Rest until the estimator is aligned, which takes about a second.
+
+        Raises:
+            NotAlignedError: If it is not within `timeout_s` of simulated time.
+        """
+        end_us = self.time_us + round(1e6 * timeout_s)
+        self.apply(OFF)
+        while not self.is_aligned:
+            if self.time_us >= end_us:
+                raise NotAlignedError(
+                    f"the estimator is not aligned after {timeout_s:g} s: it needs a vehicle at "
+                    "rest, a barometer, a magnetometer, and satellites where aiding = 'gnss'"
+                )
+            self.advance()
+
     def apply(self, setpoint: Setpoint) -> None:
         """Follow this setpoint from the next advance on.
 
         One that is not a number where it matters, at `ATTITUDE` or `RATE`, is refused: the setpoint
         before stays, and `n_refused_setpoints` counts.
+
+        Raises:
+            NotAlignedError: If it asks for more than idling before the estimator is aligned.
         """
+        if setpoint.level >= ControlLevel.TRAJECTORY and not self.is_aligned:
+            raise NotAlignedError(
+                f"setpoint at level {setpoint.level.name} after {1e-6 * self.time_us:.2f} s: the "
+                "estimator is not aligned yet; valid: OFF and IDLE, or call align() before"
+            )
         if setpoint.level >= ControlLevel.ATTITUDE:
             setpoint_or_none = _normalised(setpoint)
             if setpoint_or_none is None:
@@ -257,10 +293,4 @@ def _normalised(setpoint: Setpoint) -> Setpoint | None:
     total = setpoint.thrust + norm + sum(setpoint.angular_rate_flu_radps)
     if not math.isfinite(total) or norm < 1e-3:
         return None
-    quat: Quaternion = (w / norm, x / norm, y / norm, z / norm)
-    return Setpoint(
-        level=setpoint.level,
-        quat_wxyz=quat,
-        angular_rate_flu_radps=setpoint.angular_rate_flu_radps,
-        thrust=setpoint.thrust,
-    )
+    return replace(setpoint, quat_wxyz=(w / norm, x / norm, y / norm, z / norm))
