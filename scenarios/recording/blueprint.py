@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import rerun.blueprint as rrb
 
 from aeroscene.scene import Scene
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 
