@@ -57,7 +57,7 @@ check: $(VENV)/.installed-dev
 	$(BIN)/deptry .
 
 docs: $(VENV)/.installed-docs
-	$(BIN)/mkdocs build --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 clean:
 	rm -rf $(VENV) recordings site .pytest_cache .ruff_cache .hypothesis build dist
