@@ -35,7 +35,7 @@ from scenarios.pilot.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
 WIDTH_PX, HEIGHT_PX = 320, 240
 N_CELLS = 80
 """Cells of an area that are judged, drawn at random."""
-# The worst of 20 flights with RTK, docs/results.md: 0.15 m and 0.34 degrees in three axes.
+# The worst of 20 flights with RTK, docs/notebook.md: 0.15 m and 0.34 degrees in three axes.
 _POSITION_ERROR_M, _TILT_ERROR_RAD = 0.09, math.radians(0.2)
 _ERROR_CORRELATION_S = 10.0
 _WOBBLE_M, _WOBBLE_RAD, _WOBBLE_CORRELATION_S = 0.04, math.radians(1.5), 0.7
