@@ -153,19 +153,19 @@ class MavlinkClient:
         return pending
 
     def request_streams(self) -> list[Command]:
-        """Ask for what a companion steers by, and for silence about the rest."""
+        """Ask for what a companion steers by, the local frame's origin first; silence the rest."""
+        origin = self.command(
+            mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
+        )
         wanted = [(message_id, 1e6 / hz) for message_id, hz in _NEEDED_HZ.items()]
         unwanted = [(message_id, -1.0) for message_id in _NOT_NEEDED]
         return [
-            self.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, interval_us)
-            for message_id, interval_us in (*wanted, *unwanted)
+            origin,
+            *(
+                self.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, interval_us)
+                for message_id, interval_us in (*wanted, *unwanted)
+            ),
         ]
-
-    def request_origin(self) -> Command:
-        """Ask where MAVLink's local frame begins."""
-        return self.command(
-            mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
-        )
 
     def set_mode(self, custom_mode: int) -> Command:
         """Change the flight mode; see `PX4_OFFBOARD` and its neighbours."""
