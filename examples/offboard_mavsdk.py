@@ -1,8 +1,10 @@
 """Offboard by MAVSDK: up to 10 m, a square at 3 m/s, and down again.
 
-aeroscene-sitl --scene 42                   in one terminal
-pip install mavsdk mavsdk-grpc              MAVSDK-Python; below version 4 it is one package
-python examples/offboard_mavsdk.py          in another
+It needs a running testbench and MAVSDK-Python, which is two packages from version 4 on:
+
+    pip install mavsdk mavsdk-grpc
+    aeroscene-sitl --scene 42
+    python examples/offboard_mavsdk.py          in another terminal
 """
 
 import asyncio

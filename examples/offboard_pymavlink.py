@@ -1,7 +1,9 @@
 """Offboard by pymavlink: up to 8 m, 6 m to the north, and down again.
 
-aeroscene-sitl --scene 42                   in one terminal
-python examples/offboard_pymavlink.py       in another
+It needs a running testbench:
+
+    aeroscene-sitl --scene 42
+    python examples/offboard_pymavlink.py       in another terminal
 """
 
 import sys

@@ -22,9 +22,7 @@ if TYPE_CHECKING:
         Telemetry,
     )
     from flightsim.plant import PhysicsDivergedError, Plant, PlantCfg, PlantError
-    from flightsim.sensors.camera import CameraError, RgbdFrame
-    from flightsim.sensors.cameras import Cameras
-    from flightsim.sensors.depth_noise import depth_noise
+    from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
     from flightsim.simulator import Controller, Simulator
     from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError
     from flightsim.vehicles import (
@@ -45,9 +43,7 @@ else:
             "flightsim.mavlink.client": "PX4_HOLD PX4_LAND PX4_OFFBOARD PX4_RETURN BytePipe "
             "Command MavlinkClient Telemetry",
             "flightsim.plant": "PhysicsDivergedError Plant PlantCfg PlantError",
-            "flightsim.sensors.camera": "CameraError RgbdFrame",
-            "flightsim.sensors.cameras": "Cameras",
-            "flightsim.sensors.depth_noise": "depth_noise",
+            "flightsim.sensors.cameras": "CameraError Cameras RgbdFrame depth_noise",
             "flightsim.simulator": "Controller Simulator",
             "flightsim.testbench": "Testbench TestbenchCfg TestbenchError",
             "flightsim.vehicles": "Airframe AirframeError BatteryParams CameraMount "

@@ -8,8 +8,7 @@ import numpy as np
 
 from aeroscene.scene import Scene
 from flightsim.mavlink.client.client import MavlinkClient
-from flightsim.sensors.cameras import Cameras
-from flightsim.sensors.depth_noise import depth_noise
+from flightsim.sensors.cameras import Cameras, depth_noise
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg

@@ -11,7 +11,7 @@ from jaxtyping import Float, Integer
 from scenarios.recording import layout
 
 if TYPE_CHECKING:
-    from flightsim.sensors.camera import RgbdFrame
+    from flightsim.sensors.cameras import RgbdFrame
 
 JPEG_QUALITY = 85
 DEPTH_UNITS_PER_M = 1000.0

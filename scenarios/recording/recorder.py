@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
     from flightsim.autopilot.autopilot import Autopilot
     from flightsim.plant import Plant
-    from flightsim.sensors.camera import RgbdFrame
+    from flightsim.sensors.cameras import RgbdFrame
 
 _log = logging.getLogger(__name__)
 

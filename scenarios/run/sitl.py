@@ -18,9 +18,7 @@ from aeroscene.sources import open_scene
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
-from flightsim.sensors.camera import CameraError, RgbdFrame
-from flightsim.sensors.cameras import Cameras
-from flightsim.sensors.depth_noise import depth_noise
+from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
 from flightsim.simulator import TICK_US
 from flightsim.testbench import Testbench, TestbenchError
 from flightsim.vehicles import Airframe, AirframeError

@@ -8,8 +8,7 @@ import pytest
 from autonomy.perception import DepthImage, MoverTracker
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant import Plant, PlantCfg
-from flightsim.sensors.camera import open_camera_renderer
-from flightsim.sensors.depth_noise import depth_noise
+from flightsim.sensors.cameras import depth_noise, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.mission.obstacles import scene_obstacles

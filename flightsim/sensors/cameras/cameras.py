@@ -8,8 +8,9 @@ from typing import Self
 import numpy as np
 
 from flightsim.plant import Plant
-from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
-from flightsim.sensors.depth_noise import DepthNoise
+from flightsim.sensors.cameras.depth_noise import DepthNoise
+from flightsim.sensors.cameras.renderer import open_camera_renderer
+from flightsim.sensors.cameras.view import RgbdFrame
 
 
 class Cameras:
