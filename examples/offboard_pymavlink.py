@@ -10,6 +10,7 @@ import sys
 import time
 
 from pymavlink import mavutil
+from pymavlink.dialects.v20 import common as mavlink
 
 POSITION_ONLY = 0b1101_1111_1000  # ignore velocity, acceleration, yaw and yaw rate
 
@@ -22,7 +23,7 @@ def position(drone):
 
 def send_setpoint(drone, goal_ned_m) -> None:
     address = (0, drone.target_system, drone.target_component)
-    how = (mavutil.mavlink.MAV_FRAME_LOCAL_NED, POSITION_ONLY)
+    how = (mavlink.MAV_FRAME_LOCAL_NED, POSITION_ONLY)
     drone.mav.set_position_target_local_ned_send(*address, *how, *goal_ned_m, *(0.0,) * 8)
 
 
@@ -36,7 +37,7 @@ def fly_to(drone, goal_ned_m) -> None:
 def main(address: str = "tcp:127.0.0.1:5760") -> None:
     drone = mavutil.mavlink_connection(address, source_system=255)
     drone.wait_heartbeat()
-    prearm_check = mavutil.mavlink.MAV_SYS_STATUS_PREARM_CHECK
+    prearm_check = mavlink.MAV_SYS_STATUS_PREARM_CHECK
     while True:  # healthy first: right after the start the estimator is not aligned
         status = drone.recv_match(type="SYS_STATUS", blocking=True, timeout=5)
         if status.onboard_control_sensors_health & prearm_check:

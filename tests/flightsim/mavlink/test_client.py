@@ -31,9 +31,8 @@ class Flight:
     """A testbench and a client in lockstep."""
 
     def __init__(self, loses=frozenset()):
-        self.bench = Testbench(
-            yard(), TestbenchCfg(speed="max"), has_network=False, observers=[self._on_tick]
-        )
+        self.bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False)
+        self.bench.observers.append(self._on_tick)
         self.pipe = LossyPipe(self.bench.pilot_link.client, loses)
         self.client = MavlinkClient(self.pipe, self.bench.frame)
         self.reference = None
@@ -44,8 +43,7 @@ class Flight:
             self.client.send_setpoint(self.reference)
 
     def run(self, seconds, until=lambda: False):
-        end_us = self.bench.plant.time_us + round(seconds * 1e6)
-        self.bench.simulator.run(until_us=end_us, stop=until)
+        self.bench.run(seconds, until)
 
     def do(self, command):
         self.run(10.0, lambda: command.is_done)
