@@ -48,8 +48,7 @@ class CircleController:
 def main() -> CircleController:
     world = flightsim.build_world(open_scene("42"), flightsim.airframe_by_name("iris"))
     plant = Plant(world, PlantCfg(seed=0))
-    while not plant.estimator.is_position_valid:
-        plant.advance()
+    plant.align()
     controller = CircleController(plant)
     Simulator(plant, controller, speed="max").run(until_us=plant.time_us + 20_000_000)
     return controller

@@ -41,8 +41,7 @@ def main(folder: str = "rgbd") -> None:
     out.mkdir(parents=True, exist_ok=True)
     world = flightsim.build_world(scene, flightsim.airframe_by_name("iris"))
     plant = Plant(world, PlantCfg(seed=0))
-    while not plant.estimator.is_position_valid:
-        plant.advance()
+    plant.align()
     x, y, z = plant.estimate.position_enu_m
     with flightsim.Cameras(plant, width_px=320, height_px=240) as cameras:
         for number in range(8):

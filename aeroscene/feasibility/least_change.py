@@ -17,9 +17,10 @@ Source: Hildreth 1957, "A quadratic programming procedure": coordinate ascent on
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from jaxtyping import Float, Int
+
+from aeroscene.jit import kernel
 
 COMPLIANCE = 2e-4
 _TOLERANCE_M = 5e-5
@@ -44,7 +45,7 @@ def least_change(
     return _ascend(first, columns, demands[rows, columns], bounds, 1.0 / weights, sweeps)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _ascend(
     first: Int[np.ndarray, " k1"],
     columns: Int[np.ndarray, " nz"],

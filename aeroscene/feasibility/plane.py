@@ -16,10 +16,9 @@ from aeroscene.feasibility.changes import Changes
 from aeroscene.feasibility.heights import post
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.least_change import least_change
+from aeroscene.feasibility.place_search import TOUCH_M
 from aeroscene.feasibility.roles import POSTS, margin_m
 
-TOUCH_M = 0.001
-"""Overlaps below this count as touching, as in the corpus."""
 _GAP_M = 0.002
 """Left between what was parted."""
 _RIM_M = 0.003

@@ -17,10 +17,10 @@ from aeroscene.feasibility.boxes import (
 )
 from aeroscene.feasibility.hosts import dissolve, other_hosts
 from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.place_search import TOUCH_M
 from aeroscene.feasibility.places import Place, find_place, move_to
 from aeroscene.feasibility.roles import BUILDINGS, GROUND, cuttable, least_m
 
-TOUCH_M = 0.001
 _GAP_M = 0.0005
 _MOST_CUT = 0.6
 """Largest share of a side that a last cut may take."""

@@ -20,9 +20,6 @@ IS_COARSE: Bool[np.ndarray, " categories"] = np.array(
 )
 """Whether a category is coarse, by its id less one."""
 
-_TILT = 1e-6
-"""Norm of a quaternion's x and y from which a box tilts; as `OrientedBox.is_upright` has it."""
-
 
 @dataclass(frozen=True, eq=False)
 class SceneArrays:
@@ -48,11 +45,6 @@ class SceneArrays:
     def is_coarse(self) -> Bool[np.ndarray, " n"]:
         """Whether the category is coarse."""
         return IS_COARSE[self.category]
-
-    @cached_property
-    def is_upright(self) -> Bool[np.ndarray, " n"]:
-        """Whether the box turns about the vertical only."""
-        return np.hypot(self.quat_wxyz[:, 1], self.quat_wxyz[:, 2]) < _TILT
 
     @cached_property
     def yaw_rad(self) -> Float[np.ndarray, " n"]:

@@ -20,10 +20,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.metrics.arrays import SceneArrays, scene_arrays
-from aeroscene.metrics.intersection import pair_iou
 from aeroscene.scene import Scene
 from aeroscene.scene.box import box_corners
 from aeroscene.scene.geometry import penetration_depth
+from aeroscene.scene.overlap import pair_iou
 
 MAX_IOU = 0.01
 """The paper's: above it two boxes collide."""
@@ -103,7 +103,6 @@ def overlaps(arrays: SceneArrays) -> Overlaps:
     depth_m = penetration_depth(p[first], q[first], s[first], p[second], q[second], s[second])
     is_deep = depth_m > 0
     first, second, depth_m = first[is_deep], second[is_deep], depth_m[is_deep]
-    is_upright = arrays.is_upright[first] & arrays.is_upright[second]
     a, b = (p[first], q[first], s[first]), (p[second], q[second], s[second])
     n_all = arrays.n_objects * (arrays.n_objects - 1) // 2
     n_roots = int((arrays.parent < 0).sum())
@@ -116,7 +115,7 @@ def overlaps(arrays: SceneArrays) -> Overlaps:
         },
         first=first,
         second=second,
-        iou=pair_iou(*a, *b, is_upright),
+        iou=pair_iou(*a, *b),
         depth_m=depth_m,
         is_among={
             "all": np.ones(len(first), dtype=bool),

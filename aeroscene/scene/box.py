@@ -25,6 +25,8 @@ Quaternion = tuple[float, float, float, float]
 
 UNIT_TOLERANCE = 1e-4
 """Allowed deviation of a quaternion's norm from one: layouts rounded to 4 decimals still pass."""
+UPRIGHT_TOLERANCE = 1e-6
+"""Size of x and y of a quaternion below which a box turns about the vertical only."""
 MIN_SIZE_M = 0.001
 MAX_EXTENT_M = 1000.0
 """Longest side of a flight volume and of a box, and farthest that an object lies outside it."""
@@ -74,7 +76,7 @@ class OrientedBox:
     @property
     def is_upright(self) -> bool:
         """Whether the box turns about the vertical only."""
-        return math.hypot(self.q[1], self.q[2]) < 1e-6
+        return math.hypot(self.q[1], self.q[2]) < UPRIGHT_TOLERANCE
 
     def corners(self) -> Float[np.ndarray, "8 3"]:
         """The eight corners, ENU, m; bit 0, 1, 2 of the row is the sign along x, y, z."""

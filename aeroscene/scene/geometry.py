@@ -1,4 +1,4 @@
-"""Oriented boxes to each other: exact IoU, penetration depth and signed distance.
+"""Oriented boxes to each other: penetration depth, signed distance, layers of what they hold.
 
 | symbol | name | unit |
 |---|---|---|
@@ -11,60 +11,13 @@ Batched functions take leading axes freely; a single box has none.
 
 from __future__ import annotations
 
-import math
 from functools import cache
 
 import numpy as np
 from jaxtyping import Float
 from numpy.typing import ArrayLike
 
-from aeroscene.scene.box import OrientedBox, footprint_rectangle, rotation_matrix
-
-_GRID_M = 1e-9
-"""Footprints are intersected on this grid."""
-
-
-def iou(first: OrientedBox, second: OrientedBox) -> float:
-    """Exact intersection over union of the volumes of two boxes."""
-    if first.is_upright and second.is_upright:
-        shared = _shared_upright(first, second)
-    else:
-        shared = _shared_any(first, second)
-    return float(shared / (math.prod(first.s) + math.prod(second.s) - shared))
-
-
-def _shared_upright(first: OrientedBox, second: OrientedBox) -> float:
-    low = max(first.p[2] - first.s[2] / 2, second.p[2] - second.s[2] / 2)
-    high = min(first.p[2] + first.s[2] / 2, second.p[2] + second.s[2] / 2)
-    reach = 0.5 * (math.hypot(*first.s[:2]) + math.hypot(*second.s[:2]))
-    apart = math.hypot(first.p[0] - second.p[0], first.p[1] - second.p[1])
-    if high <= low or apart >= reach:
-        return 0.0
-    import shapely  # noqa: PLC0415 - heavy, and most pairs never reach it
-
-    polygons = (shapely.Polygon(footprint_rectangle(box)) for box in (first, second))
-    # On a grid: edges that lie on each other but for rounding would share nothing.
-    overlap = shapely.intersection(*polygons, grid_size=_GRID_M)
-    return overlap.area * (high - low)
-
-
-def _shared_any(first: OrientedBox, second: OrientedBox) -> float:
-    """Volume of what is left of one box when the six faces of the other have cut it."""
-    # Heavy, and boxes hardly ever tilt.
-    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415
-
-    points = first.corners()
-    volume = 0.0
-    for axis, half in zip(rotation_matrix(second.q).T, np.asarray(second.s) / 2, strict=True):
-        for normal in (axis, -axis):
-            points = layer(points, normal, -math.inf, float(normal @ second.p + half))
-            try:
-                hull = ConvexHull(points)
-            except (QhullError, ValueError):
-                # Flat or empty.
-                return 0.0
-            points, volume = points[hull.vertices], hull.volume
-    return volume
+from aeroscene.scene.box import rotation_matrix
 
 
 def layer(

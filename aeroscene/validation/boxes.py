@@ -9,7 +9,7 @@ from jaxtyping import Int
 
 from aeroscene.scene import Scene
 from aeroscene.scene.box import box_corners
-from aeroscene.scene.geometry import iou, penetration_depth
+from aeroscene.scene.overlap import pair_iou
 from aeroscene.validation.findings import Finding
 
 MAX_IOU = 0.01
@@ -19,42 +19,39 @@ OUTSIDE_TOLERANCE_M = 0.01
 
 def overlaps(scene: Scene) -> Iterator[Finding]:
     """Pairs of boxes that share volume and are not parent and child."""
-    objects = scene.objects
-    for first, second in _candidates(scene).tolist():
-        a, b = objects[first], objects[second]
-        share = iou(a.bbox, b.bbox)
-        if share > MAX_IOU:
-            yield Finding(
-                kind="overlap",
-                scene_id=scene.scene_id,
-                object_id=b.id,
-                detail=f"{b.category} {b.id} and {a.category} {a.id} overlap with an IoU of "
-                f"{share:.3f}, valid: at most {MAX_IOU}",
-            )
-
-
-def _candidates(scene: Scene) -> Int[np.ndarray, "pairs 2"]:
-    """Pairs that may overlap by enough: near, like in size, not parent and child."""
     if not scene.objects:
-        return np.empty((0, 2), dtype=int)
-    p, q, s = _boxes(scene)
+        return
+    objects, boxes = scene.objects, _boxes(scene)
+    first, second = _candidates(scene, *boxes)
+    shares = pair_iou(*(values[first] for values in boxes), *(values[second] for values in boxes))
+    for row in np.flatnonzero(shares > MAX_IOU):
+        a, b = objects[first[row]], objects[second[row]]
+        yield Finding(
+            kind="overlap",
+            scene_id=scene.scene_id,
+            object_id=b.id,
+            detail=f"{b.category} {b.id} and {a.category} {a.id} overlap with an IoU of "
+            f"{shares[row]:.3f}, valid: at most {MAX_IOU}",
+        )
+
+
+def _candidates(
+    scene: Scene, p: np.ndarray, q: np.ndarray, s: np.ndarray
+) -> tuple[Int[np.ndarray, " pairs"], Int[np.ndarray, " pairs"]]:
+    """Pairs that may overlap by enough: near, like in size, not parent and child."""
     corners = box_corners(p, q, s)
     low, high = corners.min(axis=1), corners.max(axis=1)
     volume = s.prod(axis=1)
-    first, second = np.triu_indices(len(p), 1)
-    near = ((low[first] < high[second]) & (low[second] < high[first])).all(axis=1)
+    a, b = np.triu_indices(len(p), 1)
+    near = ((low[a] < high[b]) & (low[b] < high[a])).all(axis=1)
     # Two volumes so unlike share too little even where one holds the other.
-    ratio = volume[first] / volume[second]
-    pairs = np.stack([first, second], axis=1)[near & (ratio > MAX_IOU) & (ratio < 1 / MAX_IOU)]
+    ratio = volume[a] / volume[b]
     ids = np.array([obj.id for obj in scene.objects])
     # -1 is no object's id.
     parents = np.array([-1 if obj.parent_id is None else obj.parent_id for obj in scene.objects])
-    is_family = (parents[pairs[:, 1]] == ids[pairs[:, 0]]) | (
-        parents[pairs[:, 0]] == ids[pairs[:, 1]]
-    )
-    a, b = pairs[~is_family].T
-    depth = penetration_depth(p[a], q[a], s[a], p[b], q[b], s[b])
-    return np.stack([a, b], axis=1)[depth > 0]
+    is_family = (parents[b] == ids[a]) | (parents[a] == ids[b])
+    is_wanted = near & (ratio > MAX_IOU) & (ratio < 1 / MAX_IOU) & ~is_family
+    return a[is_wanted], b[is_wanted]
 
 
 def outside(scene: Scene) -> Iterator[Finding]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from aeroscene.learning import require_torch
 from aeroscene.learning.skeleton.config import SkeletonError
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from aeroscene.scene.io import write_scene
@@ -72,8 +73,8 @@ class GenerateCfg:
     progress: Path | None = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: scenes, seconds_per_scene, device, failed, and for each of the stages
-    guided and feasible collision_rate (the paper's, a share) and rejected."""
+    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, and for each of the
+    stages guided and feasible collision_rate (the paper's, a share) and rejected."""
 
 
 def run(cfg: GenerateCfg) -> int:
@@ -104,6 +105,7 @@ class _Tally:
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
+    require_torch()
     # PyTorch: seconds that no other command should spend.
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
 
@@ -252,7 +254,7 @@ def _keep(cfg: GenerateCfg, found: Generated, tally: _Tally) -> bool:
     tally.feasible.append(collision_rate(found.scene))
     path = cfg.out / f"{found.scene.scene_id}.json"
     write_scene(found.scene, path)
-    tally.files.append(path.name)
+    tally.files.append(str(path))
     return True
 
 

@@ -176,6 +176,7 @@ class Sitl:
                 primitives=scene_primitives(bench.scene),
                 airframe=bench.airframe,
                 info=info,
+                goal_enu_m=None if self.pilot is None else self.pilot.area.centroid,
                 serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
             )
             stack.enter_context(recorder)

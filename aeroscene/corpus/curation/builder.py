@@ -10,7 +10,7 @@ from aeroscene.corpus.curation.frame import Frame
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject, Vector3
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import category_id
-from aeroscene.scene.geometry import iou
+from aeroscene.scene.overlap import iou
 
 TOUCH_M = 0.001
 """Overlaps below this count as touching."""

@@ -144,6 +144,7 @@ class Generator:
             scene_id=scene_name(request.seed),
             seed=request.seed,
             rng=rng,
+            kept=request.kept,
         )
         feasible = make_feasible(raw, FeasibilityCfg(limits=limits))
         return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)

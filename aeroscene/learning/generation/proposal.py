@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -77,7 +77,7 @@ class HierarchicalProposer:
         """Skeletons by wish, then guided diffusion of all their geometry at once.
 
         Raises:
-            RequestError: If a scene to complete has objects of kinds that the model never saw.
+            RequestError: If a scene to complete has objects of categories that the model never saw.
         """
         given = [self._given(request) for request in requests]
         kept = [None if part is None else part.skeleton for part in given]
@@ -93,17 +93,16 @@ class HierarchicalProposer:
 
     def _given(self, request: Request) -> Example | None:
         """The coarse part of the scene that is to be completed."""
-        scene = request.complete
-        if scene is None:
+        part = request.kept
+        if part is None:
             return None
-        coarse = tuple(obj for obj in scene.objects if obj.is_coarse)
-        part = replace(scene, objects=coarse, interaction_areas=())
         try:
-            return encode(part, self.vocabulary, self._statistics)
+            return encode(part, self.vocabulary, self._statistics, allow_nearest=True)
         except KeyError as error:
+            known = sorted({kind.category for kind in self.vocabulary.kinds if not kind.is_site})
             raise RequestError(
-                f"scene {scene.scene_id!r} has an object of a kind that the model never saw "
-                f"({error.args[0]}), valid: coarse objects as in scenes of the corpus"
+                f"scene {part.scene_id!r} has an object of category {error.args[0]!r}, which the "
+                f"model never saw, valid: {', '.join(known)}"
             ) from None
 
     def _known_channels(

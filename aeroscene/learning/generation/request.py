@@ -62,6 +62,14 @@ class Request:
                 "the scene has an outline of its own"
             )
 
+    @property
+    def kept(self) -> Scene | None:
+        """The coarse part of the scene that is to be completed."""
+        if self.complete is None:
+            return None
+        coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
+        return replace(self.complete, objects=coarse, interaction_areas=())
+
     def drawn(self, rng: np.random.Generator) -> tuple[Wish, AreaLimits]:
         """The wish with nothing left open, and how many areas of each size are kept.
 

@@ -73,23 +73,7 @@ def _reach(axes: Tensor, own: Tensor, half: Tensor) -> Tensor:
     return ((axes @ own.transpose(1, 2)).abs() * half[:, None]).sum(-1)
 
 
-def overlap_along(
-    pairs: Pairs, offset_m: Float[Tensor, "pairs 3"]
-) -> tuple[Float[Tensor, "pairs 5"], Float[Tensor, "pairs 5"]]:
-    """How far apart the centres are along each axis, signed, and by how much that is too little."""
-    apart = (pairs.axes * offset_m[:, None]).sum(-1)
-    return apart, pairs.reach_m - apart.abs()
-
-
-def penetration_depth(
-    boxes: Boxes, first: Int[Tensor, " pairs"], second: Int[Tensor, " pairs"]
-) -> Float[Tensor, " pairs"]:
-    """Least translation that parts upright boxes, negative when apart, m.
-
-    Args:
-        boxes: The boxes.
-        first: Numbers of tokens through the batch.
-        second: Those of their partners.
-    """
-    pairs = pairs_of(boxes, first, second)
-    return overlap_along(pairs, pairs.offset_m)[1].min(dim=-1).values
+def overlap(pairs: Pairs) -> Float[Tensor, " pairs"]:
+    """Least translation that parts the boxes of each pair, negative when apart, m."""
+    apart = (pairs.axes * pairs.offset_m[:, None]).sum(-1)
+    return (pairs.reach_m - apart.abs()).min(dim=-1).values

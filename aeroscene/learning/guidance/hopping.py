@@ -12,7 +12,7 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
-from aeroscene.learning.guidance.contacts import Pairs, near_pairs, overlap_along, pairs_of
+from aeroscene.learning.guidance.contacts import Pairs, near_pairs, overlap, pairs_of
 from aeroscene.learning.guidance.pushing import Movable
 from aeroscene.learning.guidance.tree import turn
 from aeroscene.learning.tokens.decode import Boxes
@@ -54,7 +54,7 @@ def _hoppers(
     pairs: Pairs, movable: Movable, may_hop: Tensor, tolerance_m: float
 ) -> Int[Tensor, " k"]:
     """The lighter of each pair that overlaps, where it may hop, else the other."""
-    overlaps = overlap_along(pairs, pairs.offset_m)[1].min(dim=-1).values > tolerance_m
+    overlaps = overlap(pairs) > tolerance_m
     first, second = pairs.first[overlaps], pairs.second[overlaps]
     may_hop, lightness = may_hop.reshape(-1), movable.lightness.reshape(-1)
     is_second = (lightness[second] >= lightness[first]) & may_hop[second] | ~may_hop[first]
@@ -89,7 +89,7 @@ def _worst_overlap(
     in_world = turn(way, movable.heading.reshape(-1, 2)[token][:, None])
     along = (pairs.axes * pairs.offset_m[:, None]).sum(-1)
     shift = pairs.axes @ in_world.transpose(1, 2)[row]
-    overlap = (pairs.reach_m[..., None] - (along[..., None] - shift).abs()).amin(dim=1)
+    depth = (pairs.reach_m[..., None] - (along[..., None] - shift).abs()).amin(dim=1)
     worst = torch.zeros(len(token), way.shape[1], dtype=way.dtype, device=way.device)
     rows = row[:, None].expand(-1, way.shape[1])
-    return worst.scatter_reduce(0, rows, overlap, "amax")
+    return worst.scatter_reduce(0, rows, depth, "amax")

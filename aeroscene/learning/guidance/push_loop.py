@@ -1,31 +1,32 @@
-"""The iterations of `pushing.separate` on a processor, compiled: a scene costs a millisecond.
+"""The iterations of `pushing.separate`, compiled: a scene costs a millisecond.
 
 On tensors, an iteration is some fifty small operations, each of which costs more to call than to
-do. Here pairs are gone through one by one, and only those that overlap are looked at closely. The
-same rules in the same order: a test holds the two together.
+do. Here pairs are gone through one by one, and only those that overlap are looked at closely.
+
+Source: Müller et al. 2007, "Position Based Dynamics", section 3.3; masses, bounds and the choice of
+direction are ours.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from aeroscene.jit import kernel
+
 _VERTICAL = 4
 """Place of the vertical among the axes."""
-
-
-class Rules(NamedTuple):
-    """Numbers of `pushing`."""
-
-    tolerance_m: float
-    stuck_cost: float
-    least_slope: float
-    endless_m: float
-    least_help: float
-    check_every: int
+_STUCK_COST = 100.0
+"""Of a metre squared of overlap that a push cannot undo, against moving a unit mass a metre."""
+_CHECK_EVERY = 5
+"""Iterations between two looks, while some are patient, at whether all is done."""
+_LEAST_SLOPE = 1e-3
+"""Directions nearer to an axis than this do not move along the other one."""
+_ENDLESS_M = 1e6
+_LEAST_HELP = 0.7
+"""Share of an overlap that a push must undo, or the pair is left alone."""
 
 
 class Touching(NamedTuple):
@@ -50,9 +51,9 @@ class Freedom(NamedTuple):
     lightness: Float[np.ndarray, " n"]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def iterate(
-    touching: Touching, freedom: Freedom, rules: Rules, n_steps: int, n_patient_steps: int
+    touching: Touching, freedom: Freedom, tolerance_m: float, n_steps: int, n_patient_steps: int
 ) -> Float[np.ndarray, "n 3"]:
     """Displacements that undo overlaps, in the axes of the parents, m."""
     n_pairs = len(touching.token)
@@ -64,20 +65,20 @@ def iterate(
     forth, back = np.zeros_like(moved), np.zeros_like(moved)
     for step in range(n_steps):
         is_patient = step < n_patient_steps
-        _look(touching, _in_world(moved, freedom), rules.tolerance_m, apart, overlaps)
+        _look(touching, _in_world(moved, freedom), tolerance_m, apart, overlaps)
         if is_patient:
             _wait(touching.above, overlaps, busy, waits)
         for pair in range(n_pairs):
             if overlaps[pair] and not (is_patient and waits[pair]):
-                _part(pair, touching, apart[pair], freedom, moved, rules, forth, back)
+                _part(pair, touching, apart[pair], freedom, moved, tolerance_m, forth, back)
         is_done = not _move(moved, forth, back, freedom)
         # What waits may go on later, though nothing is pushed now.
-        if is_done and (not is_patient or step % rules.check_every == 0):
+        if is_done and (not is_patient or step % _CHECK_EVERY == 0):
             break
     return moved
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _move(
     moved: Float[np.ndarray, "n 3"],
     forth: Float[np.ndarray, "n 3"],
@@ -97,7 +98,7 @@ def _move(
     return was_pushed
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _in_world(moved: Float[np.ndarray, "n 3"], freedom: Freedom) -> Float[np.ndarray, "n 3"]:
     """Displacements in the world, with those of all that a token stands on."""
     world = np.empty_like(moved)
@@ -112,7 +113,7 @@ def _in_world(moved: Float[np.ndarray, "n 3"], freedom: Freedom) -> Float[np.nda
     return world
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _look(
     touching: Touching,
     world: Float[np.ndarray, "n 3"],
@@ -136,7 +137,7 @@ def _look(
                 break
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _wait(
     above: Int[np.ndarray, "pairs 2"],
     overlaps: Bool[np.ndarray, " pairs"],
@@ -153,14 +154,14 @@ def _wait(
         busy[pair] = overlaps[pair] or waits[pair]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _part(
     pair: int,
     touching: Touching,
     apart: Float[np.ndarray, " 5"],
     freedom: Freedom,
     moved: Float[np.ndarray, "n 3"],
-    rules: Rules,
+    tolerance_m: float,
     forth: Float[np.ndarray, "n 3"],
     back: Float[np.ndarray, "n 3"],
 ) -> None:
@@ -173,43 +174,42 @@ def _part(
         axis = k % 5
         sign = 1.0 if k < 5 else -1.0
         direction = touching.axes[pair, axis] * sign
-        depth = touching.reach_m[pair, axis] - sign * apart[axis] - rules.tolerance_m / 2
-        room_first = _room(first, -direction, freedom, moved, rules)
-        room_second = _room(second, direction, freedom, moved, rules)
+        depth = touching.reach_m[pair, axis] - sign * apart[axis] - tolerance_m / 2
+        room_first = _room(first, -direction, freedom, moved)
+        room_second = _room(second, direction, freedom, moved)
         move_second = min(depth - min(depth * share, room_first), room_second)
         move_first = min(depth - move_second, room_first)
         stuck = depth - move_first - move_second
         cost = move_first**2 / light_first + move_second**2 / light_second
-        cost += rules.stuck_cost * stuck**2
+        cost += _STUCK_COST * stuck**2
         # Thin things overlap least in height: that is no way out where it is blocked.
-        if axis == _VERTICAL and stuck > rules.tolerance_m:
+        if axis == _VERTICAL and stuck > tolerance_m:
             cost = np.inf
         if cost < least:
             best, least = k, cost
             best_first, best_second, best_depth = move_first, move_second, depth
     # What no way helps stays: a room would be pushed out from under a slab that is too low.
-    if best_first + best_second < rules.least_help * best_depth:
+    if best_first + best_second < _LEAST_HELP * best_depth:
         return
     direction = touching.axes[pair, best % 5] * (1.0 if best < 5 else -1.0)
     _note(first, -direction, best_first, freedom, forth, back)
     _note(second, direction, best_second, freedom, forth, back)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _room(
     token: int,
     direction: Float[np.ndarray, " 3"],
     freedom: Freedom,
     moved: Float[np.ndarray, "n 3"],
-    rules: Rules,
 ) -> float:
     """How far a token may go along a direction of the world until it is at a bound."""
     room = np.inf
     own = _in_parent(direction, freedom.heading[token])
     for axis in range(3):
         slope = abs(own[axis])
-        if slope < rules.least_slope:
-            along = rules.endless_m
+        if slope < _LEAST_SLOPE:
+            along = _ENDLESS_M
         elif own[axis] > 0:
             along = (freedom.high_m[token, axis] - moved[token, axis]) / slope
         else:
@@ -218,7 +218,7 @@ def _room(
     return room
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _in_parent(
     direction: Float[np.ndarray, " 3"], heading: Float[np.ndarray, " 2"]
 ) -> tuple[float, float, float]:
@@ -227,7 +227,7 @@ def _in_parent(
     return c * x + s * y, c * y - s * x, z
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _note(
     token: int,
     direction: Float[np.ndarray, " 3"],

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from aeroscene.corpus.curation.curate import HEADROOM_M
 from aeroscene.learning.tokens.channels import Geometry, site_growth
 from aeroscene.learning.tokens.kinds import OPENINGS, Vocabulary
-from aeroscene.learning.tokens.skeleton import Skeleton
+from aeroscene.learning.tokens.skeleton import Skeleton, token_order
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import MIN_SIZE_M, quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
@@ -26,6 +27,7 @@ def assemble(
     scene_id: str,
     seed: int,
     rng: np.random.Generator,
+    kept: Scene | None = None,
 ) -> Scene:
     """The scene that a skeleton and its geometry are, without interaction areas.
 
@@ -36,27 +38,35 @@ def assemble(
         scene_id: Name of the scene.
         seed: Number that the scene carries.
         rng: Draws the looks.
+        kept: What the site and the first tokens after it stand for, and which stays as it is.
 
     Raises:
         SceneError: If a number is not finite.
     """
     looks = _draw_looks(skeleton, vocabulary, rng)
+    own = () if kept is None else token_order(kept)
+    low, high = _extent(skeleton, geometry)
+    if kept is not None:
+        low, high = kept.extent_min_enu_m, kept.extent_max_enu_m
+        geometry = _moved_along(skeleton, geometry, kept)
     objects: list[SceneObject] = []
     for i in range(1, len(skeleton)):
         kind = vocabulary.kinds[skeleton.kind_id[i]]
-        parent = int(skeleton.parent[i])
+        parent_id = int(skeleton.parent[i]) - 1 if skeleton.parent[i] else None
+        if i <= len(own):
+            objects.append(replace(own[i - 1], id=i - 1, scene_id=scene_id, parent_id=parent_id))
+            continue
         objects.append(
             SceneObject(
                 id=i - 1,
                 scene_id=scene_id,
-                parent_id=parent - 1 if parent else None,
+                parent_id=parent_id,
                 category_id=int(vocabulary.category_id[skeleton.kind_id[i]]),
                 bbox=_box(geometry, i),
                 domain=kind.domain,
                 attributes=looks[i] | dict(kind.attributes) | _openings(geometry, i, kind.openings),
             )
         )
-    low, high = _extent(skeleton, geometry)
     pad = next((o for o in objects if o.attributes.get("is_start")), None)
     start = (0.0, 0.0, 0.0) if pad is None else _top_middle(pad)
     return Scene(
@@ -72,6 +82,21 @@ def assemble(
         altitude_m=ALTITUDE_M,
         objects=tuple(objects),
     )
+
+
+def _moved_along(skeleton: Skeleton, geometry: Geometry, kept: Scene) -> Geometry:
+    """The geometry with all that belongs to what is kept moved along to where this is.
+
+    A kind that stands for one that the model never saw may have another height.
+    """
+    places = [obj.bbox.p for obj in token_order(kept)]
+    middle = (np.array(kept.extent_min_enu_m) + kept.extent_max_enu_m) / 2
+    moved = np.zeros_like(geometry.center_enu_m)
+    moved[0, :2] = middle[:2]
+    for i in range(1, len(skeleton)):
+        is_own = i <= len(places)
+        moved[i] = places[i - 1] - geometry.center_enu_m[i] if is_own else moved[skeleton.parent[i]]
+    return replace(geometry, center_enu_m=geometry.center_enu_m + moved)
 
 
 def _box(geometry: Geometry, i: int) -> OrientedBox:

@@ -39,13 +39,11 @@ def encode_corpus(
     return examples, statistics
 
 
-def encode(scene: Scene, vocabulary: Vocabulary, statistics: Statistics) -> Example:
-    """One scene as tokens.
-
-    Raises:
-        KeyError: If an object is of no kind of the vocabulary.
-    """
-    skeleton = skeleton_of(scene, vocabulary)
+def encode(
+    scene: Scene, vocabulary: Vocabulary, statistics: Statistics, *, allow_nearest: bool = False
+) -> Example:
+    """One scene as tokens; arguments and errors as those of `skeleton_of`."""
+    skeleton = skeleton_of(scene, vocabulary, allow_nearest=allow_nearest)
     channels = channels_of(skeleton, geometry_of(scene), statistics.codec)
     return Example(skeleton, Wish.of(scene), standardise(skeleton, *channels, statistics))
 

@@ -149,6 +149,22 @@ class Vocabulary:
         """
         return self.number[_kind(_Placed(obj, parent, site_yaw_rad), self.lifts_m)]
 
+    def nearest_kind_of(
+        self, obj: SceneObject, parent: SceneObject | None, site_yaw_rad: float = 0.0
+    ) -> int:
+        """As `kind_of`; of what the corpus had not, the kind most like it of the same category.
+
+        Raises:
+            KeyError: If the corpus had nothing of the category.
+        """
+        wanted = _kind(_Placed(obj, parent, site_yaw_rad), self.lifts_m)
+        if wanted in self.number:
+            return self.number[wanted]
+        alike = [kind for kind in self.kinds if kind.category == wanted.category]
+        if not alike:
+            raise KeyError(wanted.category)
+        return self.number[min(alike, key=lambda kind: _differences(kind, wanted))]
+
     def to_json(self) -> str:
         """The vocabulary as text."""
         lifts = {f"{child}<{parent}": v for (child, parent), v in sorted(self.lifts_m.items())}
@@ -267,6 +283,19 @@ def _kind(placed: _Placed, lifts_m: Mapping[tuple[str, str], float]) -> Kind:
         is_aligned=placed.is_aligned,
         openings=tuple(name for name in OPENINGS if name in obj.attributes),
         attributes=tuple((k, obj.attributes[k]) for k in _SHAPING if k in obj.attributes),
+    )
+
+
+def _differences(kind: Kind, wanted: Kind) -> tuple[int, ...]:
+    """What two kinds of a category do not share, what matters most first."""
+    return (
+        len(set(kind.openings) ^ set(wanted.openings)),
+        len(set(kind.attributes) ^ set(wanted.attributes)),
+        kind.domain != wanted.domain,
+        # A kind without a height or heading of its own cannot stand for one that has them.
+        kind.attachment not in {"free", wanted.attachment},
+        kind.is_aligned and not wanted.is_aligned,
+        kind.attachment != wanted.attachment,
     )
 
 

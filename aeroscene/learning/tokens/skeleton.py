@@ -103,19 +103,25 @@ def _descend(
             _descend(scene, child.id, found, is_coarse=is_coarse)
 
 
-def skeleton_of(scene: Scene, vocabulary: Vocabulary) -> Skeleton:
+def skeleton_of(scene: Scene, vocabulary: Vocabulary, *, allow_nearest: bool = False) -> Skeleton:
     """The skeleton of a scene.
+
+    Args:
+        scene: The scene.
+        vocabulary: Its kinds.
+        allow_nearest: Whether the kind most like it stands for one that the vocabulary lacks.
 
     Raises:
         KeyError: If an object is of no kind of the vocabulary.
     """
+    kind_of = vocabulary.nearest_kind_of if allow_nearest else vocabulary.kind_of
     order = token_order(scene)
     place = {None: 0} | {obj.id: i for i, obj in enumerate(order, 1)}
     by_id, yaw = scene.object_by_id, site_yaw(scene)
     kinds = [DOMAINS.index(scene.domain)]
     for obj in order:
         parent = None if obj.parent_id is None else by_id[obj.parent_id]
-        kinds.append(vocabulary.kind_of(obj, parent, yaw))
+        kinds.append(kind_of(obj, parent, yaw))
     parents = [0, *(place[obj.parent_id] for obj in order)]
     return Skeleton(
         scene.domain,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from aeroscene.scene.box import MIN_SIZE_M
 from aeroscene.solids.shapes.facade import (
     WALL_M,
     FacadePlan,
@@ -157,6 +158,7 @@ def wall(look: Look) -> list[Part]:
 
     Openings come from attributes in m: `door_m` wide at `door_offset_m` along y, `door_height_m`
     high; `window_m`, `window_offset_m`, `window_sill_m`, `window_height_m` (its head) likewise.
+    What an opening leaves of the wall is there however narrow, down to the least size of a box.
     """
     x, y, z = look.size_m
     material = "plaster_" + look.choice("colour", WALL_COLOURS)
@@ -172,7 +174,7 @@ def wall(look: Look) -> list[Part]:
         parts.append(block(centred(x), span, (0, hole.sill), material))
         parts.append(block(centred(x), span, (hole.head, z), material))
         parts += _frame(hole, x)
-    return [part for part in parts if min(part.size_m) > 0.01]
+    return [part for part in parts if min(part.size_m) >= MIN_SIZE_M]
 
 
 def _openings(look: Look) -> list[_Opening]:

@@ -14,8 +14,9 @@ from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.sites import PLANS, lay_out_site
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.catalogue import by_name
-from aeroscene.scene.geometry import iou, penetration_depth
+from aeroscene.scene.geometry import penetration_depth
 from aeroscene.scene.io import scene_to_json
+from aeroscene.scene.overlap import iou
 from aeroscene.solids.freespace import build_distance_field, reachable
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.validation import validate

@@ -7,7 +7,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aeroscene.corpus.curation.builder import Builder, Placed
@@ -165,6 +165,10 @@ def test_a_shell_has_rooms_on_every_storey_inside_its_walls(storeys):
         assert space.placed.size[2] >= 2.6
 
 
+# A strip of 0.01 m is left beside the door.
+@example(3.0, 2.6, 1.6, 1.0, "plain")
+@example(4.0, 2.6, 2.0, 1.0, "plain")
+@example(7.0, 3.0, 1.9, -1.0, "glass")
 @given(
     st.floats(3.0, 16.0),
     st.floats(2.6, 7.0),

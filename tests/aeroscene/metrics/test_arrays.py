@@ -13,7 +13,6 @@ def test_rows_say_what_the_objects_say():
     for row, obj in enumerate(scene.objects):
         assert arrays.category[row] == obj.category_id - 1
         assert arrays.is_coarse[row] == obj.is_coarse
-        assert arrays.is_upright[row] == obj.bbox.is_upright
         assert arrays.yaw_rad[row] == pytest.approx(obj.bbox.yaw_rad)
         above = {10**6, *scene.ancestors(obj.id)}
         ids = [scene.objects[i].id for i in np.flatnonzero(arrays.is_ancestor[:, row])]

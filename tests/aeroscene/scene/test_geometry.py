@@ -16,7 +16,8 @@ from aeroscene.scene.box import (
     quat_product,
     rotation_matrix,
 )
-from aeroscene.scene.geometry import iou, layer, penetration_depth, signed_distance
+from aeroscene.scene.geometry import layer, penetration_depth, signed_distance
+from aeroscene.scene.overlap import iou
 
 places = st.floats(-3, 3)
 lengths = st.floats(0.2, 4)

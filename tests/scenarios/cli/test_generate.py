@@ -61,7 +61,10 @@ def test_same_seeds_give_the_same_scenes_whatever_their_number(tmp_path, capsys)
     status, text, errors = run(capsys, "--seed", 5, "--count", 2, "--out", one, "--json")
     assert (status, errors) == (0, "")
     facts = json.loads(text)
-    assert facts["scenes"] == ["aeroscene-0005.json", "aeroscene-0006.json"]
+    assert facts["scenes"] == [
+        str(one / "aeroscene-0005.json"),
+        str(one / "aeroscene-0006.json"),
+    ]
     assert facts["seconds_per_scene"] > 0
     assert facts["failed"] == []
     assert set(facts["stages"]) == {"guided", "feasible"}

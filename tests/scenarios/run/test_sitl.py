@@ -57,7 +57,7 @@ def test_the_demo_lands_on_the_chosen_area_without_touching_anything(recorded_de
     assert result["touchdown_error_m"] < 0.3
     assert result["position_rmse_m"] < 1.5
     assert result["attitude_rmse_deg"] < 2.0
-    assert 0.0 < result["cpu_seconds"]
+    assert result["cpu_seconds"] > 0.0
     for name, figure in result.items():
         assert not isinstance(figure, float) or figure == round(figure, 3), name
 

@@ -6,7 +6,7 @@ import torch
 from aeroscene.learning.paper.guidance.collision import collision_loss
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
-from aeroscene.scene.geometry import iou
+from aeroscene.scene.overlap import iou
 from tests.aeroscene.learning.guidance.layouts import random_layout
 
 

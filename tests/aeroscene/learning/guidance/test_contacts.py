@@ -4,7 +4,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aeroscene.learning.guidance.contacts import near_pairs, penetration_depth
+from aeroscene.learning.guidance.contacts import near_pairs, overlap, pairs_of
 from aeroscene.learning.tokens.decode import Boxes
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.geometry import penetration_depth as reference_depth
@@ -40,7 +40,7 @@ def _reference(boxes: Boxes, token: int) -> tuple:
 def test_depth_is_that_of_the_geometry_module(seed):
     boxes = _boxes(seed, 6)
     first, second = torch.tensor([0, 0, 3, 6, 8]), torch.tensor([1, 5, 4, 7, 11])
-    got = penetration_depth(boxes, first, second)
+    got = overlap(pairs_of(boxes, first, second))
     pairs = zip(first.tolist(), second.tolist(), strict=True)
     expected = [reference_depth(*_reference(boxes, a), *_reference(boxes, b)) for a, b in pairs]
     assert got.tolist() == pytest.approx(np.array(expected).tolist(), abs=1e-7)
@@ -59,7 +59,7 @@ def test_near_pairs_miss_no_overlap_and_hold_nothing_excluded(seed):
         for i in range(n):
             for j in range(i + 1, n):
                 a, b = scene * n + i, scene * n + j
-                depth = float(penetration_depth(boxes, torch.tensor([a]), torch.tensor([b])))
+                depth = float(overlap(pairs_of(boxes, torch.tensor([a]), torch.tensor([b]))))
                 is_there = bool(boxes.mask[scene, i] and boxes.mask[scene, j])
                 is_wanted = depth > 0 and is_there and (i, j) != (2, 3)
                 if is_wanted:

@@ -14,7 +14,7 @@ from aeroscene.learning.paper.guidance.overlap import (
 )
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
-from aeroscene.scene.geometry import iou
+from aeroscene.scene.overlap import iou
 
 extent = st.floats(0.05, 6)
 boxes = st.tuples(

@@ -5,7 +5,7 @@ import torch
 
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.diffusion.schedule import DiffusionError
-from aeroscene.learning.guidance.contacts import near_pairs, penetration_depth
+from aeroscene.learning.guidance.contacts import near_pairs, overlap
 from aeroscene.learning.guidance.separation import SeparationCfg, SeparationGuidance
 from aeroscene.learning.guidance.tree import lineage
 from aeroscene.learning.tokens.batch import Collator
@@ -52,7 +52,7 @@ class World:
 def _depths(boxes, batch) -> list[float]:
     above = lineage(batch)
     pairs = near_pairs(boxes, above | above.transpose(1, 2), 0.0)
-    depth = penetration_depth(boxes, pairs.first, pairs.second)
+    depth = overlap(pairs)
     return depth[depth > 0].tolist()
 
 
@@ -196,7 +196,7 @@ def corpus():
 def _share_colliding(boxes, batch) -> float:
     above = lineage(batch)
     pairs = near_pairs(boxes, above | above.transpose(1, 2), 0.0)
-    is_deep = penetration_depth(boxes, pairs.first, pairs.second) > 0.01
+    is_deep = overlap(pairs) > 0.01
     hit = torch.cat([pairs.first[is_deep], pairs.second[is_deep]]).unique()
     return len(hit) / (int(batch.mask.sum()) - len(batch.mask))
 
