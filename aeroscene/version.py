@@ -1,4 +1,4 @@
-"""Version of the installed package."""
+"""The version of the installed package."""
 
 from importlib.metadata import version
 

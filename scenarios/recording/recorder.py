@@ -160,8 +160,8 @@ class Recorder:
         self._stream.log(layout.EXECUTED, style, static=True)
         self._stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
 
-    def on_tick(self, plant: Plant, autopilot: Autopilot) -> None:
-        """Take in the last 20 ms."""
+    def on_tick(self, plant: Plant, autopilot: Autopilot | None = None) -> None:
+        """Take in the last 20 ms; without an autopilot there are no modes to show."""
         # Bytes: numpy copies and joins records of many fields one field at a time.
         self._history.append(plant.history.tobytes())
         self._dtype = plant.history.dtype

@@ -56,7 +56,6 @@ class Sitl:
         bench: The simulated world and its autopilot.
         pilot: Our own pilot, in a demo.
         companion: Whoever flies, our pilot or the caller's; None in a run for clients alone.
-        observers: Called at the end of each tick; append to it what should look on.
         recorder: Where the run is recorded or watched.
         viewer: What shows the run live, if it is watched.
         pictures: What was drawn when the run ended.
@@ -88,7 +87,6 @@ class Sitl:
         self.viewer: Viewer | None = None
         self.pictures: list[Path] = []
         self._cameras: Cameras | None = None
-        self.observers: list[Callable[[], None]] = []
         with ExitStack() as stack:
             self._stack = stack
             self.bench = stack.enter_context(
@@ -97,11 +95,10 @@ class Sitl:
                     cfg.bench,
                     airframe=airframe,
                     has_network=has_network,
-                    observers=self.observers,
                 )
             )
             self.log = FlightLog(self.bench.plant)
-            self.observers.append(self.log.on_tick)
+            self.bench.observers.append(self.log.on_tick)
             self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
             self.companion = self.pilot if pilot is None else pilot(self._aboard())
             if self.companion is not None:
@@ -137,7 +134,7 @@ class Sitl:
 
     def _let_fly(self, companion: Companion) -> None:
         plant = self.bench.plant
-        self.observers.append(lambda: companion.update(plant.time_us))
+        self.bench.observers.append(lambda: companion.update(plant.time_us))
 
     def _our_pilot(self) -> Pilot:
         # casadi and the kernels of planning and perception: only where our pilot flies.
@@ -191,23 +188,23 @@ class Sitl:
         if cfg.camera_hz > 0:
             cameras = self.cameras
             cameras.listen(recorder.log_frame)
-            self.observers.append(self._shutter(cameras))
+            self.bench.observers.append(self._shutter(cameras))
         if self.pilot is not None:
             from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415
 
             pilot_log = PilotLog(self.pilot, recorder)
-            self.observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
+            self.bench.observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
         bench.server.statustext.listeners.append(
             lambda severity, text: recorder.log_statustext(bench.plant.time_us, severity, text)
         )
-        self.observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
+        self.bench.observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
         self.recorder = recorder
 
     def _open_tape(self) -> FlightTape:
         from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
 
         tape = FlightTape(self.bench.plant, self.bench.autopilot, self.pilot)
-        self.observers.append(tape.on_tick)
+        self.bench.observers.append(tape.on_tick)
         return tape
 
     def _draw(self, ending: str) -> list[Path]:
