@@ -19,7 +19,6 @@ from draw_scene import DrawCfg, picture, save
 from drawing.category_chart import category_chart
 from drawing.gallery_page import Shown, write_page
 from drawing.gallery_scenes import KINDS, choose_scenes
-from drawing.labels import label
 from drawing.views import choose_view
 from rich.console import Console
 
@@ -28,6 +27,7 @@ from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
+from scenarios.pictures.lettering import label
 
 _PLACE_PX = (832, 468)
 _ONBOARD_PX = (320, 240)

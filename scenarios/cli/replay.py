@@ -35,6 +35,10 @@ class ReplayCfg:
     pictures: Path | None = None
     """Draw what was planned and flown, and the landing map, into this folder instead of opening the
     viewer; needs no display."""
+    video: Path | None = None
+    """Film the flight into this file instead of opening the viewer, from behind and by the
+    vehicle's cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display, and no
+    camera that ran in the flight."""
     summary: bool = False
     """Print what is in the recording instead of opening it; needs no display."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
@@ -53,6 +57,8 @@ def run(cfg: ReplayCfg) -> int:
             _print_summary(summarise(cfg.recording), is_json=cfg.json)
         elif cfg.pictures is not None:
             _draw(cfg.recording, cfg.pictures)
+        elif cfg.video is not None:
+            _film(cfg.recording, cfg.video)
         else:
             _show(cfg)
     except (UnreadableRecordingError, ViewerError, RerunMissingError) as error:
@@ -70,6 +76,22 @@ def _draw(recording: Path, folder: Path) -> None:
             print(picture)
     except PictureError as error:
         fail(_PROG, str(error))
+
+
+def _film(recording: Path, video: Path) -> None:
+    # The renderer and the encoder: only where a film is made.
+    from rich.progress import Progress  # noqa: PLC0415
+
+    from scenarios.pictures import PictureError  # noqa: PLC0415
+    from scenarios.pictures.film import draw_film  # noqa: PLC0415
+
+    try:
+        with Progress(console=Console(stderr=True), transient=True) as progress:
+            task = progress.add_task("filming", total=None)
+            draw_film(recording, video, lambda n, of: progress.update(task, completed=n, total=of))
+    except PictureError as error:
+        fail(_PROG, str(error))
+    print(video)
 
 
 def _show(cfg: ReplayCfg) -> None:
