@@ -8,7 +8,6 @@ from scenarios.pictures.film import film as film_module
 from scenarios.pictures.film.reel import Reel
 from scenarios.pictures.story import PictureError
 from scenarios.recording.chase import ChaseEye
-from tests.scenarios.recording.conftest import flight  # noqa: F401 - a fixture
 
 
 def _unseen(*_):
