@@ -3,9 +3,9 @@
 python tools/draw_scene.py --scene 42 --view overview --out scene-42.png
 python tools/draw_scene.py --scene 44 --view overview --cut-height-m 2.6 --areas --out plan.png
 
-The picture of the README, which shows a vehicle in flight:
+With a vehicle in flight:
 
-python tools/draw_scene.py --scene 42 --view chase --size-px 1120 560 --out docs/images/scene-42.png
+python tools/draw_scene.py --scene 42 --view chase --size-px 1120 560 --out chase.png
 """
 
 from __future__ import annotations

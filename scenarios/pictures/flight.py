@@ -1,8 +1,9 @@
-"""`flight.png`: what was planned and flown, from above, from aside, along the way and over time."""
+"""`flight.png`: what was planned and flown, from above and from aside, and over time."""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,15 +28,16 @@ _ROOM_M = 3.0
 _MARGIN = 1.08
 _MUCH_HIDDEN = 0.25
 """Of a path hidden from above, from which on roofs are taken away."""
+_PLANNED_PT, _FLOWN_PT = 7.5, 2.2
 _STRIDE = 5
 """Ticks of 20 ms from one drawn point to the next."""
 
 
-def draw_flight(story: FlightStory, path: Path) -> None:
-    """Draw the flight into a PNG file.
+def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
+    """Draw the flight into files, each in the format of its name.
 
     Raises:
-        OSError: If it cannot be written.
+        OSError: If one cannot be written.
     """
     world = build_world(story.scene, story.airframe, vehicle=False)
     flown = thinned(story.track)
@@ -58,7 +60,8 @@ def draw_flight(story: FlightStory, path: Path) -> None:
     style.heading(panels[1], "from aside; pale where something is in front")
     draw_profile(figure.add_subplot(grid[1, 0]), story, *surfaces_m(world, flown.true_enu_m), flown)
     draw_errors(figure.add_subplot(grid[1, 1]), story)
-    style.save(figure, path)
+    for path in paths:
+        style.save(figure, path)
 
 
 def thinned(track: Track) -> Track:
@@ -114,10 +117,11 @@ def _draw_view(view: View, story: FlightStory, flown: Track) -> LineCollection:
     for leg, is_superseded in legs:
         if is_superseded:
             view.path(leg.points_enu_m, style.SUPERSEDED, 1.4)
-    lines = view.speed_path(flown.true_enu_m, flown.speed_mps, _top_speed_mps(flown), 2.6)
+    # Broad below and narrow above: both are seen where one follows the other.
     for leg, is_superseded in legs:
         if not is_superseded:
-            view.path(leg.points_enu_m, style.PLANNED, 1.2, "dashed")
+            view.path(leg.points_enu_m, style.PLANNED, _PLANNED_PT)
+    lines = view.speed_path(flown.true_enu_m, flown.speed_mps, _top_speed_mps(flown), _FLOWN_PT)
     view.mark(vector3(flown.true_enu_m[0]), "o", "white", 7)
     if story.touchdown_enu_m is not None:
         view.mark(story.touchdown_enu_m, "*", style.TOUCHDOWN, 15)
@@ -131,9 +135,9 @@ def _top_speed_mps(flown: Track) -> float:
 def _explain(axes: Axes, story: FlightStory, corner: Corner) -> None:
     from matplotlib.lines import Line2D  # noqa: PLC0415 - only where pictures are drawn
 
-    shown = [Line2D([], [], color="#b5367a", linewidth=3.0, label="flown, coloured by speed")]
+    shown = [Line2D([], [], color=style.FLOWN, linewidth=3.0, label="flown, coloured by speed")]
     if story.plans:
-        shown.append(Line2D([], [], color=style.PLANNED, linestyle="dashed", label="planned"))
+        shown.append(Line2D([], [], color=style.PLANNED, linewidth=_PLANNED_PT, label="planned"))
     if any(story.superseded()):
         shown.append(Line2D([], [], color=style.SUPERSEDED, label="planned, then replaced"))
     if story.area is not None:

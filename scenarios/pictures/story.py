@@ -38,12 +38,6 @@ class Track:
             return np.zeros(len(self.time_s))
         return np.linalg.norm(np.gradient(self.true_enu_m, self.time_s, axis=0), axis=1)
 
-    @property
-    def distance_m(self) -> Float[np.ndarray, " n"]:
-        """Flown so far."""
-        steps_m = np.linalg.norm(np.diff(self.true_enu_m, axis=0), axis=1)
-        return np.concatenate([[0.0], np.cumsum(steps_m)])
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlannedLeg:
