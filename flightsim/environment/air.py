@@ -1,9 +1,9 @@
-"""The air around the vehicle, once a control tick: steady wind, turbulence and gusts.
+"""Air around the vehicle, updated every control tick: steady wind, turbulence and gusts.
 
 A gust is a "one minus cosine" bump, v(t) = A / 2 (1 - cos(2 pi t / D)) for 0 <= t <= D
 (CS-25.341, there over the distance flown), along the wind.
 
-No wind blows in a room; within a metre of its walls and doors it grows to what blows outside.
+No wind blows in a room; within a metre of its walls and doors it grows to the outside wind.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
     """Calm air, in an array of shape (1,).
 
     Args:
-        generator: Of the turbulence's first state.
-        dt_s: Control tick.
+        generator: Random stream for the initial turbulence.
+        dt_s: Length of a control tick.
     """
     airs = np.zeros(1, AIR_DTYPE)
     airs["dt_s"] = dt_s
@@ -54,12 +54,12 @@ def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
 
 
 def set_wind(air: np.void, cfg: WindCfg, *, has_rooms: bool = False) -> None:
-    """Let another wind blow from the next tick on; the clock of the gusts starts anew.
+    """Change the wind from the next tick on; the clock of the gusts restarts.
 
     Args:
         air: `AIR_DTYPE`, changed.
-        cfg: The wind under the open sky.
-        has_rooms: Whether there is anywhere that it does not blow.
+        cfg: Wind under the open sky.
+        has_rooms: Whether there are rooms without wind.
     """
     is_steady = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
     is_still = cfg.steady_enu_mps == ZERO3
@@ -83,12 +83,12 @@ def move_air(
     """Advance by one control tick.
 
     Args:
-        air: Changed.
+        air: Record of the air, changed.
         position_enu_m: True position of the vehicle; its height is above the ground plane.
         velocity_enu_mps: True velocity.
-        rooms: Where no wind blows (n, 8), `flightsim.environment.rooms`.
+        rooms: Rooms without wind (n, 8), see `flightsim.environment.rooms`.
         normals: Standard normals (5,).
-        wind_enu_mps: Result (3,), velocity of the air.
+        wind_enu_mps: Velocity of the air (3,), written.
     """
     if air.is_steady == 1:
         return
@@ -120,7 +120,7 @@ def move_air(
 
 @kernel
 def _gust(air: np.record) -> float:
-    """What the present gust adds along the wind."""
+    """Speed that the present gust adds along the wind."""
     since = air.gust_clock_s % air.gust_period_s
     if air.gust_clock_s < air.gust_period_s or since > air.gust_s:
         return 0.0
