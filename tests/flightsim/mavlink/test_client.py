@@ -148,8 +148,8 @@ def test_refusals_come_with_their_result(flight):
 
 def test_two_commands_of_one_kind_get_their_own_answers(flight):
     flight = connected(flight())
-    good = flight.client.command(512, 148.0)
-    bad = flight.client.command(512, 16_000_000.0)
+    good = flight.client.command(mav.MAV_CMD_REQUEST_MESSAGE, 148.0)
+    bad = flight.client.command(mav.MAV_CMD_REQUEST_MESSAGE, 16_000_000.0)
     flight.do(bad)
     assert good.is_accepted
     assert bad.state is CommandState.REFUSED
