@@ -93,7 +93,7 @@ class ParameterService:
             self._statustext.say(Severity.ERROR, str(error))
             reason = mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
             if isinstance(error, ReadOnlyParameterError):
-                reason = mav.MAV_PARAM_ERROR_COMPONENT_NOT_FOUND
+                reason = mav.MAV_PARAM_ERROR_READ_ONLY
             self._send_error(channel, name, self._parameters.index(name), reason)
             self._send_value(channel, name)
             return

@@ -45,7 +45,7 @@ PX4 = Personality(
         _mode(Mode.MANUAL, _MANUAL, _STICKS),
         _mode(Mode.STABILIZED, _STABILIZED, _ASSISTED),
         _mode(Mode.ACRO, _ACRO, _STICKS),
-        _mode(Mode.ALTITUDE, _ALTCTL, _ASSISTED, mav.MAV_STANDARD_MODE_CRUISE),
+        _mode(Mode.ALTITUDE, _ALTCTL, _ASSISTED, mav.MAV_STANDARD_MODE_ALTITUDE_HOLD),
         _mode(Mode.POSITION, _POSCTL, _ASSISTED | _GUIDED, mav.MAV_STANDARD_MODE_POSITION_HOLD),
         _mode(Mode.HOLD, _LOITER, _AUTOMATIC),
         _mode(Mode.MISSION, _MISSION, _AUTOMATIC, mav.MAV_STANDARD_MODE_MISSION),

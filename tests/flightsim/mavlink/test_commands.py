@@ -7,6 +7,7 @@ import pytest
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.px4 import PX4
 from tests.flightsim.mavlink.wire import named
 
 ACCEPTED = mav.MAV_RESULT_ACCEPTED
@@ -219,6 +220,10 @@ def test_frames_without_a_globe_are_denied(flight, frame):
     assert (
         flight.command_int(mav.MAV_CMD_DO_REPOSITION, frame, -1, 1, 0, NAN, 10, 10, 5.0) == DENIED
     )
+
+
+def test_altitude_mode_has_the_standard_number_of_altitude_hold():
+    assert PX4.standard(mav.MAV_STANDARD_MODE_ALTITUDE_HOLD) is Mode.ALTITUDE
 
 
 @pytest.mark.parametrize("number", [0, 16, 183, 420, 4242, 65535])
