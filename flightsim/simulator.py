@@ -65,9 +65,9 @@ class Simulator:
         """Prepare a loop.
 
         Args:
-            plant: Owns time.
-            autopilot: Updated after the plant, with fresh estimates; any controller will do.
-            mavlink_server: Updated after the autopilot; None flies without clients.
+            plant: Plant that owns time.
+            autopilot: Autopilot or other controller, updated after the plant with fresh estimates.
+            mavlink_server: Server, updated after the autopilot; None flies without clients.
             observers: Called in this order at the end of each step; a list may grow later.
             speed: Simulated seconds per wall second, or "max" for no pacing.
 

@@ -31,7 +31,7 @@ class Cameras:
         """Open a renderer.
 
         Args:
-            plant: Whose vehicle carries the cameras, in whose world.
+            plant: Plant of the vehicle and the world to render.
             width_px: Width of the images.
             height_px: Height of the images.
             depth_noise: Errors of depth; None measures it exactly.
