@@ -22,7 +22,7 @@ import platformdirs
 from numba.core import config
 
 _LOG = logging.getLogger(__name__)
-_config: Any = config  # its names are made at run time
+_config: Any = config  # its names are created at run time
 _ROOT = Path(__file__).parents[1]
 _IMPORT = re.compile(rb"^\s*(?:from|import)\s+([\w.]+)", re.MULTILINE)
 _KEPT_CACHES = 4
@@ -32,8 +32,8 @@ _F = TypeVar("_F", bound=Callable[..., Any])
 def kernel(function: _F) -> _F:
     """Compile `function` on its first call (or by `compile_ahead`) and keep the code on disk.
 
-    One whose name begins with an underscore is part of another kernel: it is compiled with that
-    one, cannot be called from Python, and needs no cache of its own.
+    A function whose name begins with an underscore is part of another kernel: it is compiled with
+    that one, cannot be called from Python and needs no cache of its own.
     """
     is_part = function.__name__.startswith("_")
     compiler: Any = numba.njit  # its annotations leave options out
@@ -54,7 +54,7 @@ def kernel(function: _F) -> _F:
 
 @functools.cache
 def cache_directory(module: str) -> Path:
-    """Where the compiled kernels of a module are kept, by the hash of all that they may call."""
+    """Cache directory of a module's kernels, by the hash of all that they may call."""
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
     for path in sorted(_sources(_path_of(module))):
         digest.update(path.read_bytes())
@@ -68,13 +68,13 @@ def cache_directory(module: str) -> Path:
 def compile_ahead(
     compiled: Any, arguments: Sequence[object], title: str, expected_seconds: float
 ) -> None:
-    """Compile a kernel for arguments of these types now, and say so when it is not cached.
+    """Compile a kernel for arguments of these types now, and announce it if it is not cached.
 
     Args:
-        compiled: What `kernel` made.
+        compiled: Result of `kernel`.
         arguments: One example of each argument; only their types matter.
-        title: What the kernel is, for the message.
-        expected_seconds: How long a cold compilation takes, for the message.
+        title: Name of the kernel for the message.
+        expected_seconds: Time of a cold compilation for the message.
     """
     signature = tuple(numba.typeof(argument) for argument in arguments)
     if signature in compiled.overloads:
@@ -84,7 +84,7 @@ def compile_ahead(
     if not mark.exists():
         _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
     was_enabled = gc.isenabled()
-    gc.disable()  # numba makes millions of objects that live on: a tenth of the time
+    gc.disable()  # numba makes millions of lasting objects: a tenth of the time
     try:
         compiled.compile(signature)
     finally:
@@ -95,19 +95,19 @@ def compile_ahead(
 
 
 def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float) -> None:
-    """Say that kernels will compile on their first use, unless their code is in the cache.
+    """Announce that kernels will compile on their first use, unless they are cached.
 
     Args:
         modules: Names of the modules that define them.
-        title: What they are, for the message.
-        expected_seconds: How long that takes all together, for the message.
+        title: Name of the kernels for the message.
+        expected_seconds: Time of compiling all of them for the message.
     """
     if not all(any(cache_directory(module).rglob("*.nbi")) for module in modules):
         _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
 
 
 def _path_of(module: str) -> Path | None:
-    """Source file of one of our modules, None for anybody else's."""
+    """Source file of one of our modules, None for others."""
     stem = _ROOT.joinpath(*module.split("."))
     for path in (stem.with_name(f"{stem.name}.py"), stem / "__init__.py"):
         if path.exists():
@@ -116,7 +116,7 @@ def _path_of(module: str) -> Path | None:
 
 
 def _sources(first: Path | None) -> set[Path]:
-    """A source file and all of ours that it imports, directly or not."""
+    """A source file and all of ours that it imports, directly or indirectly."""
     found: set[Path] = set()
     waiting = [first]
     while waiting:
@@ -134,7 +134,7 @@ def _imported(path: Path) -> tuple[Path | None, ...]:
 
 
 def _forget_old_caches(root: Path) -> None:
-    """Leave the newest few directories: every edit of a kernel begins another one."""
+    """Keep the newest few directories: every edit of a kernel begins another one."""
     if not root.exists():
         return
     caches = sorted(root.iterdir(), key=lambda path: path.stat().st_mtime)

@@ -1,4 +1,4 @@
-"""The vocabulary of guidance, navigation and control: states, references, setpoints.
+"""Types of guidance, navigation and control: states, references and setpoints.
 
 World frame ENU, body frame FLU, SI units, radians, quaternions `wxyz` body to world. Vectors are
 tuples of floats: the code that fills and reads them runs at 50 Hz or more in plain Python.
@@ -62,7 +62,7 @@ class FlatReference:
 
 
 class ControlLevel(IntEnum):
-    """How deep a setpoint enters the cascade of controllers."""
+    """Level at which a setpoint enters the cascade of controllers."""
 
     OFF = 0
     """Rotors stopped."""
@@ -78,7 +78,7 @@ class ControlLevel(IntEnum):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setpoint:
-    """What the outer loops ask of the inner ones until the next setpoint.
+    """Demand of the outer loops on the inner ones until the next setpoint.
 
     At `TRAJECTORY` each axis follows position where it is finite, else velocity where it is
     finite, else the acceleration alone; finite lower derivatives are feed-forward. A NaN yaw

@@ -1,4 +1,4 @@
-"""Conversions at the edge to MAVLink: ENU/FLU to NED/FRD, local to geodetic.
+"""Frame conversions for MAVLink: ENU/FLU to NED/FRD, local to geodetic.
 
 Both axis changes are their own inverse, so one function serves both directions.
 """
@@ -17,19 +17,19 @@ _HALF_SQRT_2 = math.sqrt(0.5)
 
 
 def swap_enu_ned(vector: Vector3) -> Vector3:
-    """A vector in NED from the same in ENU, or the other way round."""
+    """Convert a vector from ENU to NED, or back."""
     x, y, z = vector
     return (y, x, -z)
 
 
 def swap_flu_frd(vector: Vector3) -> Vector3:
-    """A vector in FRD from the same in FLU, or the other way round."""
+    """Convert a vector from FLU to FRD, or back."""
     x, y, z = vector
     return (x, -y, -z)
 
 
 def swap_quat_enu_flu_ned_frd(quat_wxyz: Quaternion) -> Quaternion:
-    """Attitude FRD to NED from attitude FLU to ENU, or the other way round; w >= 0.
+    """Convert an attitude from FLU-to-ENU to FRD-to-NED, or back; w >= 0.
 
     The axis changes are half turns: about (1, 1, 0)/sqrt(2) for the world and about x for the body.
     """
@@ -44,13 +44,13 @@ def swap_quat_enu_flu_ned_frd(quat_wxyz: Quaternion) -> Quaternion:
 
 
 def swap_yaw_enu_ned(yaw_rad: float) -> float:
-    """Heading clockwise from north from yaw counter-clockwise from east, or back; in (-pi, pi]."""
+    """Convert yaw from east, counter-clockwise, to heading from north, or back; in (-pi, pi]."""
     swapped = math.pi / 2 - yaw_rad
     return -((math.pi - swapped) % (2 * math.pi) - math.pi)
 
 
 def euler_rpy_rad(quat_wxyz: Quaternion) -> Vector3:
-    """Roll, pitch and yaw (intrinsic z-y-x) of an attitude, in its own pair of frames."""
+    """Roll, pitch and yaw (intrinsic z-y-x) of an attitude in its own frames."""
     w, x, y, z = quat_wxyz
     roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
@@ -60,7 +60,7 @@ def euler_rpy_rad(quat_wxyz: Quaternion) -> Vector3:
 
 @dataclass(frozen=True, slots=True)
 class Geodetic:
-    """A place on the WGS 84 ellipsoid; altitude above mean sea level."""
+    """Position on the WGS 84 ellipsoid; altitude above mean sea level."""
 
     latitude_deg: float
     longitude_deg: float

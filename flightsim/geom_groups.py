@@ -1,4 +1,4 @@
-"""What MuJoCo's geom groups mean in our models, and which of them a sensor sees."""
+"""MuJoCo geom groups of our models, and the groups that each sensor sees."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ import numpy as np
 
 
 class GeomGroup(IntEnum):
-    """Group of a geom; decides who sees it, not whether it collides."""
+    """Group of a geom; determines who sees it, not whether it collides."""
 
     SCENE = 0
-    """The world as cameras and rays meet it."""
+    """The static world as cameras and rays see it."""
     VEHICLE_LOOKS = 1
-    """Massless, never in contact: how the vehicle looks to others."""
+    """Appearance of the vehicle, massless and without contacts."""
     DECOR = 2
-    """Seen by cameras only: glazing, foliage and paint that nothing can touch."""
+    """Glazing, foliage and paint without contacts, seen by cameras only."""
     VEHICLE_SHAPE = 3
-    """What the vehicle touches with."""
+    """Collision shape of the vehicle."""
     MOVING = 4
-    """People, cars and other drones, as everybody meets them."""
+    """People, cars and other drones, seen by all sensors."""
     CULLED = 5
-    """Outside the camera's view during one rendering; no geom stays here."""
+    """Geoms outside the camera's view during one rendering; none stays in this group."""
 
 
 RAY_GROUPS = np.array([1, 0, 0, 0, 1, 0], dtype=np.uint8)

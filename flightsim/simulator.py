@@ -1,4 +1,4 @@
-"""The one loop: plant, autopilot, MAVLink and observers in lockstep, paced by the wall clock."""
+"""Simulation loop: plant, autopilot, MAVLink and observers in lockstep, paced by the wall clock."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ class Controller(Protocol):
 
 
 class SpeedError(ValueError):
-    """A speed that the loop cannot be run at."""
+    """The speed of the loop is invalid."""
 
 
 @dataclass(slots=True)
 class Timing:
-    """Where the time of the steps went, in seconds of wall time; `idle_s` is time slept."""
+    """Wall time in seconds of each part of the steps; `idle_s` is time slept."""
 
     n_steps: int = 0
     plant_s: float = 0.0
@@ -46,12 +46,12 @@ class Timing:
 
     @property
     def busy_s(self) -> float:
-        """Everything but sleep."""
+        """All time but sleep."""
         return self.plant_s + self.autopilot_s + self.mavlink_s + self.observers_s
 
 
 class Simulator:
-    """Steps everything by 20 ms of simulated time, as fast as it may."""
+    """Steps all parts by 20 ms of simulated time, at the requested speed."""
 
     def __init__(
         self,
@@ -65,11 +65,11 @@ class Simulator:
         """Prepare a loop.
 
         Args:
-            plant: Owns time.
-            autopilot: Updated after the plant, with fresh estimates; any controller will do.
-            mavlink_server: Updated after the autopilot; None flies without clients.
+            plant: Plant that owns time.
+            autopilot: Autopilot or other controller, updated after the plant with fresh estimates.
+            mavlink_server: Server, updated after the autopilot; None flies without clients.
             observers: Called in this order at the end of each step; a list may grow later.
-            speed: Simulated seconds a wall second, or "max" for no pacing.
+            speed: Simulated seconds per wall second, or "max" for no pacing.
 
         Raises:
             SpeedError: If the speed is not a positive number or "max".
@@ -86,7 +86,7 @@ class Simulator:
 
     @property
     def timing(self) -> Timing:
-        """Where the time went so far."""
+        """Wall time of each part so far."""
         plant_s, autopilot_s, mavlink_s, observers_s = (ns * 1e-9 for ns in self._ns)
         return Timing(
             n_steps=self._n_steps,
@@ -117,9 +117,9 @@ class Simulator:
         self._n_steps += 1
 
     def run(self, until_us: int | None = None, stop: Callable[[], bool] | None = None) -> None:
-        """Step until a simulated time, until `stop()` is true, or until `request_stop`.
+        """Step until a simulated time, until `stop()` is true or until `request_stop`.
 
-        A stall of the machine is not made up for: simulated time then simply lags behind.
+        Time lost to a stall of the machine is not made up for: simulated time then lags behind.
         """
         self._is_stopping = False
         deadline_s = time.perf_counter()
@@ -133,11 +133,11 @@ class Simulator:
                 deadline_s = self._wait(deadline_s + self._tick_s)
 
     def request_stop(self) -> None:
-        """Let `run` return after the present step; safe in signal handlers."""
+        """Make `run` return after the present step; safe in signal handlers."""
         self._is_stopping = True
 
     def _wait(self, deadline_s: float) -> float:
-        """Sleep until the deadline; return it, or now if it is long past."""
+        """Sleep until the deadline and return it, or return now if it is long past."""
         now_s = time.perf_counter()
         ahead_s = deadline_s - now_s
         if ahead_s >= _SHORTEST_SLEEP_S:

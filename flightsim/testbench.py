@@ -1,4 +1,4 @@
-"""The testbench: a scene, a vehicle in it, its autopilot and its MAVLink, in one loop."""
+"""Testbench: a scene with a vehicle, its autopilot and its MAVLink, in one loop."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ MAX_INSTANCES = 100
 
 
 class TestbenchError(ValueError):
-    """A configuration that no testbench can be built from."""
+    """No testbench can be built from the configuration."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TestbenchCfg:
-    """What to simulate, and how."""
+    """Settings of a simulation."""
 
     vehicle: str = "iris"
     """Airframe: iris, iris-rotors or hummingbird."""
@@ -62,7 +62,7 @@ class TestbenchCfg:
     """Address that the MAVLink ports listen on; 0.0.0.0 opens them to the network."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be built, before anything is."""
+        """Refuse invalid settings before anything is built."""
         airframe_by_name(self.vehicle)
         _ = self.wind_cfg, self.traffic_cfg
         if self.speed != "max" and not 0.0 < self.speed < float("inf"):
@@ -76,10 +76,10 @@ class TestbenchCfg:
 
     @property
     def wind_cfg(self) -> WindCfg:
-        """The wind that the options ask for.
+        """Wind of these settings.
 
         Raises:
-            WindError: If it makes no sense.
+            WindError: If it is invalid.
         """
         return WindCfg(
             speed_mps=self.wind,
@@ -90,10 +90,10 @@ class TestbenchCfg:
 
     @property
     def traffic_cfg(self) -> TrafficCfg:
-        """The traffic that the options ask for.
+        """Traffic of these settings.
 
         Raises:
-            TrafficError: If it makes no sense.
+            TrafficError: If it is invalid.
         """
         return TrafficCfg.parse(self.traffic, self.seed)
 
@@ -185,7 +185,7 @@ class Testbench:
 
 
 def network_links(instance: int, bind: str) -> list[Link]:
-    """The ports of a PX4 SITL instance: UDP to 14550 and 14540, TCP server on 5760."""
+    """MAVLink ports of a PX4 SITL instance: UDP to 14550 and 14540, TCP server on 5760."""
     return [
         UdpLink(local_port=18570 + instance, remote_port=14550 + instance, bind_address=bind),
         UdpLink(

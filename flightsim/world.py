@@ -1,7 +1,7 @@
 """A scene and a vehicle compiled into one MuJoCo model, ready to step.
 
 Integrator: MuJoCo's default, semi-implicit Euler. The only moving body is free, without joint
-damping or springs, and its forces are held over a step; implicit variants differ from it in nothing
+damping or springs, and its forces are constant over a step; implicit variants make no difference
 here, and RK4 evaluates everything four times. Contacts use elliptic friction cones with a raised
 `impratio`, which keeps a landed vehicle from creeping down a slope.
 """
@@ -30,14 +30,14 @@ from flightsim.vehicles.builder import VEHICLE_BODY, add_vehicle
 from flightsim.world_geometry import STATIC_CONTACT, SurfaceProbe, add_solids, friction
 
 VEHICLE_ID = -1
-"""In `World.geom_object_id`: the vehicle's own geoms."""
+"""Id of the vehicle's own geoms in `World.geom_object_id`."""
 GROUND_ID = -2
-"""In `World.geom_object_id`: the ground plane."""
+"""Id of the ground plane in `World.geom_object_id`."""
 FIRST_MOVER_ID = -10
-"""In `World.geom_object_id`: the first moving obstacle; the next ones count down."""
+"""Id of the first moving obstacle in `World.geom_object_id`; the next ones count down."""
 
-# The vehicle is let down from this height, so that the uphill legs clear a sloping surface; what
-# it touches up there deeper than the tolerance, it is inside of.
+# The vehicle is lowered from this height, so that the uphill legs clear a sloping surface. A
+# contact up there deeper than the tolerance means that it is inside something.
 _LOWERING_M = 0.05
 _PENETRATION_TOLERANCE_M = 0.01
 _SETTLE_S = 1.0
@@ -46,7 +46,7 @@ _MAX_START_TILT_RAD = math.radians(20.0)
 
 
 class WorldError(ValueError):
-    """A scene and a vehicle that make no world, such as an impossible start."""
+    """A scene and a vehicle make no valid world, for example by an impossible start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,20 +57,20 @@ class World:
     scene: Scene
     airframe: Airframe
     solids: tuple[Primitive, ...]
-    """Everything static: geom 0 is the ground, geom 1 + i is solid i."""
+    """All static solids: geom 0 is the ground, geom 1 + i is solid i."""
     obstacles: tuple[MovingObstacle, ...]
-    """Everything that moves by itself: mocap body i is obstacle i."""
+    """All movers: mocap body i is obstacle i."""
     movers: MoverSet
-    """What those look like."""
+    """Appearance of the movers."""
     geom_object_id: np.ndarray
-    """(ngeom,) int32: id of the scene object, `VEHICLE_ID`, `GROUND_ID`, or of a mover."""
+    """Id (ngeom,) int32 of the scene object, `VEHICLE_ID`, `GROUND_ID`, or id of a mover."""
     vehicle_body_id: int
-    """-1 in a world without a vehicle."""
+    """Body of the vehicle, -1 in a world without one."""
     rest_qpos: np.ndarray
-    """(nq,) of the vehicle standing on its legs at the start."""
+    """Configuration (nq,) of the vehicle standing on its legs at the start."""
 
     def new_looks(self, detail: Detail) -> mujoco.MjModel:
-        """A model of the same world for drawing; `qpos` and mocap poses mean the same in it."""
+        """Build a drawing model of the same world; `qpos` and mocap poses mean the same in it."""
         spec = mujoco.MjSpec()
         set_view(spec, self.scene)
         add_looks(spec, self.scene, self.solids, detail)
@@ -104,15 +104,15 @@ def build_world(
     """Compile a scene with a vehicle standing at its start.
 
     Args:
-        scene: What stands where, and the start.
-        airframe: The vehicle; also its cameras.
-        physics_hz: Steps per second, Hz.
-        vehicle: False leaves the vehicle out, for pictures of the scene alone.
-        extra: Solids that stand there beside the scene's objects.
-        traffic: What moves: paths of its own, or how many of what to find paths for.
+        scene: Objects and the start.
+        airframe: Vehicle with its cameras.
+        physics_hz: Steps per second.
+        vehicle: Whether to add the vehicle; False is for pictures of the scene alone.
+        extra: Solids besides the scene's objects.
+        traffic: Movers on their paths, or the number of movers to find paths for.
 
     Raises:
-        WorldError: If the start is inside something or no place to stand.
+        WorldError: If the start is inside something or not a place to stand.
         TrafficError: If the scene has no room for the traffic.
     """
     solids = (*scene_primitives(scene), *extra)
@@ -148,7 +148,7 @@ def build_world(
 
 
 def new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
-    """An empty world with the solver's settings, light and sky."""
+    """Create an empty world with the solver's settings, light and sky."""
     spec = mujoco.MjSpec()
     spec.modelname = scene.scene_id
     spec.option.timestep = 1.0 / physics_hz
@@ -174,7 +174,7 @@ def _let_vehicle_touch_movers(spec: mujoco.MjSpec) -> None:
 
 
 def _put_movers(model: mujoco.MjModel, obstacles: Sequence[MovingObstacle]) -> None:
-    """Have the movers start where they are at time zero."""
+    """Place the movers at their poses at time zero."""
     if obstacles:
         is_mover = model.body_mocapid >= 0
         model.body_pos[is_mover], model.body_quat[is_mover] = start_poses(obstacles)
@@ -185,7 +185,7 @@ def add_ground(spec: mujoco.MjSpec) -> None:
     spec.worldbody.add_geom(
         name="ground",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
-        # Zero: without end. The third number is MuJoCo's spacing for drawing it.
+        # Zero is infinite. The third number is MuJoCo's grid spacing for drawing.
         size=(0.0, 0.0, 1.0),
         rgba=MATERIALS[GROUND_MATERIAL].rgba,
         friction=friction(GROUND_MATERIAL),
@@ -203,7 +203,7 @@ def _enable_sleep(model: mujoco.MjModel) -> None:
 
 
 def _settle(model: mujoco.MjModel, scene: Scene, geom_object_id: np.ndarray) -> np.ndarray:
-    """Let the vehicle down onto the start and return where it comes to rest, (nq,)."""
+    """Lower the vehicle onto the start and return its resting configuration, (nq,)."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     _check_not_inside(data, scene, geom_object_id)

@@ -1,4 +1,4 @@
-"""Primitives of a scene as static geoms of the world body, where they cost least a step."""
+"""Static geoms of the world body from a scene's primitives, at the least cost per step."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ STATIC_CONTACT: dict[str, Any] = {
     "contype": 1,
     "conaffinity": 1,
     "condim": 3,
-    # The vehicle's softness decides; the larger friction of the two does.
+    # The vehicle's softness applies, with the larger friction of the two.
     "solmix": 0.0,
     "group": int(GeomGroup.SCENE),
 }
@@ -31,7 +31,7 @@ _SIMPLE_TYPES = {
 
 
 def add_solids(spec: mujoco.MjSpec, primitives: Iterable[Primitive]) -> None:
-    """Add one geom for each primitive, in order, in the plain colour of its material."""
+    """Add one geom per primitive, in order, in the plain colour of its material."""
     meshes: dict[tuple[tuple[float, ...], ...], str] = {}
     for primitive in primitives:
         spec.worldbody.add_geom(
@@ -44,7 +44,7 @@ def add_solids(spec: mujoco.MjSpec, primitives: Iterable[Primitive]) -> None:
 
 
 class SurfaceProbe:
-    """Finds surfaces below points, exactly, in a model of the static solids alone."""
+    """Finds the exact surface below points, in a model of the static solids alone."""
 
     def __init__(self, solids: Sequence[Primitive]) -> None:
         spec = mujoco.MjSpec()
@@ -90,6 +90,6 @@ def _shape(
             )
         return {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": meshes[primitive.vertices_m]}
     x, y, z = primitive.size_m
-    # MuJoCo wants half sizes, of a cylinder radius and half length.
+    # MuJoCo expects half sizes, for a cylinder its radius and half length.
     size = (x / 2, z / 2, 0.0) if primitive.kind == "cylinder" else (x / 2, y / 2, z / 2)
     return {"type": _SIMPLE_TYPES[primitive.kind], "size": size}

@@ -1,11 +1,11 @@
-"""Rotor thrusts from collective thrust and torque, by priority when not all fits.
+"""Rotor thrusts from collective thrust and torque, by priority if not everything fits.
 
 Roll and pitch torque come first, since they decide survival; then the collective; then yaw. Each
-gets the largest share of its demand that leaves the earlier ones as they are:
+gets the largest share of its demand that leaves the earlier ones unchanged:
 
     f = s_rp (A1 Mx + A2 My) + A0 T' + s_y A3 Mz,      A = allocation, columns of the inverse
 
-with f within [min, max] for each rotor, T' the collective nearest to T that fits.
+with f within [min, max] for each rotor and T' the feasible collective nearest to T.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def allocate(
         yaw_share = min(yaw_share, _fitting_share(thrust_n[i], A[i, 3] * mz, low_n[i], high_n[i]))
     for i in range(4):
         total = thrust_n[i] + yaw_share * A[i, 3] * mz
-        thrust_n[i] = min(max(total, low_n[i]), high_n[i])  # rounding only
+        thrust_n[i] = min(max(total, low_n[i]), high_n[i])  # against rounding errors only
 
 
 @kernel
@@ -70,7 +70,7 @@ def _largest_tilt_share(
 
 @kernel
 def _fitting_share(base: float, step: float, low: float, high: float) -> float:
-    """Largest s >= 0 with low <= base + s step <= high, infinite if there is none."""
+    """Largest s >= 0 with low <= base + s step <= high, infinite without a limit."""
     if step > 0.0:
         return max(0.0, (high - base) / step)
     if step < 0.0:
@@ -82,7 +82,7 @@ def _fitting_share(base: float, step: float, low: float, high: float) -> float:
 def lead_command(
     speed_radps: float, wanted_radps: float, tau_s: float, response_s: float, dt_s: float
 ) -> float:
-    """Speed command that brings a rotor of lag tau to where one of lag `response_s` would be."""
+    """Speed command that moves a rotor of lag tau as a rotor of lag `response_s` would move."""
     if tau_s <= response_s:
         return wanted_radps
     lead = (1.0 - np.exp(-dt_s / response_s)) / (1.0 - np.exp(-dt_s / tau_s))

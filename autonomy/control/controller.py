@@ -1,4 +1,4 @@
-"""The controller: one tick from setpoint and estimate to rotor speed commands."""
+"""Controller: one tick from setpoint and estimate to rotor speed commands."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE = 0.0, 1.0, 2.0, 3.0, 4.0
 
 @kernel
 def control(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
-    """One control tick; the result stands in `c.rotor_command_radps`.
+    """Run one control tick; the result is in `c.rotor_command_radps`.
 
     Args:
-        c: The controller.
-        s: The setpoint.
-        x: The vehicle's state, as far as it is known.
-        is_new: Whether the setpoint arrived since the tick before.
+        c: Record of the controller.
+        s: Setpoint.
+        x: State of the vehicle as far as it is known.
+        is_new: Whether the setpoint arrived since the last tick.
     """
     if s.level <= _IDLE:
         _rest(c, s.level)
@@ -108,7 +108,7 @@ def _command_rotors(c: np.record) -> None:
 
 @kernel
 def _model_rotors(c: np.record) -> None:
-    """Carry on the speeds that the commands make: nobody measures them."""
+    """Model the rotor speeds that follow from the commands, since they are not measured."""
     for i in range(4):
         change = c.rotor_command_radps[i] - c.rotor_model_radps[i]
         tau = c.time_constant_s[i, 0 if change >= 0.0 else 1]

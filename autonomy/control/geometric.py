@@ -25,16 +25,16 @@ _LEAST_VERTICAL_FRACTION = 0.35  # of the weight; the tilt is limited further be
 _LEAST_TILT_SHARE = 0.05
 _MAX_FEEDBACK_RATE_RADPS = 6.0
 _DISTURBANCE_RESPONSE_S = 0.1
-_PRESSING_FRACTION = 0.7  # of the weight: less thrust is asked for on the ground, seldom in the air
-_UPSIDE_DOWN_COSINE = 1e-4  # of half the tilt: nearer to 180 degrees its axis is rounding errors
+_PRESSING_FRACTION = 0.7  # of the weight: the demand is below it on the ground, seldom in the air
+_UPSIDE_DOWN_COSINE = 1e-4  # of half the tilt: nearer to 180 degrees its axis is rounding error
 
 
 @kernel
 def demand_force(c: np.record, x: np.record) -> None:
     """Specific thrust (m/s^2, world) that tracks the reference: the bracket of eq. (15) over mass.
 
-    Feedback, integral, tilt and thrust are limited; the vertical part keeps a floor, so that a
-    fast descent never asks for a steep tilt.
+    Feedback, integral, tilt and thrust are limited; the vertical part has a floor, so that a fast
+    descent never demands a steep tilt.
     """
     force, e_x = c.force_enu_mps2, c.position_error_enu_m
     estimate_acceleration(c, x)
@@ -63,10 +63,10 @@ def demand_force(c: np.record, x: np.record) -> None:
 
 @kernel
 def estimate_acceleration(c: np.record, x: np.record) -> None:
-    """Acceleration by the modelled rotors and what the IMU sees beyond them, such as wind.
+    """Estimate the acceleration by the modelled rotors and, beyond them, by the IMU (such as wind).
 
-    The first part has no delay and no noise, the second is low-passed and limited, and none is
-    flown against horizontally while the vehicle presses down: leaning against what holds its legs
+    The first part has no delay and no noise, the second is low-passed and limited. Nothing is
+    compensated horizontally while the vehicle presses down: leaning against what holds its legs
     would tip it over.
     """
     thrust = 0.0
@@ -86,7 +86,7 @@ def estimate_acceleration(c: np.record, x: np.record) -> None:
         c.disturbance_mps2[i] += share * error
         c.acceleration_enu_mps2[i] = model + c.disturbance_mps2[i]
     _limit_horizontal(c.disturbance_mps2, c.max_disturbance_mps2)
-    # downwards the air costs thrust; upwards it is soon the ground that bears the vehicle
+    # Downwards the air costs thrust; upwards the ground may soon carry the vehicle.
     least, most = -0.5 * c.max_disturbance_mps2, 0.25 * c.max_disturbance_mps2
     c.disturbance_mps2[2] = min(max(c.disturbance_mps2[2], least), most)
 
@@ -98,7 +98,7 @@ def _along_thrust(c: np.record, vector: np.ndarray) -> float:
 
 @kernel
 def rotor_drag(c: np.record) -> float:
-    """Deceleration by the rotors' drag per speed across their axis, 1/s, at modelled speeds."""
+    """Deceleration by the rotors' drag per speed across their axis at modelled speeds, 1/s."""
     total = 0.0
     for i in range(4):
         total += c.drag_coefficient[i] * c.rotor_model_radps[i]
@@ -107,7 +107,7 @@ def rotor_drag(c: np.record) -> float:
 
 @kernel
 def _limit_horizontal(vector: np.ndarray, limit: float) -> float:
-    """Shorten the horizontal part to `limit`; returns its factor."""
+    """Shorten the horizontal part to `limit` and return its factor."""
     norm = math.sqrt(vector[0] * vector[0] + vector[1] * vector[1])
     factor = 1.0 if norm <= limit else limit / norm
     vector[0] *= factor
@@ -117,14 +117,14 @@ def _limit_horizontal(vector: np.ndarray, limit: float) -> float:
 
 @kernel
 def _limit(vector: np.ndarray, horizontal: float, vertical: float) -> float:
-    """Shorten the horizontal part and the vertical one; returns the horizontal one's factor."""
+    """Shorten the horizontal and the vertical part; return the factor of the horizontal one."""
     vector[2] = min(max(vector[2], -vertical), vertical)
     return _limit_horizontal(vector, horizontal)
 
 
 @kernel
 def _integrate(c: np.record, e_x: np.ndarray) -> None:
-    """Integral action, while the demand before was met: what is left by small model errors."""
+    """Integrate the error left by model errors, while the last demand was met."""
     if c.is_limited[0] + c.is_limited[1] > 0 or abs(e_x[2]) > _MAX_INTEGRATED_VERTICAL_M:
         return
     for i in range(3):
@@ -152,7 +152,7 @@ def _limit_force(c: np.record) -> None:
 
 @kernel
 def command_attitude(c: np.record, x: np.record) -> None:
-    """R_d and Omega_d from the demanded force, its derivative and the yaw: eq. (10)."""
+    """Compute R_d and Omega_d from the demanded force, its derivative and the yaw: eq. (10)."""
     force, Rd = c.force_enu_mps2, c.R_cmd
     norm = math.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2])
     for i in range(3):
@@ -185,13 +185,13 @@ def command_attitude(c: np.record, x: np.record) -> None:
 def _demand_jerk(c: np.record, x: np.record, max_feedback_mps3: float) -> None:
     """Derivative of the demanded force, into `c.demanded_jerk_enu_mps3`.
 
-    Without that of the feedback the attitude lags by 2 zeta / wR behind it and the position loop
+    Without the feedback's part, the attitude lags behind it by 2 zeta / wR and the position loop
     rings.
     """
     drag = rotor_drag(c)
     for i in range(3):
         jerk = 0.0
-        if c.is_free[i] == 0 and c.is_limited[i // 2] == 0:  # what is limited stays
+        if c.is_free[i] == 0 and c.is_limited[i // 2] == 0:  # limited parts are constant
             e_v = c.reference_velocity_enu_mps[i] - x.velocity_enu_mps[i]
             e_a = c.reference_acceleration_enu_mps2[i] - c.acceleration_enu_mps2[i]
             jerk = c.position_gain * e_v + c.velocity_gain * e_a
@@ -221,19 +221,19 @@ def attitude_torque(c: np.record, rate_flu_radps: np.ndarray) -> None:
 
 @kernel
 def _attitude_error(Q: np.ndarray, rate_flu_radps: np.ndarray, e_R: np.ndarray) -> None:
-    """Error of the attitude Q = R^T R_d: of the tilt about body x and y, of the yaw about body z.
+    """Error of the attitude Q = R^T R_d: the tilt about body x and y, the yaw about body z.
 
     R^T R_d is a turn by theta about an axis in the body's x-y plane after one by psi about z. The
-    tilt's error is 2 sin(theta / 2) along that axis: it grows up to 180 degrees, where Lee's
-    sin(theta) vanishes. The yaw's is sin(psi) cos^2(theta / 2): none upside down. For small
-    angles both are Lee's.
+    tilt error is 2 sin(theta / 2) along that axis: it grows up to 180 degrees, where Lee's
+    sin(theta) vanishes. The yaw error is sin(psi) cos^2(theta / 2): zero upside down. Both equal
+    Lee's for small angles.
     """
     half = math.sqrt(max(0.5 + 0.5 * Q[2, 2], 0.0))
     e_R[2] = 0.5 * (Q[0, 1] - Q[1, 0])
     if half > _UPSIDE_DOWN_COSINE:
         e_R[0], e_R[1] = Q[1, 2] / half, -Q[0, 2] / half
         return
-    # any axis will do; on along the one about which it turns already
+    # Any axis will do; continue about the axis of the present rotation.
     rate = math.hypot(rate_flu_radps[0], rate_flu_radps[1])
     e_R[0] = -2.0 * (rate_flu_radps[0] / rate if rate > 0.0 else 1.0)
     e_R[1] = -2.0 * (rate_flu_radps[1] / rate if rate > 0.0 else 0.0)

@@ -1,4 +1,4 @@
-"""The records that the control kernels work on: a setpoint, and all that a controller remembers."""
+"""Records of the control kernels: vehicle state, setpoint and the controller's memory."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STATE_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""What a controller knows of its vehicle."""
+"""State of the vehicle as the controller knows it."""
 
 SETPOINT_DTYPE = np.dtype(
     [
@@ -37,11 +37,11 @@ SETPOINT_DTYPE = np.dtype(
         ("thrust", "f8"),
     ]
 )
-"""`autonomy.types.Setpoint` in the order of its fields."""
+"""Fields of `autonomy.types.Setpoint` in their order."""
 
 CONTROLLER_DTYPE = np.dtype(
     [
-        # what it remembers
+        # Memory.
         ("level", "f8"),
         ("setpoint_age_s", "f8"),
         ("is_direct", "i8"),  # the reference is the trajectory's own point
@@ -63,7 +63,7 @@ CONTROLLER_DTYPE = np.dtype(
         ("rotor_model_radps", "f8", 4),  # speeds that the commands should have made
         ("acceleration_enu_mps2", "f8", 3),  # estimated
         ("disturbance_mps2", "f8", 3),  # of it, what the rotors do not explain
-        # what it commands
+        # Commands.
         ("force_enu_mps2", "f8", 3),  # demanded specific thrust
         ("R_cmd", "f8", (3, 3)),
         ("rate_cmd_flu_radps", "f8", 3),
@@ -72,7 +72,7 @@ CONTROLLER_DTYPE = np.dtype(
         ("rotor_thrust_n", "f8", 4),
         ("rotor_command_radps", "f8", 4),
         ("thrust_fraction", "f8"),
-        # the vehicle
+        # Vehicle.
         ("dt_s", "f8"),
         ("mass_kg", "f8"),
         ("inertia_flu_kgm2", "f8", 3),
@@ -86,7 +86,7 @@ CONTROLLER_DTYPE = np.dtype(
         ("time_constant_s", "f8", (4, 2)),  # up, down
         ("max_thrust_n", "f8"),
         ("gravity_mps2", "f8"),
-        # gains and limits, see ControllerCfg
+        # Gains and limits, see ControllerCfg.
         ("position_gain", "f8"),
         ("velocity_gain", "f8"),
         ("integral_gain", "f8"),
@@ -112,7 +112,7 @@ CONTROLLER_DTYPE = np.dtype(
         ("max_yaw_rate_radps", "f8"),
         ("max_yaw_acceleration_radps2", "f8"),
         ("yaw_gain_radps", "f8"),
-        # scratch
+        # Scratch.
         ("R", "f8", (3, 3)),
         ("R_error", "f8", (3, 3)),
         ("target_velocity_enu_mps", "f8", 3),  # of the reference's model
@@ -146,7 +146,7 @@ _SAME_NAME = (
 
 
 def new_controller(quadrotor: QuadrotorParams, cfg: ControllerCfg, *, dt_s: float) -> np.ndarray:
-    """A controller with its rotors off, as one record in an array of shape (1,)."""
+    """Create a controller with its rotors off, as one record in an array of shape (1,)."""
     controllers = np.zeros(1, CONTROLLER_DTYPE)
     c = controllers[0]
     c["dt_s"] = dt_s
@@ -172,7 +172,7 @@ def new_controller(quadrotor: QuadrotorParams, cfg: ControllerCfg, *, dt_s: floa
 
 
 def setpoint_row(setpoint: Setpoint) -> tuple[float, ...]:
-    """The numbers of a setpoint in the order of `SETPOINT_DTYPE`."""
+    """Numbers of a setpoint in the order of `SETPOINT_DTYPE`."""
     return (
         float(setpoint.level),
         *setpoint.position_enu_m,

@@ -1,11 +1,11 @@
-"""Upright again from any attitude and rate: first the tilt, then the fall, then the yaw.
+"""Recovery from any attitude and rate: first the tilt, then the fall, then the yaw.
 
-A vehicle tilted beyond 90 degrees cannot track anything, since its thrust points down, and one
-that turns faster than any trajectory asks for cannot aim its thrust. Until it is level
-and its fall is braked, the commanded attitude is level at the heading that the shortest turn
-leads to, so that no torque goes into yaw, and the thrust does nothing but brake the fall. The
-torques have the allocation's first priority; the collective is what its thrust axis has of the
-demanded force, nothing while that axis points down.
+A vehicle tilted beyond 90 degrees cannot track anything, since its thrust points down, and one that
+rotates faster than any trajectory demands cannot aim its thrust. Until it is level and its fall is
+braked, the commanded attitude is level at the heading of the shortest rotation, so that no torque
+goes into yaw, and the thrust only brakes the fall. The torques have the allocation's first
+priority; the collective is the demanded force along the thrust axis, zero while that axis points
+down.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from autonomy.control.reference import start_reference
 from autonomy.jit import kernel
 
 _TUMBLING_RATE_RADPS = 8.0
-"""Roll and pitch together; at 1 g of acceleration it takes a jerk of 110 m/s^3."""
+"""Rate of roll and pitch together; at 1 g of acceleration it takes a jerk of 110 m/s^3."""
 _LEVEL_COSINE = math.cos(math.radians(25.0))
 _LEVEL_RATE_RADPS = 3.0
 _BRAKED_MPS = 1.5
@@ -26,9 +26,9 @@ _BRAKED_MPS = 1.5
 
 @kernel
 def watch_recovery(c: np.record, x: np.record) -> None:
-    """Begin a recovery when tumbling, end it when level, calm and no longer falling.
+    """Begin a recovery when tumbling; end it when level, calm and no longer falling.
 
-    The reference then starts again from where the vehicle is. `c.R` is its attitude.
+    The reference then restarts at the vehicle. `c.R` is the vehicle's attitude.
     """
     rate = math.hypot(x.angular_rate_flu_radps[0], x.angular_rate_flu_radps[1])
     if c.is_recovering == 0:
@@ -42,7 +42,7 @@ def watch_recovery(c: np.record, x: np.record) -> None:
 
 @kernel
 def demand_recovery(c: np.record, x: np.record) -> None:
-    """Level attitude at the nearest heading, and the force that brakes the fall."""
+    """Demand a level attitude at the nearest heading, and the force that brakes the fall."""
     c.force_enu_mps2[0] = c.force_enu_mps2[1] = 0.0
     force = c.gravity_mps2 - c.velocity_gain * x.velocity_enu_mps[2]
     c.force_enu_mps2[2] = min(max(force, 0.0), c.max_thrust_mps2)

@@ -1,10 +1,10 @@
-"""From a setpoint to a reference that a quadrotor can follow.
+"""Reference for a quadrotor, derived from setpoints so that it can be followed.
 
-A trajectory's points (position and velocity given, near where the reference is) are the reference
-themselves, carried on between setpoints by their derivatives. Bare positions and velocities
-are targets of a model of limited jerk, acceleration and speed whose state is the reference, so
-that a step never tilts the vehicle more than its limits say. An axis without position and velocity
-follows its acceleration alone; one without anything brakes.
+Points of a trajectory (position and velocity given, near the reference) are used directly and
+extrapolated between setpoints by their derivatives. Bare positions and velocities are targets of a
+model of limited jerk, acceleration and speed whose state is the reference, so that a step never
+tilts the vehicle beyond its limits. An axis without position and velocity follows its acceleration
+alone; one without anything brakes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from autonomy.jit import kernel
 from autonomy.rotation import wrap_angle, yaw_from_quat
 
 MAX_EXTRAPOLATION_S = 0.25
-"""A trajectory's point is carried on for this long, enough for a stream of 4 Hz; then it stands."""
+"""Time for which a trajectory's point is extrapolated, enough for a 4 Hz stream; then it stops."""
 
 _ENTER_DIRECT_M = 0.2
 _ENTER_DIRECT_MPS = 0.5
@@ -27,7 +27,7 @@ _MAX_YAW_LEAD_RAD = 0.6
 
 @kernel
 def start_reference(c: np.record, x: np.record) -> None:
-    """Let the reference begin where the vehicle is."""
+    """Reset the reference to the vehicle's state."""
     for i in range(3):
         c.reference_position_enu_m[i] = x.position_enu_m[i]
         c.reference_velocity_enu_mps[i] = x.velocity_enu_mps[i]
@@ -35,7 +35,7 @@ def start_reference(c: np.record, x: np.record) -> None:
         c.reference_jerk_enu_mps3[i] = 0.0
         c.integral_mps2[i] = 0.0
         c.disturbance_mps2[i] = 0.0
-        c.last_position_enu_m[i] = math.inf  # nothing has been asked yet
+        c.last_position_enu_m[i] = math.inf  # no setpoint yet
         c.last_velocity_enu_mps[i] = math.nan
         c.setpoint_acceleration_enu_mps2[i] = 0.0
     c.reference_yaw_rad = yaw_from_quat(x.quat_wxyz)
@@ -62,7 +62,7 @@ def update_reference(c: np.record, s: np.record, x: np.record) -> None:
 
 @kernel
 def _limit_acceleration(c: np.record) -> None:
-    """Bring a trajectory's acceleration to what the model may have, when it takes over from one."""
+    """Reduce a trajectory's acceleration to the model's limits when the model takes over."""
     a, limit = c.reference_acceleration_enu_mps2, c.max_acceleration_vertical_mps2
     factor = _shortening(a[0], a[1], c.max_acceleration_mps2)
     a[0] *= factor
@@ -102,7 +102,7 @@ def _follow_directly(c: np.record, s: np.record) -> None:
 
 @kernel
 def _approach_speed(distance_m: float, gain: float, deceleration: float) -> float:
-    """Speed towards a target so that it is reached without more than the deceleration."""
+    """Speed towards a target that allows stopping there within a deceleration."""
     linear_m = deceleration / (gain * gain)
     if distance_m <= linear_m:
         return gain * distance_m
@@ -118,7 +118,7 @@ def _aim(c: np.record, s: np.record) -> None:
         left = s.position_enu_m[i] - c.reference_position_enu_m[i]
         square += left * left if math.isfinite(left) else 0.0
     distance = math.sqrt(square)
-    # half of the acceleration is left for turning and for the lag of the model
+    # Half of the acceleration is left for turning and for the model's lag.
     speed = min(_approach_speed(distance, gain, 0.5 * c.max_acceleration_mps2), c.max_speed_mps)
     for i in range(3):
         left = s.position_enu_m[i] - c.reference_position_enu_m[i]
@@ -136,10 +136,10 @@ def _aim(c: np.record, s: np.record) -> None:
 
 @kernel
 def _add_velocity(c: np.record, s: np.record) -> None:
-    """Add the setpoint's velocity to the target, horizontally what the speed limit leaves of it.
+    """Add the setpoint's velocity to the target, horizontally as far as the speed limit allows.
 
-    The way to a far setpoint comes first: a vehicle that a fast one has left behind would else fly
-    beside it for ever.
+    The way to a far setpoint has priority: otherwise a vehicle left behind by a fast setpoint would
+    fly beside it for ever.
     """
     target, limit = c.target_velocity_enu_mps, c.max_speed_mps
     vx, vy = _finite(s.velocity_enu_mps[0]), _finite(s.velocity_enu_mps[1])
@@ -179,10 +179,10 @@ def _follow_by_model(c: np.record, s: np.record, x: np.record) -> None:
 
 @kernel
 def _aim_jerk(c: np.record, s: np.record) -> None:
-    """Jerk towards the acceleration that the target velocity asks for, both limited.
+    """Jerk towards the acceleration that the target velocity demands, both limited.
 
-    Limited as horizontal vectors: the acceleration then moves straight from one point of its
-    disc to another and never leaves it.
+    The limits apply to horizontal vectors: the acceleration then moves straight from one point of
+    its disc to another and never leaves it.
     """
     jerk, limit = c.reference_jerk_enu_mps3, c.max_acceleration_vertical_mps2
     ax, ay, az = (
@@ -202,7 +202,7 @@ def _aim_jerk(c: np.record, s: np.record) -> None:
 
 @kernel
 def _shortening(x: float, y: float, limit: float) -> float:
-    """Factor that brings the length of (x, y) to the limit where it is longer."""
+    """Factor that shortens (x, y) to the limit if it is longer."""
     length = math.sqrt(x * x + y * y)
     return limit / length if length > limit else 1.0
 
@@ -228,7 +228,7 @@ def _model_acceleration(c: np.record, s: np.record, i: int) -> float:
 
 @kernel
 def _keep_on_leash(c: np.record, x: np.record) -> None:
-    """Hold the reference near a vehicle that cannot follow, such as one that has landed."""
+    """Keep the reference near a vehicle that cannot follow, such as a landed one."""
     ex = c.reference_position_enu_m[0] - x.position_enu_m[0]
     ey = c.reference_position_enu_m[1] - x.position_enu_m[1]
     factor = _shortening(ex, ey, c.leash_m)
@@ -241,7 +241,7 @@ def _keep_on_leash(c: np.record, x: np.record) -> None:
 
 @kernel
 def _turn(c: np.record, s: np.record, x: np.record) -> None:
-    """Yaw by a model of limited rate and angular acceleration."""
+    """Advance the yaw by a model of limited rate and angular acceleration."""
     dt = c.dt_s
     wanted = s.yaw_rate_radps if math.isfinite(s.yaw_rate_radps) else 0.0
     if math.isfinite(s.yaw_rad):

@@ -1,4 +1,4 @@
-"""Setpoints as a stream: what one of them leaves out follows from the one before.
+"""Setpoint stream: derives what a setpoint omits from the one before.
 
 Companions send positions and velocities at some 10 to 50 Hz, seldom accelerations, never jerks;
 the feed-forward of body rates needs all of them.
@@ -19,9 +19,9 @@ _MAX_DERIVED_JERK_MPS3 = 60.0
 
 @kernel
 def accept_setpoint(c: np.record, s: np.record) -> None:
-    """Take a setpoint in that has just arrived; one that says the same again is no new one.
+    """Accept a newly arrived setpoint; an identical one does not count as new.
 
-    What is not given is derived from this setpoint and the one before: an acceleration that is NaN
+    Missing derivatives follow from this setpoint and the one before: an acceleration that is NaN
     from the velocities, a jerk that is NaN or zero from the accelerations.
     """
     if _is_repeated(c, s):
@@ -52,7 +52,7 @@ def accept_setpoint(c: np.record, s: np.record) -> None:
 
 @kernel
 def _slope(before: float, now: float, elapsed_s: float, limit: float) -> float:
-    """Derivative between two setpoints of a stream; 0 if they belong to none."""
+    """Derivative between two setpoints of a stream; 0 if they belong to different ones."""
     if not 0.0 < elapsed_s < _MAX_STREAM_PERIOD_S:
         return 0.0
     slope = (now - before) / elapsed_s

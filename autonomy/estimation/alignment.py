@@ -1,4 +1,4 @@
-"""Start of the filter from sensors at rest: tilt by gravity, heading by the magnetic field."""
+"""Initial alignment of the filter at rest: tilt by gravity, heading by the magnetic field."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MIN_SAMPLES = 10
 
 @kernel
 def collect_imu(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.ndarray) -> None:
-    """Add a sample to the means; starts again when the vehicle does not rest."""
+    """Add a sample to the means; restart if the vehicle is not at rest."""
     f.tick += 1
     f.n_imu += 1
     for i in range(3):
@@ -38,7 +38,7 @@ def collect_imu(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.nda
 
 @kernel
 def restart_alignment(f: np.record) -> None:
-    """Forget what has been collected."""
+    """Discard the collected samples."""
     f.n_imu = f.n_gnss = f.n_mag = f.n_baro = 0
     f.gyro_square_sum = 0.0
     f.baro_sum = 0.0
@@ -55,7 +55,7 @@ def collect_vector(total: np.ndarray, sample: np.ndarray) -> None:
 
 @kernel
 def collect_fix(f: np.record, position_enu_m: np.ndarray, sigma_m: np.ndarray) -> None:
-    """Add a fix (3,) with its standard deviation (3,), beside the wander, to the mean."""
+    """Add a fix (3,) with the standard deviation (3,) of its noise, without wander, to the mean."""
     collect_vector(f.gnss_sum, position_enu_m)
     for i in range(3):
         f.gnss_sigma_m[i] = sigma_m[i]
@@ -64,9 +64,9 @@ def collect_fix(f: np.record, position_enu_m: np.ndarray, sigma_m: np.ndarray) -
 
 @kernel
 def align_when_ready(f: np.record) -> None:
-    """Start the filter as soon as every sensor has been heard long enough.
+    """Start the filter when every sensor has been heard long enough.
 
-    Without satellites it starts where it has been told that it stands, if it has been told.
+    Without satellites it starts at the given position, if there is one.
     """
     has_fixes = f.n_gnss >= _MIN_FIXES
     if f.n_imu < f.n_align or not (has_fixes or f.has_start == 1):
@@ -88,7 +88,7 @@ def align_when_ready(f: np.record) -> None:
 
 @kernel
 def _start_position_covariance(f: np.record, has_fixes: bool) -> None:
-    """Position by the mean of fixes, or as told; the barometer's offset leans on its height."""
+    """Set the covariance of position, from the mean of fixes or as given, and of the barometer."""
     P = f.covariance
     for i in range(3):
         if has_fixes:
@@ -103,10 +103,10 @@ def _start_position_covariance(f: np.record, has_fixes: bool) -> None:
 
 @kernel
 def _start_covariance(f: np.record) -> None:
-    """Diagonal, but for the attitude: levelling takes an accelerometer's bias b for a tilt b/g.
+    """Diagonal except for the attitude: levelling mistakes an accelerometer bias b for a tilt b/g.
 
-    The tilt error theta hides the bias: g [e3]x theta = -R b, as long as the vehicle rests. And the
-    heading is that of the field turned level: a tilt error leaks its vertical part into it.
+    The tilt error theta hides the bias: g [e3]x theta = -R b, as long as the vehicle rests. The
+    heading is that of the levelled field: a tilt error leaks the field's vertical part into it.
     """
     P, R, g = f.covariance, f.work_R, f.gravity_mps2
     P[:] = 0.0
@@ -115,7 +115,7 @@ def _start_covariance(f: np.record) -> None:
     matrix_from_quat(f.quat_wxyz, R)
     for j in range(3):
         k = ACCEL_BIAS + j
-        tilt_x, tilt_y = -R[1, j] / g, R[0, j] / g  # by a unit of this bias
+        tilt_x, tilt_y = -R[1, j] / g, R[0, j] / g  # per unit of this bias
         P[ATTITUDE, k] = P[k, ATTITUDE] = tilt_x * P[k, k]
         P[ATTITUDE + 1, k] = P[k, ATTITUDE + 1] = tilt_y * P[k, k]
         P[ATTITUDE, ATTITUDE] += tilt_x * tilt_x * P[k, k]

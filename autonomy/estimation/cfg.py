@@ -1,4 +1,4 @@
-"""Tuning of the filter: what it takes its sensors and its vehicle to be."""
+"""Tuning of the filter: its assumptions about sensors and vehicle."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DragModel:
-    """How the air slows a multirotor across its rotor axes: what makes wind observable.
+    """Air drag of a multirotor across its rotor axes, which makes wind observable.
 
     Specific force along body x or y: -(sum of `rotor_mps_per_rad` w + `fuselage` |u|) u, for rotor
     speeds w and air speed u.
     """
 
     rotor_mps_per_rad: tuple[float, float, float, float]
-    """Of each rotor, drag coefficient over mass: 1/s for each rad/s."""
+    """Drag coefficient over mass of each rotor: 1/s per rad/s."""
     fuselage_per_m: tuple[float, float]
     """rho / 2 CdA over mass along body x and y, 1/m."""
     thrust_m: tuple[float, float, float, float]
-    """Of each rotor, thrust constant over mass: m/s^2 for each (rad/s)^2."""
+    """Thrust constant over mass of each rotor: m/s^2 per (rad/s)^2."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -26,56 +26,56 @@ class EstimatorCfg:
     """Tuning of the filter; pairs are horizontal (each axis) and vertical."""
 
     gyro_noise_density: float = 1.5e-3
-    """rad/s/sqrt(Hz)."""
+    """Density of white noise, rad/s/sqrt(Hz)."""
     accel_noise_density: float = 0.02
-    """m/s^2/sqrt(Hz)."""
+    """Density of white noise, m/s^2/sqrt(Hz)."""
     gyro_bias_walk: float = 4e-5
-    """rad/s^2/sqrt(Hz)."""
+    """Random walk, rad/s^2/sqrt(Hz)."""
     accel_bias_walk: float = 3e-3
-    """m/s^3/sqrt(Hz)."""
+    """Random walk, m/s^3/sqrt(Hz)."""
     baro_offset_walk: float = 0.002
-    """m/s/sqrt(Hz): weather and warming up."""
+    """Random walk by weather and warming up, m/s/sqrt(Hz)."""
     baro_sigma_m: float = 0.15
     heading_sigma_rad: float = 0.03
-    """Of one sample of the magnetometer."""
+    """Standard deviation of one magnetometer sample."""
     gate_sigma: float = 5.0
-    """Innovations beyond this many standard deviations are refused."""
+    """Innovations beyond this many standard deviations are rejected."""
     max_gnss_rejections: int = 20
-    """After so many refused fixes in a row position and velocity start again from the fix."""
+    """Consecutive rejected fixes after which position and velocity restart from the fix."""
     gnss_wander_sigma_m: tuple[float, float] = (0.03, 0.05)
     """Stationary standard deviation of the receiver's slow error."""
     gnss_wander_correlation_s: float = 60.0
     max_gnss_step_m: float = 0.03
-    """While there is odometry, a fix moves each axis of the position by at most this."""
+    """Greatest change of each position axis by a fix, while there is odometry."""
     vio_position_walk: tuple[float, float] = (0.025, 0.02)
     """Drift of visual-inertial odometry, m/sqrt(m flown)."""
     vio_yaw_walk: float = 2.1e-3
-    """rad/sqrt(m flown)."""
+    """Random walk of the odometry's heading, rad/sqrt(m flown)."""
     vio_position_sigma_m: float = 0.01
     vio_yaw_sigma_rad: float = 4e-3
     mocap_position_sigma_m: float = 1e-3
     mocap_yaw_sigma_rad: float = 3e-3
     wind_walk: float = 0.6
-    """m/s/sqrt(s): moderate turbulence, sigma sqrt(2 / tau) with 1.5 m/s and 12 s."""
+    """Random walk, m/s/sqrt(s): moderate turbulence, sigma sqrt(2 / tau) with 1.5 m/s and 12 s."""
     initial_wind_sigma_mps: float = 5.0
     drag_sigma_mps2: float = 0.12
-    """Of one sample of the specific force across the rotor axes."""
+    """Standard deviation of one sample of the specific force across the rotor axes."""
     drag_relative_sigma: float = 0.05
-    """Of the drag force itself: how well the coefficients are known."""
+    """Relative standard deviation of the drag force: how well its coefficients are known."""
     drag_interval_s: float = 0.02
-    """Between two samples that are used."""
+    """Time between two samples that are fused."""
     range_sigma_m: float = 0.05
     terrain_slope: float = 0.5
-    """The surface below may rise by this much a metre flown (1 sigma)."""
+    """Standard deviation of the rise of the surface below per metre flown."""
     align_s: float = 1.0
-    """Rest before the filter starts."""
+    """Time at rest before the filter starts."""
     max_align_rate_radps: float = 0.05
-    """RMS angular rate, bias included, above which the vehicle does not count as resting."""
+    """RMS angular rate, bias included, above which the vehicle is not at rest."""
     initial_tilt_sigma_rad: float = 0.003
-    """Beyond what the accelerometer's bias makes of it."""
+    """Standard deviation besides the effect of the accelerometer's bias."""
     initial_yaw_sigma_rad: float = 0.03
     initial_velocity_sigma_mps: float = 0.01
     start_sigma_m: float = 0.03
-    """Of the place that it is told to start at, where no satellites are heard; each axis."""
+    """Standard deviation per axis of the given start position, used without satellites."""
     initial_gyro_bias_sigma_radps: float = 0.002
     initial_accel_bias_sigma_mps2: float = 0.2

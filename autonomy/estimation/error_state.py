@@ -1,4 +1,4 @@
-"""What the filter estimates, and the record that holds it.
+"""State of the filter, and the record that holds it.
 
 The nominal state is integrated from the IMU; the Kalman filter estimates its small error. The
 attitude error is a rotation vector in the world frame: R_true = exp([theta]x) R.
@@ -15,9 +15,9 @@ attitude error is a rotation vector in the world frame: R_true = exp([theta]x) R
     22      VIO heading   rad      of the odometry's frame
     23-24   wind          m/s      east and north
 
-The barometer smooths the height without deciding what height is: GNSS does. The wander keeps
-GNSS honest: its slow error does not average away. The VIO frame makes odometry a relative
-measurement: what it drifts by goes into its frame, and losing or finding GNSS resets nothing.
+The barometer smooths the height but does not define it: GNSS does. The wander keeps
+GNSS honest: its slow error does not average out. The VIO frame makes odometry a relative
+measurement: its drift goes into its frame, and losing or regaining GNSS resets nothing.
 
 Source: Sola 2017, "Quaternion kinematics for the error-state Kalman filter", chapter 7.
 """
@@ -33,7 +33,7 @@ N_STATES = 25
 POSITION, VELOCITY, ATTITUDE, GYRO_BIAS, ACCEL_BIAS, BARO_OFFSET = 0, 3, 6, 9, 12, 15
 GNSS_WANDER, VIO_ORIGIN, VIO_YAW, WIND = 16, 19, 22, 23
 N_PAST = 64
-"""IMU ticks that the filter remembers; the oldest measurement that it can fuse."""
+"""Number of remembered IMU ticks, and so the greatest age of a measurement."""
 
 MEASUREMENTS = (
     "GNSS position",
@@ -50,7 +50,7 @@ MEASUREMENTS = (
 
 FILTER_DTYPE = np.dtype(
     [
-        # nominal state
+        # Nominal state.
         ("position_enu_m", "f8", 3),
         ("velocity_enu_mps", "f8", 3),
         ("quat_wxyz", "f8", 4),
@@ -64,7 +64,7 @@ FILTER_DTYPE = np.dtype(
         ("angular_rate_flu_radps", "f8", 3),  # latest gyro less its bias
         ("acceleration_enu_mps2", "f8", 3),  # over the last interval
         ("covariance", "f8", (N_STATES, N_STATES)),
-        # the estimates of the last ticks (`autonomy.estimation.past`)
+        # Estimates of the last ticks (`autonomy.estimation.past`).
         ("past_position_enu_m", "f8", (N_PAST, 3)),
         ("past_velocity_enu_mps", "f8", (N_PAST, 3)),
         ("past_yaw_rad", "f8", N_PAST),
@@ -74,7 +74,7 @@ FILTER_DTYPE = np.dtype(
         ("moved_yaw_rad", "f8"),
         ("tick", "i8"),
         ("dt_s", "f8"),
-        # how the last innovations stood against their gates: accepted below 1
+        # Last innovations relative to their gates: accepted below 1.
         ("ratio_gnss_position", "f8"),
         ("ratio_gnss_velocity", "f8"),
         ("ratio_baro", "f8"),
@@ -83,18 +83,18 @@ FILTER_DTYPE = np.dtype(
         ("last_gnss_tick", "i8"),
         ("last_wander_tick", "i8"),
         ("last_position_tick", "i8"),  # of whatever says where the vehicle is
-        # squared innovations over their variances, summed by kind of measurement: NIS
+        # Squared innovations over their variances, summed by kind of measurement: NIS.
         ("innovation_square_sum", "f8", len(MEASUREMENTS)),
         ("n_innovations", "i8", len(MEASUREMENTS)),
-        # surface below
+        # Surface below.
         ("terrain_height_m", "f8"),
         ("terrain_variance_m2", "f8"),  # against the estimated height
         ("terrain_rejections", "i8"),
-        # odometry
+        # Odometry.
         ("has_vio", "i8"),  # its frame has been placed
         ("vio_rejections", "i8"),
         ("last_vio_tick", "i8"),
-        # alignment at rest
+        # Alignment at rest.
         ("is_aligned", "i8"),
         ("has_start", "i8"),  # whether it has been told where it starts
         ("start_enu_m", "f8", 3),
@@ -109,7 +109,7 @@ FILTER_DTYPE = np.dtype(
         ("gnss_sum", "f8", 3),
         ("gnss_sigma_m", "f8", 3),  # white part of the last fix that was collected
         ("baro_sum", "f8"),
-        # configuration, see EstimatorCfg
+        # Configuration, see EstimatorCfg.
         ("gravity_mps2", "f8"),
         ("gyro_variance_rate", "f8"),
         ("accel_variance_rate", "f8"),
@@ -143,7 +143,7 @@ FILTER_DTYPE = np.dtype(
         ("start_sigma_m", "f8"),
         ("n_align", "i8"),
         ("max_align_rate_radps", "f8"),
-        # scratch
+        # Scratch.
         ("measurement_row", "f8", N_STATES),
         ("gain", "f8", N_STATES),
         ("work_quat", "f8", 4),
@@ -163,15 +163,15 @@ def new_filter(
     drag: DragModel | None = None,
     start_enu_m: Vector3 | None = None,
 ) -> np.ndarray:
-    """A filter before its alignment, as one record in an array of shape (1,).
+    """Create a filter before its alignment, as one record in an array of shape (1,).
 
     Args:
-        cfg: Tuning.
+        cfg: Tuning of the filter.
         dt_s: Time between two IMU samples.
         field_enu_ut: Earth's magnetic field at the place of flight, by a geomagnetic model.
         gravity_mps2: Standard gravity at the place of flight.
-        drag: Of the vehicle; None estimates no wind.
-        start_enu_m: Where it stands, as it is told; None waits for satellites.
+        drag: Drag of the vehicle; None estimates no wind.
+        start_enu_m: Given start position; None waits for satellites.
     """
     filters = np.zeros(1, FILTER_DTYPE)
     f = filters[0]
@@ -228,7 +228,7 @@ def _axes_squared(pair: tuple[float, float]) -> tuple[float, float, float]:
 
 
 def _aligned_sigma(cfg: EstimatorCfg) -> np.ndarray:
-    """Standard deviations after the alignment, of what does not come from its measurements."""
+    """Standard deviations after alignment of the states that it does not measure."""
     sigma = np.zeros(N_STATES)
     sigma[VELOCITY : VELOCITY + 3] = cfg.initial_velocity_sigma_mps
     sigma[ATTITUDE : ATTITUDE + 2] = cfg.initial_tilt_sigma_rad

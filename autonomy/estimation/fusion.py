@@ -1,4 +1,4 @@
-"""The measurements: GNSS position and velocity (late), barometric height, magnetic heading."""
+"""Fusion of GNSS position and velocity (late), barometric height and magnetic heading."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def fuse_gnss(
         position_enu_m: Measured position (3,).
         velocity_enu_mps: Measured velocity (3,).
         age_ticks: IMU ticks since the time of validity, below `N_PAST`.
-        sigma_m: Standard deviation of each position component (3,), beside the slow wander.
+        sigma_m: Standard deviation of each position component (3,), without the slow wander.
         sigma_mps: Standard deviation of each velocity component (3,).
     """
     _let_wander(f)
@@ -86,10 +86,10 @@ def _let_wander(f: np.record) -> None:
 
 @kernel
 def _variance_of_a_small_step(f: np.record, i: int, innovation: float) -> float:
-    """Least variance with which a fix moves position i no farther than `max_gnss_step_m`.
+    """Least variance with which a fix moves position i by at most `max_gnss_step_m`.
 
     Only while odometry carries the position: after a flight indoors GNSS then takes over in steps
-    that a controller does not feel. The weight of Huber 1964, bounded on the correction.
+    that a controller does not notice. The weight of Huber 1964, bounded on the correction.
     """
     if f.has_vio == 0:
         return 0.0
@@ -112,7 +112,7 @@ def _restart(
     sigma_m: np.ndarray,
     sigma_mps: np.ndarray,
 ) -> None:
-    """Position and velocity start again from a fix; what is left keeps its estimate."""
+    """Restart position and velocity from a fix; the other states keep their estimates."""
     age_s = age_ticks * f.dt_s
     P = f.covariance
     for j in range(N_STATES):
@@ -127,7 +127,7 @@ def _restart(
         correlate_with_wander(f, i, sigma_m[i] * sigma_m[i])
         P[VELOCITY + i, VELOCITY + i] = sigma_mps[i] * sigma_mps[i]
     restart_past(f)
-    # the restart may move the height by metres: what the barometer says then is no longer known
+    # The restart may move the height by metres, so the barometer's offset is no longer known.
     P[BARO_OFFSET, BARO_OFFSET] += sigma_m[2] * sigma_m[2]
     f.has_vio = 0
     f.gnss_rejections = 0
@@ -136,7 +136,7 @@ def _restart(
 
 @kernel
 def correlate_with_wander(f: np.record, i: int, variance_m2: float) -> None:
-    """Covariance of a position that is a fix: what the receiver wanders by, it is wrong by."""
+    """Set the covariance of a position that equals a fix: it shares the receiver's wander."""
     P, k, wander = f.covariance, GNSS_WANDER + i, f.wander_variance_m2[i]
     P[i, i] = variance_m2 + wander
     P[k, k] = wander
@@ -156,11 +156,11 @@ def fuse_barometer(f: np.record, altitude_m: float) -> None:
 
 @kernel
 def heading_innovation(f: np.record, field_flu_ut: np.ndarray) -> float:
-    """Heading by the magnetometer minus the estimated one, rad; its Jacobian goes to the row.
+    """Heading by the magnetometer minus the estimated one, rad; fills the Jacobian row.
 
     The measured field, turned into the world by the estimate, is compared in azimuth with the
-    field that the geomagnetic model gives. A tilt error leaks the vertical field into it: the row
-    has the model's field, because a measured one would correlate the row with the innovation, and
+    geomagnetic model's field. A tilt error leaks the vertical field into it: the row uses the
+    model's field, because a measured one would correlate the row with the innovation, and
     noise alone would then tilt the estimate (40 mrad/s with an accelerometer off by 0.2 m/s^2).
     """
     R, h, field = f.work_R, f.measurement_row, f.field_enu_ut

@@ -1,4 +1,4 @@
-"""Visual-inertial odometry: position and heading in a frame of its own, which drifts.
+"""Visual-inertial odometry: position and heading in its own, drifting frame.
 
     symbol   name                                     unit
     p        position of the vehicle, ENU             m
@@ -7,9 +7,9 @@
 
     p = o + Rz(a) m + noise,   heading(q) = a + b + noise
 
-Both drift per metre flown: o by a random walk, a by another about the place where the vehicle is,
-so that a turn of the frame moves its origin and not the vehicle. GNSS and magnetometer tie the
-frame to the world; without them its drift becomes the uncertainty of position and heading.
+Both drift per metre flown: o by a random walk, a by another about the vehicle's position, so that
+a turn of the frame moves its origin and not the vehicle. GNSS and magnetometer tie the frame to the
+world; without them its drift becomes uncertainty of position and heading.
 
 Source: Lynen et al. 2013, "A robust and modular multi-sensor fusion approach applied to MAV
 navigation", section IV-C (drift states of relative measurements).
@@ -35,7 +35,7 @@ from autonomy.rotation import wrap_angle
 
 _VIO_POSITION, _VIO_YAW = 4, 5  # rows of MEASUREMENTS
 _MAX_REJECTIONS = 30
-"""After so many refused poses in a row the odometry counts as restarted elsewhere."""
+"""Consecutive rejected poses after which the odometry counts as restarted elsewhere."""
 
 
 @kernel
@@ -94,7 +94,7 @@ def _turned(f: np.record, position_vio_m: np.ndarray) -> tuple[float, float]:
 
 @kernel
 def _let_drift(f: np.record, position_vio_m: np.ndarray) -> None:
-    """Process noise of the frame over the way flown since the pose before.
+    """Add process noise to the frame for the way flown since the last pose.
 
     A turn w of the frame about the vehicle moves its origin by -w ez x Rz(a) m.
     """
@@ -117,7 +117,7 @@ def _let_drift(f: np.record, position_vio_m: np.ndarray) -> None:
 def _place_frame(
     f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_ticks: int
 ) -> None:
-    """Lay the frame so that its pose agrees with the estimate, and correlate it with that."""
+    """Place the frame so that its pose agrees with the estimate, and correlate the two."""
     h = f.measurement_row
     h[:] = 0.0
     if not write_heading_row(f.quat_wxyz, h):
@@ -139,7 +139,7 @@ def _place_frame(
 
 @kernel
 def _clone(f: np.record, k: int, variance: float) -> None:
-    """Make state k the combination of the others in `f.measurement_row`, plus noise."""
+    """Set state k to the combination of the others in `f.measurement_row`, plus noise."""
     P, h, row = f.covariance, f.measurement_row, f.gain
     for j in range(N_STATES):
         P[k, j] = P[j, k] = 0.0

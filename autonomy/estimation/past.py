@@ -1,4 +1,4 @@
-"""What the filter remembers of the last IMU ticks, for measurements that arrive late.
+"""Past estimates of the last IMU ticks, for measurements that arrive late.
 
 A correction now (dp of position, dv of velocity, at time t) means that the estimate of an earlier
 time s was wrong by dp - (t - s) dv. Summed over all corrections since s that is
@@ -19,7 +19,7 @@ from autonomy.rotation import yaw_from_quat
 
 @kernel
 def remember(f: np.record) -> None:
-    """Keep the estimate of the present tick."""
+    """Store the estimate of the present tick."""
     slot = f.tick % N_PAST
     now_s = f.tick * f.dt_s
     for i in range(3):
@@ -31,7 +31,7 @@ def remember(f: np.record) -> None:
 
 @kernel
 def past_position(f: np.record, age_ticks: int, i: int) -> float:
-    """Component i of the position `age_ticks` ago, m, as it is estimated now."""
+    """Component i of the position `age_ticks` ago, m, by present knowledge."""
     then_s = (f.tick - age_ticks) * f.dt_s
     sums = f.moved_enu_m[i] - f.moved_moment_enu_m[i] + then_s * f.moved_velocity_enu_mps[i]
     return f.past_position_enu_m[(f.tick - age_ticks) % N_PAST, i] + sums
@@ -39,20 +39,20 @@ def past_position(f: np.record, age_ticks: int, i: int) -> float:
 
 @kernel
 def past_velocity(f: np.record, age_ticks: int, i: int) -> float:
-    """Component i of the velocity `age_ticks` ago, m/s, as it is estimated now."""
+    """Component i of the velocity `age_ticks` ago, m/s, by present knowledge."""
     slot = (f.tick - age_ticks) % N_PAST
     return f.past_velocity_enu_mps[slot, i] + f.moved_velocity_enu_mps[i]
 
 
 @kernel
 def past_yaw(f: np.record, age_ticks: int) -> float:
-    """The heading `age_ticks` ago, rad, as it is estimated now; not wrapped."""
+    """Heading `age_ticks` ago, rad, by present knowledge; not wrapped."""
     return f.past_yaw_rad[(f.tick - age_ticks) % N_PAST] + f.moved_yaw_rad
 
 
 @kernel
 def restart_past(f: np.record) -> None:
-    """Take it that the vehicle has always flown at its present velocity and heading."""
+    """Assume that the vehicle has always flown at its present velocity and heading."""
     tick = f.tick
     x, y, z = f.position_enu_m[0], f.position_enu_m[1], f.position_enu_m[2]
     for age in range(N_PAST - 1, -1, -1):

@@ -60,7 +60,7 @@ def propagate_covariance(P: np.ndarray, R: np.ndarray, force: np.ndarray, dt: fl
 
     F adds dt velocity to position; -dt ([force]x attitude + R accel bias) to velocity; and
     -dt R gyro bias to attitude. Each row needs only rows below it, so the order p, v, theta works
-    in place; columns likewise. All other states stay as they are.
+    in place; columns likewise. All other states are unchanged.
     """
     fx, fy, fz = dt * force[0], dt * force[1], dt * force[2]
     r00, r01, r02 = dt * R[0, 0], dt * R[0, 1], dt * R[0, 2]
@@ -96,7 +96,7 @@ def propagate_covariance(P: np.ndarray, R: np.ndarray, force: np.ndarray, dt: fl
 
 @kernel
 def add_process_noise(f: np.record) -> None:
-    """P <- P + Q dt, and rounding errors of the two triangles evened out."""
+    """P <- P + Q dt, with rounding errors of the two triangles averaged."""
     P = f.covariance
     for i in range(9):  # all that the propagation changes
         for j in range(i):

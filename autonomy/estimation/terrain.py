@@ -1,7 +1,7 @@
-"""Height of the surface below, apart from the altitude.
+"""Terrain filter: height of the surface below, separate from the altitude.
 
-A scalar Kalman filter: the surface may rise by `terrain_slope` a metre flown. A jump that lasts
-(a roof's edge) starts it again at the new height; the altitude never hears of it.
+A scalar Kalman filter: the surface may rise by `terrain_slope` per metre flown. A lasting jump
+(a roof's edge) restarts it at the new height; the altitude is not affected.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _MIN_COSINE = 0.5
 
 @kernel
 def fuse_range(f: np.record, range_m: float, interval_s: float) -> None:
-    """Fuse a distance along body -z, taken `interval_s` after the one before."""
+    """Fuse a distance along body -z, measured `interval_s` after the previous one."""
     q = f.quat_wxyz
     cosine = 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2])
     vx, vy = f.velocity_enu_mps[0], f.velocity_enu_mps[1]
@@ -27,7 +27,7 @@ def fuse_range(f: np.record, range_m: float, interval_s: float) -> None:
     if not math.isfinite(range_m) or cosine < _MIN_COSINE:
         return
     height = f.position_enu_m[2] - range_m * cosine
-    # attitude errors of a degree move the foot of a long ray
+    # Attitude errors of a degree move the foot of a long ray.
     variance = f.range_variance_m2 + 4e-4 * range_m * range_m * (1.0 - cosine * cosine)
     innovation = height - f.terrain_height_m
     s = f.terrain_variance_m2 + variance

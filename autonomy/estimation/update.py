@@ -1,7 +1,7 @@
-"""One scalar measurement into the filter: gate, gain, covariance, injection of the error.
+"""Scalar measurement update of the filter: gate, gain, covariance and injection of the error.
 
-Vectors with independent components are fused one component after the other, each against the
-state that the one before has corrected.
+Vectors with independent components are fused component by component, each against the state
+corrected by the one before.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ _LEAST_LEVEL = 0.01
 
 @kernel
 def scalar_update(f: np.record, kind: int, innovation: float, variance: float) -> float:
-    """Fuse a scalar whose Jacobian stands in `f.measurement_row`.
+    """Fuse a scalar whose Jacobian is in `f.measurement_row`.
 
     Args:
         f: The filter.
         kind: Row of `MEASUREMENTS`, for the statistics.
         innovation: Measurement minus prediction.
-        variance: Of the measurement's noise.
+        variance: Variance of the measurement's noise.
 
     Returns:
-        Squared innovation over its squared gate: refused unless at most 1.
+        Squared innovation over its squared gate: rejected unless at most 1.
     """
     P, h, gain = f.covariance, f.measurement_row, f.gain
     gain[:] = 0.0
@@ -53,14 +53,14 @@ def scalar_update(f: np.record, kind: int, innovation: float, variance: float) -
         s += h[i] * gain[i]
     square = innovation * innovation / s
     ratio = square / (f.gate_sigma * f.gate_sigma)
-    if not ratio <= 1.0:  # refuses NaN too
+    if not ratio <= 1.0:  # rejects NaN too
         return ratio
     f.innovation_square_sum[kind] += square
     f.n_innovations[kind] += 1
     root = math.sqrt(s)
     for i in range(N_STATES):
         gain[i] /= root
-    for i in range(N_STATES):  # the same product for both triangles: stays symmetric to the bit
+    for i in range(N_STATES):  # the same product for both triangles keeps P symmetric to the bit
         for j in range(N_STATES):
             P[i, j] -= gain[i] * gain[j]
     for i in range(N_STATES):
@@ -98,7 +98,7 @@ def inject(f: np.record, error: np.ndarray) -> None:
 
 @kernel
 def write_heading_row(q: np.ndarray, h: np.ndarray) -> bool:
-    """Add the derivative of the heading by the attitude error to a row; False without heading.
+    """Add the derivative of the heading by the attitude error to a row; False without a heading.
 
     Body x turns by theta x e; its azimuth by theta_z - e_z (e_x theta_x + e_y theta_y) / (e_x^2 +
     e_y^2).

@@ -1,4 +1,4 @@
-"""Wind from the drag of the rotors: what slows the vehicle across their axes is air speed.
+"""Wind estimate from the drag of the rotors, which depends on the air speed across their axes.
 
     a_i = -(sum_k d_k w_k + c_i |u_i|) u_i + b_i + noise,   i = body x, y
     u = R^T (velocity - wind)
@@ -20,7 +20,7 @@ from autonomy.rotation import matrix_from_quat
 
 _DRAG = 8  # row of MEASUREMENTS
 _LEAST_LOAD = 0.5
-"""Of the weight: with less thrust the legs may carry, and friction looks like drag."""
+"""Share of the weight below which the legs may carry, whose friction looks like drag."""
 
 
 @kernel

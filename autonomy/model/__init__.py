@@ -1,4 +1,4 @@
-"""Quadrotor model: what the controller, the planner and the simulator agree on."""
+"""Quadrotor model shared by controller, planner and simulator."""
 
 from autonomy.model.quadrotor import QuadrotorParams, RotorParams
 

@@ -1,4 +1,4 @@
-"""Rigid-body facts that follow from a quadrotor's parameters."""
+"""Rigid-body dynamics that follow from a quadrotor's parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Differential flatness with rotor drag: what a trajectory asks of a quadrotor.
+"""Differential flatness with rotor drag: the demands of a trajectory on a quadrotor.
 
     symbol  name                                              unit
     v a j   velocity, acceleration, jerk of the flat output   m/s, m/s^2, m/s^3
@@ -11,7 +11,7 @@ From  a = -g e_3 + c z - d (v - (v.z) z)  follows  (c + d v.z) z = h,  so  z = h
 c = |h| - d v.z. The drag of a rotor grows with its speed, so d = k sqrt(c) for four rotors that
 share the thrust; the fixed point is reached in a few steps.
 
-The same algebra takes numpy arrays and CasADi expressions.
+The same algebra accepts numpy arrays and CasADi expressions.
 
 Source: Faessler, Franchi and Scaramuzza 2018, "Differential flatness of quadrotor dynamics subject
 to rotor drag"; their drag is constant, ours follows the rotor model of Furrer et
@@ -32,22 +32,22 @@ _LEAST_SQUARE = 1e-6  # of |h|: in free fall the attitude is undefined
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Effort:
-    """What is asked at one point or, as arrays, at many."""
+    """Demands of a trajectory at one point or, as arrays, at many."""
 
     specific_thrust_mps2: Any
     """Collective thrust over mass."""
     cos_tilt: Any
-    """Of the angle between thrust and the vertical."""
+    """Cosine of the angle between thrust and the vertical."""
     tilt_rate_radps: Any
     """Body rate about the axes across the thrust, roll and pitch together."""
     force_mps2: Any
-    """|h|: thrust and the rotors' drag over mass."""
+    """|h|: thrust and rotor drag over mass."""
     drag_per_s: Any
-    """d."""
+    """Rotor drag d over mass and speed."""
 
 
 def drag_constant(quadrotor: QuadrotorParams) -> float:
-    """The k in d = k sqrt(c), s^-1 / (m/s^2)^(1/2)."""
+    """Constant k in d = k sqrt(c), s^-1 / (m/s^2)^(1/2)."""
     thrust = sum(rotor.thrust_constant for rotor in quadrotor.rotors)
     drag = sum(rotor.drag_coefficient for rotor in quadrotor.rotors)
     return drag / math.sqrt(quadrotor.mass_kg * thrust)
@@ -62,9 +62,9 @@ def effort(velocity: Any, acceleration: Any, jerk: Any, quadrotor: QuadrotorPara
     """Thrust, tilt and tilt rate along a trajectory in still air.
 
     Args:
-        velocity: Its three components, each a number, an array or a CasADi expression; m/s, ENU.
-        acceleration: The same of acceleration.
-        jerk: The same of jerk.
+        velocity: Three components, each a number, an array or a CasADi expression; m/s, ENU.
+        acceleration: Acceleration in the same form.
+        jerk: Jerk in the same form.
         quadrotor: Mass, thrust and drag of the vehicle.
     """
     k = drag_constant(quadrotor)

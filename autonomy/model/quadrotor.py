@@ -11,10 +11,10 @@ GRAVITY_MPS2 = 9.81
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RotorParams:
-    """One rotor: where it sits and what it makes of its speed."""
+    """One rotor: its position and its coefficients."""
 
     position_flu_m: Vector3
-    """Hub in the body frame, relative to the centre of mass."""
+    """Position of the hub in the body frame, relative to the centre of mass."""
     spin: int
     """+1 turns counter-clockwise seen from above, -1 clockwise."""
     thrust_constant: float
@@ -32,7 +32,7 @@ class RotorParams:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class QuadrotorParams:
-    """A rigid body with four rotors, origin in its centre of mass, FLU axes."""
+    """Rigid body with four rotors, origin in its centre of mass, FLU axes."""
 
     mass_kg: float
     inertia_flu_kgm2: Vector3

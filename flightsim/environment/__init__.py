@@ -1,1 +1,1 @@
-"""What surrounds the vehicle: air, wind and the Earth's magnetic field."""
+"""Environment of the vehicle: air, wind, traffic and the Earth's magnetic field."""

@@ -11,7 +11,7 @@ SEA_LEVEL_TEMPERATURE_K = 288.15
 SEA_LEVEL_PRESSURE_PA = 101325.0
 LAPSE_RATE_KPM = 0.0065
 AIR_DENSITY_KGPM3 = 1.225
-"""At sea level, 15 degrees Celsius."""
+"""Density at sea level and 15 degrees Celsius."""
 
 # g M / (R L)
 _EXPONENT = 5.25588

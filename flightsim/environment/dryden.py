@@ -1,4 +1,4 @@
-"""Dryden turbulence at low altitude, as velocities of the air at one moving point.
+"""Dryden turbulence at low altitude, as air velocities at one moving point.
 
     symbol   name                                           unit
     h        height above ground, 10 to 1,000 ft            m
@@ -12,9 +12,9 @@ Along the wind a first-order filter 1 / (1 + T s), across and up (1 + sqrt(3) T 
 each driven by white noise and integrated exactly over a step. States are normalised: a change of
 height or speed scales what they mean and never adds energy.
 
-Deviations: the axes are the wind's, not the body's, as the standard has it near the ground; V has
-a floor, without which nothing would change for a vehicle that hovers in calm air; gradients over
-the vehicle, which is far smaller than L, are left out.
+Deviations: the axes are the wind's, not the body's, as in the standard near the ground; V has
+a floor, without which nothing would change for a vehicle hovering in calm air; gradients across
+the vehicle, which is far smaller than L, are omitted.
 
 Sources: MIL-F-8785C, 3.7.2.1 (spectra), 3.7.3.4 (scales and intensities near the ground).
 """
@@ -29,14 +29,14 @@ from jaxtyping import Float
 from autonomy.jit import kernel
 
 N_STATES = 5
-"""One along, two across, two up."""
+"""Number of filter states: one along, two across, two up."""
 N_NORMALS = 5
-"""Standard normals for one step."""
+"""Number of standard normals for one step."""
 
 _FOOT_M = 0.3048
 _LOWEST_FT, _HIGHEST_FT = 10.0, 1000.0
 _LEAST_SPEED_MPS = 1.0
-# Below this step over time constant the closed forms cancel.
+# Below this ratio of step to time constant the closed forms cancel numerically.
 _SHORT_STEP = 0.1
 _SERIES_TERMS = 8
 _SQRT_3 = math.sqrt(3.0)
@@ -44,7 +44,7 @@ _SQRT_3 = math.sqrt(3.0)
 
 @kernel
 def length_scales_m(height_m: float) -> tuple[float, float]:
-    """Length scales of turbulence along and across, and upwards, at a height above ground."""
+    """Length scales of turbulence, horizontal and vertical, at a height above ground."""
     feet = min(max(height_m / _FOOT_M, _LOWEST_FT), _HIGHEST_FT)
     horizontal_ft = feet / (0.177 + 0.000823 * feet) ** 1.2
     return horizontal_ft * _FOOT_M, feet * _FOOT_M
@@ -52,7 +52,7 @@ def length_scales_m(height_m: float) -> tuple[float, float]:
 
 @kernel
 def horizontal_ratio(height_m: float) -> float:
-    """Standard deviation of horizontal over that of vertical turbulence."""
+    """Ratio of the horizontal to the vertical standard deviation of turbulence."""
     feet = min(max(height_m / _FOOT_M, _LOWEST_FT), _HIGHEST_FT)
     return 1.0 / (0.177 + 0.000823 * feet) ** 0.4
 
@@ -70,12 +70,12 @@ def step_turbulence(
     """Advance the filters by one step.
 
     Args:
-        x: States (5,), changed.
+        x: Filter states (5,), changed.
         turbulence_mps: Result (3,): along the wind, to its left, up.
-        height_m: Above ground.
-        speed_mps: Through the air.
+        height_m: Height above ground.
+        speed_mps: Speed through the air.
         sigma_up_mps: Standard deviation of vertical turbulence.
-        dt_s: The step.
+        dt_s: Length of the step.
         normals: Standard normals (5,).
     """
     along_m, up_m = length_scales_m(height_m)
@@ -92,7 +92,7 @@ def step_turbulence(
 
 @kernel
 def _step_second_order(x: np.ndarray, step: float, normal: float, other: float) -> float:
-    """T x0' = n - x0, T x1' = x0 - x1 over step = dt / T; the output has unit variance."""
+    """Step T x0' = n - x0, T x1' = x0 - x1 by step = dt / T; the output has unit variance."""
     decay = math.exp(-step)
     variance_0 = -math.expm1(-2.0 * step)
     covariance, variance_1 = _driven(step, 1), _driven(step, 2)
@@ -120,7 +120,7 @@ def _driven(step: float, power: int) -> float:
 
 
 def stationary_states(generator: np.random.Generator) -> Float[np.ndarray, " 5"]:
-    """States as they are long after the beginning."""
+    """Random states of the stationary process."""
     x = generator.standard_normal(N_STATES)
     for first in (1, 3):
         x[first + 1] = 0.5 * x[first] + 0.5 * x[first + 1]
@@ -141,7 +141,7 @@ def spectrum_along(
 def spectrum_across(
     omega_radps: Float[np.ndarray, " n"], sigma_mps: float, time_constant_s: float
 ) -> Float[np.ndarray, " n"]:
-    """The same across the wind and upwards."""
+    """One-sided spectrum across the wind and upwards, as `spectrum_along`."""
     square = (time_constant_s * omega_radps) ** 2
     scale = sigma_mps**2 * time_constant_s / math.pi
     return scale * (1.0 + 3.0 * square) / (1.0 + square) ** 2

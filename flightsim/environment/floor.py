@@ -1,8 +1,8 @@
-"""Where there is room to walk, drive or fly at one height: a scene seen from above, in cells.
+"""Floor plan of a scene in cells: room to walk, drive or fly at one height.
 
-A column's floor is the top of what it is filled with from the ground up; what stands in the band
-of a mover's height above it is in the way, and so is a step. Cells are occupied when anything may
-reach into them, so distances to obstacles are never too long.
+A column's floor is the top of its solid part from the ground up; an obstacle is anything above it
+within the mover's height, or a step to the next column. A cell is occupied if anything may reach
+into it, so distances to obstacles are never overestimated.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ _STEP_M = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A scene's solids in cells, from the lowest height that is flown at up to a few metres."""
+    """Solids of a scene in cells, from the lowest flight height up to a few metres."""
 
     grid: Grid
     occupied: Bool[np.ndarray, "nx ny nz"]
 
     @classmethod
     def of(cls, scene: Scene, solids: Iterable[Primitive], height_m: float) -> Columns:
-        """Voxelise solids up to a height above the scene's lowest."""
+        """Voxelise solids up to a height above the scene's lowest point."""
         low = np.array(scene.extent_min_enu_m)
         span = np.array(scene.extent_max_enu_m) - low
         nx, ny = (max(1, ceil(s / CELL_M - 1e-6)) for s in span[:2].tolist())
@@ -44,13 +44,13 @@ class Columns:
 
     @property
     def centres_enu_m(self) -> tuple[Float[np.ndarray, "nx 1"], Float[np.ndarray, "1 ny"]]:
-        """Coordinates of the columns' middles."""
+        """Coordinates of the columns' centres."""
         nx, ny, _ = self.grid.shape
         x0, y0, _ = self.grid.origin_enu_m
         return (x0 + CELL_M * np.arange(nx)[:, None], y0 + CELL_M * np.arange(ny)[None, :])
 
     def floor(self, height_m: float) -> Floor:
-        """Room for what stands on the lowest floors and is this high."""
+        """Room for movers of this height on the lowest floors."""
         full = self.occupied.all(axis=2)
         layer = np.where(full, self.occupied.shape[2], np.argmin(self.occupied, axis=2))
         bottom_m = self.grid.origin_enu_m[2] - CELL_M / 2
@@ -65,7 +65,7 @@ class Columns:
         return Floor(self, level_m, _clearance_m(blocked | _is_at_step(level_m)))
 
     def layer(self, bottom_m: float, height_m: float) -> Floor:
-        """Room for what flies between two heights."""
+        """Room for movers that fly between two heights."""
         base_m = self.grid.origin_enu_m[2] - CELL_M / 2
         first = max(0, int((bottom_m - base_m) / CELL_M))
         last = ceil((bottom_m + height_m - base_m) / CELL_M)
@@ -74,7 +74,7 @@ class Columns:
         return Floor(self, level_m, _clearance_m(blocked))
 
     def covered_by(self, objects: Sequence[SceneObject]) -> Bool[np.ndarray, "nx ny"]:
-        """Columns whose middle lies in the footprint of one of some objects."""
+        """Columns whose centre lies in the footprint of any of the objects."""
         x, y = self.centres_enu_m
         inside = np.zeros(self.grid.shape[:2], dtype=bool)
         for obj in objects:
@@ -88,16 +88,16 @@ class Columns:
 
 @dataclass(frozen=True, eq=False)
 class Floor:
-    """Room to move on one level, by column."""
+    """Room to move on one level, per column."""
 
     columns: Columns
     level_m: Float[np.ndarray, "nx ny"]
-    """Height of the floor, up to a cell too high."""
+    """Height of the floor, overestimated by up to one cell."""
     clearance_m: Float[np.ndarray, "nx ny"]
-    """From a column's middle to what is in the way, in plan, capped."""
+    """Horizontal distance from a column's centre to the nearest obstacle, capped."""
 
     def cells(self, points_enu_m: Float[np.ndarray, "n _"]) -> tuple[np.ndarray, np.ndarray]:
-        """Indices of the columns that hold points; of points outside the nearest ones."""
+        """Indices of the columns that contain points, or of the nearest ones for points outside."""
         grid = self.columns.grid
         index = np.rint((points_enu_m[:, :2] - np.array(grid.origin_enu_m[:2])) / CELL_M)
         i, j = np.clip(index.astype(int), 0, np.array(grid.shape[:2]) - 1).T
@@ -105,7 +105,7 @@ class Floor:
 
 
 def _is_at_step(level_m: np.ndarray) -> Bool[np.ndarray, "nx ny"]:
-    """Columns beside one whose floor is higher or lower by more than a step."""
+    """Columns beside one whose floor differs in height by more than a step."""
     is_step = np.zeros(level_m.shape, dtype=bool)
     x = np.abs(np.diff(level_m, axis=0)) > _STEP_M
     y = np.abs(np.diff(level_m, axis=1)) > _STEP_M
@@ -117,7 +117,7 @@ def _is_at_step(level_m: np.ndarray) -> Bool[np.ndarray, "nx ny"]:
 
 
 def _clearance_m(blocked: Bool[np.ndarray, "nx ny"]) -> Float[np.ndarray, "nx ny"]:
-    """Distances, with the rim of the scene in the way too."""
+    """Distances to obstacles, including the border of the scene."""
     rimmed = np.pad(blocked, 1, constant_values=True)
     distance = distance_to_occupied(rimmed[:, :, None], CELL_M, CLEARANCE_CAP_M)
     return distance[1:-1, 1:-1, 0]

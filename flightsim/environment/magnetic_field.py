@@ -1,7 +1,7 @@
-"""The Earth's magnetic field at the testbench.
+"""Earth's magnetic field at the testbench.
 
-The field is uniform over a scene. Simulator and estimator share this value as an autopilot and
-its place share the World Magnetic Model.
+The field is uniform over a scene. Simulator and estimator share this value, as an autopilot shares
+the World Magnetic Model with its place.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Where movers are at a time: one compiled call a control tick.
+"""Motion of movers along their paths: one compiled call per control tick.
 
-A mover on a loop goes round at its speed. One that goes to and fro speeds up and slows down
-evenly, and rests at each end; a person turns round meanwhile. The clock of the traffic is time
-itself, but may run faster or slower, or stand, and its rate changes gradually.
+A mover on a loop circulates at its speed. One that goes to and fro accelerates and brakes
+evenly, and rests at each end, where a person turns round. The traffic's clock is simulated time,
+but may run faster or slower, or stop, and its rate changes gradually.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _STRAIGHT_UP = 1e-9
 TRAFFIC_DTYPE = np.dtype(
     [("clock_s", "f8"), ("rate", "f8"), ("rate_cmd", "f8"), ("dt_s", "f8")], align=True
 )
-"""The clock that all movers share."""
+"""Clock shared by all movers."""
 
 MOVER_DTYPE = np.dtype(
     [
@@ -73,7 +73,7 @@ def new_movers(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndar
         kind = MOVER_KINDS[obstacle.kind]
         speed = obstacle.speed_mps
         if not obstacle.is_loop:
-            # On a short path it slows down before it is fast.
+            # A short path limits the speed that is reached.
             speed = min(speed, math.sqrt(path.length_m * kind.acceleration_mps2))
         mover["first"], mover["n_points"] = first, len(path.points_enu_m)
         mover["is_loop"], mover["turns_round"] = obstacle.is_loop, kind.turns_round
@@ -111,18 +111,18 @@ def move_traffic(
     geom_conaffinity: np.ndarray,
     body_conaffinity: np.ndarray,
 ) -> None:
-    """Advance the clock by a tick and put every mover where it then is.
+    """Advance the clock by a tick and place every mover.
 
     Args:
-        traffic: `TRAFFIC_DTYPE`, changed.
-        movers: `MOVER_DTYPE` (n,), changed.
+        traffic: Record of `TRAFFIC_DTYPE`, changed.
+        movers: Records of `MOVER_DTYPE` (n,), changed.
         points: Control points of all paths (k, 3).
-        vehicle_enu_m: Where the vehicle is: a mover far from it need not be looked at for contacts,
-            which would cost a third of a physics step.
-        mocap_pos: MuJoCo's (n, 3), written.
-        mocap_quat: MuJoCo's (n, 4), written.
-        geom_conaffinity: The model's, written for the movers' geoms.
-        body_conaffinity: The model's, written for the movers' bodies.
+        vehicle_enu_m: Position of the vehicle: contacts of movers far from it are disabled, since
+            checking them would cost a third of a physics step.
+        mocap_pos: MuJoCo's positions (n, 3), written.
+        mocap_quat: MuJoCo's attitudes (n, 4), written.
+        geom_conaffinity: The model's array, written for the movers' geoms.
+        body_conaffinity: The model's array, written for the movers' bodies.
     """
     change = traffic.rate_cmd - traffic.rate
     limit = _RATE_CHANGE_PER_S * traffic.dt_s
@@ -145,13 +145,13 @@ def move_traffic(
 
 @kernel
 def place_mover(m: np.record, points: np.ndarray, clock_s: float, rate: float) -> None:
-    """Pose and velocity of one mover.
+    """Compute the pose and velocity of one mover.
 
     Args:
-        m: Of `MOVER_DTYPE`, changed.
+        m: Record of `MOVER_DTYPE`, changed.
         points: Control points of all paths (k, 3).
-        clock_s: The traffic's time.
-        rate: Of its clock against simulated time.
+        clock_s: Time of the traffic's clock.
+        rate: Rate of that clock relative to simulated time.
     """
     time_s = clock_s + m.phase_s
     if m.is_loop == 1:
@@ -169,7 +169,7 @@ def place_mover(m: np.record, points: np.ndarray, clock_s: float, rate: float) -
 
 @kernel
 def _go_to_and_fro(m: np.record, time_s: float) -> None:
-    """Trapezoids of speed, with rests at the ends."""
+    """Move along the path with trapezoidal speed and rests at the ends."""
     ramp_s = m.speed_mps / m.acceleration_mps2
     moving_s = m.length_m / m.speed_mps + ramp_s
     one_way_s = moving_s + m.pause_s
@@ -201,7 +201,7 @@ def _go_to_and_fro(m: np.record, time_s: float) -> None:
 
 @kernel
 def _follow_path(m: np.record, points: np.ndarray) -> None:
-    """Position and derivative by distance at `distance_m`."""
+    """Evaluate position and derivative by distance at `distance_m`."""
     u = m.distance_m / m.spacing_m
     i = int(u)
     if m.is_loop == 0:

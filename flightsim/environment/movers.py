@@ -1,4 +1,4 @@
-"""What moves in a scene besides the vehicle: people, cars and other drones, each on a path."""
+"""Movers of a scene: people, cars and other drones, each on a path."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 class MoverError(ValueError):
-    """A moving obstacle that makes no sense."""
+    """A moving obstacle is invalid."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MoverKind:
-    """What all movers of a kind have in common."""
+    """Properties common to all movers of a kind."""
 
     size_m: Vector3
-    """Full extents; x forwards."""
+    """Full extents; x is forward."""
     speed_mps: tuple[float, float]
-    """Usual speeds."""
+    """Range of usual speeds."""
     acceleration_mps2: float
-    """At the ends of a path that is gone to and fro."""
+    """Acceleration at the ends of a to-and-fro path."""
     pause_s: float
-    """Rest at each end of such a path."""
+    """Time of rest at each end of such a path."""
     turns_round: bool
-    """Whether it walks back face first, else it drives or flies back as it is."""
+    """Whether it turns round and returns face first, instead of moving backwards."""
 
     @property
     def radius_m(self) -> float:
-        """Of a sphere about its middle that holds it."""
+        """Radius of the sphere around its centre that contains it."""
         return math.hypot(*self.size_m) / 2
 
 
@@ -79,22 +79,22 @@ MOVER_KINDS: Mapping[MoverName, MoverKind] = MappingProxyType(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MovingObstacle:
-    """One mover on its path; where it is depends on time alone."""
+    """One mover on its path; its position depends on time alone."""
 
     kind: MoverName
     path_enu_m: tuple[Vector3, ...]
-    """Corners of the path of the middle of its underside; they are rounded."""
+    """Corners of the path of the centre of its underside; they are rounded."""
     speed_mps: float
     is_loop: bool = False
-    """Round and round, else to and fro."""
+    """Whether the path is a loop, else it is followed to and fro."""
     phase: float = 0.0
-    """Share of a round, or of a trip there and back, that is behind it at time zero, 0 to 1."""
+    """Share of a round, or of a return trip, completed at time zero, 0 to 1."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot move.
+        """Refuse an invalid mover.
 
         Raises:
-            MoverError: Naming the field, its value and what is valid.
+            MoverError: Naming the field, its value and the valid values.
         """
         if self.kind not in MOVER_KINDS:
             raise MoverError(f"kind {self.kind!r} is unknown; valid: {', '.join(MOVER_KINDS)}")
@@ -116,14 +116,14 @@ class MovingObstacle:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ObstacleStates:
-    """Where moving obstacles truly are, a row for each."""
+    """True states of moving obstacles, one row each."""
 
     kinds: tuple[MoverName, ...]
     position_enu_m: Float[np.ndarray, "n 3"]
-    """Of the middles of their boxes."""
+    """Centres of their boxes."""
     velocity_enu_mps: Float[np.ndarray, "n 3"]
     yaw_rad: Float[np.ndarray, " n"]
-    """Of their boxes' x axes, counter-clockwise from east."""
+    """Directions of their boxes' x axes, counter-clockwise from east."""
     size_m: Float[np.ndarray, "n 3"]
     """Full extents of their boxes."""
 
@@ -132,17 +132,17 @@ class ObstacleStates:
 
 
 def mover_name(index: int, obstacles: Sequence[MovingObstacle]) -> str:
-    """A name for one of several movers, as "person_0"."""
+    """Name of one of several movers, such as "person_0"."""
     kind = obstacles[index].kind
     return f"{kind}_{sum(other.kind == kind for other in obstacles[:index])}"
 
 
 def mover_primitives(kind: MoverName, number: int) -> tuple[Primitive, ...]:
-    """Solids of a mover in its own frame: x forwards, origin in the middle of its underside.
+    """Solids of a mover in its own frame: x forward, origin at the centre of its underside.
 
     Args:
-        kind: What it is.
-        number: Among all movers; decides its colours.
+        kind: Kind of the mover.
+        number: Index among all movers, which determines its colours.
     """
     if kind == "car":
         size = MOVER_KINDS["car"].size_m

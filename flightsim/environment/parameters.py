@@ -1,6 +1,6 @@
-"""Wind and traffic by parameter, while flying: ArduPilot's names where it has them.
+"""Wind and traffic parameters for changes in flight, with ArduPilot's names where it has them.
 
-PX4 sets the wind of its simulators in their world files; ArduPilot's SIM_WIND_SPD, SIM_WIND_DIR
+PX4 sets the wind of its simulators in world files; ArduPilot's SIM_WIND_SPD, SIM_WIND_DIR
 and SIM_WIND_TURB are what ground stations and scripts know.
 """
 
@@ -25,7 +25,7 @@ def wind_parameters(wind: WindCfg) -> dict[str, float]:
 
 
 def follow_parameters(parameters: Parameters, plant: Plant) -> None:
-    """Let the air and the traffic follow an autopilot's parameters from now on."""
+    """Apply an autopilot's wind and traffic parameters to the plant from now on."""
 
     def listen(spec: ParameterSpec, value: float) -> None:
         if spec.name in _WIND_FIELDS:

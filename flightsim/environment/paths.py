@@ -20,21 +20,21 @@ _SPACING_M = 0.5
 
 @dataclass(frozen=True, eq=False)
 class SplinePath:
-    """Control points and what distance along the path means."""
+    """A path: its control points, and positions by distance along it."""
 
     points_enu_m: Float[np.ndarray, "n 3"]
-    """Of an open path with one more point beyond each end."""
+    """Control points; an open path has one more beyond each end."""
     spacing_m: float
     is_loop: bool
 
     @property
     def length_m(self) -> float:
-        """From end to end, or once around."""
+        """Length from end to end, or once around."""
         n = len(self.points_enu_m)
         return (n if self.is_loop else n - 3) * self.spacing_m
 
     def sample(self, distance_m: Float[np.ndarray, " k"]) -> Float[np.ndarray, "k 3"]:
-        """Points at distances from the beginning."""
+        """Positions at distances from the start."""
         u = np.asarray(distance_m, dtype=float) / self.spacing_m
         n = len(self.points_enu_m)
         i = np.floor(u).astype(int)
@@ -52,7 +52,7 @@ class SplinePath:
 
 
 def smooth_path(corners_enu_m: Sequence[Vector3], *, is_loop: bool) -> SplinePath:
-    """The path along a polyline, of two points or more."""
+    """Smooth path along a polyline of two points or more."""
     corners = np.array(corners_enu_m, dtype=float)
     if is_loop:
         corners = np.vstack([corners, corners[:1]])
@@ -62,7 +62,7 @@ def smooth_path(corners_enu_m: Sequence[Vector3], *, is_loop: bool) -> SplinePat
     at = np.linspace(0.0, along[-1], n_pieces + 1)
     points = np.column_stack([np.interp(at, along, corners[:, axis]) for axis in range(3)])
     if is_loop:
-        # Piece i is governed by points i to i + 3 and lies between the middle two.
+        # Piece i depends on points i to i + 3 and lies between the middle two.
         points = np.roll(points[:-1], 1, axis=0)
     else:
         points = np.vstack([2 * points[0] - points[1], points, 2 * points[-1] - points[-2]])

@@ -1,4 +1,4 @@
-"""Rooms of a scene, where no satellite is heard and no wind blows, as rows for a kernel."""
+"""Rooms of a scene, without satellite signals and wind, as rows for a kernel."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from autonomy.jit import kernel
 
 ROOM_COLUMNS = ("x", "y", "z", "cos yaw", "sin yaw", "half length", "half width", "half height")
 DRAUGHT_M = 1.0
-"""How far from the walls the wind blows as if there were no room."""
+"""Distance from the walls at which the wind reaches its full strength."""
 _WALL_M = 0.4
-"""Rooms reach this far into what is around them: walls, door frames and ceilings belong to them."""
+"""Rooms are enlarged by this, so that walls, door frames and ceilings belong to them."""
 
 
 def indoor_rooms(scene: Scene) -> Float[np.ndarray, "n 8"]:
-    """The rooms of a scene and the walls about them, a row of `ROOM_COLUMNS` for each."""
+    """Rooms of a scene with their walls, a row of `ROOM_COLUMNS` each."""
     rows = [
         (
             *room.bbox.p,
@@ -40,7 +40,7 @@ def is_in_room(rooms: np.ndarray, position_enu_m: np.ndarray) -> bool:
 
 @kernel
 def exposure(rooms: np.ndarray, position_enu_m: np.ndarray) -> float:
-    """Share of the wind that reaches a position (3,): 0 in a room (n, 8), 1 from a metre away."""
+    """Share of the wind at a position (3,): 0 in a room (n, 8), 1 at `DRAUGHT_M` and beyond."""
     nearest = DRAUGHT_M
     for k in range(rooms.shape[0]):
         room = rooms[k]

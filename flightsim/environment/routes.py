@@ -1,6 +1,6 @@
-"""Routes through free columns: the shortest way between two places, then rounded.
+"""Routes through free columns: shortest ways between two places, then rounded.
 
-A route is pulled straight like a rope, point by point, wherever that leaves it room enough.
+A route is pulled straight like a rope, point by point, wherever enough room remains.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from flightsim.environment.floor import CELL_M, Floor
 _SPACING_M = 0.25
 _PULLS = 200
 _WALL_COST_M = 0.5
-"""A cell at this clearance costs twice its length: routes keep off walls."""
+"""Clearance at which a cell costs twice its length, so that routes avoid walls."""
 
 
 def find_route(
@@ -22,18 +22,18 @@ def find_route(
     length_m: tuple[float, float],
     generator: np.random.Generator,
 ) -> Float[np.ndarray, "n 2"] | None:
-    """A route through free columns from one place to another, both by chance.
+    """Random route through free columns.
 
     Args:
-        floor: For the clearance that routes prefer.
-        free: Columns that it may pass through.
-        length_m: Least and greatest cost of the way.
-        generator: Of the choice.
+        floor: Floor with the clearance that routes prefer.
+        free: Columns that the route may use.
+        length_m: Least and greatest cost of the route.
+        generator: Random stream of the choice.
 
     Returns:
-        Points a quarter of a metre apart, or None where the place that chance chose leads nowhere.
+        Points a quarter of a metre apart, or None if the random start leads nowhere.
     """
-    # Start-up time: only runs with traffic search.
+    # For start-up time: only runs with traffic search routes.
     from scipy.sparse.csgraph import dijkstra  # noqa: PLC0415
 
     cells = np.argwhere(free)
@@ -58,10 +58,10 @@ def find_route(
 def pull_straight(
     route_enu_m: Float[np.ndarray, "n 2"], floor: Floor, free: Bool[np.ndarray, "nx ny"]
 ) -> Float[np.ndarray, "n 2"]:
-    """Move every point but the ends between its neighbours, again and again, where that is free."""
+    """Repeatedly move every inner point between its neighbours, where that is free."""
     points = route_enu_m.copy()
     for pull in range(_PULLS):
-        # Odd and even points in turn: neighbours must not move at once.
+        # Alternate odd and even points: neighbours must not move at once.
         inner = np.arange(1 + pull % 2, len(points) - 1, 2)
         left, right = points[inner - 1], points[inner + 1]
         moved = (left + right) / 2
@@ -78,7 +78,7 @@ def _resampled(points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
 
 
 def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> object:
-    """Free columns and their eight neighbours, with lengths that count more near obstacles."""
+    """Graph of free columns and their eight neighbours, with greater lengths near obstacles."""
     from scipy.sparse import coo_array  # noqa: PLC0415 - as above
 
     number = np.full((free.shape[0] + 2, free.shape[1] + 2), -1)
@@ -90,7 +90,7 @@ def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> obj
         here = np.flatnonzero(other >= 0)
         there = other[here]
         if di and dj:
-            # Not across a corner.
+            # Do not cut corners.
             beside = number[cells[here, 0] + 1 + di, cells[here, 1] + 1] >= 0
             beside &= number[cells[here, 0] + 1, cells[here, 1] + 1 + dj] >= 0
             here, there = here[beside], there[beside]
@@ -105,7 +105,7 @@ def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> obj
 def distance_to_points(
     floor: Floor, points_enu_m: Float[np.ndarray, "n 2"]
 ) -> Float[np.ndarray, "nx ny"]:
-    """Distance from each column's middle to the nearest of some points."""
+    """Distance from each column's centre to the nearest of some points."""
     x, y = floor.columns.centres_enu_m
     squared = np.full(floor.level_m.shape, np.inf)
     for px, py in points_enu_m:

@@ -1,8 +1,8 @@
-"""How many of what move in a scene, and paths for them: by seed, in free space, never crossing.
+"""Traffic of a scene: number and random paths of its movers, in free space and never crossing.
 
 People keep to pavements, squares, lawns and the floors of rooms, cars to roads and car parks,
-drones to one height each; where that leaves no room, people and cars go wherever they can. Every
-mover has its stretch to itself, so none ever meets another, and all keep away from the vehicle's
+drones to one height each; without room there, people and cars use any free ground. Every
+mover has its own stretch, so none ever meets another, and all keep away from the vehicle's
 start.
 """
 
@@ -37,8 +37,8 @@ _START_KEPT_FREE_M = 3.0
 _BETWEEN_MOVERS_M = 0.4
 _SEEN_HEIGHT_M = 9.0
 _GROUND_CLEARANCE_M = 0.02
-"""Movers hover by this much, and clear the ray that looks for the surface below them."""
-# Half a cell's diagonal and a bit: what is true of a column's middle is true of all of it.
+"""Height by which movers hover, so that the ray that finds the surface below clears them."""
+# Half a cell's diagonal and a bit, so that a column's centre stands for all of it.
 _SIDE_MARGIN_M = 0.2
 _ROUTE_M: dict[MoverName, tuple[float, float]] = {
     "person": (4.0, 30.0),
@@ -46,20 +46,20 @@ _ROUTE_M: dict[MoverName, tuple[float, float]] = {
     "drone": (8.0, 40.0),
 }
 _WISHED_TIMES = 3.0
-"""A way so much longer than the least is looked for first."""
+"""Ratio of the desired to the least length of a way, tried first."""
 _ACROSS = (-1.0, -0.5, 0.0, 0.5, 1.0)
-"""Where the ground is looked at, in half widths from the middle."""
+"""Lateral positions of the surface samples, in half widths from the centre."""
 _LEAST_TURN_RADIUS_M = 4.0
 _FLYING_M = {"indoor": (1.2, 1.9), "outdoor": (3.0, 7.0), "mixed": (3.0, 7.0)}
 
 
 class TrafficError(ValueError):
-    """Traffic that cannot be had in a scene."""
+    """A scene has no room for the traffic, or the traffic is invalid."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TrafficCfg:
-    """How many of what move, and by which seed."""
+    """Number of movers of each kind, and their seed."""
 
     people: int = 0
     cars: int = 0
@@ -67,10 +67,10 @@ class TrafficCfg:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Refuse numbers that make no sense.
+        """Refuse invalid numbers.
 
         Raises:
-            TrafficError: Naming what is wrong and what is valid.
+            TrafficError: Naming the fault and the valid values.
         """
         for name, count in self.counts.items():
             if not 0 <= count <= MAX_MOVERS:
@@ -87,7 +87,7 @@ class TrafficCfg:
 
     @property
     def has_any(self) -> bool:
-        """Whether anything is to move at all."""
+        """Whether there are any movers."""
         return any(self.counts.values())
 
     @classmethod
@@ -95,7 +95,7 @@ class TrafficCfg:
         """Read "people=3,cars=2,drones=1", any of them left out, or "none".
 
         Raises:
-            TrafficError: Saying what is wrong and what is valid.
+            TrafficError: Naming the fault and the valid values.
         """
         counts: dict[str, int] = {}
         names = [field.name for field in fields(cls) if field.name != "seed"]
@@ -116,9 +116,9 @@ def plan_traffic(
     """Paths for the movers of a scene.
 
     Args:
-        cfg: How many of what.
-        scene: Where.
-        solids: All that stands there.
+        cfg: Number of movers of each kind.
+        scene: Scene to move in.
+        solids: All static solids of the scene.
         surface_height: Exact height of the first surface below points, (n, 3) to (n,).
 
     Raises:
@@ -137,7 +137,7 @@ def plan_traffic(
 
 
 class _Streets:
-    """Room for movers, and what of it is taken."""
+    """Room for movers, and the part already taken."""
 
     def __init__(
         self, scene: Scene, solids: Sequence[Primitive], surface_height: SurfaceHeight
@@ -146,10 +146,10 @@ class _Streets:
         self._surface_height = surface_height
         self._columns = Columns.of(scene, solids, _SEEN_HEIGHT_M)
         self._taken: dict[bool, list[tuple[np.ndarray, float]]] = {True: [], False: []}
-        """Points of paths and half widths, of those that fly and of those that do not."""
+        """Path points and half widths of the movers that fly and of those that do not."""
 
     def place(self, kind: MoverName, generator: np.random.Generator) -> MovingObstacle:
-        """A mover on a path that nothing crosses."""
+        """Place a mover on a path that no other crosses."""
         low, high = MOVER_KINDS[kind].speed_mps
         speed_mps, phase = float(generator.uniform(low, high)), float(generator.uniform())
         for is_choosy in (True, False):
@@ -169,7 +169,7 @@ class _Streets:
     def _find(
         self, kind: MoverName, generator: np.random.Generator, *, is_choosy: bool
     ) -> Float[np.ndarray, "n 3"] | None:
-        """A path where a kind belongs or, not choosy, anywhere; long ones are tried first."""
+        """A path in the kind's zone or, if not choosy, anywhere; long ones are tried first."""
         floor = self._floor(kind, generator)
         free = self._free(kind, floor, is_choosy=is_choosy)
         for attempt in range(_ATTEMPTS):
@@ -189,7 +189,7 @@ class _Streets:
         length_m: tuple[float, float],
         generator: np.random.Generator,
     ) -> Float[np.ndarray, "n 3"] | None:
-        """A path by chance, or None if chance chose none that will do."""
+        """A random path, or None if the draw is unusable."""
         route = find_route(floor, free, length_m, generator)
         if route is None:
             return None
@@ -217,7 +217,7 @@ class _Streets:
         return free
 
     def _zone(self, kind: MoverName, *, is_choosy: bool) -> Bool[np.ndarray, "nx ny"]:
-        """Where a kind belongs, or, if it cannot be choosy, where it does not drown."""
+        """Zone of a kind: its usual ground or, if not choosy, all but water."""
         objects = self._scene.objects
         waters = self._columns.covered_by([o for o in objects if o.category in _WATERS])
         if not is_choosy:
@@ -228,7 +228,7 @@ class _Streets:
     def _lifted(
         self, kind: MoverName, route: Float[np.ndarray, "n 2"], floor: Floor
     ) -> Float[np.ndarray, "n 3"] | None:
-        """The route on the surface below it; None if that is not where cells had it."""
+        """Route lifted to the surface below it; None if that differs from the cells' height."""
         if kind == "drone":
             return np.column_stack([route, floor.level_m[floor.cells(route)]])
         reach = ceil(MOVER_KINDS[kind].size_m[0] / 2 / CELL_M) + 1
@@ -241,20 +241,20 @@ class _Streets:
         surface_m = np.max([self._surface_height(points) for points in above], axis=0)
         if not np.all(np.abs(surface_m - level_m) <= 2 * CELL_M):
             return None
-        # On the highest that it stands on: a kerb lifts it, a step is a short ramp.
+        # Use the highest surface underneath: a kerb lifts the mover, a step is a short ramp.
         windows = np.lib.stride_tricks.sliding_window_view(surface_m, 2 * reach + 1)
         return np.column_stack([route, windows.max(axis=1) + _GROUND_CLEARANCE_M])
 
 
 def _prolonged(route: Float[np.ndarray, "n 2"], n: int) -> Float[np.ndarray, "m 2"]:
-    """The route with n more points straight on at either end."""
+    """Route with n more points straight on at either end."""
     steps = np.arange(1, n + 1)[:, None]
     before = route[0] + steps[::-1] * (route[0] - route[1])
     return np.vstack([before, route, route[-1] + steps * (route[-1] - route[-2])])
 
 
 def half_width_m(kind: MoverName) -> float:
-    """Half of a mover's width, or of what it sweeps turning on the spot if it does."""
+    """Half of a mover's width, or the radius that it sweeps if it turns on the spot."""
     x, y, _ = MOVER_KINDS[kind].size_m
     return y / 2 if kind == "car" else math.hypot(x, y) / 2
 

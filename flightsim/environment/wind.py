@@ -33,11 +33,11 @@ TURBULENCE_MPS = {
 }
 """MIL-F-8785C, figure 10: winds of 15, 30 and 45 knots at 20 ft, as standard deviations."""
 NATURAL = "natural"
-"""Turbulence that goes with the steady wind: that wind is taken as the one at 20 ft."""
+"""Turbulence that corresponds to the steady wind, taken as the wind at 20 ft."""
 
 
 class WindError(ValueError):
-    """A wind that the simulator does not take."""
+    """The wind is invalid."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -55,15 +55,15 @@ class WindCfg:
     gust_mps: float = field(default=0.0, metadata={"parameter": "SIM_WIND_GUST"})
     """Peak of what a gust adds along the wind."""
     gust_s: float = 3.0
-    """How long a gust lasts."""
+    """Duration of a gust."""
     gust_period_s: float = 15.0
-    """From the start of a gust to the next one's; the first starts after one period."""
+    """Time between the starts of two gusts; the first starts after one period."""
 
     def __post_init__(self) -> None:
-        """Refuse what is no wind.
+        """Refuse an invalid wind.
 
         Raises:
-            WindError: Naming the field, its value and what is valid.
+            WindError: Naming the field, its value and the valid values.
         """
         speed = math.hypot(self.speed_mps, self.up_mps)
         if not speed <= MAX_WIND_MPS:
@@ -84,7 +84,7 @@ class WindCfg:
 
     @classmethod
     def towards(cls, velocity_enu_mps: Vector3) -> WindCfg:
-        """A steady wind by the velocity of its air.
+        """Steady wind with a given velocity of the air.
 
         Raises:
             WindError: If a component is not finite or the speed exceeds `MAX_WIND_MPS`.
@@ -97,7 +97,7 @@ class WindCfg:
 
     @property
     def axis_enu(self) -> tuple[float, float]:
-        """Horizontal unit vector (east, north) that the wind blows along."""
+        """Horizontal unit vector (east, north) along which the wind blows."""
         angle = math.radians(self.from_deg)
         return (-math.sin(angle), -math.cos(angle))
 

@@ -1,4 +1,4 @@
-"""Writing files of an export: never half of one, and a clear line where a folder cannot be used."""
+"""Files of an export: written whole or not at all, with a clear error for an unusable folder."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from flightsim.looks.textures import tile
 
 
 class ExportError(ValueError):
-    """An export that cannot be written; one line that says what to do."""
+    """An export cannot be written; the message is one line that says what to do."""
 
 
 @contextlib.contextmanager
 def staged(folder: Path) -> Iterator[Path]:
-    """A folder beside `folder` to write into; its entries move over once all of them are written.
+    """Staging folder beside `folder`; its entries are moved there when all are written.
 
     Raises:
         ExportError: If the folder cannot be written.

@@ -1,7 +1,7 @@
 """GLB: the scene as one glTF 2.0 file with its textures inside, for viewers and game engines.
 
 Nodes follow the hierarchy, `building_3` holds `room_7` holds `table_12`, and carry `id`,
-`category`, `domain` and the attributes as glTF extras. glTF is y-up: the root node turns ours.
+`category`, `domain` and the attributes as glTF extras. glTF is y-up: the root node rotates ours.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ _AREA_RGBA = {
     "large": (250, 166, 38, 160),
 }
 _AREA_LIFT_M = 0.02
-"""Areas are drawn this far above what bears them."""
+"""Height at which areas are drawn above their supporting surface."""
 
 
 def write_glb(world: World, folder: Path) -> Path:
-    """Write `<scene>.glb` into a folder; returns its path.
+    """Write `<scene>.glb` into a folder and return its path.
 
     Raises:
         ExportError: If the folder cannot be written.
@@ -117,7 +117,7 @@ def _material(look: Material) -> Any:
 
 
 def _add_area(graph: trimesh.Scene, area: InteractionArea) -> None:
-    """The area's polygon as a fan about its centroid."""
+    """Add the area's polygon as a fan around its centroid."""
     import trimesh  # noqa: PLC0415 - as above
 
     ring = np.array([area.centroid, *area.polygon])

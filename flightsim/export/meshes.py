@@ -1,4 +1,4 @@
-"""Each object of a scene as meshes in its own frame, so that it can be moved where it is opened.
+"""Meshes of each object of a scene in its own frame, so that it can be moved in other programs.
 
 An object's frame is its box's: origin in the middle, axes along the box. Poses are 4 x 4 matrices
 that take a column of the frame on their right to the frame on their left.
@@ -20,7 +20,7 @@ from flightsim.looks.surfaces import Detail, surface_enu
 from flightsim.looks.tessellation import Surface
 
 EXPORT_DETAIL = Detail(slices=20, stacks=12)
-"""Sides of round things in files: between a camera's and a picture's."""
+"""Detail of round shapes in files: between a camera's and a picture's."""
 
 Pose = Float[np.ndarray, "4 4"]
 
@@ -32,11 +32,11 @@ class ObjectMesh:
     obj: SceneObject
     pose_enu: Pose
     pose_parent: Pose
-    """In the frame of the parent object; of a root equal to `pose_enu`."""
+    """Pose in the frame of the parent object; for a root equal to `pose_enu`."""
     skins: dict[str, Surface]
-    """What is seen, in the object's frame, one surface for each material."""
+    """Visible surfaces in the object's frame, one for each material."""
     solids: tuple[Primitive, ...]
-    """What can be touched, in the world."""
+    """Collision solids in the world."""
 
 
 def object_meshes(
@@ -64,7 +64,7 @@ def object_meshes(
 
 
 def pose_matrix(position_m: tuple[float, ...], quat_wxyz: tuple[float, ...]) -> Pose:
-    """Pose of a frame by its origin and its attitude."""
+    """Pose of a frame from its origin and attitude."""
     pose = np.eye(4)
     pose[:3, :3] = rotation_matrix(quat_wxyz)
     pose[:3, 3] = position_m
@@ -79,7 +79,7 @@ def _skins(primitives: tuple[Primitive, ...], local: Pose, detail: Detail) -> di
 
 
 def joined(surfaces: list[Surface]) -> Surface:
-    """Several surfaces as one."""
+    """Join several surfaces into one."""
     first = np.cumsum([0] + [len(surface.vertices_m) for surface in surfaces[:-1]])
     return Surface(
         np.concatenate([surface.vertices_m for surface in surfaces]),

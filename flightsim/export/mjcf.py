@@ -1,6 +1,6 @@
-"""MJCF: the world as MuJoCo's own XML, solids, skins, vehicle and landing areas.
+"""MJCF: the world as MuJoCo's own XML, with solids, skins, vehicle and landing areas.
 
-Solids collide and are in geom group 3, which viewers hide at first; skins are what is seen. Names
+Solids collide and are in geom group 3, hidden by default; skins are visible. Names
 carry the semantics: `table_17_0` is the first solid of object 17, a table, and the sites
 `landing_3_medium` are the areas. The keyframe `start` has the vehicle stand at the start.
 """
@@ -31,7 +31,7 @@ _AREA_RGBA = {
 
 
 def write_mjcf(world: World, folder: Path) -> Path:
-    """Write `<scene>.xml` and its textures into a folder; returns the XML's path.
+    """Write `<scene>.xml` and its textures into a folder and return the XML's path.
 
     Raises:
         ExportError: If the folder cannot be written.
@@ -51,7 +51,7 @@ def _spec(world: World) -> mujoco.MjSpec:
     for geom in spec.worldbody.geoms:
         geom.contype = geom.conaffinity = 0
     add_ground(spec)
-    # It lies in the plane of the skins that show it.
+    # The ground lies in the plane of the skins that show it.
     spec.geom("ground").group = int(GeomGroup.VEHICLE_SHAPE)
     solids = [solid for solid in world.solids if solid.collides]
     n_looks = len(spec.worldbody.geoms)
@@ -81,7 +81,7 @@ def _label(world: World, object_id: int) -> str:
 
 
 def _add_area(spec: mujoco.MjSpec, area: InteractionArea) -> None:
-    """A disc as wide as the area's circle, lying in the area's plane."""
+    """Add a disc with the area's radius in the area's plane."""
     normal = plane_normal(area)
     quat = np.empty(4)
     mujoco.mju_quatZ2Vec(quat, normal)
@@ -105,7 +105,7 @@ def plane_normal(area: InteractionArea) -> np.ndarray:
 
 
 def _put_textures_into_files(spec: mujoco.MjSpec, folder: Path) -> None:
-    """MuJoCo's XML refers to pictures and cannot hold them."""
+    """Move textures into files: MuJoCo's XML refers to pictures and cannot contain them."""
     spec.modelfiledir = str(folder)
     spec.texturedir = "textures"
     for texture in spec.textures:

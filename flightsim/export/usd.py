@@ -1,4 +1,4 @@
-"""USD: the scene with physics and semantics, for Isaac Sim and everything else that reads USD.
+"""USD: the scene with physics and semantics, for Isaac Sim and other USD programs.
 
 `/World` holds the objects in their hierarchy. Each is an Xform with its label (taxonomy `class`),
 meshes under `looks` and colliders under `solids`: static, because no rigid body is above them. The
@@ -38,7 +38,7 @@ _GROUND_HALF_M = 500.0
 
 
 def write_usd(world: World, folder: Path) -> Path:
-    """Write `<scene>.usdc` and its textures into a folder; returns the path of the stage.
+    """Write `<scene>.usdc` and its textures into a folder and return the path of the stage.
 
     Raises:
         ExportError: If usd-core is not installed or the folder cannot be written.
@@ -55,7 +55,7 @@ def write_usd(world: World, folder: Path) -> Path:
         stage = Usd.Stage.CreateNew(str(stage_folder / name))
         _Writer(stage, world, stage_folder).write()
         stage.GetRootLayer().Save()
-        # The layer holds the file open; another writer of the same name would find it in memory.
+        # The layer keeps the file open; another writer of the same name would find it in memory.
         del stage
     return folder / name
 
@@ -109,7 +109,7 @@ class _Writer:
             UsdGeom.Scope.Define(stage, path)
         sun = UsdLux.DistantLight.Define(stage, "/World/Sun")
         sun.CreateIntensityAttr(2500.0)
-        # A light shines along its -z; the sun stands south-west, 57 degrees high.
+        # A light shines along its -z; the sun is in the south-west, 57 degrees high.
         UsdGeom.XformCommonAPI(sun).SetRotate(Gf.Vec3f(28.0, -28.0, 0.0))
         sky = UsdLux.DomeLight.Define(stage, "/World/Sky")
         sky.CreateIntensityAttr(700.0)

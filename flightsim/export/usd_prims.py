@@ -1,4 +1,4 @@
-"""Prims of USD stages: frames, colliders, materials, labels and plain facts."""
+"""Prims of USD stages: frames, colliders, materials, labels and attributes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pxr import Usd, UsdGeom, UsdShade
 
 _TAXONOMY = "class"
-"""What Isaac Sim's annotators read."""
+"""Taxonomy read by Isaac Sim's annotators."""
 
 
 def label(prim: Usd.Prim, name: str) -> None:
@@ -43,7 +43,7 @@ def describe(prim: Usd.Prim, facts: Mapping[str, AttributeValue]) -> None:
 
 
 def define_xform(stage: Usd.Stage, path: str, pose: Pose) -> Usd.Prim:
-    """A frame at a pose in its parent's frame."""
+    """Define a frame at a pose in its parent's frame."""
     from pxr import UsdGeom  # noqa: PLC0415 - an extra
 
     xform = UsdGeom.Xform.Define(stage, path)
@@ -64,7 +64,7 @@ def set_pose(xformable: UsdGeom.Xformable, pose: Pose, scale: Vector3 | None = N
 
 
 def define_solid(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim:
-    """A collider of a primitive's own size about the origin; a box is a unit cube to be scaled."""
+    """Define a collider of a primitive's size at the origin; a box is a unit cube to be scaled."""
     from pxr import UsdGeom  # noqa: PLC0415 - an extra
 
     if solid.kind == "box":
@@ -81,7 +81,7 @@ def define_solid(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim
 
 
 def _define_hull(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim:
-    """A convex hull; physics engines scale no sphere unevenly, so ellipsoids are hulls too."""
+    """Define a convex hull; engines scale no sphere unevenly, so ellipsoids are hulls too."""
     from pxr import UsdGeom, UsdPhysics, Vt  # noqa: PLC0415 - an extra
     from scipy.spatial import ConvexHull  # noqa: PLC0415 - slow to load
 
@@ -105,7 +105,7 @@ def _define_hull(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim
 
 
 def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Material:
-    """How a material looks, UsdPreviewSurface with its texture in a file, and how it grips."""
+    """Define the look of a material (UsdPreviewSurface, texture in a file) and its friction."""
     from pxr import Gf, Sdf, UsdPhysics, UsdShade  # noqa: PLC0415 - an extra
 
     look = MATERIALS[name]
@@ -129,7 +129,7 @@ def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Mater
 
 
 def _define_texture(stage: Usd.Stage, path: str, name: str) -> Any:
-    """The output of a texture that repeats over the mesh's coordinates `st`."""
+    """Output of a texture that repeats over the mesh's coordinates `st`."""
     from pxr import Sdf, UsdShade  # noqa: PLC0415 - an extra
 
     reader = UsdShade.Shader.Define(stage, f"{path}/coordinates")

@@ -1,4 +1,4 @@
-"""The vehicle in a USD stage: a rigid body with mass, inertia, colliders, looks and cameras."""
+"""Vehicle in a USD stage: a rigid body with mass, inertia, colliders, looks and cameras."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 VEHICLE_PATH = "/World/Vehicle"
 _GEOM = mujoco.mjtGeom
 _SENSOR_HEIGHT_MM = 15.3
-"""Of the camera's film; with the field of view it gives the focal length."""
+"""Height of the camera's film; with the field of view it gives the focal length."""
 _ASPECT = 4.0 / 3.0
 
 
 def add_vehicle(stage: Usd.Stage, world: World) -> None:
-    """Add the vehicle of a world where it stands at the start."""
+    """Add the vehicle of a world, standing at the start."""
     from pxr import Gf, UsdGeom, UsdPhysics  # noqa: PLC0415 - an extra
 
     quadrotor = world.airframe.quadrotor
@@ -66,7 +66,7 @@ def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
             gprim = UsdGeom.Cylinder.Define(stage, path)
             _set_round(gprim, size)
         case _:
-            # An ellipsoid, among the looks only.
+            # An ellipsoid, only part of the looks.
             gprim = UsdGeom.Sphere.Define(stage, path)
             gprim.CreateRadiusAttr(1.0)
             scale = tuple(size)
@@ -82,7 +82,7 @@ def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
 
 
 def _set_round(gprim: Any, size: list[float]) -> None:
-    """Radius and length of a capsule or a cylinder; MuJoCo gives half lengths."""
+    """Set radius and length of a capsule or a cylinder; MuJoCo gives half lengths."""
     from pxr import UsdGeom  # noqa: PLC0415 - an extra
 
     gprim.CreateAxisAttr(UsdGeom.Tokens.z)
@@ -91,7 +91,7 @@ def _set_round(gprim: Any, size: list[float]) -> None:
 
 
 def _add_camera(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
-    """USD's camera axes are MuJoCo's: x right, y up, looking along -z."""
+    """Add a camera; USD's camera axes are MuJoCo's: x right, y up, looking along -z."""
     from pxr import Gf, UsdGeom  # noqa: PLC0415 - an extra
 
     name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_CAMERA, index)

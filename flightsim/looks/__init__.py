@@ -1,1 +1,1 @@
-"""How things look: a model for drawing, with tessellated shapes and painted textures."""
+"""Appearance of the world: a model for drawing, with tessellated shapes and painted textures."""

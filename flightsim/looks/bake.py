@@ -1,4 +1,4 @@
-"""Light put into the skins, for renderers that only multiply: sun, shadows, sky and lamps."""
+"""Baked light in the skins, for renderers that only multiply: sun, shadows, sky and lamps."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from flightsim.looks.surfaces import rotation_enu
 from flightsim.looks.tessellation import unit_box
 
 _LARGE_FACE_M2 = 4.0
-"""Shadows on larger faces have edges; smaller ones are in shade or not, corner by corner."""
+"""Area above which faces get shadows with edges; smaller ones are shaded per corner."""
 _LEAST_CASTER_M = 0.5
 _LEAST_CASTER_WIDTH_M = 0.04
 _OFF_SURFACE_M = 0.02
 _LAMP_LIGHT = 0.9
 _ROOF_M2 = 6.0
 _UNDER_ROOF_M = 0.25
-"""Whether a face is indoors is asked this far before it."""
+"""Distance before a face at which to test whether it is indoors."""
 _SKY_RAYS = np.array(
     [(0.0, 0.0, 1.0), *((0.74 * c, 0.74 * s, 0.67) for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1)))]
 )
@@ -38,11 +38,11 @@ _DECAGON = np.linspace(0.0, 2 * np.pi, 11)[:-1]
 
 
 def lit(mesh: WorldMesh, solids: Sequence[Primitive]) -> WorldMesh:
-    """The mesh with shadows laid on it and light in its normals.
+    """Mesh with shadows on it and light in its normals.
 
     Args:
-        mesh: Of the whole world, with true normals.
-        solids: What throws shadows.
+        mesh: Mesh of the whole world, with true normals.
+        solids: Solids that cast shadows.
     """
     face_of = _face_of_vertex(mesh)
     rings = _rings(mesh)
@@ -72,7 +72,7 @@ def lit(mesh: WorldMesh, solids: Sequence[Primitive]) -> WorldMesh:
 
 
 def _face_of_vertex(mesh: WorldMesh) -> np.ndarray:
-    """Flat face of each vertex, -1 on round things."""
+    """Index of the flat face of each vertex, -1 on round shapes."""
     face = np.full(len(mesh.vertices_enu_m), -1, dtype=np.int32)
     for index in range(int(mesh.face_count.max(initial=0))):
         has = mesh.face_count > index
@@ -110,7 +110,7 @@ def _middles_and_areas(
 def _sky_share(
     mesh: WorldMesh, face_of: np.ndarray, middles: np.ndarray, areas_m2: np.ndarray
 ) -> np.ndarray:
-    """How much of the sky no roof hides, (v,): all corners of a flat face alike."""
+    """Share of the sky not hidden by roofs, (v,): the same for all corners of a flat face."""
     is_roof = (areas_m2 > _ROOF_M2) & (np.abs(mesh.normals_enu[mesh.face_first][:, 2]) > 0.5)
     is_roof &= middles[:, 2] > 1.5
     is_cover = is_roof[face_of[mesh.triangles[:, 0]]] & (face_of[mesh.triangles[:, 0]] >= 0)
@@ -143,11 +143,11 @@ def _sun_at_vertices(mesh: WorldMesh, face_of: np.ndarray, middles: np.ndarray) 
 
 
 def _mottling(mesh: WorldMesh) -> np.ndarray:
-    """Factor of light for each vertex: crowns of trees have light and dark parts."""
+    """Light factor of each vertex: tree crowns have light and dark parts."""
     is_leaves = np.array([paint.texture == "leaves" for paint in mesh.paints], dtype=bool)
     factor = np.ones(len(mesh.vertices_enu_m))
     leafy = is_leaves[mesh.vertex_paint()]
-    # A wave through space: neighbours differ, and the seam of a crown does not show.
+    # A spatial wave: neighbouring crowns differ, and a crown has no visible seam.
     x, y, z = 3.1 * mesh.vertices_enu_m[leafy].T
     factor[leafy] = 0.86 + 0.22 * np.sin(x + 1.7 * np.sin(z)) * np.cos(y - 1.3 * np.sin(x))
     return factor
@@ -165,7 +165,7 @@ def _casters(solids: Sequence[Primitive]) -> list[np.ndarray]:
 
 
 def _caster_corners(solid: Primitive) -> np.ndarray:
-    """Points of a solid whose outline, seen from the sun, is the solid's."""
+    """Points whose outline, seen from the sun, is that of the solid."""
     turn, middle = rotation_enu(solid), np.array(solid.position_enu_m)
     half_m = np.array(solid.size_m) / 2
     if solid.kind == "mesh":
@@ -181,7 +181,7 @@ def _caster_corners(solid: Primitive) -> np.ndarray:
 
 
 def _terminator(half_m: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """Where light ends on an ellipsoid about the origin, (16, 3)."""
+    """Terminator on an ellipsoid at the origin, (16, 3)."""
     pole = (np.array(SUN_DIRECTION) @ turn) / half_m
     pole /= np.linalg.norm(pole)
     u = np.cross(pole, np.eye(3)[np.abs(pole).argmin()])
@@ -193,7 +193,7 @@ def _terminator(half_m: np.ndarray, turn: np.ndarray) -> np.ndarray:
 def _overlay(
     mesh: WorldMesh, exact: np.ndarray, face: np.ndarray, corners: np.ndarray, sky: np.ndarray
 ) -> WorldMesh:
-    """Shadows as triangles in the paint of the faces they lie on."""
+    """Shadows as triangles in the paint of the faces below them."""
     own = exact[face]
     first = mesh.face_first[own]
     normals = mesh.normals_enu[first]
@@ -211,7 +211,7 @@ def _overlay(
 
 
 def _tiles_on_faces(mesh: WorldMesh, first: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Texture coordinates of points on flat faces, continued from the face's first corners."""
+    """Texture coordinates of points on flat faces, extrapolated from each face's first corners."""
     origin = mesh.vertices_enu_m[first]
     u, v = mesh.vertices_enu_m[first + 1] - origin, mesh.vertices_enu_m[first + 2] - origin
     uu, uv, vv = (np.einsum("ti,ti->t", a, b)[:, None] for a, b in ((u, u), (u, v), (v, v)))

@@ -1,4 +1,4 @@
-"""What is above a height taken away, to look into a building from above."""
+"""Horizontal cut through a world, to look into a building from above."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LEAST_M = 0.02
 
 
 def cut_at(solids: Iterable[Primitive], height_m: float) -> tuple[Primitive, ...]:
-    """Solids below a height; upright boxes are cut there, others go where their middle is."""
+    """Solids below a height; upright boxes are cut there, others are kept by their centre."""
     kept = []
     for solid in solids:
         x, y, z = solid.position_enu_m

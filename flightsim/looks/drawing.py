@@ -1,9 +1,9 @@
-"""How a world looks: a second MuJoCo model, made for drawing, beside the one that is stepped.
+"""Drawing model of a world: a second MuJoCo model beside the one that is stepped.
 
 Physics wants few plain solids; a picture wants textures in their true size on every face, which
-MuJoCo's own boxes do not give. Here the static solids are dressed, lit, and merged into one skin
-for each paint and tile of ground: some 300 meshes that draw faster than 900 geoms and are culled
-well. The vehicle is the same in both models, so that one's `qpos` poses the other.
+MuJoCo's boxes lack. Here the static solids are dressed, lit and merged into one skin for
+each paint and ground tile: some 300 meshes that draw faster than 900 geoms and are culled
+well. The vehicle is the same in both models, so `qpos` of one poses the other.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from flightsim.looks.surroundings import add_surroundings
 from flightsim.looks.textures import tile
 
 _FAR_EXTENTS = 12.0
-"""Cameras see this far, in multiples of half the extent's diagonal."""
+"""Far clip plane of cameras, in multiples of half the extent's diagonal."""
 
 
 def set_view(spec: mujoco.MjSpec, scene: Scene) -> None:
-    """Clip planes, light and sky, the same in both models."""
+    """Set clip planes, light and sky, the same in both models."""
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     spec.stat.center = (low + high) / 2
     spec.stat.extent = _half_diagonal_m(scene)
@@ -42,7 +42,7 @@ def set_view(spec: mujoco.MjSpec, scene: Scene) -> None:
     visual.quality.numslices = FAST.slices
     visual.quality.numstacks = FAST.stacks
     visual.quality.numquads = 1
-    # No shadows by OpenGL; a map costs start-up time.
+    # No OpenGL shadows: a shadow map costs start-up time.
     visual.quality.shadowsize = 0
     visual.headlight.ambient = AMBIENT_RGB
     visual.headlight.diffuse = (0.0, 0.0, 0.0)
@@ -75,13 +75,13 @@ def add_looks(
 
     Args:
         spec: Model to add to.
-        scene: Whose solids they are, for what they are and where the ground is.
-        primitives: The solids.
-        detail: Of round things, and whether the skins are lit.
+        scene: Scene of the solids, with their categories and the ground.
+        primitives: Solids to draw.
+        detail: Detail of round shapes, and whether the skins are lit.
     """
     mesh = drawn_mesh(scene, primitives, detail)
     if detail.has_light:
-        # Polygons and rays load when somebody draws.
+        # Load polygons and rays only when someone draws.
         from flightsim.looks.bake import lit  # noqa: PLC0415
 
         mesh = lit(mesh, primitives)
@@ -94,7 +94,7 @@ def add_looks(
 
 
 def drawn_mesh(scene: Scene, primitives: Sequence[Primitive], detail: Detail) -> WorldMesh:
-    """Everything static that a camera sees, with true normals."""
+    """All static surfaces that a camera sees, with true normals."""
     builder = MeshBuilder()
     add_surroundings(builder, scene, _FAR_EXTENTS * _half_diagonal_m(scene))
     categories = {obj.id: obj.category for obj in scene.objects}
@@ -108,7 +108,7 @@ def _half_diagonal_m(scene: Scene) -> float:
 
 
 def _add_material(spec: mujoco.MjSpec, name: str, paint: Paint) -> None:
-    # Highlights want true normals, which lit skins do not have.
+    # Highlights need true normals, which lit skins lack.
     surface = spec.add_material(name=name, rgba=(*paint.rgb, 1.0), specular=0.0, reflectance=0.0)
     if paint.texture is None:
         return

@@ -1,8 +1,8 @@
-"""What a solid of the physics wears in pictures: more than its one material.
+"""Dressing of solids for pictures: more than their one material.
 
-Facades get a style and a ground floor, ceilings panels and lamps, walls of rooms skirtings, crowns
-of trees a tint each. Which, follows from the object's category and id, so that a scene always looks
-the same. Nothing here moves a surface.
+Facades get a style and a ground floor, ceilings panels and lamps, room walls skirtings, tree
+crowns a tint each. The choice depends on the object's category and id, so that a scene always looks
+the same. Dressing moves no surface.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from flightsim.looks.paint import Colour, Paint, material_paint
 
 FaceSet = tuple[int, ...]
 ALL_FACES: FaceSet = ()
-"""Every face; else places in `tessellation.BOX_FACES`."""
+"""All faces; other sets list indices in `tessellation.BOX_FACES`."""
 TOP, BOTTOM = 4, 5
 SIDES: FaceSet = (0, 1, 2, 3)
 
@@ -35,12 +35,12 @@ _GRASS_TINTS: tuple[Colour, ...] = ((1.0, 1.0, 1.0), (1.10, 1.02, 0.88), (0.90, 
 _ROOM_FINISHES = ("dado", "skirting", "papered")
 _LEAST_ROOM_WALL_M = 1.9
 _CEILING_ABOVE_M = 2.0
-"""Slabs whose underside is higher than this above the ground are somebody's ceiling."""
+"""Height above the ground of an underside beyond which a slab is a ceiling."""
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Part of a primitive's surface and what it is painted with."""
+    """Part of a primitive's surface with its paint."""
 
     primitive: Primitive
     paint: Paint
@@ -48,11 +48,11 @@ class Piece:
 
 
 def dress(primitive: Primitive, category: str | None) -> Iterator[Piece]:
-    """The pieces of surface of a primitive, which cover it all.
+    """Pieces that together cover a primitive's surface.
 
     Args:
-        primitive: A solid of the world.
-        category: Of its object; None for what belongs to no object of the scene.
+        primitive: Solid of the world.
+        category: Category of its object; None for solids without an object of the scene.
     """
     paint = material_paint(primitive.material)
     if primitive.material.startswith("facade_"):
@@ -74,7 +74,7 @@ def dress(primitive: Primitive, category: str | None) -> Iterator[Piece]:
 
 
 def _facade(primitive: Primitive, paint: Paint, category: str | None) -> Iterator[Piece]:
-    """A style by the kind of house, and on tall ones a ground floor of shops or an entrance."""
+    """Facade in the style of the house; tall ones get a ground floor of shops or an entrance."""
     number = primitive.object_id
     if primitive.material == "facade_brick":
         style = "brickwork"
@@ -100,7 +100,7 @@ def _facade(primitive: Primitive, paint: Paint, category: str | None) -> Iterato
 
 
 def _shifted(primitive: Primitive, size_m: tuple[float, float, float], up_m: float) -> Primitive:
-    """A panel of another size, further up or down the wall (its local y)."""
+    """Panel of another size, further up or down the wall (its local y)."""
     w, x, y, z = primitive.quat_wxyz
     up = (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x))
     east, north, height = (p + up_m * d for p, d in zip(primitive.position_enu_m, up, strict=True))
@@ -108,7 +108,7 @@ def _shifted(primitive: Primitive, size_m: tuple[float, float, float], up_m: flo
 
 
 def _slab(primitive: Primitive, paint: Paint) -> Iterator[Piece]:
-    """Floors and roofs: a ceiling below, if anybody can be below."""
+    """Floors and roofs, with a ceiling below if there is room for people."""
     underside_m = primitive.position_enu_m[2] - primitive.size_m[2] / 2
     if underside_m < _CEILING_ABOVE_M or min(primitive.size_m[:2]) < 1.0:
         yield Piece(primitive, paint)

@@ -1,4 +1,4 @@
-"""Where an eye must be to see all of something from a given side."""
+"""Camera framing: the eye position from which all points are visible on a given side."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from flightsim.sensors.cameras import look_at
 Point = tuple[float, float, float]
 
 MARGIN = 1.04
-"""Room around the points, 1 for none."""
+"""Scale of the room around the points, 1 for none."""
 _LEAST_DISTANCE_M = 1.0
-"""From the eye to what is nearest."""
+"""Least distance from the eye to the nearest point."""
 
 
 def frame_points(
@@ -26,17 +26,17 @@ def frame_points(
     aspect: float,
     margin: float = MARGIN,
 ) -> tuple[Point, Point]:
-    """Eye and target of the nearest view that holds all points, in the middle of the picture.
+    """Eye and target of the nearest view that shows all points, centred in the picture.
 
-    A point that lies x to the right of the target and a beyond it is in the picture of an eye at
-    distance d if |x - c| <= t (d + a), t being the tangent of half the angle of view and c the
-    middle. All points together bound c + t d from below and c - t d from above.
+    A point that lies x to the right of the target and a beyond it is visible from an eye at
+    distance d if |x - c| <= t (d + a), where t is the tangent of half the angle of view and c the
+    centre. All points together bound c + t d from below and c - t d from above.
 
     Args:
-        points_enu_m: What must be seen.
-        azimuth_rad: Where the eye stands, counter-clockwise from east.
-        elevation_rad: How high it stands over the horizon, below pi/2.
-        vertical_fov_rad: Of the picture.
+        points_enu_m: Points to show.
+        azimuth_rad: Direction of the eye, counter-clockwise from east.
+        elevation_rad: Elevation of the eye above the horizon, below pi/2.
+        vertical_fov_rad: Vertical angle of view.
         aspect: Width over height of the picture.
         margin: Room around the points, 1 for none.
     """

@@ -1,6 +1,6 @@
-"""Faces of a small convex solid, given by its corners: what drawing needs and MuJoCo leaves out.
+"""Faces of a small convex solid from its corners, which drawing needs and MuJoCo omits.
 
-Fit for tens of corners: every plane through three corners is tried (numpy, well under a millisecond
+For tens of corners: every plane through three corners is tried (numpy, well under a millisecond
 for a roof), which needs no triangulation library at start-up.
 """
 
@@ -15,14 +15,14 @@ _RELATIVE_TOLERANCE = 1e-7
 
 
 class HullError(ValueError):
-    """Corners that span no solid."""
+    """The corners span no solid."""
 
 
 def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """The faces of a convex hull.
 
     Args:
-        corners_m: (n, 3); points inside the hull are left out.
+        corners_m: Corners (n, 3); points inside the hull are ignored.
 
     Returns:
         For each face its outward unit normal (3,) and its corners' indices, counter-clockwise seen
@@ -47,7 +47,7 @@ def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     is_face = is_below | is_above
     outward = np.where(is_below[:, None], normals, -normals)[is_face]
     touches = np.abs(height[is_face]) <= tolerance_m
-    # Every three corners of a face found it once more.
+    # Every three corners of a face found it again.
     first = {row.tobytes(): i for i, row in reversed(list(enumerate(touches)))}
     points, least_m2 = corners.tolist(), _RELATIVE_TOLERANCE * size_m**2
     return [
@@ -57,7 +57,7 @@ def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def face_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal axes of a face: level, and up the face (north on a level one)."""
+    """Orthonormal axes of a face: horizontal, and up the face (north on a level one)."""
     x, y, z = normal.tolist()
     length = math.hypot(x, y)
     ux, uy = (-y / length, x / length) if length > 1e-6 else (1.0, 0.0)
@@ -78,13 +78,13 @@ def _counter_clockwise(
     x = sum(point[0] for point in ring) / len(ring)
     y = sum(point[1] for point in ring) / len(ring)
     order = sorted(range(len(ring)), key=lambda k: math.atan2(ring[k][1] - y, ring[k][0] - x))
-    # Corners inside a face, on none of its edges, would break the fan: keep the outer ones.
+    # Corners inside a face would break the fan: keep the outer ones.
     kept = _turning_left([ring[k] for k in order], least_m2)
     return members[[order[k] for k in kept]]
 
 
 def _turning_left(ring_m: list[tuple[float, float]], least_m2: float) -> list[int]:
-    """Places in a ring of plane points, without those where the outline does not turn left."""
+    """Indices of the plane points at which the outline turns left."""
     kept = list(range(len(ring_m)))
     i = 0
     while len(kept) > 3 and i < len(kept):

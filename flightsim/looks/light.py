@@ -1,8 +1,8 @@
-"""Light as one number for each point: 0 in the deepest shade, 1 in full sun.
+"""Light as one number per point: 0 in the deepest shade, 1 in full sun.
 
-Both renderers turn it into colour by `light_rgb`. OpenGL has no place for such a number in a mesh,
-but it computes exactly one from a normal, the cosine to the sun: `normals_for_light` gives the
-normal that makes it so. Shade, shadows and lamps thus cost nothing when a picture is drawn.
+Both renderers convert it to colour by `light_rgb`. OpenGL has no such number per mesh point, but
+computes one from a normal, the cosine to the sun: `normals_for_light` gives the normal that yields
+the number. Shade, shadows and lamps thus cost nothing when a picture is drawn.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import numpy as np
 from jaxtyping import Float
 
 SUN_DIRECTION = (0.602, 0.341, -0.722)
-"""Where sunlight goes, ENU, of unit length: an afternoon, 46 degrees high."""
+"""Direction of sunlight, ENU, of unit length: afternoon, 46 degrees high."""
 AMBIENT_RGB = (0.30, 0.33, 0.38)
-"""Light where the number is 0."""
+"""Colour of light 0."""
 SUN_RGB = (0.76, 0.71, 0.63)
-"""What is added where it is 1."""
+"""Colour added at light 1."""
 
 _SKY_SHARE = 0.30
 _SUN_SHARE = 0.90
@@ -31,13 +31,13 @@ def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
     """Light on surfaces.
 
     Args:
-        normals_enu: Outward, of unit length.
-        sun: Share of the sun that is not hidden, 0 to 1.
-        sky: Share of the sky that is not hidden by roofs; under roofs there are lamps.
+        normals_enu: Outward unit normals.
+        sun: Visible share of the sun, 0 to 1.
+        sky: Share of the sky not hidden by roofs; under roofs there are lamps.
     """
     up = normals_enu[..., 2]
     from_sky = _SKY_SHARE * (0.5 + 0.5 * up)
-    # Walls differ, so that corners of a room show.
+    # Walls differ in brightness, so that corners of a room are visible.
     from_lamps = 0.47 + 0.10 * up + 0.09 * (normals_enu @ np.array([0.8, -0.6, 0.0]))
     from_lamps = from_lamps + 0.20 * np.clip(-up, 0.0, 1.0)
     from_sun = _SUN_SHARE * np.maximum(0.0, normals_enu @ _TO_SUN)
@@ -45,7 +45,7 @@ def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
 
 
 def light_rgb(light: Shares) -> Float[np.ndarray, "*n 3"]:
-    """Factors for the colours of surfaces, at most 1."""
+    """Colour factors of surfaces, at most 1."""
     ambient, sun = np.array(AMBIENT_RGB, light.dtype), np.array(SUN_RGB, light.dtype)
     return np.minimum(1.0, ambient + light[..., None] * sun)
 

@@ -1,4 +1,4 @@
-"""All surfaces of a world as arrays: what is lit, shadowed and merged into skins."""
+"""Mesh of all surfaces of a world as arrays: lit, shadowed and merged into skins."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _ON_GROUND_M = 0.02
 
 @dataclass(frozen=True, eq=False)
 class WorldMesh:
-    """Triangles with paints; the flat faces among them are known as polygons too."""
+    """Triangles with paints; the flat faces among them are also kept as polygons."""
 
     paints: tuple[Paint, ...]
     vertices_enu_m: Float[np.ndarray, "v 3"]
     normals_enu: Float[np.ndarray, "v 3"]
     texture_tiles: Float[np.ndarray, "v 2"]
-    """In tiles of the paint, v up."""
+    """Texture coordinates in tiles of the paint, v up."""
     triangles: Int[np.ndarray, "t 3"]
     """Corners counter-clockwise seen from outside."""
     triangle_paint: Int[np.ndarray, " t"]
     face_first: Int[np.ndarray, " f"]
-    """Where the ring of corners of a flat face starts among the vertices."""
+    """Index of the first vertex of each flat face's ring of corners."""
     face_count: Int[np.ndarray, " f"]
     face_paint: Int[np.ndarray, " f"]
 
@@ -45,15 +45,15 @@ class WorldMesh:
         return paint
 
     def is_clear(self) -> Bool[np.ndarray, " t"]:
-        """Whether sunlight goes through each triangle."""
+        """Whether sunlight passes through each triangle."""
         return np.array([paint.is_clear for paint in self.paints], dtype=bool)[self.triangle_paint]
 
     def is_lamp(self) -> Bool[np.ndarray, " t"]:
-        """Whether each triangle gives light."""
+        """Whether each triangle emits light."""
         return np.array([paint.is_lamp for paint in self.paints], dtype=bool)[self.triangle_paint]
 
     def with_overlay(self, other: WorldMesh) -> WorldMesh:
-        """This mesh and another of the same paints."""
+        """Join this mesh and another with the same paints."""
         first = len(self.vertices_enu_m)
         return WorldMesh(
             self.paints,
@@ -77,10 +77,10 @@ def add_solids(
     """Dress and tessellate solids.
 
     Args:
-        builder: Collects the surfaces.
-        primitives: What stands in the world.
-        categories: Of the objects that the primitives belong to, by id.
-        detail: Of round things.
+        builder: Receives the surfaces.
+        primitives: Solids of the world.
+        categories: Categories of the primitives' objects, by id.
+        detail: Detail of round shapes.
     """
     pieces = [
         piece
@@ -96,7 +96,7 @@ def add_solids(
 
 
 class MeshBuilder:
-    """Collects surfaces."""
+    """Collects surfaces into a mesh."""
 
     def __init__(self) -> None:
         self._paints: dict[Paint, int] = {}
@@ -104,7 +104,7 @@ class MeshBuilder:
         self._n_vertices = 0
 
     def add_boxes(self, pieces: Sequence[Piece]) -> None:
-        """Faces of many boxes at once, without those that lie on the ground."""
+        """Add the faces of many boxes at once, except those on the ground."""
         if not pieces:
             return
         vertices, axes, normals, _ = unit_box()
@@ -134,7 +134,7 @@ class MeshBuilder:
     def add_quads(
         self, corners: np.ndarray, normals: np.ndarray, tiles: np.ndarray, paint: np.ndarray
     ) -> None:
-        """Flat faces of four corners each, (n, 4, ...), and their paints' numbers (n,)."""
+        """Add flat faces of four corners each, (n, 4, ...), with their paints' indices (n,)."""
         first = 4 * np.arange(len(corners), dtype=np.int32)
         fan = first[:, None, None] + np.array([(0, 1, 2), (0, 2, 3)], dtype=np.int32)
         self._add(
@@ -149,7 +149,7 @@ class MeshBuilder:
         )
 
     def add_surface(self, surface: Surface, paint: Paint, *, is_flat: bool) -> None:
-        """A surface; a flat one is made of fans, one for each of its faces."""
+        """Add a surface; a flat one consists of fans, one per face."""
         number = self.paint(paint)
         first = np.zeros(0, dtype=np.int32)
         if is_flat:
@@ -169,11 +169,11 @@ class MeshBuilder:
         )
 
     def paint(self, paint: Paint) -> int:
-        """The number of a paint in the mesh to come."""
+        """Index of a paint in the mesh."""
         return self._paints.setdefault(paint, len(self._paints))
 
     def mesh(self) -> WorldMesh:
-        """What was collected."""
+        """Mesh of all collected surfaces."""
         empty = tuple(np.zeros(shape) for shape in ((0, 3), (0, 3), (0, 2)))
         whole = np.zeros((0, 3), np.int32), *(np.zeros(0, np.int32) for _ in range(4))
         columns = zip((*empty, *whole), *self._parts, strict=True)

@@ -1,6 +1,6 @@
-"""What moves, as triangles: one mesh each for the physics, one of each colour for pictures.
+"""Triangles of movers: one mesh each for the physics, one per colour for pictures.
 
-Both are the same surface, so that contacts, rangefinder, depth and colour agree on where it is.
+Both are the same surface, so that contacts, rangefinder, depth and colour agree.
 """
 
 from __future__ import annotations
@@ -21,8 +21,7 @@ from flightsim.looks.mesh import surface_enu
 from flightsim.looks.surfaces import FAST
 
 MOVER_CONTACT_BIT = 2
-"""Movers touch only what has this bit, the vehicle; and not the static world, on which they stand.
-"""
+"""Contact bit of movers: they touch only the vehicle, which has this bit, not the static world."""
 _FRICTION = (0.6, 0.005, 0.0001)
 
 
@@ -35,7 +34,7 @@ class MoverLooks:
 
     @classmethod
     def of(cls, primitives: Sequence[Primitive]) -> MoverLooks:
-        """The surfaces of all its solids, opaque."""
+        """Surfaces of all solids, opaque."""
         parts = [surface_enu(primitive, FAST).corners_m() for primitive in primitives]
         colours = [MATERIALS[primitive.material].rgba[:3] for primitive in primitives]
         rgb = [np.tile(c, (len(part), 1)) for c, part in zip(colours, parts, strict=True)]
@@ -43,7 +42,7 @@ class MoverLooks:
 
 
 class MoverSet:
-    """Surfaces of several movers, and where they are in pictures."""
+    """Surfaces of several movers, and their poses in pictures."""
 
     def __init__(self, obstacles: Sequence[MovingObstacle]) -> None:
         self._obstacles = tuple(obstacles)
@@ -53,14 +52,14 @@ class MoverSet:
 
     @cached_property
     def looks(self) -> tuple[MoverLooks, ...]:
-        """One for each mover."""
+        """Surface of each mover."""
         return tuple(
             MoverLooks.of(mover_primitives(obstacle.kind, i))
             for i, obstacle in enumerate(self._obstacles)
         )
 
     def triangles_enu(self, data: mujoco.MjData) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles (t, 3, 3), ENU, and colours (t, 3), 0 to 1, where `data` has the movers."""
+        """Triangles (t, 3, 3), ENU, and colours (t, 3), 0 to 1, at the poses in `data`."""
         parts, colours = [np.zeros((0, 3, 3))], [np.zeros((0, 3))]
         rotation = np.empty(9)
         for looks, position, quat in zip(self.looks, data.mocap_pos, data.mocap_quat, strict=True):
@@ -70,11 +69,11 @@ class MoverSet:
         return np.concatenate(parts), np.concatenate(colours)
 
     def triangle_counts(self) -> tuple[int, ...]:
-        """Triangles of each mover, in the order of `triangles_enu`."""
+        """Number of triangles of each mover, in the order of `triangles_enu`."""
         return tuple(len(looks.corners_m) for looks in self.looks)
 
     def add_solids(self, spec: mujoco.MjSpec) -> None:
-        """Add a mocap body with one geom for each mover, for the physics."""
+        """Add a mocap body with one geom per mover, for the physics."""
         for name, body, looks in self._bodies(spec):
             _add_mesh(spec, name, looks.corners_m)
             body.add_geom(
@@ -91,7 +90,7 @@ class MoverSet:
             )
 
     def add_looks(self, spec: mujoco.MjSpec) -> None:
-        """Add the same bodies with a geom for each colour, which nothing touches."""
+        """Add the same bodies with a geom per colour, without contacts."""
         for name, body, looks in self._bodies(spec):
             for k, rgb in enumerate(np.unique(looks.rgb, axis=0)):
                 part = f"{name}_{k}"
@@ -119,6 +118,6 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, corners_m: np.ndarray) -> None:
         name=name,
         uservert=corners_m.ravel(),
         userface=np.arange(3 * len(corners_m), dtype=np.int32),
-        # A surface of many solids encloses no one volume.
+        # A surface of many solids encloses no single volume.
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
     )

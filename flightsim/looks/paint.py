@@ -1,4 +1,4 @@
-"""What a piece of surface is painted with."""
+"""Paint of a surface: a pattern in a colour."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Paint:
-    """A pattern in a colour, over surfaces of any size; equal paints share a skin."""
+    """Pattern in a colour, for surfaces of any size; equal paints share a skin."""
 
     texture: str | None
     """Name of a pattern; None for plain colour."""
     rgb: Colour
     size_m: tuple[float, float] = (1.0, 1.0)
-    """Length and height that one tile covers."""
+    """Length and height of one tile."""
     is_fitted: bool = False
-    """One tile covers each face, however large."""
+    """Whether one tile covers each face, however large."""
     is_clear: bool = False
-    """Sunlight goes through, as through glass."""
+    """Whether sunlight passes through, as through glass."""
     is_lamp: bool = False
-    """Bright by itself, or so full of lamps that it counts as one."""
+    """Whether it emits light, or has enough lamps to count as emitting."""
 
     def tinted(self, factors: Colour) -> Paint:
         """The same pattern in another colour."""
@@ -36,7 +36,7 @@ class Paint:
 
 
 def material_paint(name: str) -> Paint:
-    """The paint of a material as the catalogue of materials has it."""
+    """Paint of a material by the catalogue of materials."""
     material = MATERIALS[name]
     red, green, blue, _ = material.rgba
     return Paint(

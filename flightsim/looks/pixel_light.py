@@ -1,9 +1,9 @@
-"""Light for every pixel of a fine picture, by rays: soft shadows, sky, and light that bounces.
+"""Ray-traced light for every pixel of a fine picture: soft shadows, sky and bounced light.
 
-Each pixel asks the sun (a small disc, so that shadows blur with distance) and some directions of
-its hemisphere: what gets out meets the sky, what ends on something near gets little, on something
-far the light that is about everywhere, out of doors or from lamps in a room. Rays of neighbouring
-pixels differ, and a filter that keeps edges takes the grain away.
+Each pixel casts rays to the sun (a small disc, so that shadows blur with distance) and in some
+directions of its hemisphere: a ray that escapes gets the sky's light; one that hits something near
+gets little, one that hits something far gets the ambient light outdoors or of lamps in a room.
+Rays of neighbouring pixels differ, and an edge-preserving filter removes the grain.
 """
 
 from __future__ import annotations
@@ -20,45 +20,45 @@ from flightsim.looks.rays import NOTHING, RayScene
 _TO_SUN = -np.array(SUN_DIRECTION, dtype=np.float32)
 _SUN_RGB = np.array([1.04, 0.97, 0.85], dtype=np.float32)
 _SUN_SPREAD = 0.012
-"""Radius of the sun's disc, rad: some three times the real one's, for softer edges."""
+"""Radius of the sun's disc, rad: three times the real one, for softer edges."""
 _ZENITH_RGB = np.array([0.36, 0.42, 0.52], dtype=np.float32)
 _LEVEL_RGB = np.array([0.52, 0.53, 0.54], dtype=np.float32)
-"""Light that comes from the sky, above and near the horizon."""
+"""Light from the sky, above and near the horizon."""
 _LAMP_RGB = np.array([1.22, 1.16, 1.04], dtype=np.float32)
-"""Light that comes from lamps, and from ceilings, which have them all over."""
+"""Light from lamps, and from ceilings, which have lamps all over."""
 _LEAST_ON_LAMPS = 0.9
 _BOUNCE_RGB = np.array([0.58, 0.55, 0.50], dtype=np.float32)
 _BOUNCE_REACH_M = 1.3
-"""Light that comes off things about as far as this is dimmed to two thirds."""
+"""Distance of objects at which the light from them is dimmed to two thirds."""
 _LIFT = 0.78
-"""Exponent that opens the shadows."""
+"""Exponent that brightens the shadows."""
 _SHOULDER, _BRIGHTEST = 0.78, 1.02
-"""Light above the shoulder is squeezed below the brightest."""
+"""Light above the shoulder is compressed below the brightest."""
 _N_SKY_RAYS = 5
 _OFF_SURFACE = 1.5e-3
-"""Rays start this far before the surface, in shares of the distance from the eye, ..."""
+"""Start of rays before the surface, as a share of the distance from the eye, ..."""
 _OFF_SURFACE_M = 0.004
 """... and at least this far, m."""
 _BAND_ROWS = 96
 _DEPTH_TOLERANCE = 0.03
 _STEPS = (1, 2, 4)
-"""Spacing of the filter's taps, pixels."""
+"""Spacing of the filter's taps in pixels."""
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What rays from the eye meet, one for each pixel."""
+    """First hits of rays from the eye, one per pixel."""
 
     has_surface: Bool[np.ndarray, "h w"]
     depth_m: Float[np.ndarray, "h w"]
     rgb: Float[np.ndarray, "h w 3"]
-    """Light on the surface, factors of its colour."""
+    """Light on the surface, as factors of its colour."""
     triangle: np.ndarray
-    """(h, w) int; which of the mesh's, or more than it has for the vehicle's."""
+    """Index (h, w) int in the mesh, or from the mesh's size on in the vehicle."""
 
 
 class PixelLight:
-    """Lights what a mesh and a vehicle in it show to an eye."""
+    """Lights a view of a mesh and of a vehicle in it."""
 
     def __init__(self, mesh: WorldMesh) -> None:
         self._corners = mesh.corners_enu_m().astype(np.float32)
@@ -70,9 +70,9 @@ class PixelLight:
         """Light along rays.
 
         Args:
-            eye_enu_m: (3,).
-            rays_enu: (h, w, 3), one metre deep.
-            vehicle_enu_m: (t, 3, 3), triangles that move about in the mesh.
+            eye_enu_m: Position of the eye (3,).
+            rays_enu: Directions (h, w, 3), one metre deep.
+            vehicle_enu_m: Triangles (t, 3, 3) that move in the mesh.
         """
         rng = np.random.default_rng(0x11)
         across = np.cross(
@@ -120,7 +120,7 @@ class PixelLight:
 
 @dataclass(frozen=True, eq=False)
 class _Surroundings:
-    """What light comes from or is stopped by."""
+    """Geometry that emits or blocks light."""
 
     rays: RayScene
     is_lamp: np.ndarray
@@ -130,7 +130,7 @@ class _Surroundings:
 def _direct(
     around: _Surroundings, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
-    """(n,): sun on points, by one ray each to somewhere on its disc."""
+    """Sunlight on points (n,), by one ray each to a random point of its disc."""
     cosine = normals @ _TO_SUN
     ahead = np.flatnonzero(cosine > 0)
     spread = rng.standard_normal((len(ahead), 3), dtype=np.float32) * _SUN_SPREAD
@@ -143,7 +143,7 @@ def _direct(
 def _scattered(
     around: _Surroundings, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
-    """(n, 3): light on points from everywhere but the sun, with the grain of few rays."""
+    """Light on points (n, 3) from everything but the sun, with the grain of few rays."""
     n = len(points)
     rgb = np.zeros((n, 3), dtype=np.float32)
     turn = rng.random(n, dtype=np.float32)
@@ -166,9 +166,9 @@ def _scattered(
 
 
 def _tangents(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two unit vectors across each normal and each other."""
+    """Two unit vectors orthogonal to each normal and to each other."""
     x, y, z = normals.T
-    # Continuous but for straight down (Duff and others 2017, "Building an orthonormal basis").
+    # Continuous except straight down (Duff et al. 2017, "Building an orthonormal basis").
     sign = np.where(z >= 0, np.float32(1), np.float32(-1))
     a = -1 / (sign + z)
     b = x * y * a
@@ -178,7 +178,7 @@ def _tangents(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _exposed(light_rgb: np.ndarray) -> np.ndarray:
-    """Shadows opened, and white held back from glaring."""
+    """Brighten shadows and compress highlights."""
     lifted = light_rgb**_LIFT
     over = np.maximum(0.0, lifted - _SHOULDER)
     room = _BRIGHTEST - _SHOULDER
@@ -193,7 +193,7 @@ class _Neighbours:
         self._normals = normals
 
     def averaged(self, light: np.ndarray, steps: tuple[int, ...]) -> np.ndarray:
-        """Light, (h, w, c), without grain; each step widens the average."""
+        """Light (h, w, c) without grain; each step widens the average."""
         for step in steps:
             total = light.copy()
             weight = np.ones(light.shape[:2], dtype=np.float32)

@@ -1,4 +1,4 @@
-"""Rays against many triangles, by Embree."""
+"""Ray casting against many triangles, by Embree."""
 
 from __future__ import annotations
 
@@ -12,40 +12,40 @@ NOTHING = -1
 
 @dataclass(frozen=True, eq=False)
 class RayHits:
-    """What rays meet first."""
+    """First hit of each ray."""
 
     triangle: Int[np.ndarray, " n"]
-    """`NOTHING` where there is none."""
+    """Index of the triangle, or `NOTHING`."""
     distance: Float[np.ndarray, " n"]
-    """In lengths of the ray's direction; inf where there is nothing."""
+    """Distance in lengths of the ray's direction; inf without a hit."""
     u: Float[np.ndarray, " n"]
-    """Share of the triangle's second corner at the hit."""
+    """Barycentric weight of the triangle's second corner at the hit."""
     v: Float[np.ndarray, " n"]
-    """Share of its third corner."""
+    """Barycentric weight of its third corner."""
 
     def within(self, far: float) -> RayHits:
-        """Only what is met nearer than a distance."""
+        """Keep only the hits nearer than a distance."""
         is_far = self.distance > far
         triangle = np.where(is_far, NOTHING, self.triangle)
         return RayHits(triangle, np.where(is_far, np.inf, self.distance), self.u, self.v)
 
 
 class RayScene:
-    """Triangles, (t, 3, 3) in m."""
+    """Triangles (t, 3, 3) in m, prepared for rays."""
 
     def __init__(self, triangles_m: np.ndarray) -> None:
-        # Embree loads when somebody casts a ray.
+        # Load Embree only when someone casts a ray.
         from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415
         from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
 
         self._scene = EmbreeScene()
         self._is_empty = not len(triangles_m)
         if not self._is_empty:
-            # Held: the scene refers to it.
+            # Kept alive: the scene refers to it.
             self._mesh = TriangleMesh(self._scene, triangles_m.astype(np.float32))
 
     def is_hidden(self, origins_m: np.ndarray, directions: np.ndarray) -> Bool[np.ndarray, " n"]:
-        """Whether anything stands on each ray."""
+        """Whether each ray hits anything."""
         if self._is_empty or not len(origins_m):
             return np.zeros(len(origins_m), dtype=bool)
         hit = self._scene.run(
@@ -56,7 +56,7 @@ class RayScene:
         return hit != NOTHING
 
     def first_hits(self, origins_m: np.ndarray, directions: np.ndarray) -> RayHits:
-        """What each ray meets first."""
+        """First hit of each ray."""
         n = len(origins_m)
         if self._is_empty or not n:
             empty = np.zeros(n, dtype=np.float32)

@@ -1,8 +1,8 @@
-"""The sun's shadows on flat faces, exactly, as triangles to lay over them.
+"""Exact shadows of the sun on flat faces, as triangles to lay over them.
 
-Seen from the sun, a solid hides what its outline covers and what lies behind it. So all of it is
-plane geometry in the two coordinates across the sunlight: outlines of the casters, less what of
-them is behind the face's plane, united and cut with the face.
+Seen from the sun, a solid hides what its outline covers and what lies behind it. So everything is
+plane geometry in the two coordinates across the sunlight: outlines of the casters, cut to the part
+before the face's plane, united and intersected with the face.
 """
 
 from __future__ import annotations
@@ -19,38 +19,38 @@ _TO_SUN = -np.array(SUN_DIRECTION)
 _EAST = np.cross((0.0, 0.0, 1.0), _TO_SUN)
 _EAST /= np.linalg.norm(_EAST)
 _ACROSS = np.stack([_EAST, np.cross(_TO_SUN, _EAST)], axis=1)
-"""(3, 2): from ENU to the coordinates across the sunlight, seen from the sun."""
+"""Projection (3, 2) from ENU to the coordinates across the sunlight, seen from the sun."""
 
 _TOUCH_M = 0.03
-"""A caster that reaches less far before a face stands on it or belongs to it."""
+"""Least reach of a caster before a face; with less it stands on the face or belongs to it."""
 _LEVEL = 0.9999
 _GROUND_M = 0.35
-"""Level faces up to here are the ground and what is laid on it."""
+"""Height up to which level faces are the ground or lie on it."""
 _LEAST_AREA_M2 = 0.02
 _WHOLE_SHARE = 0.985
 _LIFT_M = 0.004
-"""Shadows lie this far above their faces: above the face, below paint on roads."""
+"""Height of shadows above their faces: above the face, below paint on roads."""
 
 
 @dataclass(frozen=True, eq=False)
 class Casters:
-    """Convex solids by their corners, each row filled up with repeats."""
+    """Convex solids by their corners, each row padded with repeats."""
 
     corners_enu_m: Float[np.ndarray, "n k 3"]
     outlines: np.ndarray
-    """(n,) polygons across the sunlight."""
+    """Outlines (n,) as polygons across the sunlight."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shadows:
-    """What of some faces lies in shadow."""
+    """Shadows on some faces."""
 
     is_whole: np.ndarray
-    """(f,) bool: the face is in shadow, but for crumbs."""
+    """Whether the whole face is in shadow, apart from crumbs, (f,) bool."""
     face: Int[np.ndarray, " t"]
-    """Which face each triangle lies on; none on faces wholly in shadow."""
+    """Face of each triangle; faces wholly in shadow have none."""
     corners_enu_m: Float[np.ndarray, "t 3 3"]
-    """Counter-clockwise from outside."""
+    """Corners counter-clockwise from outside."""
 
 
 def casters(solids: list[np.ndarray]) -> Casters:
@@ -70,10 +70,10 @@ def cast(
     """Shadows on faces that look towards the sun.
 
     Args:
-        casters_: What throws shadows; faces of casters among the faces are no harm.
-        corners_enu_m: Of the faces, ring by ring, counter-clockwise from outside.
-        face_of_corner: 0 to f - 1, ascending.
-        normals_enu: Outward.
+        casters_: Solids that cast shadows; they may own some of the faces.
+        corners_enu_m: Corners of the faces, ring by ring, counter-clockwise from outside.
+        face_of_corner: Face of each corner, 0 to f - 1, ascending.
+        normals_enu: Outward normals.
     """
     rings = shapely.linearrings(corners_enu_m @ _ACROSS, indices=face_of_corner)
     polygons = np.asarray(shapely.polygons(rings))
@@ -94,13 +94,13 @@ def cast(
 
 
 def _on_ground(casters_: Casters, polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shade on the many level faces near the ground, which all lie under the same union.
+    """Shade on the many level faces near the ground, which share the same union of outlines.
 
-    Kerbs and slabs throw none here, and the low end of what stands beside a slab counts as if it
-    stood on it: the difference is a strip as wide as the slab is high.
+    Kerbs and slabs cast none here, and the foot of a caster beside a slab is treated as if it
+    stood on the slab: the error is a strip as wide as the slab is high.
 
     Returns:
-        Places in `polygons` and what lies in shade there, in any number of pieces.
+        Indices in `polygons`, and the shaded part of each in any number of pieces.
     """
     stands = casters_.corners_enu_m[..., 2].max(axis=1) > _GROUND_M + _TOUCH_M
     parts = shapely.get_parts(shapely.union_all(casters_.outlines[stands]))
@@ -111,7 +111,7 @@ def _on_ground(casters_: Casters, polygons: np.ndarray) -> tuple[np.ndarray, np.
 def _on_planes(
     casters_: Casters, polygons: np.ndarray, normals_enu: np.ndarray, offset: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Shade on faces anywhere; see `_on_ground`."""
+    """Shade on faces of any plane, as `_on_ground`."""
     face, caster = shapely.STRtree(casters_.outlines).query(polygons, predicate="intersects")
     ahead_m = np.einsum("pki,pi->pk", casters_.corners_enu_m[caster], normals_enu[face])
     ahead_m -= offset[face][:, None]
@@ -128,14 +128,14 @@ def _on_planes(
 
 
 def _outlines(points: np.ndarray) -> np.ndarray:
-    """Convex outlines of rows of points, (n, k, 2)."""
+    """Convex outlines of rows of points (n, k, 2)."""
     return np.asarray(shapely.convex_hull(shapely.linestrings(points)))
 
 
 def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
-    """Outlines of what of some solids is before a plane, given their corners' distances.
+    """Outlines of the parts of solids before a plane, given their corners' distances.
 
-    The cut goes through a point between each corner before the plane and each behind it.
+    The cut passes through a point between each corner before the plane and each behind it.
     """
     if not len(corners):
         return np.zeros(0, dtype=object)
@@ -154,7 +154,7 @@ def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
 
 
 def _triangles(shade: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles that fill polygons: the polygon's index and corners (t, 3, 2), anticlockwise."""
+    """Triangles that fill polygons: the polygon's index, and corners (t, 3, 2) anticlockwise."""
     filled = shapely.constrained_delaunay_triangles(shade)
     parts, index = shapely.get_parts(filled, return_index=True)
     if not len(parts):
@@ -168,7 +168,7 @@ def _triangles(shade: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _lifted(triangles: np.ndarray, normals: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Corners across the sunlight back on their faces, (t, 3, 3)."""
+    """Corners across the sunlight projected back onto their faces, (t, 3, 3)."""
     aside = triangles @ _ACROSS.T
     depth = offset[:, None] - np.einsum("tki,ti->tk", aside, normals)
     along = depth / (normals @ _TO_SUN)[:, None]

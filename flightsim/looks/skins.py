@@ -1,4 +1,4 @@
-"""A mesh cut into skins: one for each paint and tile of ground, small enough to be culled well."""
+"""Skins of a mesh: one for each paint and ground tile, small enough to be culled well."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from flightsim.looks.paint import Paint
 _TILE_M = 32.0
 _N_ACROSS = 1 << 12
 _LEAST_TO_TILE = 400
-"""Paints of fewer triangles are one skin: to draw them costs less than to keep them apart."""
+"""Paints with fewer triangles are one skin: drawing them costs less than dividing them."""
 _LEAST_VERTICES = 4
-"""MuJoCo takes no single triangle for a mesh."""
+"""MuJoCo accepts no single triangle as a mesh."""
 
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Triangles of one paint."""
+    """Triangles with one paint."""
 
     paint: Paint
     vertices_enu_m: np.ndarray

@@ -1,6 +1,6 @@
-"""The sky as both camera renderers paint it where nothing is seen: haze, hills, clouds and the sun.
+"""Sky of both camera renderers, painted where nothing is seen: haze, hills, clouds and the sun.
 
-Where the sun stands is the looks' sun; what is below the horizon is land too far to be drawn.
+The sun is at its direction in `light`; below the horizon there is land too far to be drawn.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from flightsim.looks.light import SUN_DIRECTION
 HORIZON_RGB = (0.80, 0.87, 0.93)
 ZENITH_RGB = (0.26, 0.47, 0.80)
 FAR_LAND_RGB = (0.60, 0.70, 0.66)
-"""What land fades to in the distance."""
+"""Colour to which land fades in the distance."""
 
 _HORIZON = np.array(HORIZON_RGB, dtype=np.float32)
 _ZENITH = np.array(ZENITH_RGB, dtype=np.float32)
 _TO_SUN = -np.array(SUN_DIRECTION, dtype=np.float32)
 _SUN_RADIUS_RAD = 0.022
-"""Larger than the real one's, so that a small picture shows it."""
+"""Radius larger than the real one, so that a small picture shows it."""
 _FAR_LAND = np.array(FAR_LAND_RGB, dtype=np.float32)
 _NEAR_LAND = np.array([0.58, 0.66, 0.55], dtype=np.float32)
 _HILL_RGB = np.array([0.60, 0.70, 0.79], dtype=np.float32)
@@ -42,7 +42,7 @@ def sky_rgb(rays_enu: Float[np.ndarray, "n 3"]) -> UInt8[np.ndarray, "n 3"]:
     """Colour of the sky along rays of any length, from a table of a third of a degree."""
     x, y, z = np.asarray(rays_enu, dtype=np.float32).T
     scale = np.sqrt(x * x + y * y + z * z) + z
-    # Straight down there is no sky; any finite number will do.
+    # Straight down there is no sky; any finite number works.
     scale = (_TABLE_PIXELS / 2 / _TABLE_REACH) / np.maximum(scale, 1e-6)
     column = np.clip(x * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
     row = np.clip(y * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
@@ -81,7 +81,7 @@ def _with_clouds(
 
 def _with_land(rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Hills and woods along the horizon, far land below it."""
-    # Around the circle, so that the silhouette closes.
+    # Sample around the circle, so that the silhouette closes.
     level = 1.0 / np.maximum(np.hypot(x, y), 1e-6)
     u, v = x * level, y * level
     hills = 0.030 + 0.020 * _noise(2.2 * u + 9.0, 2.2 * v, 5) + 0.006 * _noise(7 * u, 7 * v + 5, 6)
@@ -95,7 +95,7 @@ def _with_land(rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> 
 
 
 def _noise(u: np.ndarray, v: np.ndarray, octave: int) -> np.ndarray:
-    """Smooth noise in the plane, about -1 to 1; each octave has a lattice of its own."""
+    """Smooth noise in the plane, about -1 to 1; each octave has its own lattice."""
     lattice = _lattice(octave)
     column, row = np.floor(u).astype(np.int32), np.floor(v).astype(np.int32)
     s, t = u - column, v - row
@@ -115,7 +115,7 @@ def _lattice(octave: int) -> np.ndarray:
 
 @functools.cache
 def _table() -> np.ndarray:
-    """(rows, columns, 3) uint8; y and x of the stereographic picture."""
+    """Table (rows, columns, 3) uint8; y and x of the stereographic picture."""
     axis = (np.arange(_TABLE_PIXELS) + 0.5 - _TABLE_PIXELS / 2) * 2 * _TABLE_REACH / _TABLE_PIXELS
     x, y = np.meshgrid(axis.astype(np.float32), axis.astype(np.float32))
     squared = x * x + y * y

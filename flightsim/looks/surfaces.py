@@ -1,4 +1,4 @@
-"""Primitives as surfaces in the world, round ones in the detail that a picture asks for."""
+"""Surfaces of primitives in the world, round ones in the detail of the picture."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from flightsim.looks.tessellation import Surface, box, cylinder, ellipsoid, hull
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Detail:
-    """How much of a world is drawn."""
+    """Detail of a drawn world."""
 
     slices: int
-    """Sides of round things."""
+    """Number of sides of round shapes."""
     stacks: int
-    """Their bands from pole to pole."""
+    """Number of their bands from pole to pole."""
     has_light: bool = False
-    """Whether light and shadows are in the skins, for renderers that compute none."""
+    """Whether the skins contain light and shadows, for renderers that compute none."""
 
 
 FAST = Detail(slices=14, stacks=8, has_light=True)
-"""What software rendering at camera rate affords."""
+"""Detail that software rendering at camera rate affords."""
 FINE = Detail(slices=40, stacks=24)
-"""For pictures, which are lit pixel by pixel."""
+"""Detail of pictures, which are lit pixel by pixel."""
 
 
 def surface_enu(primitive: Primitive, detail: Detail) -> Surface:
-    """The surface of a primitive in the world."""
+    """Surface of a primitive in the world."""
     local = _local_surface(primitive, detail)
     turn = rotation_enu(primitive).T
     return Surface(
@@ -42,7 +42,7 @@ def surface_enu(primitive: Primitive, detail: Detail) -> Surface:
 
 
 def rotation_enu(primitive: Primitive) -> np.ndarray:
-    """(3, 3): the primitive's axes in the world, as columns."""
+    """Axes (3, 3) of the primitive in the world, as columns."""
     rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, np.array(primitive.quat_wxyz))
     return rotation.reshape(3, 3)

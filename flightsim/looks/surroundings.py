@@ -1,6 +1,6 @@
-"""The ground: grass about the scene, and fields behind hedges as far as cameras see.
+"""Ground of a scene: grass around it, and fields behind hedges as far as cameras see.
 
-All of it lies in the plane z = 0, where the physics has its ground.
+It lies in the plane z = 0, the ground of the physics.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from flightsim.looks.sky import FAR_LAND_RGB
 GROUND_MATERIAL = "grass"
 
 _YARD_M = 26.0
-"""Grass around the extent."""
+"""Width of the grass around the extent."""
 _STRIPS_M = (34.0, 46.0, 60.0, 85.0, 130.0, 220.0, 400.0)
-"""Depths of the fields from the yard outwards; the last is repeated to the end of sight."""
+"""Depths of the fields from the yard outwards; the last is repeated up to the far plane."""
 _N_TEXTURED = 4
-"""Fields further out are seen so flat that nothing of a texture is left."""
+"""Number of textured rings; fields further out are seen at too flat an angle."""
 _HAZE_M = 500.0
 _HEDGE_M = 1.4
 _FIELDS: tuple[Paint, ...] = (
@@ -35,11 +35,11 @@ _FIELDS: tuple[Paint, ...] = (
 _HEDGE = Paint("leaves", (0.26, 0.40, 0.19), (3.0, 3.0))
 _UP = np.array([0.0, 0.0, 1.0])
 _Patch = tuple[np.ndarray, Paint]
-"""Four corners (4, 2) and what grows between them."""
+"""Four corners (4, 2) and the paint between them."""
 
 
 def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None:
-    """Add the ground of a scene, out to a distance from its middle."""
+    """Add the ground of a scene up to a distance from its centre."""
     rng = np.random.default_rng([scene.seed, 0x6E0])
     low, high = np.array(scene.extent_min_enu_m)[:2], np.array(scene.extent_max_enu_m)[:2]
     lines = [_lines(low[k] - _YARD_M, high[k] + _YARD_M, reach_m) for k in range(2)]
@@ -72,12 +72,12 @@ def _lines(low_m: float, high_m: float, reach_m: float) -> np.ndarray:
 
 
 def _rings_out(cell: int, n_cells: int) -> int:
-    """How far a cell is from the yard, which is the middle one."""
+    """Number of cells between a cell and the yard in the middle."""
     return abs(cell - n_cells // 2)
 
 
 def _jittered(rng: np.random.Generator, lines: list[np.ndarray]) -> np.ndarray:
-    """Crossings of the borders, (x, y, 2), moved a little but for those of the yard."""
+    """Crossings of the borders, (x, y, 2), moved a little except those of the yard."""
     x, y = np.meshgrid(*lines, indexing="ij")
     points = np.stack([x, y], axis=2)
     shift = rng.uniform(-0.22, 0.22, points.shape)
@@ -94,7 +94,7 @@ def _field(quad: np.ndarray, field: Paint, ring: int, middle: np.ndarray) -> lis
     """A field within its hedge; far ones are plain and hazy."""
     if ring > _N_TEXTURED:
         distance_m = float(np.linalg.norm(quad.mean(axis=0) - middle))
-        # Few colours, few skins.
+        # Few colours keep the number of skins low.
         haze = round(4 * (1.0 - math.exp(-distance_m / _HAZE_M))) / 4
         red, green, blue = (
             (1 - haze) * c + haze * h for c, h in zip(field.rgb, FAR_LAND_RGB, strict=True)

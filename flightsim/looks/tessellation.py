@@ -1,7 +1,8 @@
-"""Solids as triangles: the one tessellation behind OpenGL pictures, ray casting and tests.
+"""Tessellation of solids, shared by OpenGL pictures, ray casting and tests.
 
-Round things get `slices` sides about their axis and `stacks` from pole to pole. Texture coordinates
-are in metres along the surface, u level and v up, so that a brick is a brick on every wall.
+Round shapes get `slices` sides around their axis and `stacks` from pole to pole. Texture
+coordinates are in metres along the surface, u horizontal and v up, so that bricks have one size on
+all walls.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ class Surface:
 
     vertices_m: Float[np.ndarray, "v 3"]
     normals: Float[np.ndarray, "v 3"]
-    """Outward; of unit length."""
+    """Outward unit normals."""
     texture_m: Float[np.ndarray, "v 2"]
     triangles: Int[np.ndarray, "t 3"]
 
@@ -34,13 +35,13 @@ class Surface:
 
 
 def box(size_m: np.ndarray) -> Surface:
-    """A box by full extents; texture starts in the lower left corner of each face."""
+    """Box by full extents; the texture starts in the lower left corner of each face."""
     vertices, texture, normals, triangles = unit_box()
     return Surface(vertices * size_m, normals, box_texture_m(texture, size_m), triangles)
 
 
 def ellipsoid(size_m: np.ndarray, slices: int, stacks: int) -> Surface:
-    """An ellipsoid by full extents."""
+    """Ellipsoid by full extents."""
     unit = _unit_sphere(slices, stacks)
     half_m = np.asarray(size_m) / 2
     normals = unit.vertices_m / half_m
@@ -50,7 +51,7 @@ def ellipsoid(size_m: np.ndarray, slices: int, stacks: int) -> Surface:
 
 
 def cylinder(radius_m: float, length_m: float, slices: int) -> Surface:
-    """An upright cylinder about the origin."""
+    """Upright cylinder at the origin."""
     unit = _unit_cylinder(slices)
     scale = np.array([radius_m, radius_m, length_m])
     n_side = 2 * (slices + 1)
@@ -60,7 +61,7 @@ def cylinder(radius_m: float, length_m: float, slices: int) -> Surface:
 
 
 def capsule(radius_m: float, half_length_m: float, slices: int, stacks: int) -> Surface:
-    """An upright cylinder with half spheres on its ends: a sphere pulled apart at its equator."""
+    """Upright cylinder with half spheres at its ends: a sphere stretched at its equator."""
     half_stacks = (stacks + 1) // 2
     polar = np.linspace(0.0, math.pi / 2, half_stacks + 1)
     rows = np.concatenate([polar, math.pi - polar[::-1]])
@@ -74,7 +75,7 @@ def capsule(radius_m: float, half_length_m: float, slices: int, stacks: int) -> 
 
 
 def hull(corners_m: np.ndarray) -> Surface:
-    """The convex hull of some corners, with sharp edges."""
+    """Convex hull of some corners, with sharp edges."""
     vertices, normals, texture, triangles = [], [], [], []
     count = 0
     for normal, members in hull_faces(corners_m):
@@ -99,7 +100,7 @@ def _grid(points: np.ndarray, normals: np.ndarray, texture: np.ndarray) -> Surfa
     vertices = points.reshape(-1, 3)
     corners = vertices[triangles]
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    # At the poles one of the two has none.
+    # At the poles one of the two is degenerate.
     has_area = np.linalg.norm(area, axis=1) > 1e-12
     return Surface(vertices, normals.reshape(-1, 3), texture.reshape(-1, 2), triangles[has_area])
 
@@ -155,7 +156,7 @@ def _unit_sphere(slices: int, stacks: int) -> Surface:
 
 @functools.cache
 def _unit_cylinder(slices: int) -> Surface:
-    """Of radius 1 and length 1: the side, then the top, then the bottom."""
+    """Cylinder of radius 1 and length 1: the side, then the top, then the bottom."""
     azimuth = np.arange(slices + 1) * (2 * math.pi / slices)
     circle = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros_like(azimuth)], axis=1)
     up = np.array([0.0, 0.0, 1.0])

@@ -1,7 +1,7 @@
-"""Procedural surface textures: a material's colour turned into a picture of brick, grass, wood...
+"""Procedural surface textures: pictures of brick, grass, wood etc. in a material's colour.
 
 Each pattern is a pure function of the colour, with a fixed random stream of its own, so that a
-world is the same on every machine. Tiles repeat seamlessly; a material says how much a tile covers.
+world is the same on every machine. Tiles repeat seamlessly; the material sets the size of a tile.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Colour = tuple[float, float, float]
 
 TILE_PIXELS = 128
 LARGE_TILE_PIXELS = 256
-"""For a facade's tile, which shows four windows, and a lawn's, whose repetition would show."""
+"""Tile size for facades, which show four windows, and for lawns, whose repetition would show."""
 
 PATTERNS: Mapping[str, Pattern] = MappingProxyType(
     {
@@ -80,7 +80,7 @@ PATTERNS: Mapping[str, Pattern] = MappingProxyType(
         "stonework": facades.stonework,
     }
 )
-"""Every pattern by the name that materials use."""
+"""All patterns by the names that materials use."""
 
 _LARGE = frozenset(
     {"grass", *(name for name in PATTERNS if PATTERNS[name].__module__ == facades.__name__)}
@@ -89,10 +89,10 @@ _LARGE = frozenset(
 
 @functools.lru_cache(maxsize=512)
 def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
-    """Picture of one tile, top row first; read-only, since it is kept for the next world.
+    """Picture of one tile, top row first; read-only, since it is cached.
 
     Args:
-        texture: Name of the pattern; a name without a pattern gets plaster's.
+        texture: Name of the pattern; an unknown name gets the pattern of plaster.
         rgb: Colour of the material, 0 to 1.
     """
     black, white = _in_black_and_white(texture if texture in PATTERNS else "plaster")
@@ -104,7 +104,7 @@ def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
 
 @functools.cache
 def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray]:
-    """A pattern in the two colours between which all others lie."""
+    """A pattern in the two colours between which all others are interpolated."""
     n_pixels = LARGE_TILE_PIXELS if texture in _LARGE else TILE_PIXELS
     canvas = Canvas(n_pixels, zlib.crc32(texture.encode()))
     black = PATTERNS[texture](canvas, np.zeros(3, dtype=np.float32))
@@ -114,7 +114,7 @@ def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def coarser(picture: UInt8[np.ndarray, "n n 3"], factor: int) -> UInt8[np.ndarray, "m m 3"]:
-    """A tile with fewer pixels, each the mean of a square of them."""
+    """Tile with fewer pixels, each the mean of a square of the original's."""
     n = picture.shape[0] // factor
     squares = picture.reshape(n, factor, n, factor, 3)
     return (squares.mean(axis=(1, 3)) + 0.5).astype(np.uint8)

@@ -11,29 +11,27 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from flightsim.autopilot.events import Severity
+from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
 from flightsim.autopilot.results import CommandResult, Reply, denied
 from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.mission_items import coordinate_from_int
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, send
 from flightsim.mavlink.statustext import StatustextSender
 
-# MAV_RESULT
 _RESULTS = {
-    CommandResult.ACCEPTED: 0,
-    CommandResult.TEMPORARILY_REJECTED: 1,
-    CommandResult.DENIED: 2,
-    CommandResult.UNSUPPORTED: 3,
-    CommandResult.FAILED: 4,
-    CommandResult.IN_PROGRESS: 5,
+    CommandResult.ACCEPTED: mav.MAV_RESULT_ACCEPTED,
+    CommandResult.TEMPORARILY_REJECTED: mav.MAV_RESULT_TEMPORARILY_REJECTED,
+    CommandResult.DENIED: mav.MAV_RESULT_DENIED,
+    CommandResult.UNSUPPORTED: mav.MAV_RESULT_UNSUPPORTED,
+    CommandResult.FAILED: mav.MAV_RESULT_FAILED,
+    CommandResult.IN_PROGRESS: mav.MAV_RESULT_IN_PROGRESS,
 }
 _PROGRESS_UNKNOWN = 255
 UNSUPPORTED = Reply(CommandResult.UNSUPPORTED)
 
-_AMSL_FRAMES = frozenset({0, 5})
-_ABOVE_HOME_FRAMES = frozenset({3, 6})
-_TERRAIN_FRAMES = frozenset({10, 11})
-_PLACE_FRAMES = _AMSL_FRAMES | _ABOVE_HOME_FRAMES | _TERRAIN_FRAMES
+_PLACE_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +71,7 @@ class Command:
 
     def altitude_amsl_m(self, home_altitude_m: float) -> float:
         """Altitude above mean sea level; NaN if not given. Terrain counts as the height of home."""
-        return self.z if self.frame in _AMSL_FRAMES else self.z + home_altitude_m
+        return self.z if self.frame in FRAME_GLOBAL else self.z + home_altitude_m
 
 
 Executor = Callable[[Command], Reply]

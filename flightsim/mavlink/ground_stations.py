@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
 
-_MAV_TYPE_GCS = 6
 _PRESENCE_S = 1.5
 """Time for which a heartbeat's sender counts as present: one and a half periods."""
 
@@ -39,5 +39,5 @@ class GroundStationService:
         self._last_heard_s.pop(channel, None)
 
     def _on_heartbeat(self, channel: Channel, message: Message) -> None:
-        if message.type == _MAV_TYPE_GCS:
+        if message.type == mav.MAV_TYPE_GCS:
             self._last_heard_s[channel] = channel.clock()

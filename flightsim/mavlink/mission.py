@@ -12,17 +12,19 @@ from typing import Protocol
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.fence import MAX_FENCE_ITEMS, MAX_RALLY_ITEMS
 from flightsim.autopilot.mission import MAX_MISSION_ITEMS, MissionError, MissionItem
-from flightsim.mavlink import mission_items as results
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.mission_items import check_frames, payload_of_item, result_of
 from flightsim.mavlink.mission_upload import Upload
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
 from flightsim.mavlink.statustext import StatustextSender
 
-MISSION, FENCE, RALLY, ALL = 0, 1, 2, 255
-"""MAV_MISSION_TYPE"""
+MISSION = mav.MAV_MISSION_TYPE_MISSION
+FENCE = mav.MAV_MISSION_TYPE_FENCE
+RALLY = mav.MAV_MISSION_TYPE_RALLY
+_ALL = mav.MAV_MISSION_TYPE_ALL
 _MAX_ITEMS = {MISSION: MAX_MISSION_ITEMS, FENCE: MAX_FENCE_ITEMS, RALLY: MAX_RALLY_ITEMS}
 _REPEAT_ACK_S = 5.0
 
@@ -75,7 +77,12 @@ class MissionService:
             if upload.is_abandoned:
                 del self._uploads[mission_type]
                 self._statustext.say(Severity.WARNING, "Mission upload timed out")
-                self._ack(upload.channel, upload.partner, mission_type, results.OPERATION_CANCELLED)
+                self._ack(
+                    upload.channel,
+                    upload.partner,
+                    mission_type,
+                    mav.MAV_MISSION_OPERATION_CANCELLED,
+                )
             else:
                 upload.update()
 
@@ -101,7 +108,9 @@ class MissionService:
         store = self._stores.get(message.mission_type)
         last = message.end_index
         if store is None or not 0 <= message.start_index <= last < len(store.items):
-            self._ack(channel, _sender(message), message.mission_type, results.INVALID_SEQUENCE)
+            self._ack(
+                channel, _sender(message), message.mission_type, mav.MAV_MISSION_INVALID_SEQUENCE
+            )
             return
         count = last - message.start_index + 1
         self._begin(channel, message, first=message.start_index, count=count, previous=store.items)
@@ -127,12 +136,12 @@ class MissionService:
 
     def _refusal(self, channel: Channel, mission_type: int, count: int) -> int | None:
         if mission_type not in self._stores:
-            return results.UNSUPPORTED
+            return mav.MAV_MISSION_UNSUPPORTED
         if count > _MAX_ITEMS[mission_type]:
-            return results.NO_SPACE
+            return mav.MAV_MISSION_NO_SPACE
         upload = self._uploads.get(mission_type)
         is_busy = upload is not None and upload.channel is not channel
-        return results.DENIED if is_busy else None
+        return mav.MAV_MISSION_DENIED if is_busy else None
 
     def _on_item(self, channel: Channel, message: Message) -> None:
         upload = self._uploads.get(message.mission_type)
@@ -166,32 +175,32 @@ class MissionService:
             self._statustext.say(Severity.ERROR, f"Mission refused: {error}")
             result = result_of(error)
         else:
-            result = results.ACCEPTED
+            result = mav.MAV_MISSION_ACCEPTED
         self._ack(channel, partner, mission_type, result)
         return result
 
     def _on_ack(self, channel: Channel, message: Message) -> None:
         """Cancel the partner's upload; acks of downloads need no action."""
         upload = self._uploads.get(message.mission_type)
-        if upload and upload.is_from(channel, message) and message.type != results.ACCEPTED:
+        if upload and upload.is_from(channel, message) and message.type != mav.MAV_MISSION_ACCEPTED:
             del self._uploads[message.mission_type]
 
     def _on_clear(self, channel: Channel, message: Message) -> None:
         mission_type = message.mission_type
-        if mission_type != ALL and mission_type not in self._stores:
-            self._ack(channel, _sender(message), mission_type, results.UNSUPPORTED)
+        if mission_type != _ALL and mission_type not in self._stores:
+            self._ack(channel, _sender(message), mission_type, mav.MAV_MISSION_UNSUPPORTED)
             return
-        for cleared in self._stores if mission_type == ALL else (mission_type,):
+        for cleared in self._stores if mission_type == _ALL else (mission_type,):
             self._uploads.pop(cleared, None)
             self._stores[cleared].replace(())
-        self._ack(channel, _sender(message), mission_type, results.ACCEPTED)
+        self._ack(channel, _sender(message), mission_type, mav.MAV_MISSION_ACCEPTED)
 
     # --- download ---
 
     def _on_request_list(self, channel: Channel, message: Message) -> None:
         mission_type = message.mission_type
         if mission_type not in self._stores:
-            self._ack(channel, _sender(message), mission_type, results.UNSUPPORTED)
+            self._ack(channel, _sender(message), mission_type, mav.MAV_MISSION_UNSUPPORTED)
             return
         system, component = _sender(message)
         send(
@@ -207,7 +216,9 @@ class MissionService:
         mission_type = message.mission_type
         store = self._stores.get(mission_type)
         if store is None or message.seq >= len(store.items):
-            result = results.UNSUPPORTED if store is None else results.INVALID_SEQUENCE
+            result = (
+                mav.MAV_MISSION_UNSUPPORTED if store is None else mav.MAV_MISSION_INVALID_SEQUENCE
+            )
             self._ack(channel, _sender(message), mission_type, result)
             return
         is_int = message.get_type() == "MISSION_REQUEST_INT"
@@ -222,7 +233,7 @@ class MissionService:
         channel.send(LAYOUTS["MISSION_ITEM_INT" if is_int else "MISSION_ITEM"], payload)
 
     def _on_request_partial(self, channel: Channel, message: Message) -> None:
-        self._ack(channel, _sender(message), message.mission_type, results.UNSUPPORTED)
+        self._ack(channel, _sender(message), message.mission_type, mav.MAV_MISSION_UNSUPPORTED)
 
     def _ack(
         self, channel: Channel, partner: tuple[int, int], mission_type: int, result: int

@@ -6,31 +6,34 @@ import math
 from collections.abc import Iterable
 
 from flightsim.autopilot.mission import MissionError, MissionFault, MissionItem
+from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 
-_DEGREES_E7_FRAMES = frozenset({0, 3, 5, 6, 10, 11})
-_LOCAL_FRAMES = frozenset({1, 4, 7, 8, 9, 12, 20, 21})
+_DEGREES_E7_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
+_LOCAL_FRAMES = frozenset(
+    number
+    for number, entry in mav.enums["MAV_FRAME"].items()
+    if "_LOCAL_" in entry.name or "_BODY_" in entry.name
+)
 _NOT_GIVEN = 0x7FFFFFFF
 _INT32_MIN = -0x80000000
 
-# MAV_MISSION_RESULT
-ACCEPTED, ERROR, UNSUPPORTED_FRAME, UNSUPPORTED, NO_SPACE, INVALID = 0, 1, 2, 3, 4, 5
-_INVALID_PARAM1 = 6
-INVALID_SEQUENCE, DENIED, OPERATION_CANCELLED = 13, 14, 15
-
 _RESULT_OF_FAULT = {
-    MissionFault.UNSUPPORTED_COMMAND: UNSUPPORTED,
-    MissionFault.UNSUPPORTED_FRAME: UNSUPPORTED_FRAME,
-    MissionFault.NO_SPACE: NO_SPACE,
-    MissionFault.INVALID_SEQUENCE: INVALID_SEQUENCE,
+    MissionFault.UNSUPPORTED_COMMAND: mav.MAV_MISSION_UNSUPPORTED,
+    MissionFault.UNSUPPORTED_FRAME: mav.MAV_MISSION_UNSUPPORTED_FRAME,
+    MissionFault.NO_SPACE: mav.MAV_MISSION_NO_SPACE,
+    MissionFault.INVALID_SEQUENCE: mav.MAV_MISSION_INVALID_SEQUENCE,
 }
 
 
 def result_of(error: MissionError) -> int:
     """MAV_MISSION_RESULT for an error of the autopilot."""
     if error.fault is MissionFault.INVALID_PARAM:
-        return INVALID if error.param is None else _INVALID_PARAM1 + error.param - 1
+        if error.param is None:
+            return mav.MAV_MISSION_INVALID
+        return mav.MAV_MISSION_INVALID_PARAM1 + error.param - 1
     return _RESULT_OF_FAULT[error.fault]
 
 

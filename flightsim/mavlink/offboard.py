@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from autonomy.types import NAN3, ControlLevel, Quaternion, Setpoint, Vector3
+from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
 from flightsim.frames import (
     Geodetic,
     swap_enu_ned,
@@ -18,22 +19,21 @@ from flightsim.frames import (
     swap_yaw_enu_ned,
 )
 from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
 from flightsim.mavlink.view import VehicleView
 
-# MAV_FRAME
-_LOCAL_NED, _LOCAL_OFFSET_NED, _BODY_NED, _BODY_OFFSET_NED, _BODY_FRD = 1, 7, 8, 9, 12
-_OFFSET_FRAMES = frozenset({_LOCAL_OFFSET_NED, _BODY_OFFSET_NED, _BODY_FRD})
-_BODY_FRAMES = frozenset({_BODY_NED, _BODY_OFFSET_NED, _BODY_FRD})
-_LOCAL_FRAMES = frozenset({_LOCAL_NED, *_OFFSET_FRAMES, *_BODY_FRAMES})
-_AMSL_FRAMES = frozenset({0, 5})
-_ABOVE_HOME_FRAMES = frozenset({3, 6})
-_ABOVE_TERRAIN_FRAMES = frozenset({10, 11})
-# POSITION_TARGET_TYPEMASK
-_FORCE, _IGNORE_YAW, _IGNORE_YAW_RATE = 1 << 9, 1 << 10, 1 << 11
-# ATTITUDE_TARGET_TYPEMASK
-_IGNORE_THRUST, _IGNORE_ATTITUDE = 1 << 6, 1 << 7
+_BODY_FRAMES = frozenset(
+    {mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD}
+)
+_OFFSET_FRAMES = _BODY_FRAMES - {mav.MAV_FRAME_BODY_NED} | {mav.MAV_FRAME_LOCAL_OFFSET_NED}
+_LOCAL_FRAMES = frozenset({mav.MAV_FRAME_LOCAL_NED, *_OFFSET_FRAMES, *_BODY_FRAMES})
+_FORCE = mav.POSITION_TARGET_TYPEMASK_FORCE_SET
+_IGNORE_YAW = mav.POSITION_TARGET_TYPEMASK_YAW_IGNORE
+_IGNORE_YAW_RATE = mav.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
+_IGNORE_THRUST = mav.ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE
+_IGNORE_ATTITUDE = mav.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
 
 _LIMITS = (1e5, 100.0, 100.0)
 """Largest magnitudes of position in m, velocity in m/s and acceleration in m/s^2."""
@@ -74,11 +74,11 @@ class OffboardService:
     def _position_of_global(self, message: Message) -> Vector3 | None:
         """Desired position in ENU; None if the frame is not global."""
         view, frame = self._view, message.coordinate_frame
-        if frame in _AMSL_FRAMES:
+        if frame in FRAME_GLOBAL:
             altitude_m = message.alt
-        elif frame in _ABOVE_HOME_FRAMES:
+        elif frame in FRAME_RELATIVE:
             altitude_m = message.alt + view.home_altitude_m
-        elif frame in _ABOVE_TERRAIN_FRAMES:
+        elif frame in FRAME_TERRAIN:
             terrain = (0.0, 0.0, view.plant.terrain_height_est_m)
             altitude_m = message.alt + view.frame.geodetic_from_enu(terrain).altitude_m
         else:

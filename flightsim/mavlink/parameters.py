@@ -18,6 +18,7 @@ from flightsim.autopilot.parameters import (
 )
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import MARKER_V2, layout
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
 from flightsim.mavlink.statustext import StatustextSender
@@ -25,13 +26,10 @@ from flightsim.mavlink.statustext import StatustextSender
 _PARAM_VALUE = layout(
     "PARAM_VALUE", "param_value", "param_count", "param_index", "param_id", "param_type"
 )
-_UINT32, _INT32, _REAL32 = 5, 6, 9
 _INTEGER_TYPES = range(1, 7)
 _NO_INDEX = 0xFFFF
 _HASH_NAME = "_HASH_CHECK"
 _LIST_PER_TICK = 8
-# MAV_PARAM_ERROR
-_DOES_NOT_EXIST, _OUT_OF_RANGE, _READ_ONLY = 1, 2, 4
 
 
 class ParameterService:
@@ -79,7 +77,7 @@ class ParameterService:
                 name = self._parameters.name_at(message.param_index)
             self._send_value(channel, name)
         except UnknownParameterError:
-            self._send_error(channel, name, message.param_index, _DOES_NOT_EXIST)
+            self._send_error(channel, name, message.param_index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
 
     def _on_set(self, channel: Channel, message: Message) -> None:
         name = message.param_id
@@ -89,11 +87,13 @@ class ParameterService:
         try:
             self._parameters.set(name, _received_value(message))
         except UnknownParameterError:
-            self._send_error(channel, name, -1, _DOES_NOT_EXIST)
+            self._send_error(channel, name, -1, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
             return
         except ParameterError as error:
             self._statustext.say(Severity.ERROR, str(error))
-            reason = _READ_ONLY if isinstance(error, ReadOnlyParameterError) else _OUT_OF_RANGE
+            reason = mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
+            if isinstance(error, ReadOnlyParameterError):
+                reason = mav.MAV_PARAM_ERROR_READ_ONLY
             self._send_error(channel, name, self._parameters.index(name), reason)
             self._send_value(channel, name)
             return
@@ -109,13 +109,15 @@ class ParameterService:
             channel,
             name,
             data,
-            param_type=_INT32 if is_integer else _REAL32,
+            param_type=mav.MAV_PARAM_TYPE_INT32 if is_integer else mav.MAV_PARAM_TYPE_REAL32,
             index=self._parameters.index(name),
         )
 
     def _send_hash(self, channel: Channel) -> None:
         data = struct.pack("<I", parameter_hash(self._parameters))
-        self._send_bytes(channel, _HASH_NAME, data, param_type=_UINT32, index=_NO_INDEX)
+        self._send_bytes(
+            channel, _HASH_NAME, data, param_type=mav.MAV_PARAM_TYPE_UINT32, index=_NO_INDEX
+        )
 
     def _send_bytes(
         self, channel: Channel, name: str, data: bytes, *, param_type: int, index: int

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 
 from flightsim.autopilot.modes import Mode
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.personality import ModeEntry, Personality
 
 # custom_mode = sub << 24 | main << 16
@@ -12,11 +13,16 @@ _MANUAL, _ALTCTL, _POSCTL, _AUTO, _ACRO, _OFFBOARD, _STABILIZED = (n << 16 for n
 _TAKEOFF, _LOITER, _MISSION, _RTL, _LAND = (_AUTO | n << 24 for n in range(2, 7))
 _POSCTL_ORBIT = _POSCTL | 1 << 24
 
-# MAV_MODE_FLAG: custom 1, auto 4, guided 8, stabilize 16, manual input 64. pymavlink infers from
-# them whether a custom mode is one of sticks or automatic.
-_STICKS = 1 | 64
-_ASSISTED = 1 | 16 | 64
-_AUTOMATIC = 1 | 4 | 8 | 16
+# pymavlink infers from these flags whether a custom mode is one of sticks or automatic.
+_GUIDED = mav.MAV_MODE_FLAG_GUIDED_ENABLED
+_STICKS = mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+_ASSISTED = _STICKS | mav.MAV_MODE_FLAG_STABILIZE_ENABLED
+_AUTOMATIC = (
+    mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+    | mav.MAV_MODE_FLAG_AUTO_ENABLED
+    | mav.MAV_MODE_FLAG_STABILIZE_ENABLED
+    | _GUIDED
+)
 
 
 def _mode(
@@ -34,27 +40,43 @@ def _mode(
 # Modes that clients cannot select are reported as the nearest one that every client knows.
 PX4 = Personality(
     name="px4",
-    autopilot=12,
+    autopilot=mav.MAV_AUTOPILOT_PX4,
     modes=(
         _mode(Mode.MANUAL, _MANUAL, _STICKS),
         _mode(Mode.STABILIZED, _STABILIZED, _ASSISTED),
         _mode(Mode.ACRO, _ACRO, _STICKS),
-        _mode(Mode.ALTITUDE, _ALTCTL, _ASSISTED, 3),
-        _mode(Mode.POSITION, _POSCTL, _ASSISTED | 8, 1),
+        _mode(Mode.ALTITUDE, _ALTCTL, _ASSISTED, mav.MAV_STANDARD_MODE_ALTITUDE_HOLD),
+        _mode(Mode.POSITION, _POSCTL, _ASSISTED | _GUIDED, mav.MAV_STANDARD_MODE_POSITION_HOLD),
         _mode(Mode.HOLD, _LOITER, _AUTOMATIC),
-        _mode(Mode.MISSION, _MISSION, _AUTOMATIC, 6),
-        _mode(Mode.RETURN, _RTL, _AUTOMATIC, 5),
-        _mode(Mode.LAND, _LAND, _AUTOMATIC, 7),
-        _mode(Mode.TAKEOFF, _TAKEOFF, _AUTOMATIC, 8),
+        _mode(Mode.MISSION, _MISSION, _AUTOMATIC, mav.MAV_STANDARD_MODE_MISSION),
+        _mode(Mode.RETURN, _RTL, _AUTOMATIC, mav.MAV_STANDARD_MODE_SAFE_RECOVERY),
+        _mode(Mode.LAND, _LAND, _AUTOMATIC, mav.MAV_STANDARD_MODE_LAND),
+        _mode(Mode.TAKEOFF, _TAKEOFF, _AUTOMATIC, mav.MAV_STANDARD_MODE_TAKEOFF),
         _mode(Mode.OFFBOARD, _OFFBOARD, _AUTOMATIC),
-        _mode(Mode.ORBIT, _POSCTL_ORBIT, _ASSISTED | 8, 2, is_selectable=False),
+        _mode(
+            Mode.ORBIT,
+            _POSCTL_ORBIT,
+            _ASSISTED | _GUIDED,
+            mav.MAV_STANDARD_MODE_ORBIT,
+            is_selectable=False,
+        ),
         _mode(Mode.DESCEND, _LAND, _AUTOMATIC, is_selectable=False),
         _mode(Mode.TERMINATION, _MANUAL, _STICKS, is_selectable=False),
     ),
     mode_shift={"main": 16, "sub": 24},
     flight_sw_version=1 << 24 | 15 << 16 | 4 << 8 | 255,
     flight_custom_version=hashlib.sha256(b"AeroScene").digest()[:8],
-    # MISSION_FLOAT, MISSION_INT, COMMAND_INT, PARAM_ENCODE_BYTEWISE, SET_ATTITUDE_TARGET,
-    # SET_POSITION_TARGET_LOCAL_NED, _GLOBAL_INT, FLIGHT_TERMINATION, MAVLINK2, FENCE, RALLY
-    capabilities=1 | 4 | 8 | 16 | 64 | 128 | 256 | 2048 | 8192 | 16384 | 32768,
+    capabilities=(
+        mav.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
+        | mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
+        | mav.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+        | mav.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
+        | mav.MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
+        | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+        | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
+        | mav.MAV_PROTOCOL_CAPABILITY_FLIGHT_TERMINATION
+        | mav.MAV_PROTOCOL_CAPABILITY_MAVLINK2
+        | mav.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
+        | mav.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
+    ),
 )

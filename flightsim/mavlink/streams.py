@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Literal
 
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import dialect as mav
 
 Profile = Literal["normal", "onboard"]
 """Default stream rates: for a ground station or for a companion computer."""
@@ -44,17 +45,21 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "SCALED_PRESSURE": (1, 1),
 }
 
-# The groups of REQUEST_DATA_STREAM as ground stations use them: MAV_DATA_STREAM.
+# The groups of REQUEST_DATA_STREAM as ground stations use them.
 _GROUPS: Mapping[int, Sequence[str]] = {
-    1: ("HIGHRES_IMU", "SCALED_PRESSURE"),
-    2: ("SYS_STATUS", "GPS_RAW_INT", "MISSION_CURRENT", "NAV_CONTROLLER_OUTPUT"),
-    3: ("SERVO_OUTPUT_RAW",),
-    6: ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
-    10: ("ATTITUDE",),
-    11: ("VFR_HUD",),
-    12: ("BATTERY_STATUS", "SYSTEM_TIME", "DISTANCE_SENSOR"),
+    mav.MAV_DATA_STREAM_RAW_SENSORS: ("HIGHRES_IMU", "SCALED_PRESSURE"),
+    mav.MAV_DATA_STREAM_EXTENDED_STATUS: (
+        "SYS_STATUS",
+        "GPS_RAW_INT",
+        "MISSION_CURRENT",
+        "NAV_CONTROLLER_OUTPUT",
+    ),
+    mav.MAV_DATA_STREAM_RC_CHANNELS: ("SERVO_OUTPUT_RAW",),
+    mav.MAV_DATA_STREAM_POSITION: ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
+    mav.MAV_DATA_STREAM_EXTRA1: ("ATTITUDE",),
+    mav.MAV_DATA_STREAM_EXTRA2: ("VFR_HUD",),
+    mav.MAV_DATA_STREAM_EXTRA3: ("BATTERY_STATUS", "SYSTEM_TIME", "DISTANCE_SENSOR"),
 }
-_GROUP_ALL = 0
 
 
 class StreamTable:
@@ -104,7 +109,7 @@ class StreamTable:
         Returns:
             False if there is no such group.
         """
-        if group == _GROUP_ALL:
+        if group == mav.MAV_DATA_STREAM_ALL:
             names: Sequence[str] = [name for group in _GROUPS.values() for name in group]
         elif group in _GROUPS:
             names = _GROUPS[group]

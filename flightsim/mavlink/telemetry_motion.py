@@ -12,10 +12,10 @@ from flightsim.frames import (
     swap_quat_enu_flu_ned_frd,
     swap_yaw_enu_ned,
 )
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.view import VehicleView
 
-_LOCAL_NED, _BODY_FRD, _GLOBAL_INT = 1, 12, 5
 _STANDARD_GRAVITY_MPS2 = 9.80665  # unit of "mG" in HIL_STATE_QUATERNION
 
 _ATTITUDE = layout(
@@ -65,9 +65,9 @@ _NAV_OUTPUT = layout(
 )
 _HIL_STATE = layout("HIL_STATE_QUATERNION")
 
-# POSITION_TARGET_TYPEMASK
 _IGNORE_POSITION, _IGNORE_VELOCITY, _IGNORE_ACCELERATION = 7, 7 << 3, 7 << 6
-_IGNORE_YAW, _IGNORE_YAW_RATE = 1 << 10, 1 << 11
+_IGNORE_YAW = mav.POSITION_TARGET_TYPEMASK_YAW_IGNORE
+_IGNORE_YAW_RATE = mav.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 _UNKNOWN_COVARIANCE = (math.nan, *(0.0,) * 20)
 
 
@@ -156,10 +156,10 @@ class MotionTelemetry:
             *v.rates_frd_radps,
             *_UNKNOWN_COVARIANCE,
             *_UNKNOWN_COVARIANCE,
-            _LOCAL_NED,
-            _BODY_FRD,
+            mav.MAV_FRAME_LOCAL_NED,
+            mav.MAV_FRAME_BODY_FRD,
             0,
-            8,  # MAV_ESTIMATOR_TYPE_AUTOPILOT
+            mav.MAV_ESTIMATOR_TYPE_AUTOPILOT,
             100,
         )
 
@@ -210,7 +210,7 @@ class MotionTelemetry:
             yaw,
             -setpoint.yaw_rate_radps,
             mask,
-            _LOCAL_NED,
+            mav.MAV_FRAME_LOCAL_NED,
         )
 
     def _target_global(self) -> bytes | None:
@@ -230,7 +230,7 @@ class MotionTelemetry:
             yaw,
             0.0,
             mask,
-            _GLOBAL_INT,
+            mav.MAV_FRAME_GLOBAL_INT,
         )
 
     def _nav_output(self) -> bytes | None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 from flightsim.autopilot.modes import BatteryWarning
 from flightsim.frames import swap_enu_ned, swap_flu_frd
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.view import VehicleView
 
@@ -34,14 +35,13 @@ _VIBRATION = layout("VIBRATION")
 
 _ALL_IMU_FIELDS = 0x1FFF
 _MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
-_LASER, _PITCH_DOWN = 0, 25
 _PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900, 1000, 1000
 _UNKNOWN_U16 = 0xFFFF
 _CHARGE_STATES = {
-    BatteryWarning.NONE: 1,
-    BatteryWarning.LOW: 2,
-    BatteryWarning.CRITICAL: 3,
-    BatteryWarning.EMERGENCY: 4,
+    BatteryWarning.NONE: mav.MAV_BATTERY_CHARGE_STATE_OK,
+    BatteryWarning.LOW: mav.MAV_BATTERY_CHARGE_STATE_LOW,
+    BatteryWarning.CRITICAL: mav.MAV_BATTERY_CHARGE_STATE_CRITICAL,
+    BatteryWarning.EMERGENCY: mav.MAV_BATTERY_CHARGE_STATE_EMERGENCY,
 }
 
 
@@ -139,9 +139,9 @@ class SensorTelemetry:
             _MIN_RANGE_CM,
             _MAX_RANGE_CM,
             max(0, min(_MAX_RANGE_CM + 1, distance_cm)),
-            _LASER,
+            mav.MAV_DISTANCE_SENSOR_LASER,
             0,
-            _PITCH_DOWN,
+            mav.MAV_SENSOR_ROTATION_PITCH_270,
             _UNKNOWN_U16 & 0xFF,
             0.0,
             0.0,
@@ -165,8 +165,8 @@ class SensorTelemetry:
         millivolts = max(0, round(1e3 * battery.voltage_v))
         cells = max(1, min(10, battery.n_cells))
         return _BATTERY_STATUS.encode(
-            battery_function=1,  # all flight systems
-            type=1,  # lithium polymer
+            battery_function=mav.MAV_BATTERY_FUNCTION_ALL,
+            type=mav.MAV_BATTERY_TYPE_LIPO,
             temperature=0x7FFF,
             voltages=[millivolts // cells] * cells + [_UNKNOWN_U16] * (10 - cells),
             current_battery=max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
@@ -179,7 +179,7 @@ class SensorTelemetry:
     def _estimator(self) -> bytes:
         v = self._view
         estimator = v.plant.estimator
-        flags = 1 if estimator.is_attitude_valid else 0
+        flags = mav.ESTIMATOR_ATTITUDE if estimator.is_attitude_valid else 0
         # velocities, positions relative and absolute, height above ground, and their predictions
         flags |= 0b11_0111_1110 if estimator.is_position_valid else 0
         return _ESTIMATOR_STATUS.encode(

@@ -8,6 +8,7 @@ from autonomy.types import quat_about_up
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.frames import swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import PROTOCOL_VERSION, layout
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.personality import Personality
 from flightsim.mavlink.view import VehicleView
 
@@ -22,19 +23,17 @@ _CURRENT_MODE = layout("CURRENT_MODE")
 _AUTOPILOT_VERSION = layout("AUTOPILOT_VERSION")
 _FLIGHT_INFORMATION = layout("FLIGHT_INFORMATION")
 
-MAV_TYPE_QUADROTOR = 2
-_ARMED_FLAG = 128
 _STATES = {
-    SystemState.STANDBY: 3,
-    SystemState.ACTIVE: 4,
-    SystemState.CRITICAL: 5,
-    SystemState.EMERGENCY: 6,
+    SystemState.STANDBY: mav.MAV_STATE_STANDBY,
+    SystemState.ACTIVE: mav.MAV_STATE_ACTIVE,
+    SystemState.CRITICAL: mav.MAV_STATE_CRITICAL,
+    SystemState.EMERGENCY: mav.MAV_STATE_EMERGENCY,
 }
 _LANDED_STATES = {
-    LandedState.ON_GROUND: 1,
-    LandedState.IN_AIR: 2,
-    LandedState.TAKEOFF: 3,
-    LandedState.LANDING: 4,
+    LandedState.ON_GROUND: mav.MAV_LANDED_STATE_ON_GROUND,
+    LandedState.IN_AIR: mav.MAV_LANDED_STATE_IN_AIR,
+    LandedState.TAKEOFF: mav.MAV_LANDED_STATE_TAKEOFF,
+    LandedState.LANDING: mav.MAV_LANDED_STATE_LANDING,
 }
 # MAV_SYS_STATUS_SENSOR
 _GYRO, _ACCEL, _MAG, _PRESSURE, _GPS, _LASER = 1, 2, 4, 8, 32, 256
@@ -44,8 +43,6 @@ _PRESENT = (
     (_GYRO | _ACCEL | _MAG | _PRESSURE | _GPS | _LASER | _CONTROLLERS)
     | (_GEOFENCE | _AHRS | _BATTERY | _PREARM_CHECK)
 )  # fmt: skip
-# MISSION_STATE
-_NO_MISSION, _NOT_STARTED, _ACTIVE, _PAUSED, _COMPLETE = 1, 2, 3, 4, 5
 # Simulated time has a date, the same in every run: 2026-01-01 00:00 UTC.
 SIMULATED_EPOCH_US = 1_767_225_600_000_000
 
@@ -75,12 +72,15 @@ class StatusTelemetry:
         autopilot = self._view.autopilot
         entry = self._personality.entry(autopilot.mode)
         state = _STATES[autopilot.system_state]
+        if autopilot.mode is Mode.TERMINATION:
+            state = mav.MAV_STATE_FLIGHT_TERMINATION
         return _HEARTBEAT.encode(
-            type=MAV_TYPE_QUADROTOR,
+            type=mav.MAV_TYPE_QUADROTOR,
             autopilot=self._personality.autopilot,
-            base_mode=entry.base_mode | (_ARMED_FLAG if autopilot.is_armed else 0),
+            base_mode=entry.base_mode
+            | (mav.MAV_MODE_FLAG_SAFETY_ARMED if autopilot.is_armed else 0),
             custom_mode=entry.custom_mode,
-            system_status=8 if autopilot.mode is Mode.TERMINATION else state,
+            system_status=state,
             mavlink_version=3,
         )
 
@@ -153,13 +153,13 @@ class StatusTelemetry:
         autopilot = self._view.autopilot
         mission = autopilot.mission
         if not len(mission):
-            return _NO_MISSION
+            return mav.MISSION_STATE_NO_MISSION
         if mission.is_finished:
-            return _COMPLETE
+            return mav.MISSION_STATE_COMPLETE
         if autopilot.is_mission_running:
-            return _ACTIVE
+            return mav.MISSION_STATE_ACTIVE
         is_under_way = mission.current_index > 0 or mission.last_reached_index is not None
-        return _PAUSED if is_under_way else _NOT_STARTED
+        return mav.MISSION_STATE_PAUSED if is_under_way else mav.MISSION_STATE_NOT_STARTED
 
     def _system_time(self) -> bytes:
         v = self._view

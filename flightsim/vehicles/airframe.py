@@ -1,4 +1,4 @@
-"""What an airframe is: dynamics, extents, battery and where its cameras look."""
+"""Airframe: dynamics, extents, battery and cameras of a vehicle."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class BatteryParams:
     hover_rotor_speed_radps: float
     """Speed of each rotor in hover."""
     avionics_power_w: float
-    """Drawn whether the rotors turn or not."""
+    """Electrical power independent of the rotors."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -31,7 +31,7 @@ class CameraMount:
     name: str
     position_flu_m: Vector3
     pitch_down_rad: float
-    """0 looks along body x, pi/2 straight down with the image's top towards body x."""
+    """Pitch: 0 looks along body x, pi/2 straight down with the image's top towards body x."""
     vertical_fov_rad: float
 
 
@@ -50,10 +50,10 @@ class Airframe:
     """Collision box of the fuselage: length, width, height."""
     rotor_radius_m: float
     leg_length_m: float
-    """From the centre of mass down to the soles: resting height of the body origin."""
+    """Distance from the centre of mass down to the soles: resting height of the body origin."""
     leg_spread_m: float
     """Horizontal distance of each sole from the centre of mass, along its arm."""
     collision_radius_m: float
-    """Radius of the upright cylinder about the centre of mass that holds every part."""
+    """Radius of the upright cylinder around the centre of mass that contains every part."""
     battery: BatteryParams
     cameras: tuple[CameraMount, ...]

@@ -1,7 +1,7 @@
 """Lithium-polymer battery: open-circuit voltage by charge, sag by current, power by rotor speed.
 
 Notation: V terminal voltage, E open-circuit voltage, R internal resistance, I current, P power.
-The load asks for power, so V = E - R I and P = V I give V = (E + sqrt(E^2 - 4 R P)) / 2.
+The load demands power, so V = E - R I and P = V I give V = (E + sqrt(E^2 - 4 R P)) / 2.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ _COULOMB_PER_MAH = 3.6
 
 
 class BatteryError(ValueError):
-    """A battery was asked for that cannot exist."""
+    """The battery's parameters are invalid."""
 
 
 def cell_voltage_v(state_of_charge: float) -> float:
-    """Open-circuit voltage of one cell; charge from 0 to 1, clamped."""
+    """Open-circuit voltage of one cell; the charge is clamped to 0 to 1."""
     position = min(max(state_of_charge, 0.0), 1.0) * _N_INTERVALS
     i = min(int(position), _N_INTERVALS - 1)
     return _CELL_OCV_V[i] + (position - i) * (_CELL_OCV_V[i + 1] - _CELL_OCV_V[i])
 
 
 class Battery:
-    """State of a pack; plain floats, about a microsecond a step."""
+    """State of a pack, in plain floats: about a microsecond per step."""
 
     def __init__(self, params: BatteryParams, state_of_charge: float = 1.0) -> None:
         if not 0.0 <= state_of_charge <= 1.0:
@@ -44,9 +44,9 @@ class Battery:
         self._used_c = 0.0
         self._watts_per_speed_cubed = params.hover_power_w / (4 * params.hover_rotor_speed_radps**3)
         self.current_a = 0.0
-        """Drawn during the last step."""
+        """Current drawn during the last step."""
         self.voltage_v = params.cells * cell_voltage_v(state_of_charge)
-        """At the terminals during the last step."""
+        """Voltage at the terminals during the last step."""
 
     @property
     def consumed_mah(self) -> float:
@@ -59,9 +59,9 @@ class Battery:
         return max(0.0, (self._initial_c - self._used_c) / self._capacity_c)
 
     def step(self, rotor_speeds_radps: Sequence[float], dt_s: float) -> None:
-        """Draw what four rotors at these speeds and the avionics need for `dt_s`.
+        """Draw the power of four rotors at these speeds and of the avionics for `dt_s`.
 
-        An empty pack delivers nothing: voltage stays, the motors stop for want of charge elsewhere.
+        An empty pack delivers nothing: voltage stays, the motors stop elsewhere for lack of charge.
         A load beyond the pack's greatest power, E^2 / 4R, gets that power.
         """
         a, b, c, d = rotor_speeds_radps

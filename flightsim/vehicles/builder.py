@@ -1,7 +1,7 @@
-"""An airframe as a MuJoCo body: inertia, collision shape, looks and cameras.
+"""MuJoCo body of an airframe: inertia, collision shape, looks and cameras.
 
-The collision shape is what can really hit something: fuselage, arms, legs, and each rotor disc as a
-thin cylinder. It has no mass, and it is drawn by nobody; the looks are separate and touch nothing.
+The collision shape is what can hit something: fuselage, arms, legs, and each rotor disc as a thin
+cylinder. It has no mass and is invisible; the looks are separate and without contacts.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def camera_quat_wxyz(mount: CameraMount) -> tuple[float, float, float, float]:
 
 
 def sole_positions_flu_m(airframe: Airframe) -> tuple[Vector3, ...]:
-    """Where the four legs touch level ground, in the body frame."""
+    """Contact points of the four legs on level ground, in the body frame."""
     soles = []
     for rotor in airframe.quadrotor.rotors:
         x, y, _ = rotor.position_flu_m

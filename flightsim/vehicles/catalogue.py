@@ -1,7 +1,7 @@
-"""The airframes that ship: 3DR Iris in two parameter sets and AscTec Hummingbird.
+"""Airframes that ship: 3DR Iris in two parameter sets and AscTec Hummingbird.
 
-Lengths of legs, arms and cameras are ours, chosen to look and stand like the real machines; what
-flies (mass, inertia, rotors) is from the source named above each number.
+Lengths of legs, arms and cameras are ours, chosen to look and stand like the real machines; the
+flight parameters (mass, inertia, rotors) are from the source named above each number.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _CCW, _CW = 1, -1
 
 
 def hover_rotor_speed_radps(quadrotor: QuadrotorParams) -> float:
-    """Speed at which four equal rotors carry the weight."""
+    """Rotor speed at which four equal rotors carry the weight."""
     thrust_constant = sum(r.thrust_constant for r in quadrotor.rotors)
     return math.sqrt(quadrotor.mass_kg * GRAVITY_MPS2 / thrust_constant)
 
@@ -85,8 +85,8 @@ def _cameras(forward_flu_m: Vector3, down_flu_m: Vector3) -> tuple[CameraMount, 
     )
 
 
-# Hub positions: RotorS iris.xacro, PX4 iris.sdf; .023 m above the base link, less the .0003 m by
-# which four rotors of .005 kg lift the centre of mass of 1.535 kg.
+# Hub positions: RotorS iris.xacro, PX4 iris.sdf; 0.023 m above the base link, less the 0.0003 m by
+# which four rotors of 0.005 kg lift the centre of mass of 1.535 kg.
 _IRIS_HUBS_FLU_M: tuple[Vector3, Vector3, Vector3, Vector3] = (
     (0.13, -0.22, 0.0227),
     (-0.13, 0.20, 0.0227),
@@ -94,7 +94,7 @@ _IRIS_HUBS_FLU_M: tuple[Vector3, Vector3, Vector3, Vector3] = (
     (-0.13, -0.20, 0.0227),
 )
 _IRIS_SPINS = (_CCW, _CCW, _CW, _CW)
-# RotorS iris.xacro, PX4 iris.sdf: body 1.5, four rotors of .005, IMU .015.
+# RotorS iris.xacro, PX4 iris.sdf: body 1.5, four rotors of 0.005, IMU 0.015.
 _IRIS_MASS_KG = 1.535
 # PX4 iris.sdf, rotor collision cylinder.
 _IRIS_ROTOR_RADIUS_M = 0.128
@@ -110,7 +110,7 @@ def _iris(name: str, title: str, quadrotor: QuadrotorParams) -> Airframe:
         rotor_radius_m=_IRIS_ROTOR_RADIUS_M,
         leg_length_m=0.11,
         leg_spread_m=0.20,
-        # Hub of a front rotor at hypot(.13, .22), plus the disc.
+        # Hub of a front rotor at hypot(0.13, 0.22), plus the disc.
         collision_radius_m=math.hypot(0.13, 0.22) + _IRIS_ROTOR_RADIUS_M,
         battery=BatteryParams(
             cells=3,
@@ -150,8 +150,8 @@ _IRIS_ROTORS = _iris(
     "3DR Iris, RotorS parameters",
     QuadrotorParams(
         mass_kg=_IRIS_MASS_KG,
-        # RotorS iris.xacro, but for Izz: its .0977 exceeds Ixx + Iyy, which no rigid body can and
-        # MuJoCo refuses; this is the largest possible.
+        # RotorS iris.xacro but for Izz: its 0.0977 exceeds Ixx + Iyy, impossible for a rigid body
+        # and refused by MuJoCo; this is the largest possible.
         inertia_flu_kgm2=(0.0347563, 0.0458929, 0.0806492),
         rotors=_rotors(
             _IRIS_HUBS_FLU_M,
@@ -166,13 +166,13 @@ _IRIS_ROTORS = _iris(
 )
 
 _HUMMINGBIRD_QUADROTOR = QuadrotorParams(
-    # RotorS hummingbird.xacro: body .68, four rotors of .009, IMU .015.
+    # RotorS hummingbird.xacro: body 0.68, four rotors of 0.009, IMU 0.015.
     mass_kg=0.731,
     # RotorS hummingbird.xacro.
     inertia_flu_kgm2=(0.007, 0.007, 0.012),
     rotors=_rotors(
-        # RotorS hummingbird.xacro: arms of .17 m, hubs .01 m above the base link, less the .0005 m
-        # by which four rotors of .009 kg lift the centre of mass of .731 kg.
+        # RotorS hummingbird.xacro: arms of 0.17 m, hubs 0.01 m above the base link, less 0.0005 m
+        # by which four rotors of 0.009 kg lift the centre of mass of 0.731 kg.
         ((0.17, 0.0, 0.0095), (0.0, 0.17, 0.0095), (-0.17, 0.0, 0.0095), (0.0, -0.17, 0.0095)),
         (_CW, _CCW, _CW, _CCW),
         # RotorS hummingbird.xacro.
@@ -214,11 +214,11 @@ AIRFRAMES: Mapping[str, Airframe] = MappingProxyType(
 
 
 class AirframeError(ValueError):
-    """No airframe has the name that was asked for."""
+    """No airframe has the requested name."""
 
 
 def airframe_by_name(name: str) -> Airframe:
-    """The airframe called `name`.
+    """Airframe called `name`.
 
     Raises:
         AirframeError: Listing the valid names.

@@ -1,4 +1,4 @@
-"""Rotors and air: from speed commands to the wrench on the body, once a physics step.
+"""Rotors and air: from speed commands to the wrench on the body, once per physics step.
 
     symbol   name                                        unit
     w        rotor speed                                 rad/s
@@ -29,7 +29,7 @@ from autonomy.rotation import matrix_from_quat
 from autonomy.types import Vector3
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
 
-# Of a box across the wind (Hoerner 1965, Fluid-Dynamic Drag, chapter 3).
+# Drag coefficient of a box across the wind (Hoerner 1965, Fluid-Dynamic Drag, chapter 3).
 _BOX_DRAG_COEFFICIENT = 1.05
 
 ROTORS_DTYPE = np.dtype(
@@ -64,13 +64,13 @@ def new_rotors(
     dt_s: float,
     axial_limit_mps: float = 25.0,
 ) -> np.ndarray:
-    """Rotors at rest, as one record in an array of shape (1,).
+    """Create rotors at rest, as one record in an array of shape (1,).
 
     Args:
-        quadrotor: The vehicle.
-        body_size_m: Fuselage box, for its drag.
-        dt_s: Physics step.
-        axial_limit_mps: Axial speed at which a rotor makes no thrust; infinite for no such loss.
+        quadrotor: Parameters of the vehicle.
+        body_size_m: Box of the fuselage, for its drag.
+        dt_s: Length of a physics step.
+        axial_limit_mps: Axial speed at which a rotor has no thrust; infinite for no such loss.
     """
     records = np.zeros(1, ROTORS_DTYPE)
     r = records[0]
@@ -94,7 +94,7 @@ def new_rotors(
 
 
 def drag_model(quadrotor: QuadrotorParams, body_size_m: Vector3) -> DragModel:
-    """What an estimator needs to know of the air's resistance to find the wind."""
+    """Parameters of air resistance with which an estimator finds the wind."""
     mass = quadrotor.mass_kg
     x, y, _ = (_fuselage_drag(body_size_m) / mass).tolist()
     a, b, c, d = ((r.drag_coefficient / mass, r.thrust_constant / mass) for r in quadrotor.rotors)
@@ -120,11 +120,11 @@ def step_rotors(
     rate_flu_radps: np.ndarray,
     wrench: np.ndarray,
 ) -> None:
-    """Let the speeds follow their commands by one step and write the wrench that they make.
+    """Advance the rotor speeds towards their commands by one step and write the resulting wrench.
 
     Args:
-        r: The rotors.
-        command_radps: Speed commands (4,), clipped to what the rotors can do.
+        r: Record of the rotors, changed.
+        command_radps: Speed commands (4,), clipped to the rotors' range.
         quat_wxyz: True attitude.
         velocity_enu_mps: True velocity of the centre of mass.
         rate_flu_radps: True body rates.

@@ -1,1 +1,1 @@
-"""How fast this is on this machine: benchmarks that fly for real."""
+"""Benchmarks of this machine that run the real stack."""

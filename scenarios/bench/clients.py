@@ -1,7 +1,7 @@
-"""Real clients for a benchmark: a process that reads MAVLink on UDP ports and says hello.
+"""Real MAVLink clients for a benchmark: a process that reads UDP ports and sends heartbeats.
 
 Run as `python -m scenarios.bench.clients N`: opens N ports, prints them, reads until its standard
-input ends, then prints how much came. In a process of its own, so that its work is not counted.
+input ends, then prints the number of messages. A separate process, so its work is not counted.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ _BUFFER_BYTES = 1 << 22
 
 
 class Clients:
-    """The process, seen from the benchmark.
+    """Handle of the client process.
 
     Attributes:
-        ports: Where the clients listen.
+        ports: Ports that the clients listen on.
     """
 
     def __init__(self, count: int) -> None:
@@ -32,7 +32,7 @@ class Clients:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
-            # Ctrl-C is the benchmark's; the clients end with their standard input.
+            # Ctrl-C is for the benchmark; the clients end with their standard input.
             start_new_session=True,
         )
         assert self._process.stdout is not None
@@ -56,7 +56,7 @@ class Clients:
 
 
 def main() -> None:
-    """Read until standard input ends."""
+    """Read the ports until standard input ends."""
     sockets = [_open() for _ in range(int(sys.argv[1]))]
     print(*(s.getsockname()[1] for s in sockets), flush=True)  # noqa: T201 - its interface
     print(_serve(sockets))  # noqa: T201
@@ -94,7 +94,7 @@ def _serve(sockets: list[socket.socket]) -> int:
 
 
 def count_messages(datagram: bytes) -> int:
-    """MAVLink 2 frames in a datagram, by their lengths."""
+    """Count the MAVLink 2 frames in a datagram, by their lengths."""
     n_messages, start = 0, 0
     while start + 12 <= len(datagram) and datagram[start] == 0xFD:
         is_signed = datagram[start + 2] & 1
@@ -104,7 +104,7 @@ def count_messages(datagram: bytes) -> int:
 
 
 def _heartbeat() -> bytes:
-    """A ground station's."""
+    """Heartbeat of a ground station."""
     from pymavlink.dialects.v20 import common  # noqa: PLC0415 - in the child only
 
     sender = common.MAVLink(None, srcSystem=255, srcComponent=190)

@@ -1,7 +1,7 @@
-"""Is an estimator as good as it says? Normalised squared errors against their chi-square law.
+"""Consistency of an estimator: normalised squared errors against their chi-square law.
 
 NEES is e^T P^-1 e for an error e and the covariance P that the filter claims; over consistent
-flights it is chi-square distributed with as many degrees of freedom as e has numbers.
+flights it is chi-square distributed with as many degrees of freedom as e has components.
 
 Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and
 navigation", section 5.4.2.
@@ -18,20 +18,20 @@ from autonomy.estimation.error_state import ATTITUDE, POSITION, VELOCITY
 from flightsim.plant import Plant
 
 BLOCKS = {"position": POSITION, "velocity": VELOCITY, "attitude": ATTITUDE}
-"""Blocks of three states whose errors have a truth, by their first index."""
+"""First index of each block of three states whose errors have a truth."""
 _DIMENSION = 3
 
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """Where the mean NEES of some flights lies with a probability of 95%."""
+    """Interval of the mean NEES of some flights with a probability of 95%."""
 
     low: float
     high: float
 
 
 def band(n_flights: int) -> Band:
-    """The 95% band of the mean NEES of a block over independent flights."""
+    """95% band of a block's mean NEES over independent flights."""
     from scipy.stats import chi2  # noqa: PLC0415 - half a second
 
     freedom = _DIMENSION * n_flights
@@ -40,7 +40,7 @@ def band(n_flights: int) -> Band:
 
 
 def errors(plant: Plant) -> dict[str, Float[np.ndarray, " 3"]]:
-    """True minus estimated, for each of `BLOCKS`; attitude as a rotation vector, ENU."""
+    """True minus estimated value for each of `BLOCKS`; attitude as a rotation vector, ENU."""
     true, estimate = plant.truth, plant.estimate
     return {
         "position": np.subtract(true.position_enu_m, estimate.position_enu_m),
@@ -64,7 +64,7 @@ def attitude_error(
 
 
 def nees(plant: Plant) -> dict[str, float]:
-    """NEES of each of `BLOCKS` now."""
+    """Present NEES of each of `BLOCKS`."""
     covariance = plant.filter["covariance"]
     found = {}
     for block, e in errors(plant).items():

@@ -1,4 +1,4 @@
-"""`bench control`: how closely the controller tracks, and whether it ever loses the vehicle.
+"""`bench control`: tracking accuracy of the controller, and its robustness.
 
 Figure eights with a peak acceleration of 7 m/s^2, with the true state and with the estimator in the
 loop, in still air and in 5 m/s of wind with moderate turbulence; eights that no rotor can fly;
@@ -30,23 +30,23 @@ LARGEST_RMSE_M = {
     ("estimate", "still air"): 0.10,
     ("estimate", "wind"): 0.20,
 }
-"""Of the Hummingbird; with the estimator in the loop the error is against the estimate."""
+"""Targets for the Hummingbird; with the estimator in the loop the error is against the estimate."""
 LEAST_RECOVERED_PERCENT = 99.9
 _TARGET_VEHICLE = "hummingbird"
 _LAPS = 3
 _WIND_SETTLES_S = 4.0
 _TOO_FAST_MPS2 = (16.0, 20.0, 25.0, 30.0, 35.0)
-"""Peak accelerations of eights beyond what the tilt and thrust limits allow."""
+"""Peak accelerations of eights beyond the limits of tilt and thrust."""
 _TOO_FAST_S, _COME_BACK_S = 25.0, 10.0
 _LOST_RAD = math.radians(90.0)
 _BACK_M = 0.2
 
 
 def rows(cfg: ControlBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
-    """Fly and judge.
+    """Fly and judge all parts.
 
     Args:
-        cfg: How many of each.
+        cfg: Number of flights in each part.
         on_progress: Called before each part with its title and the share done.
     """
     compile_kernels()
@@ -94,7 +94,7 @@ def _fly_eight(plant: Plant, wind: WindCfg) -> Track:
 
 
 def _saturation(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
-    """Eights that are too fast, then back to the hover: lost is what tips over or stays away."""
+    """Fly eights that are too fast, then back to the hover; tipping or staying away is a loss."""
     n_lost, tilt_rad, sunk_m = 0, 0.0, 0.0
     for peak_mps2 in _TOO_FAST_MPS2:
         plant = Plant(world, PlantCfg(seed=cfg.seed, state="truth"))

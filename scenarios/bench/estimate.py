@@ -1,7 +1,7 @@
-"""`bench estimate`: is the filter as good as it says, how good is that, and what does it cost?
+"""`bench estimate`: consistency, accuracy and cost of the filter.
 
-Short flights of the plant alone, each with its own noise and its own curves; every second the
-error against the truth is compared with the covariance that the filter claims.
+Short flights of the plant alone, each with its own noise and curves; every second the error
+against the truth is compared with the covariance that the filter claims.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0), "attitude": ("deg", 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A way to know where one is."""
+    """One source of position."""
 
     title: str
     aiding: Literal["gnss", "vio", "mocap", "auto"]
@@ -57,19 +57,19 @@ CASES = (
 
 @dataclass(frozen=True)
 class Flights:
-    """What was seen of the flights of a case, every second."""
+    """Samples of all flights of a case, every second."""
 
     nees: dict[str, Float[np.ndarray, "flights instants"]]
     error: dict[str, Float[np.ndarray, "flights instants 3"]]
     wind_error_mps: Float[np.ndarray, "flights 2"]
-    """At the end of each."""
+    """Wind error at the end of each flight."""
     innovation_square_sum: Float[np.ndarray, " kinds"]
     n_innovations: Float[np.ndarray, " kinds"]
 
 
 @dataclass
 class _Log:
-    """One flight."""
+    """Samples of one flight."""
 
     nees: list[dict[str, float]] = field(default_factory=list)
     error: list[dict[str, np.ndarray]] = field(default_factory=list)
@@ -79,7 +79,7 @@ def rows(cfg: EstimateBenchCfg, on_progress: Callable[[str, float], None]) -> It
     """Run every part of the benchmark.
 
     Args:
-        cfg: What to fly.
+        cfg: Flights to make.
         on_progress: Called before each part with its title and the share done.
 
     Raises:
@@ -103,7 +103,7 @@ def rows(cfg: EstimateBenchCfg, on_progress: Callable[[str, float], None]) -> It
 
 
 def fly_case(world: World, case: Case, cfg: EstimateBenchCfg) -> Flights:
-    """All flights of a case."""
+    """Make all flights of a case."""
     logs, winds, squares, counts = [], [], 0.0, 0.0
     for seed in range(cfg.seed, cfg.seed + cfg.count):
         plant = Plant(
@@ -133,7 +133,7 @@ def fly_case(world: World, case: Case, cfg: EstimateBenchCfg) -> Flights:
 
 
 def _consistency_rows(case: Case, flights: Flights) -> Iterator[Row]:
-    """Mean NEES of each block between the ends of its band, and how often it is there."""
+    """Mean NEES of each block between the ends of its band, and how often it lies there."""
     for block, values in flights.nees.items():
         limits = band(len(values))
         by_instant = values.mean(axis=0)
@@ -158,7 +158,7 @@ def _error_rows(case: Case, flights: Flights) -> Iterator[Row]:
 
 
 def _innovation_rows(case: Case, flights: Flights) -> Iterator[Row]:
-    """Mean squared innovation over its variance: 1 for noise that is what it is said to be."""
+    """Mean squared innovation over its variance: 1 if the noise is as specified."""
     for kind, square, n in zip(
         MEASUREMENTS, flights.innovation_square_sum, flights.n_innovations, strict=True
     ):
@@ -167,7 +167,7 @@ def _innovation_rows(case: Case, flights: Flights) -> Iterator[Row]:
 
 
 def _door_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
-    """The largest step of the estimate beyond its own velocity, on the way in and out."""
+    """Largest step of the estimate beyond its own velocity, on the way in and out."""
     jumps, errors_m, indoors = [], [], []
     for seed in range(cfg.seed, cfg.seed + cfg.count):
         plant = Plant(world, PlantCfg(seed=seed, aiding="auto"))
@@ -204,7 +204,7 @@ def _door_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
 
 
 def largest_jump(history: np.ndarray) -> float:
-    """Largest change of the estimated position in a tick beyond the estimated velocity's, m."""
+    """Largest change of the estimated position in a tick beyond what its velocity explains, m."""
     position, velocity = history["position_est_enu_m"], history["velocity_est_enu_mps"]
     dt_s = 1e-6 * np.diff(history["time_us"])[:, None]
     jump = np.diff(position, axis=0) - velocity[1:] * dt_s

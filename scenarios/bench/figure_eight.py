@@ -1,4 +1,4 @@
-"""A figure eight, and how closely a vehicle flies it.
+"""Figure eight as a reference, and the tracking error of a vehicle on it.
 
 The lemniscate of Gerono, (a sin s, a/2 sin 2s), at a constant phase rate s' after a smooth start;
 its acceleration is a s'^2 |(sin s, 2 sin 2s)|, whose largest value sets s'.
@@ -37,17 +37,17 @@ class FigureEight:
 
     @property
     def phase_rate_radps(self) -> float:
-        """Once it is under way."""
+        """Phase rate after the smooth start."""
         return math.sqrt(self.peak_acceleration_mps2 / (self.half_length_m * _PEAK_SHAPE))
 
     @property
     def peak_speed_mps(self) -> float:
-        """At the crossing."""
+        """Speed at the crossing."""
         return math.sqrt(2.0) * self.half_length_m * self.phase_rate_radps
 
     @property
     def lap_s(self) -> float:
-        """Time of a lap."""
+        """Time of one lap."""
         return 2.0 * math.pi / self.phase_rate_radps
 
     def derivatives_enu(self, time_s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "4 n 3"]:
@@ -68,7 +68,7 @@ class FigureEight:
         return curve
 
     def setpoint(self, time_s: float) -> Setpoint:
-        """What to ask for at a time."""
+        """Setpoint at a given time."""
         p, v, a, j = (tuple(row.tolist()) for row in self.derivatives_enu(np.array([time_s]))[:, 0])
         return Setpoint(
             level=ControlLevel.TRAJECTORY,
@@ -80,7 +80,7 @@ class FigureEight:
         )
 
     def _phase(self, time_s: Float[np.ndarray, " n"]) -> tuple[np.ndarray, ...]:
-        """Phase and three derivatives: its rate rises by a cubic, then stays."""
+        """Phase and three derivatives: its rate rises by a cubic, then stays constant."""
         w, length = self.phase_rate_radps, SETTLED_S
         u = np.clip(time_s / length, 0.0, 1.0)
         after = np.maximum(time_s - length, 0.0)
@@ -95,25 +95,25 @@ class FigureEight:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Track:
-    """A flight along an eight, a row for each control tick."""
+    """Flight along an eight, one row per control tick."""
 
     time_s: Float[np.ndarray, " n"]
-    """Since its start."""
+    """Time since the start of the track."""
     error_true_m: Float[np.ndarray, "n 3"]
-    """Where the vehicle is less where it should be."""
+    """True position minus reference."""
     error_est_m: Float[np.ndarray, "n 3"]
-    """Where it believes to be less where it should be."""
+    """Estimated position minus reference."""
     tilt_rad: Float[np.ndarray, " n"]
     is_touching: np.ndarray
 
     def rmse_m(self, state: Literal["truth", "estimate"]) -> float:
-        """Root of the mean square error of one of the two, the smooth start left out."""
+        """Root mean square error of one of the two states, without the smooth start."""
         error = self.error_true_m if state == "truth" else self.error_est_m
         return float(np.sqrt(np.mean(np.sum(error[self.time_s >= SETTLED_S] ** 2, axis=1))))
 
 
 def take_off(plant: Plant) -> tuple[float, float, float]:
-    """Align, arm, climb and hold; where it then should be."""
+    """Align, arm, climb and hold; return the held position."""
     _repeat(plant, OFF, _ALIGN_S)
     _repeat(plant, IDLE, _IDLE_S)
     x, y, z = plant.estimate.position_enu_m
@@ -125,12 +125,12 @@ def take_off(plant: Plant) -> tuple[float, float, float]:
 
 
 def hold(position_enu_m: tuple[float, float, float]) -> Setpoint:
-    """Stay there, looking east."""
+    """Setpoint that stays at a position, looking east."""
     return Setpoint(level=ControlLevel.TRAJECTORY, position_enu_m=position_enu_m, yaw_rad=0.0)
 
 
 def fly(plant: Plant, eight: FigureEight, seconds: float) -> Track:
-    """Follow an eight from its centre on."""
+    """Follow an eight, starting at its centre."""
     start_us = plant.time_us
     rows = _record(plant, eight.setpoint, seconds)
     time_s = 1e-6 * (rows["time_us"] - start_us)
@@ -172,5 +172,5 @@ def _repeat(plant: Plant, setpoint: Setpoint, seconds: float) -> None:
 
 
 def _sine(angle: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of a sine."""
+    """Derivative of a sine of the given order."""
     return np.sin(angle + 0.5 * np.pi * order)

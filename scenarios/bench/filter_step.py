@@ -1,4 +1,4 @@
-"""What a step of the filter costs, without the plant about it."""
+"""Cost of one filter step, without the plant around it."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _N_TRIES = 5
 
 
 def step_us(filters: np.ndarray, *, has_all: bool) -> float:
-    """CPU time of a step of a flying filter, us, the least of several tries.
+    """CPU time of one step of a flying filter in us, the least of several tries.
 
     Args:
-        filters: A filter in flight, in an array of shape (1,); it is left as it is.
-        has_all: Every measurement at every step, instead of each at its own rate.
+        filters: Filter in flight, in an array of shape (1,); it is not changed.
+        has_all: Whether every step has all measurements, instead of each at its own rate.
     """
     least = np.inf
     for attempt in range(_N_TRIES + 1):
@@ -37,7 +37,7 @@ def step_us(filters: np.ndarray, *, has_all: bool) -> float:
 
 @kernel
 def run_filter(filters: np.ndarray, n_steps: int, has_all: bool) -> None:
-    """Step a filter that hovers, with measurements that agree with it, at the plant's rates."""
+    """Step a hovering filter with consistent measurements, at the plant's rates."""
     f = filters[0]
     _hover(f)
     accel, gyro = np.zeros(3), np.zeros(3)
@@ -63,7 +63,7 @@ def run_filter(filters: np.ndarray, n_steps: int, has_all: bool) -> None:
 
 @kernel
 def _hover(f: np.record) -> None:
-    """Level and at rest, with a frame of odometry that begins here."""
+    """Put the filter level and at rest, with an odometry frame that begins here."""
     f.quat_wxyz[:] = 0.0
     f.quat_wxyz[0] = 1.0
     f.velocity_enu_mps[:] = 0.0

@@ -1,7 +1,7 @@
-"""`bench generate`: what a generated scene costs, and how good it is before and after feasibility.
+"""`bench generate`: cost and quality of generated scenes, before and after feasibility.
 
-Every figure stands beside that of real scenes, the corpus, under the same code. Times are wall
-times of the whole way from a seed to a finished scene, landing areas and validation included.
+Every figure is beside that of real scenes, the corpus, by the same code. Times are wall times from
+a seed to a finished scene, landing areas and validation included.
 """
 
 from __future__ import annotations
@@ -39,22 +39,22 @@ OnProgress = Callable[[str, float], None]
 Preset = Literal["default", "paper"]
 
 MOST_SECONDS = {"default": 2.0, "paper": 15.0}
-"""For one scene on two cores."""
+"""Time limit of one scene on two cores."""
 MOST_GPU_SECONDS = 0.5
 LEAST_GPU_RATE = 50.0
 MOST_MEMORY_GB = 2.0
 LEAST_VALID = {"cpu": 85.0, "gpu": 95.0}
-"""Percent of objects before feasibility, by what the checkpoint was trained on."""
+"""Percentage of valid objects before feasibility, by the device of training."""
 
 _BATCH_SIZE = 64
 _N_TIMED = 6
 
 
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Generate scenes, one after the other, and judge them.
+    """Generate scenes one by one and judge them.
 
     Args:
-        cfg: What to generate.
+        cfg: Scenes to generate.
         on_progress: Called with a title and the share done.
 
     Raises:
@@ -91,7 +91,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 
 @dataclass(frozen=True, slots=True)
 class _Cost:
-    """What one scene cost."""
+    """Cost of one scene."""
 
     made: Generated
     wall_s: float
@@ -109,7 +109,7 @@ def _generate(generator: Generator, cfg: GenerateBenchCfg, on_progress: OnProgre
 
 
 def _request(seed: int, number: int) -> Request:
-    """A third of the scenes of each domain, as in the corpus."""
+    """Request for a scene; the domains take turns, as in the corpus."""
     return Request(seed=seed + number, domain=scene_domain(number))
 
 
@@ -142,25 +142,25 @@ def _speed_rows(
 
 @dataclass(frozen=True, slots=True)
 class _Stages:
-    """Where the time of a scene goes, medians of a few."""
+    """Time of each stage of a scene, medians of a few."""
 
     skeleton_s: float
     sampling_s: float
-    """Sampling of the geometry; the paper's way has no other stage before feasibility."""
+    """Time of sampling the geometry; the paper's method has no other stage before feasibility."""
     rest_s: float
 
 
 def _stages(generator: Generator, costs: Sequence[_Cost]) -> _Stages:
-    """Of a few scenes, generated once more with an eye on the denoising."""
+    """Measure a few scenes, generated once more with the denoising observed."""
     measured = [_stages_of(generator, cost) for cost in costs[:_N_TIMED]]
     return _Stages(*np.median(measured, axis=0).tolist())
 
 
 def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
-    """Seconds of the skeleton, of the sampling and of what follows.
+    """Seconds of the skeleton, of the sampling and of the rest.
 
-    Looking on takes time. The first step comes as long after the skeleton as the second after the
-    first; the sampling is what the other two leave of the scene's time when none looked on.
+    Observing takes time. The first step ends as long after the skeleton as the second after the
+    first; the sampling is the rest of the scene's time when unobserved.
     """
     seen_s = [time.perf_counter()]
     list(
@@ -175,7 +175,7 @@ def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
 
 
 def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, rest_s: float) -> Iterator[Row]:
-    """Many at once; what follows the sampling is the processor's work, and is taken off."""
+    """Generate many scenes at once; the processor's time after sampling is subtracted."""
     import torch  # noqa: PLC0415 - for a GPU only
 
     requests = [_request(cfg.seed, number) for number in range(_BATCH_SIZE)]
@@ -208,7 +208,7 @@ def _is_gpu(device: str) -> bool:
 
 
 def _peak_memory_gb() -> float:
-    """Most memory that this process has held until now."""
+    """Peak memory of this process so far."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     # Kilobytes on Linux, bytes on macOS.
     return peak / 1e9 if sys.platform == "darwin" else peak * 1024 / 1e9

@@ -1,4 +1,4 @@
-"""Reference for the optimiser: states and times of a corridor problem together, by ipopt."""
+"""Reference for the optimiser: states and times of a corridor problem solved jointly by ipopt."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from autonomy.planning.optimiser import Solution, first_times
 from autonomy.planning.program import symbols
 
 _N_SAMPLES = 4
-"""Of a piece, for limits by flatness."""
+"""Samples per piece at which flatness limits are kept."""
 _IPOPT = {
     "ipopt.print_level": 0,
     "print_time": 0,
@@ -39,15 +39,15 @@ def joint_optimum(
     quadrotor: QuadrotorParams,
     near: Solution | None = None,
 ) -> float | None:
-    """Least cost with every limit kept exactly, in s; None where ipopt fails.
+    """Least cost in s with every limit kept exactly; None if ipopt fails.
 
     Args:
-        corridor: Where to fly.
-        start: Position, velocity and acceleration at the beginning, rows.
-        goal: The same at the end.
-        limits: Of the motion; by flatness with drag at samples.
-        quadrotor: The vehicle.
-        near: Where to begin; None for straight ways between the gates.
+        corridor: Corridor to fly in.
+        start: Rows of position, velocity and acceleration at the start.
+        goal: The same at the goal.
+        limits: Limits of the motion; by flatness with drag at samples.
+        quadrotor: Parameters of the vehicle.
+        near: Initial guess; None for straight ways between the gates.
     """
     n, planes = corridor.planes.shape[:2]
     bounds = limits.motion_bounds(quadrotor)
@@ -98,7 +98,7 @@ def _solver(n: int, planes: int, limits: FlightLimits, quadrotor: QuadrotorParam
 
 
 def _at(points: list[Any], share: float) -> Any:
-    """A Bezier curve's value."""
+    """Value of a Bezier curve."""
     n = len(points) - 1
     return sum(
         math.comb(n, i) * share**i * (1 - share) ** (n - i) * point

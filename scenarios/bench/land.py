@@ -1,12 +1,12 @@
-"""`bench land`: does the pilot choose places where a vehicle can stand, and land well on them?
+"""`bench land`: safety of the landing places that the pilot chooses, and quality of its landings.
 
-Landing areas of many scenes are looked at through a depth camera with its errors, from poses with
-the estimator's, as the pilot does from the hover point down; what is chosen is judged by vertical
-rays onto the solids of the physics. Some landings are flown in the whole stack.
+A depth camera with its errors observes landing areas of many scenes from poses with the
+estimator's errors, from the hover point down as the pilot does; vertical rays onto the solids of
+the physics judge the choices. Some landings are flown in the whole stack.
 
 A place is unsafe if the vehicle itself, feet and rotors, without any margin, breaks a limit of
 slope, height range or rise there. A place is missed if it keeps them with the margin for scatter
-and is not taken for safe.
+but is not recognised as safe.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ OnProgress = Callable[[str, float], None]
 
 @dataclass(kw_only=True, slots=True)
 class _Tally:
-    """What was found so far of areas of one kind."""
+    """Results so far for areas of one kind."""
 
     n_areas: int = 0
     n_found: int = 0
@@ -59,20 +59,20 @@ class _Tally:
     """Whether each site, as first chosen, is unsafe."""
     committed: list[bool] = field(default_factory=list)
     without_margin: list[bool] = field(default_factory=list)
-    """Whether each site committed to would be unsafe somewhere within the scatter."""
+    """Whether each committed site would be unsafe somewhere within the scatter."""
     unsafe_cells: list[bool] = field(default_factory=list)
-    """Of those taken for safe."""
+    """Whether each cell that was taken for safe is unsafe."""
     missed_cells: list[bool] = field(default_factory=list)
-    """Of those that are safe."""
+    """Whether each safe cell was missed."""
     slope_errors_deg: list[float] = field(default_factory=list)
     aborts: Counter[str] = field(default_factory=Counter)
 
 
 def rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Look at areas, fly to some, time the map.
+    """Observe areas, fly to some and time the map.
 
     Args:
-        cfg: How many.
+        cfg: Number of areas and flights.
         on_progress: Called before each scene with a title and the share done.
     """
     numbers = scene_numbers(max(2, math.ceil(cfg.areas / _AREAS_A_SCENE)))
@@ -122,7 +122,7 @@ def _look_at_scene(
 
 
 def _perches(scene: Scene, airframe: Airframe) -> list[InteractionArea]:
-    """Where the vehicle may perch: places made for the feet of small drones."""
+    """Perching places for the vehicle: those made for the feet of small drones."""
     if airframe.drone_class != "small":
         return []
     return [area for area in scene.interaction_areas if area.kind == "perching"]
@@ -162,7 +162,7 @@ def _judge(
 
 
 def _update_ms(cfg: LandBenchCfg) -> float:
-    """Fusing and judging a frame of level ground 4 m below, on a map of 6 x 6 m."""
+    """Time to fuse and judge a frame of level ground 4 m below, on a map of 6 x 6 m."""
     airframe = airframe_by_name(VEHICLES[0])
     focal = HEIGHT_PX / 2 / math.tan(airframe.cameras[-1].vertical_fov_rad / 2)
     eye, rotation = camera_pose((0.0, 0.0, 4.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), math.pi / 2)

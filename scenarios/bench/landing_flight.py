@@ -1,4 +1,4 @@
-"""Our pilot lands in the whole stack; how well, by the truth."""
+"""Landing of our pilot in the whole stack, judged by the truth."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from scenarios.run.scoring import score_flight
 from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, judge
 
 _ALOFT_M = 0.2
-"""Above where it rests: there it does not touch the surface any more."""
+"""Height above the resting place that is clear of the surface."""
 _BEFORE_S = 0.02
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Landing:
-    """One flight."""
+    """Result of one flight."""
 
     is_success: bool
     reason: str
     touchdown_error_m: float | None
-    """Where it rests against the chosen point, horizontally."""
+    """Horizontal distance of the resting place from the chosen point."""
     touchdown_speed_mps: float
-    """Fastest fall in the 20 ms before it touches."""
+    """Fastest descent in the 20 ms before touching."""
     tilt_at_rest_deg: float
     n_aborts: int
-    """Descents called off."""
+    """Number of aborted descents."""
 
 
 def fly_landing(scene: Scene, cfg: TestbenchCfg) -> Landing:
@@ -69,7 +69,7 @@ def fly_landing(scene: Scene, cfg: TestbenchCfg) -> Landing:
 
 
 def touchdown_speed_mps(history: np.ndarray) -> float:
-    """How fast it fell just before its last touchdown; 0 if it never rose."""
+    """Speed of descent just before the last touchdown; 0 if the vehicle never rose."""
     height_m = history["position_true_enu_m"][:, 2]
     aloft = np.flatnonzero(height_m > height_m[-1] + _ALOFT_M)
     if not aloft.size:

@@ -1,7 +1,7 @@
-"""A landing as the pilot's eyes have it: search, choice and descent, without flying.
+"""Landing as the pilot's camera sees it: search, choice and descent, without flying.
 
-The vehicle is put where it would be, every 0.2 s; its camera renders, with the errors of a depth
-camera; the watch fuses with a pose that errs as the estimator does.
+The vehicle is placed along its path every 0.2 s; its camera renders with the errors of a depth
+camera; the watch fuses with a pose that has the estimator's errors.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ class Wander:
         self.value = sigma * rng.standard_normal(len(sigma))
 
     def step(self) -> None:
-        """Go on by the period of the frames."""
+        """Advance by the period of the frames."""
         fresh = self._sigma * self._rng.standard_normal(len(self._sigma))
         self.value = self._keep * self.value + math.sqrt(1.0 - self._keep**2) * fresh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JudgedSite:
-    """A site and where the vehicle would really come down."""
+    """A site and the place where the vehicle would really land."""
 
     site: LandingSite
     true_enu_m: Float[np.ndarray, " 2"]
@@ -66,7 +66,7 @@ class JudgedSite:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SeenCells:
-    """What the map said of some cells when the first site was chosen, or the search given up."""
+    """Map values of some cells when the first site was chosen or the search was given up."""
 
     true_enu_m: Float[np.ndarray, "n 2"]
     is_safe: Bool[np.ndarray, " n"]
@@ -75,19 +75,19 @@ class SeenCells:
 
 @dataclass(kw_only=True, eq=False)
 class Look:
-    """How it went at one area."""
+    """Result at one area."""
 
     chosen: JudgedSite | None = None
-    """From the hover point, at the first search."""
+    """Choice from the hover point in the first search."""
     committed: JudgedSite | None = None
-    """A metre above it, after the last check; None if the area was given up."""
+    """Site a metre below the vehicle after the last check; None if the area was given up."""
     cells: SeenCells | None = None
     aborts: list[str] = field(default_factory=list)
-    """Why descents were called off."""
+    """Reasons for aborted descents."""
 
 
 class LookRig:
-    """A world with a vehicle to put anywhere and its downward camera."""
+    """World with a movable vehicle and its downward camera."""
 
     def __init__(self, world: World, camera: DepthNoiseCfg | None) -> None:
         self._camera = camera
@@ -101,7 +101,7 @@ class LookRig:
     def frame(
         self, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, rng: np.random.Generator
     ) -> RgbdFrame:
-        """What the camera sees from a pose."""
+        """Camera frame from a given pose."""
         self._data.qpos[:7] = (*position_enu_m, *quat_wxyz)
         frame = self._renderer.render(self._data, CAMERA, 0)
         if self._camera is not None:
@@ -109,7 +109,7 @@ class LookRig:
         return frame
 
     def close(self) -> None:
-        """Free the renderer."""
+        """Release the renderer."""
         self._stack.close()
 
     def __enter__(self) -> Self:
@@ -142,7 +142,7 @@ class Looker:
         self._mount = camera_mount(surroundings.airframe, CAMERA)
 
     def land(self) -> Look:
-        """Search, choose, descend; climb back and search again where the place turns bad."""
+        """Search, choose, descend; climb back and search again if the place turns out bad."""
         look = Look()
         for _ in range(MAX_LOOKS):
             watch = LandingWatch(self._world, self._area, self._hover_enu_m)
@@ -168,7 +168,7 @@ class Looker:
         return None
 
     def _descend(self, watch: LandingWatch, site: LandingSite) -> tuple[LandingSite, str | None]:
-        """The site as it is known from a metre above it, and why it is no good after all."""
+        """The site as known from a metre above, and the reason against it, if any."""
         height_m = self._hover_enu_m[2]
         leg_m = self._world.airframe.leg_length_m
         while height_m > site.position_enu_m[2] + leg_m + COMMIT_HEIGHT_M:
@@ -180,7 +180,7 @@ class Looker:
         return site, None
 
     def _glance(self, watch: LandingWatch, commanded_enu_m: np.ndarray) -> None:
-        """One frame where the vehicle believes to be about there."""
+        """Fuse one frame taken where the vehicle believes it is near the commanded position."""
         for wander in (self._position_error, self._turn_error, self._wobble, self._tilt):
             wander.step()
         believed = commanded_enu_m + self._wobble.value

@@ -1,4 +1,4 @@
-"""Where a vehicle can really stand: vertical rays onto the solids of the physics."""
+"""True landing ground of a vehicle: vertical rays onto the solids of the physics."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ _SPACING_M = 0.03
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrueGround:
-    """What is under a vehicle at some places."""
+    """True ground under a vehicle at several places."""
 
     slope_rad: Float[np.ndarray, " n"]
-    """Of the least-squares plane under the feet."""
+    """Slope of the least-squares plane under the feet."""
     roughness_m: Float[np.ndarray, " n"]
-    """Height range about it."""
+    """Height range about that plane."""
     rise_m: Float[np.ndarray, " n"]
-    """How far anything rises above it under the whole vehicle, overhangs below the rays' beginning
-    included."""
+    """Greatest rise above that plane under the whole vehicle, including overhangs below the start
+    of the rays."""
     is_safe: Bool[np.ndarray, " n"]
 
 
 class ExactGround:
-    """The solids of a world, to be met from above."""
+    """Solids of a world, probed from above."""
 
     def __init__(self, world: World) -> None:
         model, data = world.model, world.new_data()
@@ -47,9 +47,9 @@ class ExactGround:
         """Judge places for a vehicle's centre.
 
         Args:
-            places_enu_m: Seen from above.
-            from_m: Height at which the rays begin.
-            needs: Of the vehicle; its limits are taken as they are.
+            places_enu_m: Horizontal positions.
+            from_m: Height at which the rays start.
+            needs: Needs of the vehicle, without margin.
         """
         offsets = _disc(needs.body_radius_m)
         points = (places_enu_m[:, None] + offsets).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""How long a real `aeroscene-sitl` takes from its launch to its first heartbeat on the network."""
+"""Launch time of a real `aeroscene-sitl`, to its first heartbeat on the network."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _VEHICLE_PORTS = (18570, 14580)
 
 
 class LaunchError(RuntimeError):
-    """A launch that brought no heartbeat."""
+    """The launch yielded no heartbeat."""
 
 
 def seconds_to_first_heartbeat(scene: str, vehicle: str) -> float:
-    """Launch the testbench as a user does, listen as a ground station does.
+    """Launch the testbench as a user does, and listen as a ground station does.
 
     Raises:
-        LaunchError: If no heartbeat comes, or no instance's ports are free.
+        LaunchError: If no heartbeat comes, or no instance has free ports.
     """
     instance = _free_instance()
     command = [sys.executable, "-m", "scenarios.cli.sitl", "--scene", scene, "--vehicle", vehicle]
@@ -57,7 +57,7 @@ def _has_heartbeat(datagram: bytes) -> bool:
 
 
 def _free_instance() -> int:
-    """An instance all of whose ports are free, far from those that people use."""
+    """An instance with all ports free, far from those that people use."""
     for instance in range(99, 9, -1):
         udp = [port + instance for port in (_GCS_PORT, _SDK_PORT, *_VEHICLE_PORTS)]
         tcp = _TCP_PORT + 10 * instance

@@ -1,4 +1,4 @@
-"""`bench generate --scenes`: how good scenes are that are made already, whoever made them."""
+"""`bench generate --scenes`: quality of existing scenes, whoever made them."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from scenarios.bench.row import Row
 from scenarios.bench.soundness import fault
 
 SHIPPED = "shipped"
-"""Names the scenes that come with the package."""
+"""Name of the scenes that come with the package."""
 MOST_CHECKED = 256
-"""Scenes looked at for soundness, a quarter of a second each; evenly chosen where there are more,
-since every one of a dataset was validated when it was made."""
+"""Most scenes checked for soundness, at a quarter of a second each; evenly chosen if there are
+more, since every scene of a dataset was validated when it was made."""
 
 OnProgress = Callable[[str, float], None]
 
 
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Judge finished scenes: what `bench generate` says of scenes after feasibility.
+    """Judge finished scenes by the figures that `bench generate` gives after feasibility.
 
     Args:
-        cfg: Which scenes.
+        cfg: Scenes to judge.
         on_progress: Called with a title and the share done.
 
     Raises:
@@ -67,7 +67,7 @@ def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
 
 
 def _readers(name: str) -> list[Callable[[], Scene]]:
-    """What reads each scene, in order."""
+    """Readers of all scenes, in order."""
     if name == SHIPPED:
         shipped = open_shipped()
         return [lambda entry=entry: shipped.read(entry) for entry in shipped.entries]

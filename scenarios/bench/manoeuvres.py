@@ -23,11 +23,11 @@ _ROOM_EAST_M = 18.0
 _CRUISE_MPS = 1.5
 
 Path = Callable[[float], Setpoint]
-"""Setpoint by the time since the end of the take-off, s."""
+"""Setpoint by the time in s since the end of the take-off."""
 
 
 def meadow(*, has_room: bool, start_enu_m: Vector3 = (0.0, 0.0, 0.0)) -> Scene:
-    """Level ground without anything, or with one room 10 m east of its middle."""
+    """Level, empty ground, optionally with one room 10 m east of its middle."""
     scene_id = "meadow"
     box = OrientedBox(p=(_ROOM_EAST_M, 0.0, _ROOM_M[2] / 2), q=(1.0, 0.0, 0.0, 0.0), s=_ROOM_M)
     room = SceneObject(
@@ -54,14 +54,14 @@ def meadow(*, has_room: bool, start_enu_m: Vector3 = (0.0, 0.0, 0.0)) -> Scene:
 
 
 def curves(rng: np.random.Generator) -> Path:
-    """A Lissajous figure up to 6 m/s and 5 m/s^2 about the start, nose swinging."""
+    """Lissajous figure of up to 6 m/s and 5 m/s^2 around the start, with a swinging nose."""
     reach = rng.uniform((5.0, 4.0, 0.5), (9.0, 8.0, 1.2))
     pace = rng.uniform((0.35, 0.35, 0.3), (0.6, 0.6, 0.8))
     swing = rng.uniform(0.3, 1.2)
     yaw = rng.uniform(-math.pi, math.pi)
 
     def setpoint(time_s: float) -> Setpoint:
-        # phase s with s' rising from 0 to 1 over the ramp
+        # Phase s with s' rising from 0 to 1 over the ramp.
         is_ramp = time_s < _RAMP_S
         s = 0.5 * time_s**2 / _RAMP_S if is_ramp else time_s - 0.5 * _RAMP_S
         ds, dds = (time_s / _RAMP_S, 1.0 / _RAMP_S) if is_ramp else (1.0, 0.0)
@@ -81,7 +81,7 @@ def curves(rng: np.random.Generator) -> Path:
 
 
 def visit(rng: np.random.Generator) -> Path:
-    """Into the room of `meadow`, round inside it, and out again."""
+    """Visit to the room of `meadow`: in, around and out again."""
     corners = np.array(
         [(0, 0), (12, 0), (23, 3), (23, -3), (13, -3), (13, 3), (22, 0), (8, 0), (0, 0)],
         dtype=float,
@@ -101,8 +101,8 @@ def fly(plant: Plant, path: Path, seconds: float, on_advance: Callable[[float], 
     """Rest, take off, then follow a path; `on_advance` gets the time since the take-off.
 
     Args:
-        plant: At rest at its start.
-        path: What to fly.
+        plant: Plant at rest at its start.
+        path: Path to fly.
         seconds: Length of the path, s.
         on_advance: Called every 20 ms of the path.
     """

@@ -1,4 +1,4 @@
-"""`bench plan`: what the planner solves, how fast, and how good its plans are.
+"""`bench plan`: share of problems that the planner solves, its speed and the quality of its plans.
 
 Times are CPU times of the process, kernels compiled and programs built.
 """
@@ -42,14 +42,14 @@ MOST_ABOVE_OPTIMUM = 1.0
 N_PIECES = 8
 _CHECK_STEP_S = 0.004
 _TOLERANCE = 0.011
-"""What the certificate grants a limit, and rounding."""
+"""Tolerance that the certificate grants on a limit, plus rounding."""
 
 OnProgress = Callable[[str, float], None]
 
 
 @dataclass(kw_only=True, slots=True)
 class _Tally:
-    """What was found so far."""
+    """Results so far."""
 
     n_pairs: int = 0
     n_sound: int = 0
@@ -67,16 +67,16 @@ class _Tally:
 
 
 def rows(cfg: PlanBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Plan missions and pairs in scenes, replan some of them, compare with others.
+    """Plan missions and pairs in scenes, replan some and compare with other planners.
 
     Args:
-        cfg: How many.
+        cfg: Number of scenes, pairs and comparisons.
         on_progress: Called before each scene with a title and the share done.
     """
     airframe = airframe_by_name(cfg.vehicle)
     tally = _Tally()
     numbers = scene_numbers(cfg.scenes)
-    # What is compiled and built once belongs to none.
+    # One-time compilation and building must count for no scene.
     plan_mission(open_scene(str(numbers[0])), airframe)
     prepare()
     for index, number in enumerate(numbers):
@@ -127,7 +127,7 @@ def _measure_scene(
 
 
 def is_sound(world: Surroundings, plan: Trajectory) -> bool:
-    """Whether dense samples, apart from the certificate's, touch nothing and keep the limits."""
+    """Whether dense samples, independent of the certificate, touch nothing and keep the limits."""
     times = np.arange(0.0, plan.duration_s, _CHECK_STEP_S)
     velocity, acceleration, jerk = (plan.derivatives(times, order) for order in (1, 2, 3))
     limits, quadrotor = world.limits, world.airframe.quadrotor
@@ -147,7 +147,7 @@ def is_sound(world: Surroundings, plan: Trajectory) -> bool:
 
 
 def cost_s(plan: Trajectory) -> float:
-    """What the optimiser minimises: time and weighted squared jerk."""
+    """Cost that the optimiser minimises: time plus weighted squared jerk."""
     jerk = float(np.sum(squared_jerk(plan.coefficients, plan.durations_s)))
     return jerk / JERK_WEIGHT_M2PS5 + plan.duration_s
 
@@ -171,7 +171,7 @@ def _try_primitives(
 
 
 def _replan_ms(world: Surroundings, plan: Trajectory) -> list[float]:
-    """CPU times of replanning all of a plan of eight pieces, a few moments after its beginning."""
+    """CPU times of replanning a whole plan of eight pieces from shortly after its start."""
     cfg = replace(world.planner, min_pieces=N_PIECES)
     plan = _again(world, plan, cfg)
     if len(plan.durations_s) != N_PIECES:
@@ -186,7 +186,7 @@ def _replan_ms(world: Surroundings, plan: Trajectory) -> list[float]:
 
 
 def _again(world: Surroundings, plan: Trajectory, cfg: PlannerCfg) -> Trajectory:
-    """A plan between the same places."""
+    """A new plan between the same places."""
     start, goal = (plan.sample(t).position_enu_m for t in (0.0, plan.duration_s))
     return plan_trajectory(
         FlatReference(position_enu_m=start),
@@ -200,7 +200,7 @@ def _again(world: Surroundings, plan: Trajectory, cfg: PlannerCfg) -> Trajectory
 
 
 def _above_optimum(world: Surroundings, plan: Trajectory) -> list[float]:
-    """By how many per cent a plan costs more than the joint optimum, if that is found."""
+    """Percentage by which a plan costs more than the joint optimum, if that is found."""
     start, goal = (plan.sample(t).position_enu_m for t in (0.0, plan.duration_s))
     assert plan.corridor is not None
     best = joint_optimum(

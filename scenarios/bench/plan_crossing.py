@@ -1,4 +1,4 @@
-"""Somebody walks across a plan that is being flown: a trial of replanning and braking, by seed."""
+"""Crossing traffic on a plan that is being flown: a trial of replanning and braking, by seed."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ _STEP_S = 0.02
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Crossing:
-    """How a flight past somebody who walks across the plan went."""
+    """Result of a flight past someone who walks across the plan."""
 
     is_avoided: bool
     has_braked: bool
-    """Stopped or stepped aside, as no way past could be proved."""
+    """Stopped or stepped aside, because no way past could be certified."""
     has_gone_on: bool
-    """In the end the vehicle is on a plan to its goal, or there."""
+    """The vehicle ends at its goal, or on a plan to it."""
     replans_ms: tuple[float, ...]
 
 
 def fly_past_a_crossing(
     world: Surroundings, plan: Trajectory, rng: np.random.Generator
 ) -> Crossing | None:
-    """Follow a plan exactly, as the pilot does, while somebody crosses it.
+    """Follow a plan exactly, as the pilot does, while a walker crosses it.
 
-    Somebody is an upright capsule that moves at .5 to 3 m/s on a straight line, through walls too,
-    through a point of the plan, and is there when the vehicle would be, 2 to 4 s after the
-    beginning. Five times a second somebody is seen, from the beginning on, with errors of .1 m and
-    .2 m/s, and where the plan leads nearer than .3 m, another takes over .1 s later; where none is
-    found the vehicle stops or steps aside, and tries to go on with each look.
+    The walker is an upright capsule that moves at 0.5 to 3 m/s on a straight line, even through
+    walls, and meets the vehicle at a point of the plan 2 to 4 s after the start. It is seen five
+    times a second from the start on, with errors of 0.1 m and 0.2 m/s. Where the plan leads nearer
+    than 0.3 m, a new one takes over 0.1 s later; without one the vehicle stops or steps aside, and
+    tries to continue with each sighting.
 
-    None where the plan is too short for that, or somebody would begin within .6 m of the vehicle.
+    None if the plan is too short for that, or the walker would start within 0.6 m of the vehicle.
     """
     at_s = rng.uniform(2.0, 4.0)
     speed, heading = rng.uniform(0.5, _MOST_SPEED_MPS), rng.uniform(-math.pi, math.pi)
@@ -81,7 +81,7 @@ def fly_past_a_crossing(
 
 
 class _Flight:
-    """The plan in use, and the way to the goal where that is a stop."""
+    """The present plan, and the way to the goal if that plan is a stop."""
 
     def __init__(self, world: Surroundings, plan: Trajectory) -> None:
         self._world, self._plan, self._since_s = world, plan, 0.0
@@ -90,11 +90,11 @@ class _Flight:
         self.replans_ms: list[float] = []
 
     def positions(self, times_s: np.ndarray) -> np.ndarray:
-        """Where the vehicle is."""
+        """Positions of the vehicle."""
         return self._plan.positions(times_s - self._since_s)
 
     def look(self, then_s: float, seen: MovingObstacles) -> None:
-        """Change the plan from a time on, if need be."""
+        """Change the plan from a given time on, if necessary."""
         at_s = then_s - self._since_s
         if not self.is_holding and not self._meets(at_s, seen, _MARGIN_M):
             return
@@ -118,7 +118,7 @@ class _Flight:
         return self._world.replan(self._way, self._way_at_s, moving=seen, start=start)
 
     def _stop(self, at_s: float, seen: MovingObstacles) -> Trajectory | None:
-        """A stop, None to keep on: the present one will do, or none can be proved."""
+        """A stop; None if the present one suffices, or none can be certified."""
         world = self._world
         if self.is_holding and not self._meets(at_s, seen, world.planner.min_margin_m):
             return None
@@ -128,7 +128,7 @@ class _Flight:
             return None
 
     def _meets(self, at_s: float, seen: MovingObstacles, margin_m: float) -> bool:
-        """Whether the plan in use leads nearer than a margin to what is seen."""
+        """Whether the present plan comes nearer than a margin to what is seen."""
         t = np.arange(0.0, seen.horizon_s, 0.05)
         distance = seen.distances(self._plan.positions(at_s + t), t)[0]
         return bool(distance.min() < self._world.radius_m + margin_m)

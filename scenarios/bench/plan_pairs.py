@@ -1,4 +1,4 @@
-"""Starts and goals in the free space of scenes, by seed."""
+"""Random starts and goals in the free space of scenes."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ _CLOSE_M = 1.5
 
 
 def scene_numbers(count: int) -> list[int]:
-    """Shipped scenes, evenly spread, the first and the last among them."""
+    """Shipped scenes, evenly spread, including the first and the last."""
     return np.linspace(0, SHIPPED_SCENES - 1, count).round().astype(int).tolist()
 
 
 def draw_pairs(
     world: Surroundings, count: int, rng: np.random.Generator
 ) -> list[tuple[Vector3, Vector3]]:
-    """Starts and goals that cells of free space join, 10 m apart where the scene allows.
+    """Starts and goals connected by free space, 10 m apart where the scene allows.
 
-    One end in two lies within 1.5 m of something.
+    Every second end lies within 1.5 m of an obstacle.
     """
     needed_m = world.radius_m + world.planner.min_margin_m
     field = world.field
@@ -57,7 +57,7 @@ def draw_pairs(
 def _point(
     world: Surroundings, cells: np.ndarray, is_close: np.ndarray, rng: np.random.Generator
 ) -> Vector3 | None:
-    """A point of a free cell; None where the obstacles themselves leave too little room."""
+    """Random point of a free cell; None if the obstacles themselves leave too little room."""
     among = cells[is_close] if rng.random() < 0.5 and is_close.any() else cells
     point = world.field.centres(among[rng.integers(len(among))])
     point = point + rng.uniform(-0.4, 0.4, 3) * world.field.resolution_m

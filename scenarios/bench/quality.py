@@ -1,4 +1,4 @@
-"""How good generated scenes are: rows from scenes alone, whoever made them."""
+"""Quality of generated scenes: rows computed from scenes alone, whoever made them."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ MOST_MEDIAN_M = 0.5
 MOST_DROPPED = 1.0
 MOST_DEVIATION = 10.0
 LEAST_DISTANCE_SHARE = 0.9
-"""Of the test split's median distance from training."""
+"""Least share of the test split's median distance from training."""
 RAW, FEASIBLE, TEST, TRAIN = "before", "after", "test split", "training split"
-"""The groups: before and after feasibility, and the corpus."""
+"""Groups of scenes: before and after feasibility, and the corpus."""
 
 _BY_SCENE = (
     "collision_rate",
@@ -38,7 +38,7 @@ _BY_SCENE = (
     "plausibility",
     "plausibility_place",
 )
-"""Figures whose ground truth is the test split."""
+"""Figures whose reference is the test split."""
 _OF_SETS = (
     "category_kl",
     "cooccurrence_kl",
@@ -47,7 +47,7 @@ _OF_SETS = (
     "coverage",
     "classifier_accuracy",
 )
-"""Figures against the test split; their ground truth are as many scenes of the training split."""
+"""Figures against the test split; their reference is as many scenes of the training split."""
 _OF_COPIES = (
     "training_distance",
     "least_training_distance",
@@ -64,19 +64,19 @@ class Drawn:
     """One draw of the generator."""
 
     raw: Scene
-    """As sampled."""
+    """Scene as sampled."""
     projected: Scene
-    """After feasibility."""
+    """Scene after feasibility."""
     is_rejected: bool
 
 
 def validity_rows(scenes: Sequence[Scene], where: str, target: float | None) -> Iterator[Row]:
-    """Objects that are free of others and rightly supported.
+    """Share of objects that are free of others and supported as required.
 
     Args:
         scenes: Raw scenes, or real ones.
-        where: What they are, for the titles.
-        target: Least share of objects in percent that should be both.
+        where: Name of the scenes, for the titles.
+        target: Least percentage of objects that should be both.
     """
     verdicts = [validity(scene) for scene in scenes]
     for what, shares, least in (
@@ -89,11 +89,11 @@ def validity_rows(scenes: Sequence[Scene], where: str, target: float | None) -> 
 
 
 def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> Iterator[Row]:
-    """What the projection made of the draws, rejected ones included, and at what cost.
+    """Results and cost of the projection for all draws, including rejected ones.
 
     Args:
         draws: All draws.
-        on_scene: Called after each is checked.
+        on_scene: Called after each check.
     """
     n_sound = 0
     for draw in draws:
@@ -117,7 +117,7 @@ def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> 
 
 
 def comparison(figures: Mapping[str, Figures]) -> Iterator[Row]:
-    """Every figure before and after feasibility beside the corpus's own.
+    """Compare every figure before and after feasibility with the corpus's own.
 
     Args:
         figures: Of `RAW` where it is known what scenes were, of `FEASIBLE` where enough scenes were
@@ -155,7 +155,7 @@ def _compared(row: ComparisonRow, group: str, target: float | None) -> Row:
 
 
 def statistics_rows(scenes: Sequence[Scene]) -> Iterator[Row]:
-    """Averages beside those of the paper's table, and how far off they are."""
+    """Averages beside those of the paper's table, with their difference."""
     summaries = [summarise(scene, index) for index, scene in enumerate(scenes)]
     categories = {i: {obj.category for obj in scene.objects} for i, scene in enumerate(scenes)}
     for row in paper_table(summaries, categories):

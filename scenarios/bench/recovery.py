@@ -1,4 +1,4 @@
-"""Recovery: the vehicle is let go in the air at any attitude and rate and told to stand still."""
+"""Recovery: a vehicle released in the air at any attitude and rate must come to a standstill."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.world import World
 
 HEIGHT_M = 150.0
-"""Where it is let go."""
+"""Height of release."""
 TRIAL_S = 8.0
 _MAX_SPEED_MPS = 5.0
 _MAX_RATE_RADPS = 15.0
-"""Of roll and pitch together."""
+"""Greatest rate of roll and pitch together."""
 _MAX_YAW_RATE_RADPS = 5.0
 _UPRIGHT_RAD = math.radians(30.0)
 _AT_REST_RAD = math.radians(5.0)
@@ -28,12 +28,12 @@ STAND_STILL = Setpoint(level=ControlLevel.TRAJECTORY, velocity_enu_mps=(0.0, 0.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Recovery:
-    """How one trial went."""
+    """Result of one trial."""
 
     is_recovered: bool
-    """It stood still, level, in the air, at the end."""
+    """Whether it stood still, level and in the air at the end."""
     upright_s: float
-    """From when on it was not tilted by more than 30 degrees again."""
+    """Time after which the tilt stayed below 30 degrees."""
     height_lost_m: float
     start_tilt_rad: float
 
@@ -41,16 +41,16 @@ class Recovery:
 def recover(
     world: World, seed: int, rng: np.random.Generator, order: Setpoint = STAND_STILL
 ) -> Recovery:
-    """Let a vehicle go, its rotors at idle, and see.
+    """Release a vehicle with idling rotors and observe it.
 
-    The attitude is uniform over all rotations, velocity and roll and pitch rate uniform in their
-    ball and disc, the yaw rate uniform up to what half a second of yaw torque makes.
+    The attitude is uniform over all rotations, velocity and roll and pitch rate are uniform in
+    their ball and disc, the yaw rate is uniform up to what half a second of yaw torque produces.
 
     Args:
-        world: Nothing in it but a vehicle.
-        seed: Of the plant.
-        rng: Of the throw.
-        order: What the vehicle is told to do.
+        world: World with nothing but a vehicle.
+        seed: Seed of the plant.
+        rng: Source of the initial state.
+        order: Setpoint of the vehicle.
     """
     plant = Plant(world, PlantCfg(seed=seed, state="truth"))
     _throw(plant, rng)

@@ -1,4 +1,4 @@
-"""What generated scenes stand beside: a corpus in a folder, and its splits' own figures."""
+"""Reference for generated scenes: a corpus in a folder, and the figures of its splits."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from scenarios.bench.quality import TEST, TRAIN
 
 @dataclass(frozen=True, slots=True)
 class Splits:
-    """Real scenes."""
+    """Real scenes of both splits."""
 
     train: Sequence[Scene]
     test: Sequence[Scene]
@@ -29,7 +29,7 @@ class Splits:
 
 
 def open_corpus(folder: Path) -> Dataset:
-    """The scenes to compare with, looked at before the minutes of work.
+    """Open the scenes to compare with, checked before the minutes of work.
 
     Raises:
         DatasetError: If the folder holds no dataset, or too few scenes of a split.
@@ -54,11 +54,11 @@ def group_figures(
     """Every figure of groups of scenes, of the test split and of a part of the training split.
 
     Args:
-        groups: Scenes by the name of their group; one of fewer than `N_FOLDS` is left out.
-        real: What they are judged by.
-        seed: Of bootstraps, folds and the choice of as many training scenes as the largest group
-            has.
-        on_group: Called before each group with its name and the share that is done.
+        groups: Scenes by group name; groups of fewer than `N_FOLDS` are left out.
+        real: Reference scenes.
+        seed: Seed of bootstraps, folds and the choice of as many training scenes as the largest
+            group has.
+        on_group: Called before each group with its name and the share done.
     """
     rng = np.random.default_rng(seed)
     on_group("what the corpus is like", 0.0)

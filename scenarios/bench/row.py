@@ -1,4 +1,4 @@
-"""What a benchmark prints."""
+"""Row of a benchmark's output."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ class Row:
     value: float
     unit: str
     target: float | None = None
-    """What it should be; None where nothing was promised."""
+    """Target value; None if there is none."""
     better: Literal["higher", "lower"] = "higher"
 
     @property
     def is_met(self) -> bool:
-        """Whether the figure is as good as its target, or has none."""
+        """Whether the figure meets its target, or has none."""
         if self.target is None:
             return True
         return self.value >= self.target if self.better == "higher" else self.value <= self.target
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """The row as plain data."""
         return asdict(self)

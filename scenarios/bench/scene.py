@@ -1,6 +1,6 @@
-"""`bench scene`: what a scene costs to make, to compile, to step and to look at.
+"""`bench scene`: cost of making, compiling, stepping and rendering a scene.
 
-Times are CPU times of the process, all of its threads included: what one core alone would take.
+Times are CPU times of the process with all its threads: what one core alone would take.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from scenarios.bench.configs import SceneBenchCfg
 from scenarios.bench.row import Row
 
 MOST_CURATION_S = 1.0
-"""Mean; two cores then make 1,016 scenes in under ten minutes."""
+"""Mean time limit; two cores then make 1,016 scenes in under ten minutes."""
 MOST_COMPILE_MS = 300.0
 MOST_STEP_US = 10.0
 LEAST_FRAMES_PER_S = 50.0
 
 _N_PLACES = 6
 _HEIGHT_M = 1.2
-"""Above landing areas, which are known to be free so far up."""
+"""Height above landing areas that is known to be free."""
 _N_STEPS = 1_500
 _N_TRIES = 2
 _SIZE_PX = (320, 240)
@@ -43,7 +43,7 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Cost:
-    """What one scene cost."""
+    """Cost of one scene."""
 
     curation_s: float
     compile_ms: float
@@ -54,14 +54,14 @@ class _Cost:
 
 
 def rows(cfg: SceneBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
-    """Measure scenes spread over the corpus, as many of each domain.
+    """Measure scenes spread evenly over the corpus and its domains.
 
     Args:
-        cfg: How many.
+        cfg: Number of scenes.
         on_progress: Called before each scene with a title and the share done.
     """
     costs: list[_Cost] = []
-    # What is loaded or painted once for all scenes belongs to none of them.
+    # One-time loading and painting must count for no scene.
     _measure(0)
     for number in range(cfg.count):
         on_progress(f"scene {number + 1} of {cfg.count}", number / cfg.count)
@@ -70,7 +70,7 @@ def rows(cfg: SceneBenchCfg, on_progress: Callable[[str, float], None]) -> Itera
 
 
 def scene_index(number: int, count: int) -> int:
-    """Corpus scene of the sample: evenly spread, the domains in turn."""
+    """Corpus number of a sampled scene: evenly spread, the domains in turn."""
     base = number * (CORPUS_SIZE - 2) // count
     return base + (number - base) % 3
 
@@ -103,7 +103,7 @@ def _timed(work: Callable[[], _T], tries: int = _N_TRIES) -> tuple[float, _T]:
 
 
 def _places(scene: Scene) -> np.ndarray:
-    """(n, 7) poses in the air, over areas spread through the list, headings all round."""
+    """(n, 7) poses in the air, above areas spread through the list, with all headings."""
     areas = scene.landing_areas
     chosen = [areas[i * len(areas) // _N_PLACES] for i in range(_N_PLACES)] if areas else []
     positions = [area.centroid for area in chosen] or [scene.start_position_enu_m]
@@ -117,7 +117,7 @@ def _places(scene: Scene) -> np.ndarray:
 
 
 def _step_us(world: World, places: np.ndarray) -> float:
-    """MuJoCo's step with the vehicle in the air, carried by a force."""
+    """Time of MuJoCo's step with the vehicle in the air, carried by a force."""
     model, data = world.model, world.new_data()
     weight_n = model.body_subtreemass[world.vehicle_body_id] * np.linalg.norm(model.opt.gravity)
     steps_us = []
@@ -132,7 +132,7 @@ def _step_us(world: World, places: np.ndarray) -> float:
 
 
 def _frames_per_s(world: World, places: np.ndarray) -> float:
-    """Colour and depth from the forward camera."""
+    """Frame rate of colour and depth from the forward camera."""
     data = world.new_data()
     with closing(open_camera_renderer(world, *_SIZE_PX)) as renderer:
         renderer.render(data, _CAMERA, 0)
@@ -178,7 +178,7 @@ def _spread(
     p95_target: float | None,
     better: Literal["higher", "lower"] = "lower",
 ) -> Iterator[Row]:
-    """The median scene, and the one that is better than the worst twentieth."""
+    """Rows of the median scene and of the 95th percentile."""
     tail = 0.95 if better == "lower" else 0.05
     for name, share, target in (("median", 0.5, median_target), ("p95", tail, p95_target)):
         yield Row(

@@ -32,14 +32,14 @@ from scenarios.bench.row import Row
 
 TICK_US = 20_000
 LEAST_SPEED = 30.0
-"""Simulated seconds per CPU second that the whole stack without cameras should reach."""
+"""Target in simulated seconds per CPU second for the whole stack without cameras."""
 LONGEST_LAUNCH_S = 3.0
 CAMERA_HZ = 10
 _CAMERA_SHARE = 0.2
-"""Of the benchmark's length: flights with cameras take long."""
+"""Share of the benchmark's length for flights with cameras, which take long."""
 _READY_S = 30.0
 _CLEARANCE_M = 5.0
-"""Above everything, so that nothing is in the way."""
+"""Height above everything, where nothing is in the way."""
 _CLIMB_S = 30.0
 _CLIMB_M = 10.0
 _LEG_S = 5.0
@@ -50,13 +50,13 @@ _SPEED_UNIT = "simulated s / CPU s"
 
 @dataclass(frozen=True, slots=True)
 class _Flight:
-    """What a flight cost."""
+    """Cost of a flight."""
 
     sim_s: float
     cpu_s: float
     wall_s: float
     shares_us: dict[str, float]
-    """Wall time of a tick by part."""
+    """Wall time of each part per tick."""
     n_messages: int
 
 
@@ -64,7 +64,7 @@ def rows(cfg: SimBenchCfg, on_progress: Callable[[str, float], None]) -> Iterato
     """Run every part of the benchmark.
 
     Args:
-        cfg: What to fly.
+        cfg: Flights to make.
         on_progress: Called before each part with its title and the share done.
 
     Raises:
@@ -196,7 +196,7 @@ def _fly_square(bench: Testbench, seconds: float) -> None:
 
 
 def _plant_alone(world: World, seconds: float) -> Row:
-    """Physics, sensors, estimator and controller, hovering."""
+    """Speed of physics, sensors, estimator and controller, hovering."""
     plant = Plant(world, PlantCfg(seed=0))
     east, north, up = plant.truth.position_enu_m
     for _ in range(100):
@@ -218,7 +218,7 @@ def _plant_alone(world: World, seconds: float) -> Row:
 
 
 def _physics_alone(world: World) -> Row:
-    """MuJoCo's step with the vehicle in the air, carried by a force."""
+    """Speed of MuJoCo's step with the vehicle in the air, carried by a force."""
     model, data = world.model, world.new_data()
     data.qpos[2] += _CLIMB_M
     weight_n = model.body_subtreemass[world.vehicle_body_id] * np.linalg.norm(model.opt.gravity)
@@ -231,7 +231,7 @@ def _physics_alone(world: World) -> Row:
 
 
 def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
-    """The whole stack with a recording, and with both cameras in it."""
+    """Speed of the whole stack with a recording, optionally with both cameras in it."""
     seconds = cfg.seconds * (_CAMERA_SHARE if camera_hz else 1.0)
     flight = _fly(cfg, scene, seconds, lambda bench, stack: _equip(bench, stack, camera_hz))
     suffix = f" and both cameras at {camera_hz} Hz" if camera_hz else ""
@@ -243,7 +243,7 @@ def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
 
 
 def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Observer]:
-    """What records a run to a file that is thrown away."""
+    """Observers that record a run to a temporary file."""
     from scenarios.recording import Recorder, RunInfo  # noqa: PLC0415 - half a second
 
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="aeroscene-")))

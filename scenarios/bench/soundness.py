@@ -1,4 +1,4 @@
-"""Whether a scene can be flown: it compiles, keeps its promises, and has where to land."""
+"""Soundness of a scene: it compiles, keeps its promises and has a place to land."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _VEHICLE = "iris"
 
 
 def fault(scene: Scene) -> str | None:
-    """Why a scene cannot be flown, in one line; None where it can.
+    """Reason why a scene cannot be flown, in one line; None if it can.
 
-    No forbidden overlap, everything stands on something and lies in the flight volume, the start is
-    free, every landing area can be reached and is what it claims, and there is one at least.
+    It has no forbidden overlap, everything is supported and lies in the flight volume, the start is
+    free, every landing area can be reached and is as stated, and there is at least one.
     """
     if not scene.landing_areas:
         return f"scene {scene.scene_id!r} has no landing area, valid: one at least"
@@ -24,6 +24,6 @@ def fault(scene: Scene) -> str | None:
     try:
         build_world(scene, airframe_by_name(_VEHICLE))
     except ValueError as error:
-        # MuJoCo's compiler names what it does not take.
+        # MuJoCo's compiler says what it refuses.
         return f"scene {scene.scene_id!r} does not compile ({error})"
     return None

@@ -1,1 +1,1 @@
-"""Work on the whole corpus: building, counting, checking, looking at it, on every core."""
+"""Parallel work on the whole corpus: building, counting, checking and viewing."""

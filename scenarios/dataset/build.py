@@ -1,4 +1,4 @@
-"""Builds a dataset into a folder, goes on where an earlier build stopped."""
+"""Builds a dataset in a folder, continuing an interrupted build."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ from scenarios.dataset.pool import run_all
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BuildPlan:
-    """What a build finds in its folder and what is left to do."""
+    """Content of a build's folder, and the work left to do."""
 
     folder: Path
     make: Callable[[int], SceneEntry]
     """Makes a scene by its number, in any process."""
     kept: tuple[SceneEntry, ...]
-    """Scenes that are there already, or that were not asked for."""
+    """Existing scenes, and scenes that were not requested."""
     to_make: tuple[int, ...]
     """Numbers of the scenes to make."""
     outdated: tuple[int, ...]
-    """Scenes that were asked for and are there, but were made by other sources."""
+    """Requested scenes that exist but were made by other sources."""
     foreign: tuple[int, ...]
-    """Scenes that stay, not asked for, made by other sources."""
+    """Kept scenes, not requested, that were made by other sources."""
 
 
 def plan_build(folder: Path, indices: Sequence[int]) -> BuildPlan:
-    """Look at what is there of the corpus.
+    """Plan the build of the corpus in a folder.
 
     Raises:
         DatasetError: If the folder's manifest cannot be read.
@@ -54,13 +54,13 @@ def plan_build(folder: Path, indices: Sequence[int]) -> BuildPlan:
 def plan_folder(
     folder: Path, indices: Sequence[int], make: Callable[[int], SceneEntry], sources: str
 ) -> BuildPlan:
-    """Look at what is there of a dataset.
+    """Plan the build of a dataset in a folder.
 
     Args:
-        folder: Where it is, or will be.
-        indices: Numbers of the scenes that are wanted.
-        make: Makes one of them and writes its file.
-        sources: Digest of what it is made by; scenes with another one are made again.
+        folder: Folder of the dataset, existing or not.
+        indices: Numbers of the requested scenes.
+        make: Makes one scene and writes its file.
+        sources: Digest of the sources; scenes with another digest are made again.
 
     Raises:
         DatasetError: If the folder's manifest cannot be read.
@@ -80,20 +80,20 @@ def plan_folder(
 
 
 def build(plan: BuildPlan, jobs: int, on_scene: Callable[[SceneEntry], None]) -> int:
-    """Make what the plan says; however it ends, the folder holds what is finished.
+    """Execute a plan; however it ends, the folder holds what is finished.
 
     Args:
-        plan: From `plan_build`.
-        jobs: Processes.
-        on_scene: Told of each scene when it is finished.
+        plan: Plan from `plan_build`.
+        jobs: Number of processes.
+        on_scene: Called with each finished scene.
 
     Returns:
-        Size of the scenes' files that the manifest lists, bytes.
+        Total size of the scenes' files in the manifest, bytes.
 
     Raises:
-        DatasetError: If another build is at work in the folder.
+        DatasetError: If another build is running in the folder.
         OSError: If a file cannot be written.
-        WorkerDiedError: If a process was ended from outside.
+        WorkerDiedError: If a process was killed.
     """
     folder = plan.folder
     (folder / SCENES).mkdir(parents=True, exist_ok=True)
@@ -115,7 +115,7 @@ def build(plan: BuildPlan, jobs: int, on_scene: Callable[[SceneEntry], None]) ->
 
 @contextmanager
 def _journal(folder: Path) -> Iterator[BinaryIO]:
-    """The journal to append to, ours alone."""
+    """Open the journal for appending, with an exclusive lock."""
     with (folder / JOURNAL).open("ab") as journal:
         try:
             fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -125,12 +125,12 @@ def _journal(folder: Path) -> Iterator[BinaryIO]:
                 "valid: wait for its end, or another folder"
             ) from None
         _remove_unfinished(folder)
-        # The last line of a build that was killed may be cut short.
+        # The last line of a killed build may be incomplete.
         journal.write(b"\n" if journal.tell() else b"")
         yield journal
 
 
 def _remove_unfinished(folder: Path) -> None:
-    """Remove what a process that was killed was writing."""
+    """Remove the unfinished files of a killed process."""
     for path in (folder / SCENES).glob(".*.json.gz.*"):
         path.unlink(missing_ok=True)

@@ -1,6 +1,6 @@
-"""Drops: a vehicle without power falls on landing areas of a dataset; does it come to rest there?
+"""Drop test: does a vehicle without power come to rest on the landing areas of a dataset?
 
-This asks the physics what `validate` asks the geometry. An Iris, rotors off, falls from 0.3 m above
+`validate` asks the geometry, this asks the physics. An Iris, rotors off, falls from 0.3 m above
 an area's centroid, turned by a random yaw. At rest it must stand over the area's polygon, at its
 height, and no steeper than the area's slope and two degrees.
 """
@@ -27,23 +27,23 @@ if TYPE_CHECKING:
 VEHICLE = "iris"
 TILT_MARGIN_RAD = math.radians(2.0)
 HEIGHT_TOLERANCE_M = 0.05
-"""Of the soles above the area's plane: legs that give, surfaces that are not quite flat."""
+"""Tolerance of the soles above the area's plane: legs give, and surfaces are not quite flat."""
 LEAST_SHARE = 0.99
-"""Of the drops that must come to rest on their areas."""
+"""Share of the drops that must come to rest on their areas."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drop:
-    """One fall on one area, judged."""
+    """Judged result of one fall on one area."""
 
     scene_id: str
     area_id: int
     drone_class: str
     faults: tuple[str, ...]
-    """What is wrong with how it ended, in words; nothing if it stands as it should."""
+    """Faults of the final position, in words; empty if there are none."""
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """The drop as plain data."""
         return {
             "scene": self.scene_id,
             "area": self.area_id,
@@ -54,22 +54,22 @@ class Drop:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DropReport:
-    """How all of them ended."""
+    """Results of all drops."""
 
     drops: tuple[Drop, ...]
 
     @property
     def failed(self) -> tuple[Drop, ...]:
-        """Those that did not come to rest on their areas."""
+        """Drops that did not come to rest on their areas."""
         return tuple(drop for drop in self.drops if drop.faults)
 
     @property
     def share(self) -> float:
-        """Of those that did; 1 where nothing was dropped."""
+        """Share of the drops that did; 1 without drops."""
         return 1.0 - len(self.failed) / max(len(self.drops), 1)
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """The report as plain data."""
         return {
             "count": len(self.drops),
             "share": self.share,
@@ -84,20 +84,20 @@ class _Task(Generic[Entry]):
 
     entry: Entry
     drops: tuple[tuple[int, float], ...]
-    """Place in the scene's list of landing areas, and yaw in rad, of each."""
+    """Index of the landing area and yaw in rad of each drop."""
 
 
 def drop_all(
     dataset: SceneSet[Entry], count: int, seed: int, jobs: int, on_drops: Callable[[int], None]
 ) -> DropReport:
-    """Drop a vehicle on landing areas of all scenes, each area as likely as any other.
+    """Drop a vehicle on landing areas of all scenes, with equal probability for each area.
 
     Args:
-        dataset: The scenes.
-        count: Drops; fewer where there are fewer areas.
-        seed: Decides areas and yaws.
-        jobs: Processes.
-        on_drops: Told after each scene how many drops were made in it.
+        dataset: Scenes to test.
+        count: Number of drops; fewer if there are fewer areas.
+        seed: Seed of the areas and yaws.
+        jobs: Number of processes.
+        on_drops: Called after each scene with its number of drops.
 
     Raises:
         SceneError: If a scene cannot be read, or the vehicle cannot stand at its start.
@@ -124,7 +124,7 @@ def _draw(entries: Sequence[Entry], count: int, rng: np.random.Generator) -> lis
 
 
 def _drop_in_scene(reader: SceneSet[Entry], task: _Task[Entry]) -> list[Drop]:
-    # MuJoCo: only in processes that drop.
+    # Import MuJoCo only in processes that drop.
     from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
     from flightsim.world import WorldError  # noqa: PLC0415
     from scenarios.dataset.falling import FallingVehicle  # noqa: PLC0415

@@ -1,4 +1,4 @@
-"""A vehicle without power in a compiled scene, let go above a landing area."""
+"""Unpowered vehicle in a compiled scene, released above a landing area."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from flightsim.vehicles.airframe import Airframe
 from flightsim.world import build_world
 
 HEIGHT_M = 0.3
-"""Of the soles above the centroid at the start of the fall."""
+"""Height of the soles above the centroid at the start of the fall."""
 LONGEST_S = 5.0
 _LOOK_S = 0.05
 _REST_S = 0.3
-"""Time for which it must hardly move to be at rest."""
+"""Time without notable motion that counts as rest."""
 _REST_SPEED_MPS = 0.01
 _REST_RATE_RADPS = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Fall:
-    """Where a vehicle was when it had come to rest, or when time was up."""
+    """Position of a vehicle at rest, or at the end of the time limit."""
 
     rested: bool
     inside_m: float
-    """Of the vehicle's centre within the area's border seen from above; negative outside."""
+    """Distance of the vehicle's centre inside the area's border from above; negative outside."""
     height_m: float
-    """Of the soles above the area's plane."""
+    """Height of the soles above the area's plane."""
     tilt_rad: float
 
 
 class FallingVehicle:
-    """One scene and one vehicle, compiled once for many falls."""
+    """One scene with one vehicle, compiled once for many falls."""
 
     def __init__(self, scene: Scene, airframe: Airframe) -> None:
         """Compile the scene.
@@ -50,7 +50,7 @@ class FallingVehicle:
         self._data = mujoco.MjData(self._model)
 
     def fall(self, area: InteractionArea, yaw_rad: float) -> Fall:
-        """Let go above the area's centroid, wait until nothing moves."""
+        """Release the vehicle above the area's centroid and wait until nothing moves."""
         data = self._data
         mujoco.mj_resetData(self._model, data)
         data.qpos[:3] = area.centroid
@@ -74,7 +74,7 @@ class FallingVehicle:
             mujoco.mj_step(self._model, self._data, nstep=n_steps)
             speed_mps, rate_radps = (np.abs(v).max() for v in np.split(self._data.qvel[:6], 2))
             is_still = speed_mps < _REST_SPEED_MPS and rate_radps < _REST_RATE_RADPS
-            # Also at the top of a bounce it hardly moves, but not for long.
+            # At the top of a bounce it hardly moves either, but only briefly.
             still_s = still_s + _LOOK_S if is_still else 0.0
             if still_s >= _REST_S:
                 return True
@@ -82,7 +82,7 @@ class FallingVehicle:
 
 
 def _plane_at(area: InteractionArea, east: float, north: float) -> tuple[float, float]:
-    """Height of the polygon's plane at a place, m, and the plane's slope, rad."""
+    """Height in m and slope in rad of the polygon's plane at a place."""
     corners = np.array(area.polygon) - area.centroid
     east_slope, north_slope, rise = np.linalg.lstsq(
         np.column_stack([corners[:, :2], np.ones(len(corners))]), corners[:, 2]

@@ -1,7 +1,7 @@
-"""The same work on many scenes, in as many processes as wanted, results in order.
+"""Parallel map over scenes in a number of processes, results in order.
 
 Processes are spawned, which behaves alike on Linux and macOS and shares no state; each costs about
-half a second of imports. They never see Ctrl-C, which is the parent's to handle, and end with the
+half a second of imports. They ignore Ctrl-C, which is the parent's to handle, and end with the
 parent however it ends.
 """
 
@@ -22,15 +22,15 @@ _T = TypeVar("_T")
 _R = TypeVar("_R")
 
 _AHEAD_PER_JOB = 3
-"""Tasks handed out to a process before their results are taken."""
+"""Tasks queued per process ahead of the results."""
 
 
 class WorkerDiedError(RuntimeError):
-    """A process that was ended from outside."""
+    """A process was killed."""
 
 
 def default_jobs() -> int:
-    """Cores that this process may use."""
+    """Number of cores available to this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -42,12 +42,12 @@ def run_all(
     """Results of a function for each item, in order; leaving the iterator ends the processes.
 
     Args:
-        function: Named at the top of a module, so that another process finds it.
-        items: What it is called with.
-        jobs: Processes; 1 does the work in this one.
+        function: Function at the top level of a module, so that another process finds it.
+        items: Arguments, one per call.
+        jobs: Number of processes; 1 works in the present one.
 
     Raises:
-        WorkerDiedError: If a process was ended from outside, for want of memory say.
+        WorkerDiedError: If a process was killed, for example for lack of memory.
     """
     if min(jobs, len(items)) <= 1:
         yield from map(function, items)
@@ -73,7 +73,7 @@ def run_all(
         ) from None
     finally:
         if not is_done:
-            # Nobody wants what is under way any more.
+            # The results of running tasks are no longer needed.
             for process in set(multiprocessing.active_children()) - not_ours:
                 process.terminate()
         executor.shutdown(wait=True, cancel_futures=True)
@@ -81,7 +81,7 @@ def run_all(
 
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Hold Ctrl-C back; processes started meanwhile inherit that it does not reach them."""
+    """Block Ctrl-C; processes started meanwhile inherit that."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

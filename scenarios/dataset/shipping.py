@@ -1,4 +1,4 @@
-"""Makes the scenes that ship: drawn until one is sound, kept in a folder, packed into one file."""
+"""Scenes that ship: drawn until sound, kept in a folder and packed into one file."""
 
 from __future__ import annotations
 
@@ -28,34 +28,34 @@ _DIGEST_LENGTH = 16
 
 
 class Maker(Protocol):
-    """Draws scenes by number."""
+    """Source of scenes by number."""
 
     @property
     def name(self) -> str:
-        """What to call it."""
+        """Name of the maker."""
         ...
 
     @property
     def checkpoint(self) -> str:
-        """SHA-256 of the weights; empty where there are none."""
+        """SHA-256 of the weights; empty without any."""
         ...
 
     def draw(self, number: int, attempt: int) -> Scene | None:
-        """A scene, None where the draw is rejected; the same for the same arguments."""
+        """Draw a scene, or None if it is rejected; deterministic in the arguments."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class ModelMaker:
-    """The trained model, one scene at a time: so `gen:N` and scene N come from the same draws."""
+    """The trained model, one scene at a time: `gen:N` and scene N come from the same draws."""
 
     path: Path
-    """Checkpoint."""
+    """File of the checkpoint."""
     device: str
 
     @property
     def name(self) -> str:
-        """What to call it."""
+        """Name of the maker."""
         return f"model {self.path.stem}"
 
     @property
@@ -68,7 +68,7 @@ class ModelMaker:
         return hashlib.sha256(self.path.read_bytes()).hexdigest()
 
     def draw(self, number: int, attempt: int) -> Scene | None:
-        """A scene of the number's domain, None where it is not feasible.
+        """Draw a scene of the number's domain, or None if it is not feasible.
 
         Raises:
             SceneError: If checkpoint or device cannot be used.
@@ -81,7 +81,7 @@ class ModelMaker:
 
 @cache
 def _generator(checkpoint: Path, device: str) -> Generator:
-    """One for each process; on one thread, as many processes share the cores."""
+    """Generator of one process, with one thread, since as many processes share the cores."""
     import torch  # noqa: PLC0415 - only where scenes are generated
 
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
@@ -92,20 +92,20 @@ def _generator(checkpoint: Path, device: str) -> Generator:
 
 @dataclass(frozen=True, slots=True)
 class CorpusMaker:
-    """The curated corpus in the model's place: a rehearsal."""
+    """The curated corpus in place of the model: for rehearsal."""
 
     name: str = "curation"
     checkpoint: str = ""
 
     def draw(self, number: int, attempt: int) -> Scene | None:
-        """Scene of the corpus; another draw of it is the same."""
+        """Scene of the corpus; all attempts give the same."""
         from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy
 
         return curate_scene(number) if attempt == 0 else None
 
 
 def plan_shipped(folder: Path, numbers: tuple[int, ...], maker: Maker) -> BuildPlan:
-    """Look at what is there of the scenes that are to ship.
+    """Plan the build of the scenes that ship.
 
     Raises:
         DatasetError: If the folder's manifest cannot be read.
@@ -122,7 +122,7 @@ def _sources(maker: Maker) -> str:
 
 @cache
 def code_digest() -> str:
-    """Digest of the sources that decide what a model makes of a seed."""
+    """Digest of the sources that determine a model's scene for a seed."""
     return sources_digest(
         Path(aeroscene.__file__).parent, ("layouts", "corpus/shipped", "sources.py")
     )
@@ -132,7 +132,7 @@ def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> S
     """Draw a scene until it is sound and a vehicle can stand at its start, and write its file.
 
     Raises:
-        DatasetError: If that never happens.
+        DatasetError: If no attempt succeeds.
     """
     reason = "was not feasible"
     for attempt in range(MOST_ATTEMPTS):
@@ -152,13 +152,13 @@ def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> S
 def pack_shipped(
     dataset: Dataset, path: Path, maker: Maker, device: str, on_scene: Callable[[], object]
 ) -> int:
-    """Write the archive, once every scene of it comes back as it was.
+    """Write the archive, after checking that every scene is read back unchanged.
 
     Args:
-        dataset: All of the scenes.
-        path: The archive.
-        maker: What made them.
-        device: What it ran on.
+        dataset: All scenes to ship.
+        path: File of the archive.
+        maker: Maker of the scenes.
+        device: Device on which they were made.
         on_scene: Called after each scene.
 
     Returns:

@@ -1,4 +1,4 @@
-"""What a dataset holds and how much its scenes differ, beside other layouts."""
+"""Statistics of a dataset, and the diversity of its scenes beside other layouts."""
 
 from __future__ import annotations
 
@@ -26,48 +26,48 @@ from aeroscene.scene.catalogue import CATALOGUE
 from scenarios.dataset.pool import run_all
 
 Bar = Callable[[str, int, str], AbstractContextManager[Callable[[], object]]]
-"""Opens a progress bar: title, how many, of what; gives what to call after each."""
+"""Opens a progress bar from title, count and unit; returns the function to call after each item."""
 
 _DRAWS_SEED = 0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Diversity:
-    """How much the layouts of one set differ."""
+    """Diversity of the layouts of one set."""
 
     name: str
     n_layouts: int
     n_categories: int
     entropy_bits: float
-    """Of the category of an object drawn from the whole set."""
+    """Entropy of the category of an object drawn from the whole set."""
     nearest_mean: float | None
-    """Distance of a layout to the nearest other one, in layout radii; None for a single layout."""
+    """Mean distance of a layout to its nearest other, in layout radii; None for a single layout."""
     nearest_least: float | None
     closest: tuple[str, str] | None
-    """The two layouts that are most alike."""
+    """The two most similar layouts."""
     n_compared: int
-    """Layouts in the draws of the next figure: as many as the smallest set has."""
+    """Number of layouts drawn for the next figure: that of the smallest set."""
     nearest_mean_compared: float | None
-    """Mean distance to the nearest among that many, so that sets of different size compare."""
+    """Mean distance to the nearest among that many, comparable between sets of different size."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Statistics:
-    """Everything that `dataset stats` says."""
+    """Figures of `dataset stats`."""
 
     rows: tuple[Row, ...]
     domains: Mapping[str, int]
-    """Scenes of each domain."""
+    """Number of scenes of each domain."""
     categories: Mapping[str, int]
-    """Objects of each category, all 70."""
+    """Number of objects of each category, all 70."""
     scenes_with: Mapping[str, int]
-    """Scenes in which each category appears."""
+    """Number of scenes with each category."""
     missing: tuple[str, ...]
     diversity: tuple[Diversity, ...]
-    """Of the scenes, then of each set beside them."""
+    """Diversity of the scenes, then of each set beside them."""
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data, a key for each row of the paper's table first."""
+        """The statistics as plain data, first the rows of the paper's table."""
         n_scenes = sum(self.domains.values())
         return {
             **{row.key: row.to_plain() for row in self.rows},
@@ -91,13 +91,13 @@ def statistics(
     jobs: int,
     bar: Bar,
 ) -> Statistics:
-    """Read every scene and count.
+    """Read and count all scenes.
 
     Args:
-        dataset: The scenes, at least one scene.
-        beside: Other sets of layouts under their names.
-        jobs: Processes.
-        bar: Opens a bar for each of the parts that take long.
+        dataset: At least one scene.
+        beside: Other sets of layouts by name.
+        jobs: Number of processes.
+        bar: Opens a progress bar for each long part.
 
     Raises:
         SceneError: If a scene cannot be read.

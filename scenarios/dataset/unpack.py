@@ -1,4 +1,4 @@
-"""Writes scenes of a dataset as JSON files, on every core."""
+"""Writes the scenes of a dataset as JSON files, in parallel."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def unpack_all(
     """Write every scene into a folder, each file whole or not at all.
 
     Args:
-        dataset: The scenes.
-        folder: Where to; it is made where there is none.
+        dataset: Scenes to write.
+        folder: Target folder; it is created if missing.
         suffix: `.json`, or `.json.gz` for compressed files.
-        jobs: Processes.
+        jobs: Number of processes.
         on_scene: Called after each scene.
 
     Returns:
-        Size of all the files, bytes.
+        Total size of the files, bytes.
 
     Raises:
         SceneError: If a scene cannot be read.

@@ -1,4 +1,4 @@
-"""Every scene of a dataset against its own rules, on every core."""
+"""Checks every scene of a dataset against its own rules, in parallel."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from aeroscene.validation import Finding, FindingKind, validate
 from scenarios.dataset.pool import run_all
 
 KINDS: tuple[FindingKind, ...] = get_args(FindingKind)
-"""Kinds of findings, in the order in which they are told."""
+"""Kinds of findings, in the order of the report."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Report:
-    """What was found."""
+    """Results of the checks."""
 
     readable: SceneSet[Any]
-    """The scenes that could be read."""
+    """Scenes that could be read."""
     findings: tuple[Finding, ...]
     invalid: tuple[str, ...]
-    """A line for each scene that could not be read."""
+    """One line for each scene that could not be read."""
 
     @property
     def n_scenes(self) -> int:
-        """Scenes that were checked."""
+        """Number of scenes checked."""
         return len(self.readable.entries)
 
     def counts(self) -> dict[str, int]:
-        """Findings of each kind."""
+        """Number of findings of each kind."""
         counts = Counter(finding.kind for finding in self.findings)
         return {kind: counts[kind] for kind in KINDS}
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """The report as plain data."""
         return {
             "scenes": self.n_scenes,
             "findings": self.counts(),
@@ -54,13 +54,13 @@ def validate_all(
     """Read and check every scene.
 
     Args:
-        dataset: The scenes.
-        jobs: Processes.
+        dataset: Scenes to check.
+        jobs: Number of processes.
         on_scene: Called after each scene.
-        skip_invalid: Go on after a scene that cannot be read.
+        skip_invalid: Whether to continue after a scene that cannot be read.
 
     Raises:
-        SceneError: The first scene that cannot be read, unless it is to be skipped.
+        SceneError: At the first scene that cannot be read, unless it is to be skipped.
     """
     findings: list[Finding] = []
     invalid: list[str] = []

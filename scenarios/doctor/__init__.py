@@ -1,1 +1,1 @@
-"""What this machine can do: checks that really do it, each with the way out."""
+"""Doctor: checks of this machine by trial, each with a remedy."""

@@ -1,4 +1,4 @@
-"""What a check of this machine finds."""
+"""Result of a check of this machine."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ REINSTALL = "install aeroscene again: pip install --force-reinstall aeroscene"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Check:
-    """One thing looked at."""
+    """One checked item."""
 
     name: str
     status: Status
-    """note: works, though not all of it; problem: something essential does not."""
+    """Status: note if it works in part; problem if something essential fails."""
     value: str
     remedy: str = ""
-    """What to do about it; empty where nothing needs doing."""
+    """Remedy; empty if none is needed."""

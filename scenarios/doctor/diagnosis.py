@@ -1,4 +1,4 @@
-"""What this machine can do, found out by doing it."""
+"""Diagnosis of this machine from all checks."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ GROUPS: Mapping[str, Callable[[], Iterable[Check]]] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Diagnosis:
-    """All checks and what they amount to."""
+    """All checks and their summary."""
 
     can_fly: bool
     checks: tuple[Check, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """As plain data."""
+        """The diagnosis as plain data."""
         return asdict(self)
 
 
@@ -37,11 +37,11 @@ def diagnose(
     on_progress: Callable[[str, float], None],
     groups: Mapping[str, Callable[[], Iterable[Check]]] = GROUPS,
 ) -> Diagnosis:
-    """Look at everything; a check that breaks is a problem, and the others go on.
+    """Run all checks; a check that breaks is a problem, and the others continue.
 
     Args:
         on_progress: Called before each group of checks with its title and the share done.
-        groups: What to look at.
+        groups: Groups of checks by title.
     """
     checks: list[Check] = []
     for i, (title, group) in enumerate(groups.items()):

@@ -1,4 +1,4 @@
-"""The flight itself: kernels, a take-off in a scene, an image from the camera."""
+"""Checks of flight: kernels, a take-off in a scene and a camera image."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ if TYPE_CHECKING:
 
 _SCENE, _VEHICLE = "42", "iris"
 _READY_S, _CLIMB_S = 30.0, 10.0
-"""Simulated seconds that the estimator may take to settle, and that the take-off may take."""
+"""Simulated seconds allowed for the estimator to settle and for the take-off."""
 _LEAST_CLIMB_M = 1.0
 _STEP_US = 500_000
 _WIDTH_PX, _HEIGHT_PX = 320, 240
 _SMOOTH_FRAME_MS = 50.0
-"""Longer frames hold up a flight with two cameras at 5 Hz at real time."""
+"""Frame time beyond which two cameras at 5 Hz slow a flight below real time."""
 _N_FRAMES = 3
 
 
 def check_kernels() -> Iterator[Check]:
-    """Whether the flight kernels are compiled; the flight check compiles them if they are not."""
+    """Check whether the flight kernels are compiled; the flight check compiles them if not."""
     from autonomy.jit import cache_directory  # noqa: PLC0415 - numba takes a quarter of a second
 
     is_warm = any(cache_directory("flightsim.plant.kernel").glob("*.compiled"))
@@ -35,7 +35,7 @@ def check_kernels() -> Iterator[Check]:
 
 
 def check_flight() -> Iterator[Check]:
-    """Take off for real, without network, and look through the cameras."""
+    """Take off for real, without network, and use the cameras."""
     from aeroscene.sources import open_scene  # noqa: PLC0415 - the whole stack
     from flightsim.testbench import Testbench, TestbenchCfg  # noqa: PLC0415
 
@@ -53,7 +53,7 @@ def check_flight() -> Iterator[Check]:
 
 
 def _take_off(bench: Testbench) -> Check:
-    """Arm and climb as a client would ask for it."""
+    """Arm and climb at a client's request."""
     simulator, plant, autopilot = bench.simulator, bench.plant, bench.autopilot
     start_s = time.perf_counter()
     while not autopilot.prearm.is_ok and plant.time_us < _READY_S * 1e6:

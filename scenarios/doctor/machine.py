@@ -1,4 +1,4 @@
-"""The computer: interpreter, processor, memory, disk, libraries."""
+"""Checks of the computer: interpreter, processor, memory, disk and libraries."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ LIBRARIES = (
     "msgspec",
     "tyro",
 )
-"""Distributions without which something does not work."""
+"""Distributions that some part needs."""
 _LEAST_MEMORY_MB = 1000
 
 
 def check_machine() -> Iterator[Check]:
-    """Interpreter, processor and memory."""
+    """Check interpreter, processor and memory."""
     version = platform.python_version()
     is_supported = sys.version_info[:2] in SUPPORTED_PYTHONS
     yield Check(
@@ -54,7 +54,7 @@ def check_machine() -> Iterator[Check]:
 
 
 def check_libraries() -> Iterator[Check]:
-    """Whether everything is installed, and which version."""
+    """Check that every library is installed, and report its version."""
     for name in LIBRARIES:
         try:
             version = importlib.metadata.version(name)
@@ -81,7 +81,7 @@ def check_learning() -> Iterator[Check]:
 
 
 def check_storage() -> Iterator[Check]:
-    """Whether the cache can be kept, and how much room recordings have."""
+    """Check that the cache is writable, and how much room recordings have."""
     import platformdirs  # noqa: PLC0415 - with the check
 
     cache = Path(os.environ.get("AEROSCENE_CACHE_DIR") or platformdirs.user_cache_dir("aeroscene"))
@@ -98,7 +98,7 @@ def check_storage() -> Iterator[Check]:
 
 
 def _processor() -> str:
-    """What the processor calls itself."""
+    """Name of the processor."""
     information = Path("/proc/cpuinfo")
     if information.exists():
         for line in information.read_text().splitlines():
@@ -114,7 +114,7 @@ def _usable_cores() -> int:
 
 
 def _memory_mb() -> float | None:
-    """Memory that a new program can have; None where the system does not tell."""
+    """Memory available to a new program; None if the system does not report it."""
     information = Path("/proc/meminfo")
     if information.exists():
         for line in information.read_text().splitlines():

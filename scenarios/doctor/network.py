@@ -1,4 +1,4 @@
-"""What needs a port or a display: MAVLink and the viewer."""
+"""Checks of ports and displays: MAVLink and the viewer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _CLIENT_PORTS: Mapping[str, int] = {"UDP 14550": 14550, "UDP 14540": 14540}
 
 
 def check_ports() -> Iterator[Check]:
-    """Whether the vehicle's MAVLink ports are free, and whether clients listen already."""
+    """Check that the vehicle's MAVLink ports are free, and whether clients listen already."""
     for name, (kind, port) in _VEHICLE_PORTS.items():
         is_free = _is_free(kind, port)
         yield Check(
@@ -34,7 +34,7 @@ def check_ports() -> Iterator[Check]:
 
 
 def check_viewer() -> Iterator[Check]:
-    """Which of rerun's viewers can open."""
+    """Check which of rerun's viewers can open."""
     from scenarios.recording.program import (  # noqa: PLC0415 - with the check
         RerunMissingError,
         rerun_program,

@@ -1,4 +1,4 @@
-"""What patterns are painted on: a square of pixels that repeats, with noise, cells and joints.
+"""Canvas of the patterns: a periodic square of pixels with noise, cells and joints.
 
 Everything is periodic over the square, so that tiles meet without a seam. `u` runs right and `v`
 up, from 0 to 1 over the tile.
@@ -23,7 +23,7 @@ Mask = Bool[np.ndarray, "n n"]
 class Canvas:
     """A periodic square with a random stream of its own.
 
-    What it draws at random it remembers: after `rewind` the same calls give the same again, at no
+    It remembers its random draws: after `rewind` the same calls return the same again, at no
     cost, for painting a pattern in another colour.
     """
 
@@ -35,15 +35,15 @@ class Canvas:
         self._next = 0
 
     def rewind(self) -> None:
-        """Start again with the first of what was drawn."""
+        """Restart with the first random draw."""
         self._next = 0
 
     def normal(self, *shape: int) -> np.ndarray:
-        """Standard normal numbers."""
+        """Standard normal numbers of a given shape."""
         return self._remembered(lambda: self._rng.standard_normal(shape).astype(np.float32))
 
     def uniform(self, *shape: int) -> np.ndarray:
-        """Numbers from 0 to 1."""
+        """Uniform numbers from 0 to 1 of a given shape."""
         return self._remembered(lambda: self._rng.random(shape).astype(np.float32))
 
     def noise(self, *cells: int | tuple[int, int]) -> Plane:
@@ -58,22 +58,22 @@ class Canvas:
         """Pebbles, leaves, stones: one jittered point in each cell of a grid.
 
         Returns:
-            How near the border to the next cell a pixel is (0 on it, about 0.5 in the middle), and
-            a random number from 0 to 1 for each cell.
+            Distance of each pixel from the border to the next cell (0 on it, about 0.5 in the
+            centre), and a random number from 0 to 1 for each cell.
         """
         return self._remembered(lambda: self._cells(n_across))
 
     def courses(self, rows: int, columns: int, shift: float = 0.5) -> tuple[Plane, Plane, Plane]:
-        """Blocks in courses, each second one shifted, as in brickwork.
+        """Blocks in courses, every second one shifted, as in brickwork.
 
         Returns:
-            For each pixel how far across its block and how far up it is, 0 to 1, and a standard
-            normal number for each block.
+            For each pixel its position across and up its block, 0 to 1, and a standard normal
+            number for each block.
         """
         return self._remembered(lambda: self._courses(rows, columns, shift))
 
     def rectangle(self, left: float, right: float, low: float, high: float) -> Mask:
-        """Inside of a rectangle, in tile coordinates."""
+        """Mask of a rectangle, in tile coordinates."""
         return (self.u >= left) & (self.u < right) & (self.v >= low) & (self.v < high)
 
     def _remembered(self, draw: Callable[[], Any]) -> Any:
@@ -115,12 +115,12 @@ class Canvas:
 
 
 def shade(rgb: np.ndarray, brightness: Plane) -> Picture:
-    """A colour made lighter and darker."""
+    """Colour made lighter and darker."""
     return rgb * brightness[..., None].astype(np.float32)
 
 
 def mix(mask: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> Picture:
-    """One picture within a mask, another outside; a mask of numbers blends."""
+    """One picture within a mask, another outside; fractional masks blend."""
     inside, outside = np.asarray(inside, np.float32), np.asarray(outside, np.float32)
     if mask.dtype == bool:
         return np.where(mask[..., None], inside, outside)
@@ -128,8 +128,8 @@ def mix(mask: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> Picture:
 
 
 Pattern = Callable[[Canvas, np.ndarray], Picture]
-"""Paints a canvas in the tones of a colour, 0 to 1: each pixel is some share of it and some fixed
-colour, so that a pattern painted in black and in white gives it in every other colour."""
+"""Paints a canvas in the tones of a colour, 0 to 1. Each pixel is linear in the colour, so that
+the pattern in black and in white gives it in every other colour."""
 
 
 @functools.cache

@@ -33,14 +33,14 @@ class _Opening:
 
     box: Box
     casements: int = 2
-    """Panes side by side."""
+    """Number of panes side by side."""
     transom: float = 0.0
     """Height of the cross bar as a share of the opening; 0 for none."""
     frame: float = 0.03
 
 
 class _Wall:
-    """A picture of a wall on which things are put bay by bay."""
+    """Picture of a wall that is filled bay by bay."""
 
     def __init__(self, canvas: Canvas, picture: Picture) -> None:
         self.canvas = canvas
@@ -52,14 +52,14 @@ class _Wall:
             self.picture[area] = rgb
 
     def darken(self, box: Box, factor: float) -> None:
-        """Shade what is in a box of every bay."""
+        """Darken a box in every bay."""
         for area, _, _ in self.areas(box):
             self.picture[area] *= factor
 
     def areas(
         self, box: Box, bays: tuple = EVERY_BAY
     ) -> Iterator[tuple[tuple[slice, slice], np.ndarray, np.ndarray]]:
-        """Where a box is in each bay: pixels, and how far across and up it they are, 0 to 1."""
+        """Pixels of a box in each bay, and their positions across and up the box, 0 to 1."""
         n, half = self.canvas.n, self.canvas.n / 2
         left, right, low, high = box
         for bay, storey in bays:
@@ -173,7 +173,7 @@ def _plastered(canvas: Canvas, rgb: np.ndarray) -> _Wall:
 def _put_window(
     wall: _Wall, opening: _Opening, frame_rgb: np.ndarray, trim_rgb: np.ndarray | None
 ) -> None:
-    """The same opening in every bay, each with another life behind its glass."""
+    """Put the same opening into every bay, each with a different interior."""
     left, right, low, high = opening.box
     if trim_rgb is not None:
         wall.fill((left - 0.035, right + 0.035, low - 0.01, high + 0.05), trim_rgb)
@@ -190,12 +190,12 @@ def _put_window(
             bar |= np.abs(up - opening.transom) < 0.8 * edge
         glass = _behind_glass(kind, across, up, reflections[area])
         wall.picture[area] = mix(bar, frame_rgb, glass)
-    # The reveal throws a shadow on the glass.
+    # The reveal casts a shadow on the glass.
     wall.darken((left, right, high - 0.045, high), 0.45)
 
 
 def _behind_glass(kind: int, x: np.ndarray, y: np.ndarray, reflections: np.ndarray) -> Picture:
-    """Sky in the glass, and by the window's kind curtains, a blind, a lamp or nothing."""
+    """Sky reflected in the glass and, by the window's kind, curtains, a blind, a lamp or none."""
     sky = np.clip(0.15 + 0.75 * y + 0.12 * reflections, 0, 1)
     picture = mix(sky, _SKY + 0.06, np.broadcast_to(_ROOM, (*x.shape, 3)))
     if kind == 0:
@@ -210,7 +210,7 @@ def _behind_glass(kind: int, x: np.ndarray, y: np.ndarray, reflections: np.ndarr
 
 
 def _put_fascia(wall: _Wall, bays: tuple, hue: np.ndarray) -> None:
-    """A shop's name over its awning."""
+    """Put a shop's name over its awning."""
     wall.fill((0.03, 0.97, 0.83, 0.96), hue, bays)
     ink = wall.canvas.uniform(9, 24)
     for area, across, up in wall.areas((0.22, 0.78, 0.865, 0.925), bays):
@@ -224,7 +224,7 @@ def _put_fascia(wall: _Wall, bays: tuple, hue: np.ndarray) -> None:
 
 
 def _repeated(pattern: Pattern, canvas: Canvas, rgb: np.ndarray, times: int) -> Picture:
-    """A pattern several times over a tile."""
+    """Repeat a pattern several times over a tile."""
     picture = pattern(canvas, rgb)
     every = (np.arange(canvas.n) * times) % canvas.n
     return picture[every][:, every]

@@ -74,7 +74,7 @@ def metal(canvas: Canvas, rgb: np.ndarray) -> Picture:
 
 
 def paint(canvas: Canvas, rgb: np.ndarray) -> Picture:
-    """Painted panels: seams, a sheen of the sky, dust below, scratches."""
+    """Painted panels: seams, a sheen of sky, dust at the bottom, scratches."""
     up = canvas.v
     sheen = 0.90 + 0.16 * np.clip(np.sin(np.pi * up), 0, 1) + 0.03 * canvas.noise(3, 6)
     seam = (np.abs(canvas.u - 0.5) < 0.007) | (up < 0.012)

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from pymavlink.dialects.v20 import common as mavlink
+
 from autonomy.types import NAN3, Quaternion, Vector3, yaw_of
 from flightsim.frames import (
     Geodetic,
@@ -16,14 +18,14 @@ from flightsim.frames import (
     swap_quat_enu_flu_ned_frd,
 )
 
-# MAV_MODE_FLAG_SAFETY_ARMED
-_ARMED_FLAG = 128
-# MAV_SYS_STATUS_PREARM_CHECK
-_PREARM_BIT = 1 << 28
-# ESTIMATOR_STATUS_FLAGS: attitude, horizontal and vertical velocity, absolute position, height
-_NAVIGATING_BITS = 1 | 2 | 4 | 16 | 32
-# MAV_LANDED_STATE
-LANDED_ON_GROUND, LANDED_IN_AIR, LANDED_TAKEOFF, LANDED_LANDING = 1, 2, 3, 4
+_NAVIGATING_BITS = (
+    mavlink.ESTIMATOR_ATTITUDE
+    | mavlink.ESTIMATOR_VELOCITY_HORIZ
+    | mavlink.ESTIMATOR_VELOCITY_VERT
+    | mavlink.ESTIMATOR_POS_HORIZ_ABS
+    | mavlink.ESTIMATOR_POS_VERT_ABS
+)
+LANDED_ON_GROUND = mavlink.MAV_LANDED_STATE_ON_GROUND
 _AUTOPILOT_COMPONENT = 1
 _MAX_TEXTS = 200
 
@@ -100,11 +102,13 @@ class TelemetryReader:
 
     def _heartbeat(self, m: Any) -> None:
         self.telemetry.system_id = m.get_srcSystem()
-        self.telemetry.is_armed = bool(m.base_mode & _ARMED_FLAG)
+        self.telemetry.is_armed = bool(m.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
         self.telemetry.custom_mode = m.custom_mode
 
     def _sys_status(self, m: Any) -> None:
-        self.telemetry.is_armable = bool(m.onboard_control_sensors_health & _PREARM_BIT)
+        self.telemetry.is_armable = bool(
+            m.onboard_control_sensors_health & mavlink.MAV_SYS_STATUS_PREARM_CHECK
+        )
         if m.battery_remaining >= 0:
             self.telemetry.battery_remaining = m.battery_remaining / 100.0
 

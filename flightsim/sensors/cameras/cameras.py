@@ -1,4 +1,4 @@
-"""The vehicle's RGB-D cameras, rendered when somebody asks, at the rate they ask."""
+"""RGB-D cameras of the vehicle, rendered on request."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from flightsim.sensors.cameras.view import RgbdFrame
 
 
 class Cameras:
-    """Renders frames for whoever asks and shows each to every listener once.
+    """Renders frames on request and passes each to every listener once.
 
     Attributes:
-        backend: "gl" or "raycast", whichever this machine can do.
+        backend: "gl" or "raycast", depending on the machine.
     """
 
     def __init__(
@@ -31,13 +31,13 @@ class Cameras:
         """Open a renderer.
 
         Args:
-            plant: Whose vehicle carries the cameras, in whose world.
+            plant: Plant of the vehicle and the world to render.
             width_px: Width of the images.
             height_px: Height of the images.
             depth_noise: Errors of depth; None measures it exactly.
 
         Raises:
-            CameraError: If there is no such size.
+            CameraError: If the size is invalid.
         """
         self._plant = plant
         self._depth_noise = depth_noise
@@ -47,11 +47,11 @@ class Cameras:
         self._latest: dict[str, RgbdFrame] = {}
 
     def listen(self, listener: Callable[[RgbdFrame], None]) -> None:
-        """Show every frame from now on to `listener`."""
+        """Pass every frame from now on to `listener`."""
         self._listeners.append(listener)
 
     def render(self, camera: str) -> RgbdFrame:
-        """What the named camera sees now; asked twice at one time, it is rendered once."""
+        """Present frame of the named camera; repeated requests at one time render it once."""
         latest = self._latest.get(camera)
         if latest is not None and latest.time_us == self._plant.time_us:
             return latest
@@ -71,7 +71,7 @@ class Cameras:
         return self._renderer.render_ids(self._plant.data, camera)
 
     def close(self) -> None:
-        """Free the rendering context."""
+        """Release the rendering context."""
         self._renderer.close()
 
     def __enter__(self) -> Self:

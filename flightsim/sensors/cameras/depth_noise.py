@@ -1,13 +1,13 @@
-"""What a stereo depth camera makes of true depth: noise that grows with the square of range.
+"""Errors of a stereo depth camera: noise that grows with the square of range.
 
 A stereo camera measures disparity, d = f b / z. Its error is about the same in pixels everywhere,
-so that depth errs by z^2 / (f b) times that: 6 cm at 4 m for a RealSense D435. Matching windows
-make neighbouring errors alike, disparity comes in steps, borders of things wander sideways, what
-only one of the imagers sees has no depth, nor has what is seen at a grazing angle, and a few
-pixels are matched with something else altogether.
+so depth errs by z^2 / (f b) times that: 6 cm at 4 m for a RealSense D435. Matching windows
+correlate neighbouring errors, disparity is quantised, borders of objects wander sideways, what only
+one imager sees or what is seen at a grazing angle has no depth, and a few pixels are matched with
+something else altogether.
 
 Source: Grunnet-Jepsen, Sweetser and Woodfill, "Best-known methods for tuning Intel RealSense D400
-depth cameras" (RMS error = z^2 subpixel / (f b), subpixel .08 px); lateral noise after Nguyen,
+depth cameras" (RMS error = z^2 subpixel / (f b), subpixel 0.08 px); lateral noise after Nguyen,
 Izadi and Lovell 2012, eq. (1).
 """
 
@@ -28,7 +28,7 @@ from flightsim.sensors.cameras.view import RgbdFrame
 
 
 class DepthNoiseError(ValueError):
-    """A depth camera that cannot be."""
+    """The settings of a depth camera are invalid."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,25 +37,25 @@ class DepthNoiseCfg:
 
     baseline_m: float
     focal_px: float
-    """Of the imagers themselves, not of the frame."""
+    """Focal length of the imagers, not of the frame."""
     disparity_sigma_px: float = 0.08
     disparity_step_px: float = 1.0 / 32
-    """Five fractional bits."""
+    """Resolution of disparity: five fractional bits."""
     window_px: int = 3
-    """Frame pixels over which errors are alike."""
+    """Correlation length of the errors in frame pixels."""
     lateral_sigma_px: float = 0.5
-    """Frame pixels by which borders wander; Nguyen: 0.8 of a camera of twice the resolution."""
+    """Frame pixels by which borders wander; Nguyen: 0.8 for a camera of twice the resolution."""
     grazing_rad: float = math.radians(80.0)
     """Angle of incidence beyond which nothing is measured."""
     dropout_share: float = 0.002
-    """Pixels without depth anywhere."""
+    """Share of pixels without depth at random."""
     mismatch_share: float = 0.0005
-    """Pixels whose depth is that of some other disparity."""
+    """Share of pixels with the depth of some other disparity."""
     min_range_m: float = 0.28
     max_range_m: float = 10.0
 
     def __post_init__(self) -> None:
-        """Refuse what measures nothing."""
+        """Refuse settings that measure nothing."""
         for name in ("baseline_m", "focal_px", "disparity_step_px", "max_range_m"):
             if not getattr(self, name) > 0:
                 raise DepthNoiseError(f"{name} {getattr(self, name)} is not valid; valid: above 0")
@@ -65,7 +65,7 @@ class DepthNoiseCfg:
             )
 
     def sigma_m(self, depth_m: float) -> float:
-        """Standard deviation of depth at a depth, quantisation left out."""
+        """Standard deviation of depth at a given depth, without quantisation."""
         return depth_m**2 * self.disparity_sigma_px / (self.focal_px * self.baseline_m)
 
 
@@ -77,9 +77,9 @@ DEPTH_CAMERAS: Mapping[str, DepthNoiseCfg] = MappingProxyType({"d435": D435, "d4
 
 
 class DepthNoise:
-    """Errors of the depth cameras of one run.
+    """Errors of the depth cameras in one run.
 
-    Each frame has a random stream of its own, by camera and time: who else looks changes nothing.
+    Each frame has its own random stream, by camera and time, independent of other cameras.
     """
 
     def __init__(self, cfg: DepthNoiseCfg, seed: int) -> None:
@@ -94,7 +94,7 @@ class DepthNoise:
 
 
 def depth_noise(camera: Literal["exact", "d435", "d455"], seed: int) -> DepthNoise | None:
-    """Errors of a depth camera by its name, None of an exact one.
+    """Errors of a depth camera by its name, None for the exact one.
 
     Raises:
         DepthNoiseError: If there is no such camera.
@@ -113,13 +113,13 @@ def measured_depth(
     cfg: DepthNoiseCfg,
     rng: np.random.Generator,
 ) -> Float[np.ndarray, "height width"]:
-    """What a camera measures of true depth, inf where it measures nothing.
+    """Depth that a camera measures, inf where it measures nothing.
 
     Args:
-        depth_m: Along the optical axis, inf where there is nothing.
+        depth_m: True depth along the optical axis, inf where there is nothing.
         focal_px: Focal length of the frame.
-        cfg: The camera.
-        rng: Of its errors.
+        cfg: Settings of the camera.
+        rng: Random stream of its errors.
     """
     shape = depth_m.shape
     chance, other = rng.random((2, *shape), dtype=np.float32)
@@ -143,7 +143,7 @@ def measured_depth(
 def _alike(
     rng: np.random.Generator, shape: tuple[int, ...], window: int
 ) -> Float[np.ndarray, "height width"]:
-    """Normal numbers of unit variance, alike over a square window."""
+    """Normal numbers of unit variance, correlated over a square window."""
     import cv2  # noqa: PLC0415 - loads only where somebody looks through a depth camera
 
     height, width = shape
@@ -162,14 +162,14 @@ def measure(
     other: Float[np.ndarray, "h w"],
     numbers: Float[np.ndarray, " 9"],
 ) -> Float[np.ndarray, "h w"]:
-    """Disparity of each pixel with its error, as depth again.
+    """Depth from the disparity of each pixel with its error.
 
     Args:
-        depth: True, m.
-        errors: Of disparity, in its standard deviations.
-        aside: Rows and columns by which each pixel looks aside.
-        chance: Uniform; decides who drops out or is mismatched.
-        other: Uniform; depth of a mismatch.
+        depth: True depth, m.
+        errors: Errors of disparity, in standard deviations.
+        aside: Rows and columns by which each pixel is displaced.
+        chance: Uniform numbers; select dropouts and mismatches.
+        other: Uniform numbers; depth of a mismatch.
         numbers: Focal length times baseline of the imagers (px m), sigma and step of disparity
             (px), focal length of the frame times baseline (px m), largest change of depth over
             depth and pixel, shares of dropouts and mismatches, least and largest range (m).
@@ -205,7 +205,7 @@ def measure(
 
 @kernel
 def _steepness(depth: Float[np.ndarray, "h w"], row: int, column: int) -> float:
-    """The lesser change of depth per pixel to either side, the larger of both directions."""
+    """Smaller change of depth per pixel to either side, the larger of both directions."""
     z = depth[row, column]
     steepness = 0.0
     for down, right in ((1, 0), (0, 1)):

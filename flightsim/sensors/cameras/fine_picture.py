@@ -1,4 +1,4 @@
-"""Fine pictures: colours by whichever renderer, light by rays, four samples for each pixel."""
+"""Fine pictures: colours by either renderer, light by rays, four samples per pixel."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from flightsim.sensors.cameras.view import RgbdFrame, Viewpoint
 from flightsim.world import World
 
 SAMPLES = 2
-"""Samples of a pixel along each axis."""
+"""Samples per pixel along each axis."""
 _HAZE_M = 2500.0
 _MIN_OPACITY = 0.5
 _ONE_SURFACE = 1.1
-"""Samples whose depths differ by less than this factor are taken to lie on one surface."""
+"""Depth ratio up to which samples of a pixel are on one surface."""
 
 
 class FineLight:
-    """The light of a world, for pictures of its own size and four times the pixels."""
+    """Light of a world, for pictures of one size with four samples per pixel."""
 
     def __init__(self, world: World) -> None:
         self._light = PixelLight(drawn_mesh(world.scene, world.solids, FINE))
@@ -36,13 +36,13 @@ class FineLight:
         depth_m: np.ndarray,
         moving_enu_m: np.ndarray,
     ) -> RgbdFrame:
-        """Light a picture and bring it to its size.
+        """Light a picture and reduce it to its size.
 
         Args:
-            view: Where it was taken.
-            time_us: When.
-            colours: (2 h, 2 w, 3), 0 to 1: of the surfaces, in plain white light.
-            depth_m: (2 h, 2 w), inf in the sky.
+            view: Viewpoint of the picture.
+            time_us: Time of the picture.
+            colours: Colours (2 h, 2 w, 3) of the surfaces in plain white light, 0 to 1.
+            depth_m: Depth (2 h, 2 w), inf in the sky.
             moving_enu_m: Triangles of the vehicle and of movers, (t, 3, 3).
         """
         height, width = depth_m.shape
@@ -60,7 +60,7 @@ class FineLight:
 
 
 def vehicle_triangles(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, np.ndarray]:
-    """What the vehicle looks like, where it is; its spinning discs let light through.
+    """Visible surface of the vehicle in its pose; spinning discs are transparent.
 
     Returns:
         Triangles (t, 3, 3), ENU, and their colours (t, 3), 0 to 1.
@@ -77,16 +77,16 @@ def vehicle_triangles(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.nd
 
 
 def _pixel_depth(depth_m: np.ndarray) -> np.ndarray:
-    """Depth in the middle of pixels from their samples': exact on planes, the nearest at edges."""
+    """Depth at pixel centres from samples: exact on planes, the nearest at edges."""
     samples = _squares(depth_m[..., None])
     nearest, farthest = samples.min(axis=(1, 3)), samples.max(axis=(1, 3))
-    # The inverse of depth is linear in the picture of a plane.
+    # The inverse of depth is linear in the image of a plane.
     inverse = (1.0 / samples).mean(axis=(1, 3))
     is_one = farthest < _ONE_SURFACE * nearest
     return np.where(is_one, 1.0 / np.where(is_one, inverse, 1.0), nearest)[..., 0]
 
 
 def _squares(values: np.ndarray) -> np.ndarray:
-    """Samples of each pixel on axes 1 and 3."""
+    """Values with the samples of each pixel on axes 1 and 3."""
     height, width, channels = values.shape
     return values.reshape(height // SAMPLES, SAMPLES, width // SAMPLES, SAMPLES, channels)

@@ -1,7 +1,7 @@
-"""RGB-D by MuJoCo's OpenGL renderer, colour and depth in one pass.
+"""RGB-D renderer by MuJoCo's OpenGL, colour and depth in one pass.
 
-MuJoCo itself culls nothing: geoms whose bounding sphere is outside the view are put into an unseen
-group while the scene is gathered.
+MuJoCo itself culls nothing: while the scene is gathered, geoms whose bounding sphere is outside the
+view are moved to an invisible group.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from flightsim.sensors.cameras.view import (
 )
 from flightsim.world import World
 
-# Geoms drawn beside the model's own: none today; MuJoCo warns when its buffer is short.
+# Geoms besides the model's own: none today; MuJoCo warns when its buffer is too small.
 _SPARE_GEOMS = 16
 _ID_FLAGS = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
 
@@ -48,7 +48,7 @@ class GlCameraRenderer:
         try:
             self._stage("fast")
         except mujoco.FatalError as error:
-            # A context came up, but not one that MuJoCo can draw with.
+            # A context opened, but not one that MuJoCo can draw with.
             raise GlUnavailableError(f"MuJoCo: {error}") from error
 
     def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
@@ -109,7 +109,7 @@ class GlCameraRenderer:
         self._gl = None
 
     def _stage(self, kind: Literal["fast", "fine", "ids"]) -> _Stage:
-        """The stage for a kind of picture, set up on first use; its context is made current."""
+        """Stage for a kind of picture, created on first use, with its context made current."""
         if self._gl is None:
             raise RuntimeError("the renderer is closed")
         self._gl.make_current()
@@ -122,7 +122,7 @@ class GlCameraRenderer:
 
 
 def _drawn_model(world: World, kind: Literal["fast", "fine", "ids"]) -> mujoco.MjModel:
-    """The model that a kind of picture is drawn from."""
+    """Model for a kind of picture."""
     if kind == "ids":
         return world.model
     if kind == "fast":
@@ -144,7 +144,7 @@ def _paint_sky(rgb: np.ndarray, depth_m: np.ndarray, view: Viewpoint) -> None:
 
 
 class _Stage:
-    """A model with the poses, the scene and the buffer it is drawn with."""
+    """A model with its poses, scene and buffer for drawing."""
 
     def __init__(
         self, model: mujoco.MjModel, width: int, height: int, kind: Literal["fast", "fine", "ids"]
@@ -175,7 +175,7 @@ class _Stage:
         groups[GeomGroup.SCENE] = groups[GeomGroup.DECOR] = groups[GeomGroup.MOVING] = 1
         groups[GeomGroup.VEHICLE_LOOKS] = has_vehicle
         self._gather(view)
-        # MuJoCo clears these after each picture.
+        # MuJoCo resets these flags after each picture.
         for flag in _ID_FLAGS:
             self._scene.flags[flag] = self._is_ids
         rgb, buffer = self.target.read(self._scene)
@@ -185,11 +185,11 @@ class _Stage:
         return rgb, depth_m
 
     def vehicle_enu_m(self) -> np.ndarray:
-        """Triangles of the vehicle where it is."""
+        """Triangles of the vehicle in its pose."""
         return vehicle_triangles(self._model, self.poses.data)[0]
 
     def object_ids(self, geom_object_id: np.ndarray) -> np.ndarray:
-        """Object id by what MuJoCo drew as colour in the last picture: 0 sky, else index + 1."""
+        """Object ids from the colours of the last picture: 0 is sky, else index + 1."""
         table = np.full(self._scene.ngeom + 1, NO_OBJECT_ID, dtype=np.int32)
         for geom in self._scene.geoms[: self._scene.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
@@ -197,7 +197,7 @@ class _Stage:
         return table
 
     def _aim(self, view: Viewpoint) -> None:
-        """Point MuJoCo's free camera, which knows no roll, or the fixed one of the view's name."""
+        """Aim MuJoCo's free camera, which has no roll, or use the fixed one of the view's name."""
         camera_id = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_CAMERA, view.name)
         if camera_id >= 0:
             self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED

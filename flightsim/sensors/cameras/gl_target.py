@@ -1,4 +1,4 @@
-"""OpenGL contexts and offscreen buffers for the camera renderer, made at the time of use."""
+"""OpenGL contexts and offscreen buffers for the camera renderer, created when needed."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import numpy as np
 
 
 class GlUnavailableError(RuntimeError):
-    """No OpenGL context can be made here."""
+    """No OpenGL context can be created here."""
 
 
 def new_gl_context(width: int, height: int) -> Any:
-    """An offscreen OpenGL context; libraries load only now.
+    """Create an offscreen OpenGL context; libraries load only now.
 
     Raises:
-        GlUnavailableError: Saying what the loader or the driver said.
+        GlUnavailableError: With the message of the loader or driver.
     """
     try:
         if platform.system() == "Darwin":
@@ -28,7 +28,7 @@ def new_gl_context(width: int, height: int) -> Any:
             from mujoco.egl import GLContext  # noqa: PLC0415 - loads the GL library
         context = GLContext(width, height)
         context.make_current()
-    except Exception as error:  # loaders and drivers raise what they like
+    except Exception as error:  # loaders and drivers raise anything
         first_line = str(error).strip().split("\n")[0]
         raise GlUnavailableError(f"{type(error).__name__}: {first_line}") from error
     return context
@@ -42,11 +42,11 @@ class GlTarget:
         self._shape = (height, width)
         with _buffer_size(model, width, height):
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        # The buffer as it is, 1 near and 0 far: the other mapping rounds distance away.
+        # Raw buffer, 1 near and 0 far: the other mapping loses precision far away.
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
 
     def read(self, scene: mujoco.MjvScene) -> tuple[np.ndarray, np.ndarray]:
-        """Draw and read back: rgb (h, w, 3) and the depth buffer (h, w), 1 near to 0 far."""
+        """Draw and read back rgb (h, w, 3) and the depth buffer (h, w), 1 near to 0 far."""
         rgb = np.empty((*self._shape, 3), dtype=np.uint8)
         depth = np.empty(self._shape, dtype=np.float32)
         # Another target of the same GL context may have been drawn since.
@@ -57,13 +57,13 @@ class GlTarget:
         return np.ascontiguousarray(rgb[::-1]), np.ascontiguousarray(depth[::-1])
 
     def free(self) -> None:
-        """Give its buffers back; its GL context must be current."""
+        """Release its buffers; its GL context must be current."""
         self._context.free()
 
 
 @contextlib.contextmanager
 def _buffer_size(model: mujoco.MjModel, width: int, height: int) -> Iterator[None]:
-    """Have the model ask for a buffer of just the image's size while a context is made.
+    """Make the model request a buffer of exactly the image's size while a context is created.
 
     Clearing a larger one costs milliseconds in software.
     """

@@ -1,7 +1,7 @@
-"""RGB-D by ray casting with Embree: for machines where no OpenGL library loads.
+"""RGB-D renderer by ray casting with Embree, for machines without OpenGL.
 
-Depth and object ids are those of the OpenGL renderer, colours nearly: the same paints, light and
-sky, with coarser texture far away.
+Depth and object ids equal those of the OpenGL renderer, colours nearly: the paints, light and sky
+are the same, with coarser texture far away.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _MIN_OPACITY = 0.5
 
 @dataclass(frozen=True, eq=False)
 class _Picture:
-    """Per ray: depth along the axis (inf nothing), colour 0 to 1 with or without light on it."""
+    """Per ray: depth along the axis (inf for nothing), colour 0 to 1 with or without light."""
 
     depth_m: np.ndarray
     rgb: np.ndarray
@@ -141,7 +141,7 @@ class RaycastCameraRenderer:
 
 
 class _Stage:
-    """A painted mesh and the light that its normals may carry."""
+    """A painted mesh, and the light that its normals may contain."""
 
     def __init__(self, mesh: WorldMesh, far_m: float, *, is_lit: bool) -> None:
         self._mesh = PaintedMesh(mesh)
@@ -149,7 +149,7 @@ class _Stage:
         self._far_m = far_m
 
     def cast(self, view: Viewpoint, width: int, height: int) -> _Picture:
-        """What rays of unit depth through all pixels meet."""
+        """First hits of unit-depth rays through all pixels."""
         rays = view.rays_enu(width, height).reshape(-1, 3)
         hits = self._mesh.hits(view.position_enu_m, rays).within(self._far_m)
         rgb = np.zeros((len(rays), 3), dtype=np.float32)
@@ -166,7 +166,7 @@ def _with_moving(
     corners_enu_m: np.ndarray,
     rgb: np.ndarray,
 ) -> _Picture:
-    """The picture with triangles of one colour each before it."""
+    """Picture with triangles of one colour each drawn over it."""
     rays = view.rays_enu(width, height).reshape(-1, 3)
     eyes = np.broadcast_to(view.position_enu_m.astype(np.float32), rays.shape)
     hits = RayScene(corners_enu_m).first_hits(eyes, rays)
@@ -177,7 +177,7 @@ def _with_moving(
 
 
 class _Ids:
-    """The solids of the physics, for whose surface is whose."""
+    """Solids of the physics, for the object of each surface."""
 
     def __init__(self, world: World, data: mujoco.MjData) -> None:
         model = world.model
@@ -202,7 +202,7 @@ class _Ids:
     def seen(
         self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, movers_enu_m: np.ndarray
     ) -> np.ndarray:
-        """(n,) int32: object id that each ray meets first."""
+        """Object id (n,) int32 of each ray's first hit."""
         eyes = np.broadcast_to(eye_enu_m.astype(np.float32), rays_enu.shape)
         hits = self._rays.first_hits(eyes, rays_enu).within(self._far_m)
         ids = self._id[hits.triangle]

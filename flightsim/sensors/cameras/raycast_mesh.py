@@ -1,4 +1,4 @@
-"""Geoms of a MuJoCo model as triangles, in the tessellation that the model asks of its renderer."""
+"""Triangles of a MuJoCo model's geoms, in the tessellation that the model requests."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from flightsim.looks.tessellation import box, capsule, cylinder, ellipsoid
 
 Triangles = Float[np.ndarray, "n 3 3"]
 
-# MuJoCo's endless plane: this far from the middle of the scene, in multiples of its extent.
+# Half size of MuJoCo's infinite plane, in multiples of the scene's extent.
 _PLANE_HALF_EXTENTS = 12.0
 
 
 class ShapeError(ValueError):
-    """A geom of a kind that worlds are not built from."""
+    """A geom has a type that worlds do not use."""
 
 
 def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
-    """Triangles of one geom in its own frame, corners counter-clockwise seen from outside, m.
+    """Triangles of one geom in its own frame, corners counter-clockwise from outside, m.
 
     Raises:
         ShapeError: If the geom has no triangles.

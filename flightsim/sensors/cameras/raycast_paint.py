@@ -1,7 +1,7 @@
-"""Textures for ray casting: the colour of a mesh where rays meet it.
+"""Textures for ray casting: the colour of a mesh at each hit.
 
-A tile is kept in three sizes, the last one pixel, and a hit takes the size whose pixels are about
-as large as the picture's, which is what keeps far walls from sparkling.
+A tile is kept in three sizes, the last one pixel; a hit uses the size whose pixels are about as
+large as the picture's, which keeps far walls from sparkling.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from flightsim.looks.textures import coarser, tile
 _SHRINK = 8
 _FULL_UP_TO = 2.5
 _COARSE_UP_TO = 18.0
-"""Pixels of the full tile that one pixel of the picture may cover in each size."""
+"""Full-size tile pixels that one picture pixel may cover in each size."""
 
 
 class PaintedMesh:
-    """A mesh that rays can meet and that has a colour everywhere."""
+    """Mesh with a colour everywhere, prepared for rays."""
 
     def __init__(self, mesh: WorldMesh) -> None:
         self._scene = RayScene(mesh.corners_enu_m())
@@ -43,12 +43,12 @@ class PaintedMesh:
         self._pixel_m = (height_m / self._n_across[0]).astype(np.float32)
 
     def hits(self, eye_enu_m: np.ndarray, rays_enu: np.ndarray) -> RayHits:
-        """What rays from a point meet; rays (n, 3)."""
+        """First hits of rays (n, 3) from one point."""
         eyes = np.broadcast_to(eye_enu_m.astype(np.float32), rays_enu.shape)
         return self._scene.first_hits(eyes, rays_enu)
 
     def colours(self, hits: RayHits, focal_px: float) -> tuple[np.ndarray, ...]:
-        """Which rays met something, (m,); its colour there, 0 to 1 (m, 3); and its light (m,)."""
+        """Which rays hit, (m,); the colour there, 0 to 1 (m, 3); and the light (m,)."""
         met = np.flatnonzero(hits.triangle != NOTHING)
         triangle = hits.triangle[met]
         values = self._at_first[triangle]

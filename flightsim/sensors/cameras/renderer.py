@@ -1,7 +1,7 @@
-"""Which renderer makes the frames on this machine.
+"""Camera renderers, and the choice between them for this machine.
 
 Two renderers give the same frames: OpenGL where a GL library loads, ray casting by Embree where
-none does. On-board cameras do not see their own vehicle (their mounts are taken to be clear of
+none does. On-board cameras do not see their own vehicle (their mounts are assumed to be clear of
 it, and its depth would mean nothing to a planner); free views do.
 """
 
@@ -25,18 +25,18 @@ MAX_EDGE_PIXELS = 4096
 
 
 class CameraRenderer(Protocol):
-    """Makes frames of one size of one world."""
+    """Renders frames of one size of one world."""
 
     backend: Literal["gl", "raycast"]
     reason: str
-    """Why this backend."""
+    """Reason for this backend."""
 
     def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
-        """What an on-board camera sees at the positions in `data`, which stays untouched."""
+        """Frame of an on-board camera at the positions in `data`, which is not changed."""
         ...
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
-        """What `render` shows at each pixel: int32 (height, width) of object ids."""
+        """Object ids (height, width) int32 of the pixels of `render`."""
         ...
 
     def render_view(
@@ -47,27 +47,27 @@ class CameraRenderer(Protocol):
         vertical_fov_rad: float = math.radians(50.0),
         quality: Quality = "fast",
     ) -> RgbdFrame:
-        """A picture from anywhere, vehicle included; "fine" adds shadows and smooth edges."""
+        """Picture from anywhere, including the vehicle; "fine" adds shadows and smooth edges."""
         ...
 
     def close(self) -> None:
-        """Free what the renderer holds; it renders no more."""
+        """Release the renderer's resources; it cannot render afterwards."""
         ...
 
 
 def open_camera_renderer(
     world: World, width: int, height: int, backend: Backend = "auto"
 ) -> CameraRenderer:
-    """A renderer for a world's cameras.
+    """Open a renderer for a world's cameras.
 
     Args:
-        world: What to render.
-        width: Of the image, pixels.
-        height: Of the image, pixels.
+        world: World to render.
+        width: Width of the image in pixels.
+        height: Height of the image in pixels.
         backend: "auto" takes OpenGL and falls back to ray casting where no GL library loads.
 
     Raises:
-        CameraError: If size or backend are not valid, or "gl" is asked for and does not load.
+        CameraError: If size or backend are invalid, or "gl" is requested and does not load.
     """
     for name, value in (("width", width), ("height", height)):
         if not 1 <= value <= MAX_EDGE_PIXELS:

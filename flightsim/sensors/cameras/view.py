@@ -1,4 +1,4 @@
-"""RGB-D frames, and the viewpoints that they are taken from."""
+"""RGB-D frames and their viewpoints."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from autonomy.types import Vector3
 
 Quality = Literal["fast", "fine"]
 NO_OBJECT_ID = -3
-"""In an image of object ids: sky. The others are those of `World.geom_object_id`."""
+"""Object id of the sky in an image of ids; the others are those of `World.geom_object_id`."""
 
 
 class CameraError(ValueError):
-    """A camera, size or backend that does not exist here."""
+    """The camera, size or backend does not exist."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RgbdFrame:
-    """One image with depth, and where it was taken.
+    """One image with depth and the pose of its camera.
 
     Pixel (column u, row v) looks along ((u - cx) / fx, (v - cy) / fy, 1) in the optical frame
     (x right, y down, z forward); whole numbers are pixel centres.
@@ -31,16 +31,16 @@ class RgbdFrame:
     time_us: int
     camera: str
     rgb: np.ndarray
-    """uint8 (height, width, 3)."""
+    """Colours, uint8 (height, width, 3)."""
     depth_m: np.ndarray
-    """float32 (height, width): distance along the optical axis, m; inf where there is nothing."""
+    """Distance along the optical axis in m, float32 (height, width); inf where there is nothing."""
     fx: float
     fy: float
     cx: float
     cy: float
     position_enu_m: Vector3
     rotation_enu_from_optical: np.ndarray
-    """(3, 3)."""
+    """Rotation matrix (3, 3)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,24 +49,24 @@ class Viewpoint:
 
     name: str
     position_enu_m: np.ndarray
-    """(3,)."""
+    """Position (3,)."""
     rotation_enu_from_optical: np.ndarray
-    """(3, 3)."""
+    """Rotation matrix (3, 3)."""
     vertical_fov_rad: float
 
     def focal_px(self, height: int) -> float:
-        """Focal length for an image of this height, pixels."""
+        """Focal length in pixels for an image of this height."""
         return height / 2 / math.tan(self.vertical_fov_rad / 2)
 
     def rays_enu(self, width: int, height: int) -> np.ndarray:
-        """(height, width, 3) float32: direction of each pixel, one metre deep."""
+        """Direction of each pixel, (height, width, 3) float32, one metre deep."""
         columns, rows = np.arange(width), np.arange(height)[:, None]
         return self.rays_enu_at(rows, columns, width, height)
 
     def rays_enu_at(
         self, rows: np.ndarray, columns: np.ndarray, width: int, height: int
     ) -> np.ndarray:
-        """(..., 3) float32: direction of some pixels of an image, one metre deep."""
+        """Direction of some pixels of an image, (..., 3) float32, one metre deep."""
         focal = np.float32(self.focal_px(height))
         x = (columns - np.float32((width - 1) / 2)).astype(np.float32) / focal
         y = (rows - np.float32((height - 1) / 2)).astype(np.float32) / focal
@@ -74,7 +74,7 @@ class Viewpoint:
         return x[..., None] * right + (y[..., None] * down + forward)
 
     def frame(self, time_us: int, rgb: np.ndarray, depth_m: np.ndarray) -> RgbdFrame:
-        """The frame that this viewpoint took."""
+        """Frame taken from this viewpoint."""
         height, width = depth_m.shape
         focal = self.focal_px(height)
         x, y, z = self.position_enu_m.tolist()
@@ -93,10 +93,10 @@ class Viewpoint:
 
 
 class PoseCopy:
-    """Positions of everything at the state of someone else's `MjData`, computed in a copy.
+    """Positions of all bodies at the state of another `MjData`, computed in a copy.
 
-    After a step `MjData` holds positions from before the integration; computing them anew there
-    could touch the flight's last bits, so cameras do it in data of their own.
+    After a step `MjData` holds positions from before the integration; recomputing them there
+    could change the flight's last bits, so cameras do it in their own data.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -105,7 +105,7 @@ class PoseCopy:
         mujoco.mj_forward(model, self.data)
 
     def update(self, data: mujoco.MjData) -> None:
-        """Take the state of `data`, of this model or of one with the same moving bodies."""
+        """Copy the state of `data`, of this model or of one with the same moving bodies."""
         self.data.qpos[:] = data.qpos
         if self._model.nmocap:
             self.data.mocap_pos[:] = data.mocap_pos
@@ -114,7 +114,7 @@ class PoseCopy:
         mujoco.mj_camlight(self._model, self.data)
 
     def viewpoint(self, camera_name: str) -> Viewpoint:
-        """Where a camera of the model is now."""
+        """Present viewpoint of a camera of the model."""
         try:
             camera_id = self._model.camera(camera_name).id
         except KeyError:
@@ -130,7 +130,7 @@ class PoseCopy:
 
 
 def look_at(eye_enu_m: Vector3, target_enu_m: Vector3, vertical_fov_rad: float) -> Viewpoint:
-    """The viewpoint at `eye` that has `target` in the middle of an upright image."""
+    """Viewpoint at `eye` with `target` in the centre of an upright image."""
     eye = np.array(eye_enu_m, dtype=float)
     forward = np.array(target_enu_m, dtype=float) - eye
     distance_m = float(np.linalg.norm(forward))

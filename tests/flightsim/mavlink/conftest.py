@@ -10,6 +10,7 @@ import pytest
 from aeroscene.scene import Scene
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.plant import Plant, PlantCfg
@@ -90,8 +91,8 @@ class Flight:
     def take_off(self, height_m: float = 10.0) -> None:
         self.become_ready()
         self.autopilot.parameters.set("MIS_TAKEOFF_ALT", height_m)
-        assert self.command(400, 1) == 0
-        assert self.command(22, *(float("nan"),) * 7) == 0
+        assert self.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1) == 0
+        assert self.command(mav.MAV_CMD_NAV_TAKEOFF, *(float("nan"),) * 7) == 0
         up_m = self.plant.truth.position_enu_m[2]
         self.run_until(lambda: self.plant.truth.position_enu_m[2] > up_m + height_m - 0.5)
 

@@ -6,7 +6,8 @@ import pytest
 
 from autonomy.types import FlatReference
 from flightsim.mavlink.client.client import PX4_HOLD, PX4_OFFBOARD, CommandState, MavlinkClient
-from flightsim.mavlink.client.telemetry import LANDED_IN_AIR, LANDED_ON_GROUND
+from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.testbench import Testbench, TestbenchCfg
 from tests.scenarios.landing_scenes import yard
 
@@ -107,7 +108,7 @@ def test_setpoints_arrive_as_they_were_meant(flight):
     assert math.remainder(setpoint.yaw_rad - 2.0, 2 * math.pi) == pytest.approx(0, abs=1e-5)
     assert setpoint.yaw_rate_radps == pytest.approx(0.2, abs=1e-5)
     flight.run(4.0)
-    assert flight.client.telemetry.landed_state == LANDED_IN_AIR
+    assert flight.client.telemetry.landed_state == mav.MAV_LANDED_STATE_IN_AIR
     assert flight.client.telemetry.position_enu_m == pytest.approx((1.0, -2.0, 3.0), abs=0.5)
     assert flight.do(flight.client.disarm()).state is CommandState.REFUSED
     assert flight.do(flight.client.set_mode(PX4_HOLD)).is_accepted
@@ -144,8 +145,8 @@ def test_refusals_come_with_their_result(flight):
 
 def test_two_commands_of_one_kind_get_their_own_answers(flight):
     flight = connected(flight())
-    good = flight.client.command(512, 148.0)
-    bad = flight.client.command(512, 16_000_000.0)
+    good = flight.client.command(mav.MAV_CMD_REQUEST_MESSAGE, 148.0)
+    bad = flight.client.command(mav.MAV_CMD_REQUEST_MESSAGE, 16_000_000.0)
     flight.do(bad)
     assert good.is_accepted
     assert bad.state is CommandState.REFUSED

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from flightsim.autopilot.fence import FenceStore, RallyStore
 from flightsim.autopilot.mission import MissionStore
 from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.mission import FENCE, MISSION, RALLY, MissionService
 from flightsim.mavlink.service import Partners
 from flightsim.mavlink.statustext import StatustextSender
@@ -53,7 +54,9 @@ class _Bench:
         return self.heard()
 
 
-def _waypoint(index, *, mission_type=MISSION, command=16, frame=_RELATIVE_INT, p1=0.0):
+def _waypoint(
+    index, *, mission_type=MISSION, command=mav.MAV_CMD_NAV_WAYPOINT, frame=_RELATIVE_INT, p1=0.0
+):
     x, y = round((47.4 + 1e-5 * index) * 1e7), round(8.5 * 1e7)
     values = (frame, command, 0, 1, p1, 0.0, 0.0, math.nan, x, y, 10.0 + index, mission_type)
     return (1, 1, index, *values)
@@ -101,7 +104,7 @@ def _fields(item):
 
 def test_what_is_uploaded_is_downloaded():
     bench = _Bench()
-    items = [_waypoint(0, command=22), *map(_waypoint, range(1, 6))]
+    items = [_waypoint(0, command=mav.MAV_CMD_NAV_TAKEOFF), *map(_waypoint, range(1, 6))]
     items.append((1, 1, 6, _MISSION_FRAME, 20, 0, 1, 0, 0, 0, 0, 0, 0, 0, MISSION))
     assert _upload(bench, items) == 0
     downloaded = _download(bench)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from autonomy.types import ControlLevel
 from flightsim.autopilot.modes import Mode
+from flightsim.mavlink.dialect import dialect as mav
 from tests.flightsim.mavlink.conftest import START_ENU_M
 
 _POSITION = 0b1111_1111_1000 & ~(1 << 9) & ~(1 << 10)
@@ -177,8 +178,8 @@ def test_thrust_is_kept_between_nothing_and_everything(recorder):
 
 def test_offboard_is_refused_without_a_stream_and_left_when_it_stops(flight):
     flight.become_ready()
-    assert flight.command(176, *_OFFBOARD) == 1
-    flight.command(400, 1)
+    assert flight.command(mav.MAV_CMD_DO_SET_MODE, *_OFFBOARD) == 1
+    flight.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1)
 
     def stream(seconds, z):
         for _ in range(round(seconds * 10)):
@@ -187,7 +188,7 @@ def test_offboard_is_refused_without_a_stream_and_left_when_it_stops(flight):
             flight.step(5)
 
     stream(0.5, -4.0)
-    assert flight.command(176, *_OFFBOARD) == 0
+    assert flight.command(mav.MAV_CMD_DO_SET_MODE, *_OFFBOARD) == 0
     stream(8.0, -4.0)
     assert flight.autopilot.mode is Mode.OFFBOARD
     assert flight.plant.truth.position_enu_m[2] == pytest.approx(4.2, abs=0.5)
@@ -204,7 +205,7 @@ def test_sticks_fly_in_position_mode(flight):
     for step in range(100):
         flight.send("MANUAL_CONTROL", 1, 800, 0, 500, 0, 0)
         if step == 5:
-            assert flight.command(176, 1, 3, 0) == 0
+            assert flight.command(mav.MAV_CMD_DO_SET_MODE, 1, 3, 0) == 0
         flight.step(2)
     truth = flight.plant.truth.position_enu_m
     ahead = (truth[0] - x) * math.cos(0.7) + (truth[1] - y) * math.sin(0.7)

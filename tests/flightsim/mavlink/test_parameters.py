@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flightsim.autopilot.parameters import Parameters
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parameters import ParameterService, parameter_hash
 from flightsim.mavlink.service import Partners
 from flightsim.mavlink.statustext import StatustextSender
@@ -95,7 +96,7 @@ def test_an_integer_is_understood_bytewise_and_cast(wire_value, wire_type):
         (b"NAV_DLL_ACT", _as_float(-7), _INT32, 2),
         (b"NAV_DLL_ACT", 1.5, _REAL32, 2),
         (b"NAV_DLL_ACT", 1e30, _REAL32, 2),
-        (b"SYS_AUTOSTART", _as_float(1), _INT32, 4),
+        (b"SYS_AUTOSTART", _as_float(1), _INT32, mav.MAV_PARAM_ERROR_READ_ONLY),
     ],
 )
 def test_a_refused_value_is_answered_with_the_old_one_and_the_reason(name, value, wire_type, error):

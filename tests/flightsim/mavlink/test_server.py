@@ -10,6 +10,7 @@ import pytest
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.dialect import LAYOUTS, dialect
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink, PortInUseError, TcpServerLink, UdpLink
 from flightsim.mavlink.server import MavlinkServer
 from tests.flightsim.mavlink.conftest import Flight
@@ -250,7 +251,9 @@ def test_two_runs_with_the_same_client_send_the_same_bytes(field):
         data = bytearray()
         for step in range(400):
             if step == 350:
-                flight.send("COMMAND_LONG", 1, 1, 400, 0, 1, 0, 0, 0, 0, 0, 0)
+                flight.send(
+                    "COMMAND_LONG", 1, 1, mav.MAV_CMD_COMPONENT_ARM_DISARM, 0, 1, 0, 0, 0, 0, 0, 0
+                )
             flight.simulator.step()
             data += flight.link.client.recv()
         flight.server.close()

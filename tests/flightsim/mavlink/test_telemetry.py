@@ -9,6 +9,7 @@ from flightsim.autopilot.modes import Mode
 from flightsim.environment.wind import WindCfg
 from flightsim.frames import Geodetic
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink
 from flightsim.mavlink.px4 import PX4
 from flightsim.mavlink.server import MavlinkServer
@@ -39,7 +40,7 @@ def test_the_local_frame_begins_where_the_vehicle_stands(flight):
     flight.run(1.0)
     local = flight.last("LOCAL_POSITION_NED")
     assert max(abs(local.x), abs(local.y), abs(local.z)) < 0.6
-    flight.command(512, LAYOUTS["GPS_GLOBAL_ORIGIN"].message_id)
+    flight.command(mav.MAV_CMD_REQUEST_MESSAGE, LAYOUTS["GPS_GLOBAL_ORIGIN"].message_id)
     origin = flight.last("GPS_GLOBAL_ORIGIN")
     place = Geodetic(origin.latitude * 1e-7, origin.longitude * 1e-7, origin.altitude * 1e-3)
     assert flight.frame.enu_from_geodetic(place)[:2] == pytest.approx(START_ENU_M[:2], abs=0.02)
@@ -48,7 +49,9 @@ def test_the_local_frame_begins_where_the_vehicle_stands(flight):
 def test_the_messages_of_a_tick_agree_with_the_estimate(flight):
     flight.take_off()
     # Sideways, so that nothing is zero.
-    flight.command_int(192, 6, -1, 1, 0, math.nan, round(47.40012e7), round(8.50012e7), 12.0)
+    flight.command_int(
+        mav.MAV_CMD_DO_REPOSITION, 6, -1, 1, 0, math.nan, round(47.40012e7), round(8.50012e7), 12.0
+    )
     flight.run(2.0)
     flight.heard.clear()
     flight.run_until(
@@ -126,7 +129,7 @@ def test_a_flight_is_told_from_takeoff_to_landing(flight):
     assert flight.last("VFR_HUD").throttle > 30
     assert flight.last("ALTITUDE").altitude_relative == pytest.approx(5.0, abs=0.6)
     assert flight.last("DISTANCE_SENSOR").current_distance == pytest.approx(500, abs=70)
-    assert flight.command(21, *(math.nan,) * 7) == 0
+    assert flight.command(mav.MAV_CMD_NAV_LAND, *(math.nan,) * 7) == 0
     flight.run_until(lambda: not flight.autopilot.is_armed)
     flight.run(1.1)
     assert flight.last("EXTENDED_SYS_STATE").landed_state == 1
@@ -136,7 +139,7 @@ def test_a_flight_is_told_from_takeoff_to_landing(flight):
 def test_ground_truth_comes_only_when_asked_for(flight):
     ground_truth = LAYOUTS["HIL_STATE_QUATERNION"].message_id
     assert not named(flight.run(1.0), "HIL_STATE_QUATERNION")
-    assert flight.command(511, ground_truth, 100_000) == 0
+    assert flight.command(mav.MAV_CMD_SET_MESSAGE_INTERVAL, ground_truth, 100_000) == 0
     came = named(flight.run(2.0), "HIL_STATE_QUATERNION")
     assert len(came) == 20
     place = flight.frame.geodetic_from_enu(flight.plant.truth.position_enu_m)
@@ -149,7 +152,11 @@ def test_each_client_has_its_own_rates(field):
     server = MavlinkServer(flight.autopilot, flight.plant, flight.frame, links)
     wires = [Wire(), Wire()]
     imu = LAYOUTS["HIGHRES_IMU"].message_id
-    links[0].client.send(wires[0].encode("COMMAND_LONG", 1, 1, 511, 0, imu, 200_000, 0, 0, 0, 0, 0))
+    links[0].client.send(
+        wires[0].encode(
+            "COMMAND_LONG", 1, 1, mav.MAV_CMD_SET_MESSAGE_INTERVAL, 0, imu, 200_000, 0, 0, 0, 0, 0
+        )
+    )
     links[1].client.recv()
     counts = [0, 0]
     for _ in range(250):
