@@ -163,7 +163,8 @@ def _component(
 
     blocked = np.flatnonzero(~free.all(axis=(0, 1)))
     sky = int(blocked[-1]) + 1 if len(blocked) else 0
-    labels: Any = ndimage.label(free[:, :, : sky + 1])[0]
+    labelled: Any = ndimage.label(free[:, :, : sky + 1])
+    labels = labelled[0]
     found = np.empty_like(free)
     np.equal(labels, labels[(*seed[:2], min(seed[2], sky))], out=found[:, :, : sky + 1])
     found[:, :, sky + 1 :] = found[:, :, sky : sky + 1]

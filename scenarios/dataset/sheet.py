@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from jaxtyping import UInt8
 
-from aeroscene.corpus.dataset import Entry, SceneSet, SceneSummary
+from aeroscene.corpus.summary import Entry, SceneSet, SceneSummary
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from flightsim.looks.cutting import cut_at
