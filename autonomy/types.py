@@ -10,12 +10,13 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-from autonomy.model.quadrotor import Vector3
-
+Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 NAN3: Vector3 = (math.nan, math.nan, math.nan)
 ZERO3: Vector3 = (0.0, 0.0, 0.0)
+LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
+"""No rotation at all."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -73,7 +74,7 @@ class Setpoint:
     jerk_enu_mps3: Vector3 = ZERO3
     yaw_rad: float = math.nan
     yaw_rate_radps: float = 0.0
-    quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    quat_wxyz: Quaternion = LEVEL
     angular_rate_flu_radps: Vector3 = ZERO3
     thrust: float = 0.0
     """Collective thrust as a fraction of the maximum, 0 to 1; for `ATTITUDE` and `RATE`."""

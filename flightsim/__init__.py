@@ -1,1 +1,93 @@
-"""The simulated world, its vehicles, sensors and autopilot, and their MAVLink."""
+"""World, vehicles, sensors, autopilot and MAVLink: everything that is simulated.
+
+The names of `__all__` are the public ones; docs/python.md shows them at work.
+"""
+
+from typing import TYPE_CHECKING
+
+from aeroscene.lazy import public_names
+
+if TYPE_CHECKING:
+    from autonomy import ControlLevel, FlatReference, QuadrotorParams, RotorParams, Setpoint, State
+    from flightsim.environment.traffic import TrafficCfg
+    from flightsim.environment.wind import WindCfg
+    from flightsim.mavlink.client import (
+        PX4_HOLD,
+        PX4_LAND,
+        PX4_OFFBOARD,
+        PX4_RETURN,
+        BytePipe,
+        Command,
+        MavlinkClient,
+        Telemetry,
+    )
+    from flightsim.plant import PhysicsDivergedError, Plant, PlantCfg, PlantError
+    from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
+    from flightsim.simulator import Controller, Simulator
+    from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError
+    from flightsim.vehicles import (
+        Airframe,
+        AirframeError,
+        BatteryParams,
+        CameraMount,
+        airframe_by_name,
+    )
+    from flightsim.world import World, WorldError, build_world
+else:
+    __getattr__, __dir__ = public_names(
+        __name__,
+        {
+            "autonomy": "ControlLevel FlatReference QuadrotorParams RotorParams Setpoint State",
+            "flightsim.environment.traffic": "TrafficCfg",
+            "flightsim.environment.wind": "WindCfg",
+            "flightsim.mavlink.client": "PX4_HOLD PX4_LAND PX4_OFFBOARD PX4_RETURN BytePipe "
+            "Command MavlinkClient Telemetry",
+            "flightsim.plant": "PhysicsDivergedError Plant PlantCfg PlantError",
+            "flightsim.sensors.cameras": "CameraError Cameras RgbdFrame depth_noise",
+            "flightsim.simulator": "Controller Simulator",
+            "flightsim.testbench": "Testbench TestbenchCfg TestbenchError",
+            "flightsim.vehicles": "Airframe AirframeError BatteryParams CameraMount "
+            "airframe_by_name",
+            "flightsim.world": "World WorldError build_world",
+        },
+    )
+
+__all__ = [
+    "PX4_HOLD",
+    "PX4_LAND",
+    "PX4_OFFBOARD",
+    "PX4_RETURN",
+    "Airframe",
+    "AirframeError",
+    "BatteryParams",
+    "BytePipe",
+    "CameraError",
+    "CameraMount",
+    "Cameras",
+    "Command",
+    "ControlLevel",
+    "Controller",
+    "FlatReference",
+    "MavlinkClient",
+    "PhysicsDivergedError",
+    "Plant",
+    "PlantCfg",
+    "PlantError",
+    "QuadrotorParams",
+    "RgbdFrame",
+    "RotorParams",
+    "Setpoint",
+    "Simulator",
+    "State",
+    "Telemetry",
+    "Testbench",
+    "TestbenchCfg",
+    "TestbenchError",
+    "TrafficCfg",
+    "WindCfg",
+    "World",
+    "WorldError",
+    "airframe_by_name",
+    "build_world",
+    "depth_noise",
+]

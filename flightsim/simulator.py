@@ -6,9 +6,8 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
-from flightsim.autopilot.autopilot import Autopilot
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.plant import Plant
 
@@ -19,6 +18,14 @@ _SHORTEST_SLEEP_S = 1e-3
 _FORGIVEN_LATENESS_S = 0.1
 
 Observer = Callable[[], None]
+
+
+class Controller(Protocol):
+    """What flies a plant: our autopilot, or a class of one's own."""
+
+    def update(self) -> None:
+        """Read `plant.estimate` and call `plant.apply`; called after each 20 ms."""
+        ...
 
 
 class SpeedError(ValueError):
@@ -49,8 +56,8 @@ class Simulator:
     def __init__(
         self,
         plant: Plant,
-        autopilot: Autopilot,
-        mavlink_server: MavlinkServer | None,
+        autopilot: Controller,
+        mavlink_server: MavlinkServer | None = None,
         *,
         observers: Sequence[Observer] = (),
         speed: float | Literal["max"] = 1.0,
@@ -59,7 +66,7 @@ class Simulator:
 
         Args:
             plant: Owns time.
-            autopilot: Updated after the plant, with fresh estimates.
+            autopilot: Updated after the plant, with fresh estimates; any controller will do.
             mavlink_server: Updated after the autopilot; None flies without clients.
             observers: Called in this order at the end of each step; a list may grow later.
             speed: Simulated seconds a wall second, or "max" for no pacing.

@@ -13,11 +13,12 @@ from flightsim.environment.parameters import follow_parameters, wind_parameters
 from flightsim.environment.traffic import TrafficCfg
 from flightsim.environment.wind import WindCfg, turbulence_mps
 from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.client import MavlinkClient
 from flightsim.mavlink.links import InProcessLink, Link, TcpServerLink, UdpLink
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.plant import Plant, PlantCfg
 from flightsim.simulator import Simulator
-from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.vehicles import Airframe, airframe_by_name
 from flightsim.world import World, build_world
 
 MAX_INSTANCES = 100
@@ -109,6 +110,7 @@ class Testbench:
         scene: Scene,
         cfg: TestbenchCfg,
         *,
+        airframe: Airframe | None = None,
         traffic: Sequence[MovingObstacle] | None = None,
         has_network: bool = True,
         extra_links: Sequence[Link] = (),
@@ -116,8 +118,14 @@ class Testbench:
     ) -> None:
         """Build the world of a scene and open the links.
 
-        `traffic` are movers on paths of their own instead of those of the configuration.
-        `extra_links` are MAVLink links besides the in-process one and the network's.
+        Args:
+            scene: Where to fly.
+            cfg: What to simulate, and how.
+            airframe: A vehicle of one's own instead of the one that the configuration names.
+            traffic: Movers on paths of their own instead of those of the configuration.
+            has_network: Whether clients outside this process can connect.
+            extra_links: MAVLink links besides the in-process one and the network's.
+            observers: Called in this order at the end of each tick; a list may grow later.
 
         Raises:
             WorldError: If the vehicle cannot start there.
@@ -126,7 +134,7 @@ class Testbench:
         """
         self.cfg = cfg
         self.scene = scene
-        self.airframe = airframe_by_name(cfg.vehicle)
+        self.airframe = airframe or airframe_by_name(cfg.vehicle)
         self.world: World = build_world(
             self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
@@ -155,6 +163,10 @@ class Testbench:
         self.simulator = Simulator(
             self.plant, self.autopilot, self.server, observers=observers, speed=cfg.speed
         )
+
+    def connect(self) -> MavlinkClient:
+        """A companion on `pilot_link`; call its `update` with `plant.time_us` after each tick."""
+        return MavlinkClient(self.pilot_link.client, self.frame)
 
     def close(self) -> None:
         """Close every link."""

@@ -1,1 +1,54 @@
-"""Tasks, trials, recordings and the command line."""
+"""Missions, our pilot, runs and their verdicts, recordings, campaigns, the command line.
+
+The names of `__all__` are the public ones; docs/python.md shows them at work.
+"""
+
+from typing import TYPE_CHECKING
+
+from aeroscene.lazy import public_names
+
+if TYPE_CHECKING:
+    from scenarios.mission.mission import Mission, plan_mission
+    from scenarios.mission.surroundings import MissionError
+    from scenarios.pilot import Pilot, PilotCfg
+    from scenarios.recording import Recorder, RecordingError, RunInfo
+    from scenarios.recording.summary import RecordingSummary, summarise
+    from scenarios.run.cfg import SitlCfg
+    from scenarios.run.companion import Aboard, Companion
+    from scenarios.run.sitl import INPUT_ERRORS, Sitl
+    from scenarios.run.trial import TrialResult, Verdict
+else:
+    __getattr__, __dir__ = public_names(
+        __name__,
+        {
+            "scenarios.mission.mission": "Mission plan_mission",
+            "scenarios.mission.surroundings": "MissionError",
+            "scenarios.pilot": "Pilot PilotCfg",
+            "scenarios.recording": "Recorder RecordingError RunInfo",
+            "scenarios.recording.summary": "RecordingSummary summarise",
+            "scenarios.run.cfg": "SitlCfg",
+            "scenarios.run.companion": "Aboard Companion",
+            "scenarios.run.sitl": "INPUT_ERRORS Sitl",
+            "scenarios.run.trial": "TrialResult Verdict",
+        },
+    )
+
+__all__ = [
+    "INPUT_ERRORS",
+    "Aboard",
+    "Companion",
+    "Mission",
+    "MissionError",
+    "Pilot",
+    "PilotCfg",
+    "Recorder",
+    "RecordingError",
+    "RecordingSummary",
+    "RunInfo",
+    "Sitl",
+    "SitlCfg",
+    "TrialResult",
+    "Verdict",
+    "plan_mission",
+    "summarise",
+]

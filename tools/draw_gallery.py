@@ -24,7 +24,8 @@ from drawing.views import choose_view
 from rich.console import Console
 
 from aeroscene.sources import open_scene
-from flightsim.sensors.camera import Quality, RgbdFrame, open_camera_renderer
+from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
+from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 

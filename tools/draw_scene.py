@@ -24,7 +24,8 @@ from PIL import Image
 from aeroscene.scene import Vector3
 from aeroscene.sources import open_scene
 from flightsim.looks.cutting import cut_at
-from flightsim.sensors.camera import Quality, RgbdFrame, look_at, open_camera_renderer
+from flightsim.sensors.cameras import RgbdFrame, look_at, open_camera_renderer
+from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-GRAVITY_MPS2 = 9.81
+from autonomy.types import Vector3
 
-Vector3 = tuple[float, float, float]
+GRAVITY_MPS2 = 9.81
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

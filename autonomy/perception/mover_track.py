@@ -1,9 +1,19 @@
-"""One moving obstacle over time: a Kalman filter of constant velocity, and the size of it."""
+"""One moving obstacle over time: whether it stands, goes straight or turns, and its size.
+
+An interacting multiple-model filter weighs four linear Kalman filters of position and velocity by
+how well each foretells the sightings: one that stands, one of constant velocity and two that turn,
+left and right. What stopped is seen to have stopped, and a fast car's velocity need not be smoothed
+as heavily as a mode for everything would have to.
+
+Source: Blom and Bar-Shalom 1988, as in filterpy.kalman.IMMEstimator.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
@@ -11,9 +21,27 @@ from jaxtyping import Float
 from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.sighting import LEAST_HALF_M, Footprint, Sighting
 
-ACCELERATION_PSD = 1.5
-"""Of the white acceleration that velocity wanders by, m^2/s^3: people turn within a second."""
-_FIRST_SPEED_SIGMA_MPS = 1.5
+if TYPE_CHECKING:
+    from filterpy.kalman import IMMEstimator
+
+_MODES = ((0.0, 0.01), (0.0, 2.0), (0.6, 1.4), (-0.6, 1.4))
+"""Standing, straight, left and right: the rate of turn in rad/s and the power spectral density of
+white acceleration in m^2/s^3 (people turn within a second); of standing, that of velocity."""
+_FIRST_SHARES = (0.3, 0.5, 0.1, 0.1)
+_STAYS = 0.9
+"""Probability that a mode lasts from one sighting to the next."""
+_CHANGES = np.array(
+    [
+        [_STAYS, 0.08, 0.01, 0.01],
+        [0.03, _STAYS, 0.035, 0.035],
+        [0.01, 0.08, _STAYS, 0.01],
+        [0.01, 0.08, 0.01, _STAYS],
+    ]
+)
+_LONGEST_TURN_S = 1.0
+"""A turn is believed to last no longer unseen."""
+_STANDING_VARIANCE = 0.05**2
+_FIRST_SPEED_SIGMA_MPS = 2.5
 _SHRINK = 0.1
 _HEADING_SPEED_MPS = 0.6
 _TURN_RAD = math.radians(20.0)
@@ -27,12 +55,12 @@ class MoverTrack:
     """State of one obstacle.
 
     Attributes:
-        mean: Position and velocity of its centre, ENU.
+        mean: Position and velocity of its centre, ENU, at the time last predicted for.
         covariance: Of them.
         size: Its half extents, turned along its motion once that is known.
         n_hits: Images that showed it.
         n_misses: Images in a row that showed that it is not where it was predicted.
-        last_seen_s: When it was seen last.
+        last_seen_s: When it was seen last; the filter stands at that time.
     """
 
     def __init__(self, time_s: float, sighting: Sighting) -> None:
@@ -44,16 +72,20 @@ class MoverTrack:
         self.covariance = np.zeros((6, 6))
         self.covariance[:3, :3] = covariance
         self.covariance[3:, 3:] = _FIRST_SPEED_SIGMA_MPS**2 * np.eye(3)
+        self._filter = _new_filter(self.mean, self.covariance)
         self.n_hits, self.n_misses = 1, 0
         self.last_seen_s = self._time_s = time_s
 
     def predicted(self, time_s: float) -> tuple[Float[np.ndarray, " 6"], Float[np.ndarray, "6 6"]]:
-        """Mean and covariance at a later time."""
-        dt = max(time_s - self._time_s, 0.0)
-        move = np.eye(6)
-        move[:3, 3:] = dt * np.eye(3)
-        noise = ACCELERATION_PSD * np.array([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]])
-        return move @ self.mean, move @ self.covariance @ move.T + np.kron(noise, np.eye(3))
+        """Mean and covariance at a later time: the modes', blended by their probabilities."""
+        dt = max(time_s - self.last_seen_s, 0.0)
+        modes = zip(self._filter.filters, _motions(dt), strict=True)
+        ahead = [mode.get_prediction(F=move, Q=noise) for mode, (move, noise) in modes]
+        shares = self._filter.mu
+        means, spreads = (np.array(values) for values in zip(*ahead, strict=True))
+        mean = shares @ means
+        apart = means - mean
+        return mean, np.tensordot(shares, spreads, 1) + (shares * apart.T) @ apart
 
     def predict(self, time_s: float) -> None:
         """Go on to a later time."""
@@ -74,12 +106,13 @@ class MoverTrack:
         before, _ = sighting.centre(self.size)
         self._learn_size(sighting)
         position, noise = sighting.centre(self.size)
-        self.mean[:3] += position - before
-        gain = np.linalg.solve(self.covariance[:3, :3] + noise, self.covariance[:3]).T
-        self.mean = self.mean + gain @ (position - self.mean[:3])
-        keep = np.eye(6)
-        keep[:, :3] -= gain
-        self.covariance = keep @ self.covariance @ keep.T + gain @ noise @ gain.T
+        motions = _motions(self._time_s - self.last_seen_s)
+        for mode, (mode.F, mode.Q) in zip(self._filter.filters, motions, strict=True):
+            mode.x[:3] += position - before
+            mode.R = noise
+        self._filter.predict()
+        self._filter.update(position)
+        self.mean, self.covariance = self._filter.x.copy(), self._filter.P.copy()
         self.n_hits += 1
         self.n_misses = 0
         self.last_seen_s = self._time_s
@@ -126,3 +159,39 @@ def _learned(known_m: float, seen_m: float, is_cut: bool) -> float:
     if seen_m >= known_m or is_cut:
         return max(seen_m, known_m)
     return known_m + _SHRINK * (seen_m - known_m)
+
+
+def _new_filter(
+    mean: Float[np.ndarray, " 6"], covariance: Float[np.ndarray, "6 6"]
+) -> IMMEstimator:
+    # Half a second of imports that only a flight with traffic needs.
+    from filterpy.kalman import IMMEstimator, KalmanFilter  # noqa: PLC0415
+
+    modes = []
+    for _ in _MODES:
+        mode = KalmanFilter(dim_x=6, dim_z=3)
+        mode.x, mode.P, mode.H = mean.copy(), covariance.copy(), np.eye(3, 6)
+        modes.append(mode)
+    return IMMEstimator(modes, np.array(_FIRST_SHARES), _CHANGES)
+
+
+@lru_cache(maxsize=16)
+def _motions(dt: float) -> list[tuple[Float[np.ndarray, "6 6"], Float[np.ndarray, "6 6"]]]:
+    """Transition of position and velocity over a time and the noise in it, for each mode."""
+    wander = np.kron([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]], np.eye(3))
+    (_, drift), *moving = _MODES
+    still = np.diag([1.0] * 3 + [0.0] * 3), np.diag([drift * dt] * 3 + [_STANDING_VARIANCE] * 3)
+    motions = [still]
+    for rate, psd in moving:
+        turn_s = min(dt, _LONGEST_TURN_S)
+        angle = rate * turn_s
+        c, s = math.cos(angle), math.sin(angle)
+        # What a unit of velocity covers, ahead and to its left: on the arc, then straight on.
+        ahead, aside = (s / rate, (1.0 - c) / rate) if rate else (turn_s, 0.0)
+        ahead, aside = ahead + (dt - turn_s) * c, aside + (dt - turn_s) * s
+        move = np.eye(6)
+        move[:2, 3:5] = [[ahead, -aside], [aside, ahead]]
+        move[3:5, 3:5] = [[c, -s], [s, c]]
+        move[2, 5] = dt
+        motions.append((move, psd * wander))
+    return motions

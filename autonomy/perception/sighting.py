@@ -31,7 +31,8 @@ _BEHIND_M = 0.2
 _BEHIND_SIGMAS = 4.0
 _SURFACE_SIGMA_M, _UNSEEN_SIGMA_M = 0.06, 0.5
 # Of half the size: how much what one sees of the near side wanders, and an edge that is not seen.
-_UNSEEN_SHARE, _CUT_SHARE = 0.08, 0.25
+_UNSEEN_SHARE, _CUT_SHARE = 0.08, 0.15
+_ROUNDNESS = 1.5  # 1 is a box, 2 an ellipse
 _STEEP = 1.0
 _MOST_HIDDEN_BELOW_M = 2.0
 
@@ -47,11 +48,14 @@ class Footprint:
     """Of `along`, counter-clockwise from east."""
 
     def reach_m(self, direction: Float[np.ndarray, " 2"]) -> float:
-        """How far the ellipse in it reaches towards a horizontal unit direction."""
+        """How far it reaches towards a horizontal unit direction: between its box and the ellipse.
+
+        People are nearly ellipses, cars nearly boxes whose corners few points show.
+        """
         c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
-        along = c * direction[0] + s * direction[1]
-        across = c * direction[1] - s * direction[0]
-        return math.hypot(self.along_m * along, self.across_m * across)
+        along = self.along_m * abs(c * direction[0] + s * direction[1])
+        across = self.across_m * abs(c * direction[1] - s * direction[0])
+        return float((along**_ROUNDNESS + across**_ROUNDNESS) ** (1.0 / _ROUNDNESS))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -112,12 +116,15 @@ class Sighting:
 def _between(
     low: float, high: float, half: float, is_cut: tuple[bool, bool]
 ) -> tuple[float, float]:
-    """Middle of two edges of which either may be unknown, and its standard deviation."""
+    """Middle of two edges of which either may be unknown, and its standard deviation.
+
+    Half an extent off the edge that is seen, also where more than that is in view: a track that
+    learns a larger size then moves its centre, and does not take what comes into view for motion.
+    """
     is_low_cut, is_high_cut = is_cut
     if is_low_cut == is_high_cut:
         sigma = _UNSEEN_SIGMA_M if is_low_cut else _SURFACE_SIGMA_M
         return (low + high) / 2, sigma
-    half = max(half, (high - low) / 2)
     return high - half if is_low_cut else low + half, _SURFACE_SIGMA_M + _CUT_SHARE * half
 
 

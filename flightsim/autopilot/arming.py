@@ -1,4 +1,4 @@
-"""May the vehicle be armed: what works, and what speaks against it."""
+"""Arming checks: health of the vehicle and reasons that forbid arming."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _GNSS_FIX_3D = 3
 
 
 class ArmingChecks:
-    """Health and arming report, refreshed on demand."""
+    """Health and arming report, updated by `refresh`."""
 
     def __init__(self, plant: PlantLike, flight: Flight, battery: BatteryMonitor) -> None:
         self._plant = plant
@@ -29,11 +29,11 @@ class ArmingChecks:
         self.report = PrearmReport(is_ok=False, reasons=("starting up",))
 
     def refresh(self, mode: Mode, *, is_armed: bool) -> PrearmReport:
-        """Look at everything again.
+        """Run all checks.
 
         Args:
             mode: Mode in which the vehicle would be armed.
-            is_armed: Whether it already is, so that flying speaks against nothing.
+            is_armed: Whether it is armed already, so that being in the air is no reason against it.
         """
         reasons = tuple(self._reasons(mode))
         is_ok = is_armed or not reasons

@@ -1,4 +1,4 @@
-"""The autopilot seen from outside: state to report, requests to make, streams to feed."""
+"""Public interface of the autopilot: reported state, requests and input streams."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import isfinite
 
 from autonomy.model.quadrotor import Vector3
-from autonomy.types import OFF, Setpoint
+from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.autopilot.arming import ArmingChecks
 from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.behaviours.mission import MissionFlight
@@ -32,20 +32,20 @@ from flightsim.frames import LocalFrame
 from flightsim.vehicles.airframe import Airframe
 
 _GUARD_EVERY = 5
-"""Failsafes are looked at every 100 ms."""
+"""Ticks between failsafe checks: 100 ms."""
 _REPORT_EVERY = 25
-"""Health, battery and arming report are refreshed every 500 ms."""
+"""Ticks between refreshes of health, battery and arming report: 500 ms."""
 
 
 class Autopilot:
     """Commander, navigator and failsafes on top of a plant; `update` once every 20 ms.
 
     Attributes:
-        parameters: Parameters; `set_parameter` or `parameters.set` changes them.
+        parameters: Changed by `set_parameter` or `parameters.set`.
         mission: Uploaded mission and its progress.
         fence: Uploaded geofence.
         rally: Uploaded rally points.
-        setpoint: Setpoint that was applied last.
+        setpoint: Setpoint applied last.
 
     The requests `takeoff`, `land`, `goto`, `orbit`, `set_yaw`, `set_speed` and `set_home` are those
     of `flightsim.autopilot.guided.Guided`.
@@ -59,12 +59,12 @@ class Autopilot:
         airframe: Airframe,
         initial_parameters: Mapping[str, float] | None = None,
     ) -> None:
-        """Wire the parts together.
+        """Connect the parts.
 
         Args:
             plant: Vehicle with sensors, estimator and inner loops.
-            frame: Geodetic place of the local frame.
-            airframe: What the vehicle is.
+            frame: Geodetic position of the local frame.
+            airframe: Constants of the vehicle.
             initial_parameters: Values that replace defaults, read-only ones included.
 
         Raises:
@@ -103,7 +103,7 @@ class Autopilot:
         self._n_ticks = 0
 
     def update(self) -> None:
-        """One tick: read the plant, decide, apply a setpoint."""
+        """Run one tick: read the plant, decide and apply a setpoint."""
         vehicle, commander = self._vehicle, self._commander
         vehicle.read()
         self._events.time_us = vehicle.time_us
@@ -125,6 +125,8 @@ class Autopilot:
                 self._refresh_reports()
         self._n_ticks += 1
         setpoint = commander.tick()
+        if setpoint.level > ControlLevel.IDLE and not vehicle.is_attitude_ok:
+            setpoint = IDLE  # armed by force: there is nothing to fly by yet
         self.setpoint = setpoint
         self._plant.apply(setpoint)
 
@@ -146,7 +148,7 @@ class Autopilot:
 
     @property
     def landed_state(self) -> LandedState:
-        """Between ground and air."""
+        """Phase between ground and air."""
         if self._vehicle.is_landed:
             return LandedState.ON_GROUND
         if self._commander.behaviour.is_landing:
@@ -155,7 +157,7 @@ class Autopilot:
 
     @property
     def system_state(self) -> SystemState:
-        """How the vehicle is."""
+        """System state, as a heartbeat reports it."""
         if self.mode is Mode.TERMINATION:
             return SystemState.EMERGENCY
         if not self.is_armed:
@@ -166,17 +168,17 @@ class Autopilot:
 
     @property
     def failsafe(self) -> FailsafeReason | None:
-        """Why a failsafe chose the present mode, else the worst condition that is present."""
+        """Reason of the failsafe that chose the present mode, else the worst present condition."""
         return self._commander.failsafe or self._failsafes.reason
 
     @property
     def home(self) -> Home | None:
-        """Where a return ends; None until there was a position."""
+        """Where a return ends; None before the first position."""
         return self._flight.home
 
     @property
     def health(self) -> Health:
-        """Which parts work; refreshed twice a second."""
+        """Health of the parts; refreshed twice a second."""
         return self._checks.health
 
     @property
@@ -191,7 +193,7 @@ class Autopilot:
 
     @property
     def target_enu_m(self) -> Vector3 | None:
-        """Where the present mode flies to, if anywhere."""
+        """Position that the present mode flies to, if any."""
         return self._flight.target_enu_m
 
     @property
@@ -206,22 +208,22 @@ class Autopilot:
 
     @property
     def took_off_at_us(self) -> int | None:
-        """Time of the takeoff since arming, or of the last flight's."""
+        """Time of takeoff in this armed period, or of the last flight's."""
         return self._commander.took_off_at_us
 
     @property
     def n_arms(self) -> int:
-        """How often the vehicle has been armed."""
+        """Number of times that the vehicle has been armed."""
         return self._commander.n_arms
 
     # Requests
 
     def arm(self, *, is_forced: bool = False) -> Reply:
-        """Arm; forced skips the checks."""
+        """Arm the vehicle; `is_forced` skips the checks."""
         return self._commander.arm(is_forced=is_forced)
 
     def disarm(self, *, is_forced: bool = False) -> Reply:
-        """Disarm; in the air only if forced."""
+        """Disarm the vehicle; in the air only with `is_forced`."""
         return self._commander.disarm(is_forced=is_forced)
 
     def set_mode(self, mode: Mode) -> Reply:
@@ -233,7 +235,7 @@ class Autopilot:
         return self._commander.request(Mode.RETURN)
 
     def start_mission(self, first: int = 0, last: int | None = None) -> Reply:
-        """Fly the mission from one item to another, once armed."""
+        """Fly the mission from one item to another, once the vehicle is armed."""
         n_items = len(self.mission)
         if n_items and not (0 <= first < n_items and (last is None or first <= last)):
             return denied(f"no mission items {first} to {last}; there are 0 to {n_items - 1}")
@@ -243,27 +245,27 @@ class Autopilot:
         return reply
 
     def set_current_mission_item(self, index: int) -> Reply:
-        """Go on with another item of the mission."""
+        """Continue the mission at another item."""
         if not 0 <= index < len(self.mission):
             return denied(f"no mission item {index}; there are {len(self.mission)}")
         self.mission.select(index)
         return ACCEPTED
 
     def pause(self) -> Reply:
-        """Stop and hold."""
+        """Stop and hold position."""
         return self._commander.request(Mode.HOLD)
 
     def resume(self) -> Reply:
-        """Go on with the mission."""
+        """Continue the mission."""
         return self._commander.request(Mode.MISSION)
 
     def terminate(self) -> Reply:
-        """Stop the rotors for good, wherever the vehicle is."""
+        """Stop the rotors irrevocably, wherever the vehicle is."""
         self._commander.terminate()
         return ACCEPTED
 
     def run_prearm_checks(self) -> PrearmReport:
-        """Check now, and say what speaks against arming."""
+        """Run the arming checks now and announce what forbids arming."""
         report = self._checks.refresh(self.mode, is_armed=self.is_armed)
         for reason in report.reasons:
             self._events.say(Severity.WARNING, f"Preflight fail: {reason}")
@@ -280,11 +282,11 @@ class Autopilot:
     # Streams
 
     def set_offboard_setpoint(self, setpoint: Setpoint) -> None:
-        """Take an offboard setpoint; more than two a second keep offboard alive."""
+        """Accept an offboard setpoint; more than two a second keep offboard alive."""
         self._flight.offboard.receive(setpoint, self._plant.time_us)
 
     def set_manual_control(self, *, pitch: float, roll: float, throttle: float, yaw: float) -> None:
-        """Take stick positions; what is not finite is ignored.
+        """Accept stick positions; values that are not finite are ignored.
 
         Args:
             pitch: Forward, -1 to 1.
@@ -303,7 +305,7 @@ class Autopilot:
         self._flight.sticks.receive(sticks, self._plant.time_us)
 
     def on_link_heartbeat(self, _source: object = None) -> None:
-        """Take the heartbeat of a ground station."""
+        """Accept the heartbeat of a ground station."""
         self._datalink.receive(self._plant.time_us)
 
     def _refresh_reports(self) -> None:

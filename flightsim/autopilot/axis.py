@@ -1,7 +1,7 @@
-"""Motion along one axis within limits of speed, acceleration and jerk, one tick at a time.
+"""Motion along one axis within limits of speed, acceleration and jerk, tick by tick.
 
 Both laws choose the acceleration at the end of the tick; the jerk is constant in between. Neither
-looks back, so goals and limits may change at any tick.
+has memory, so goals and limits may change at any tick.
 
 | symbol | meaning                                             |
 |--------|-----------------------------------------------------|
@@ -31,13 +31,13 @@ class AxisMotion:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether it has arrived at 0 and stays."""
+        """Whether the point rests at the goal."""
         return self.x == 0.0 and self.v == 0.0 and self.a == 0.0
 
     def step_to_goal(
         self, v_max: float, a_max: float, j_max: float, dt: float, v_exit: float = 0.0
     ) -> None:
-        """Move one tick towards x = 0; comes to rest there exactly if `v_exit` is 0."""
+        """Move one tick towards x = 0; the point comes to rest exactly there if `v_exit` is 0."""
         x, v, a = self.x, self.v, self.a
         step = j_max * dt
         if abs(v) <= 0.5 * step * dt and abs(a) <= step and abs(x) <= 1e-4 + step * dt * dt:
@@ -58,18 +58,18 @@ class AxisMotion:
 
 
 def braking_distance(v: float, a: float, v_exit: float, a_max: float, j_max: float) -> float:
-    """Distance covered while slowing to `v_exit` as fast as the limits allow.
+    """Distance covered while slowing down to `v_exit` as fast as the limits allow.
 
     Args:
         v: Velocity towards the goal.
         a: Acceleration towards the goal.
-        v_exit: Velocity wanted at the goal, not negative.
+        v_exit: Desired velocity at the goal, not negative.
         a_max: Limit of deceleration.
         j_max: Limit of jerk.
 
     Returns:
-        The distance, signed; if the velocity is to rise to reach `v_exit`, the distance until
-        the acceleration has faded, which binds nothing.
+        The signed distance; if the velocity must rise to reach `v_exit`, the distance until
+        the acceleration has faded, which constrains nothing.
     """
     v -= v_exit
     t1 = abs(a) / j_max
@@ -95,10 +95,10 @@ def braking_distance(v: float, a: float, v_exit: float, a_max: float, j_max: flo
 def acceleration_towards_velocity(
     v: float, a: float, v_goal: float, a_max: float, j_max: float, dt: float
 ) -> float:
-    """Acceleration at the end of a tick that reaches a velocity soon and without overshoot.
+    """Acceleration at the end of a tick that reaches a velocity fast without overshoot.
 
-    It is the one from which fading out at full jerk ends exactly at `v_goal`, as far as the
-    limits let it be reached within the tick.
+    Fading it out at full jerk ends exactly at `v_goal`, as far as the limits let it be reached
+    within the tick.
     """
     missing = v_goal - v - 0.5 * a * dt
     h = 0.5 * dt
@@ -119,7 +119,7 @@ def acceleration_towards_goal(
     dt: float,
     v_exit: float = 0.0,
 ) -> float:
-    """Acceleration at the end of a tick that reaches x = 0 soon and without overshoot.
+    """Acceleration at the end of a tick that reaches x = 0 fast without overshoot.
 
     Args:
         x: Position; negative before the goal.
@@ -128,17 +128,17 @@ def acceleration_towards_goal(
         v_max: Speed limit.
         a_max: Acceleration limit.
         j_max: Jerk limit.
-        dt: Tick.
-        v_exit: Speed at which the goal may be passed; after it, the motion turns back.
+        dt: Length of the tick.
+        v_exit: Speed at which the goal may be passed; the motion turns back after it.
 
     Returns:
-        The acceleration; it may exceed `a_max` only while it comes down from a larger one.
+        The acceleration; it exceeds `a_max` only while coming down from a larger one.
     """
     if x >= 0.0:
         v_exit = 0.0
     if x + braking_distance(v, a, v_exit, a_max, j_max) > 0.0:
         if v_exit > 0.0:
-            # Too fast for the exit: the exit speed is only a wish, so brake as hard as allowed.
+            # Too fast for the exit speed, which is only a wish: brake as hard as allowed.
             return acceleration_towards_velocity(v, a, v_exit, a_max, j_max, dt)
         return -_approach(-x, -v, -a, v_max, a_max, j_max, dt, 0.0)
     return _approach(x, v, a, v_max, a_max, j_max, dt, v_exit)
@@ -154,7 +154,7 @@ def _approach(
     dt: float,
     v_exit: float,
 ) -> float:
-    """The law for a motion that, braking now, would stop before the goal at x = 0."""
+    """Acceleration of a motion that, braking now, would stop before the goal at x = 0."""
 
     def overshoot(a_next: float) -> float:
         v_next = v + 0.5 * (a + a_next) * dt
@@ -169,7 +169,7 @@ def _approach(
     over_slow = overshoot(slow)
     if over_slow >= 0.0:
         return slow
-    # Illinois: keep the bracket, halve the value at an end that stays.
+    # Illinois method: keep the bracket, halve the value at an end that stays.
     for _ in range(_N_SECANT_STEPS):
         middle = slow - over_slow * (fast - slow) / (over_fast - over_slow)
         over = overshoot(middle)

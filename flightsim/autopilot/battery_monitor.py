@@ -1,4 +1,4 @@
-"""Watches the battery and says when it runs low."""
+"""Battery monitor: reports the charge and warns when it runs low."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TEXTS = {
 
 
 class BatteryMonitor:
-    """The battery's view for reports, with a warning level that only rises in flight."""
+    """Battery state for reports, with a warning level that only rises in flight."""
 
     def __init__(self, parameters: Parameters, events: EventLog, n_cells: int) -> None:
         self._parameters = parameters
@@ -33,7 +33,7 @@ class BatteryMonitor:
         )
 
     def update(self, battery: BatteryLike, *, is_armed: bool) -> None:
-        """Read the battery; say so when it reaches the next warning level."""
+        """Read the battery; announce when it reaches the next warning level."""
         remaining = battery.remaining
         level = self._level(remaining)
         if level > self.warning and level in _TEXTS:

@@ -1,4 +1,4 @@
-"""A reference around a circle, at a speed that builds up and fades smoothly."""
+"""Reference motion around a circle, whose speed builds up and fades smoothly."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flightsim.autopilot.limits import MotionLimits
 
 
 class CircleMotion:
-    """A point on a horizontal circle."""
+    """A point that moves on a horizontal circle."""
 
     def __init__(self, centre_enu_m: Vector3, radius_m: float, *, is_clockwise: bool) -> None:
         self.centre_enu_m = centre_enu_m
@@ -18,7 +18,7 @@ class CircleMotion:
         self._sign = -1.0 if is_clockwise else 1.0
         self._start_rad = 0.0
         self._arc = AxisMotion()
-        """Arc length from the start, m, in the direction of flight."""
+        """Arc length from the start in m, in the direction of flight."""
 
     @property
     def angle_rad(self) -> float:
@@ -27,11 +27,11 @@ class CircleMotion:
 
     @property
     def turns(self) -> float:
-        """Turns flown so far."""
+        """Number of turns flown so far."""
         return self._arc.x / (2.0 * pi * self.radius_m)
 
     def entry_from(self, position_enu_m: Vector3) -> Vector3:
-        """Start at the point of the circle nearest to a position, and return it."""
+        """Start at the circle's point nearest to a position, and return that point."""
         x, y, _ = position_enu_m
         cx, cy, cz = self.centre_enu_m
         self._start_rad = atan2(y - cy, x - cx)

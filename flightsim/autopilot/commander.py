@@ -1,4 +1,4 @@
-"""Commander: who is in charge. Arming, mode changes, and what the vehicle does each tick."""
+"""Commander: arming, mode changes and the vehicle's action in each tick."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _WITHOUT_REFERENCES = (Offboard, Manual, Descend)
 _ONE_FLIGHT_MODES = frozenset(
     {Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.DESCEND, Mode.TERMINATION}
 )
-"""Modes that end with the flight: a disarmed vehicle is in hold instead."""
+"""Modes that end with the flight: disarming switches them to hold."""
 _ACTION_MODES = {
     Action.HOLD: Mode.HOLD,
     Action.RETURN: Mode.RETURN,
@@ -32,20 +32,20 @@ _ACTION_MODES = {
 }
 
 _MEASURES = {Mode.RETURN: Action.RETURN, Mode.LAND: Action.LAND, Mode.DESCEND: Action.DESCEND}
-"""Modes that are themselves as strong a measure as an action."""
+"""Modes that are themselves as strong as a failsafe action."""
 
 
 class Commander:
-    """The state of the vehicle as a whole.
+    """State of the vehicle as a whole.
 
     Attributes:
         mode: Present mode.
         is_armed: Whether the rotors may turn.
-        behaviour: How the present mode flies.
-        armed_at_us: When it was armed; None while disarmed.
-        took_off_at_us: When it left the ground in this armed period, if it did.
-        n_arms: How often it has been armed.
-        failsafe: Why the present mode was entered, if a failsafe chose it.
+        behaviour: Behaviour that flies the present mode.
+        armed_at_us: Time of arming; None while disarmed.
+        took_off_at_us: Time of takeoff in this armed period, if any.
+        n_arms: Number of times that the vehicle has been armed.
+        failsafe: Reason of the failsafe that chose the present mode, if one did.
     """
 
     def __init__(self, flight: Flight, checks: ArmingChecks, failsafes: Failsafes) -> None:
@@ -66,7 +66,7 @@ class Commander:
         self._is_resting = False
 
     def arm(self, *, is_forced: bool) -> Reply:
-        """Let the rotors turn, unless a check speaks against it."""
+        """Let the rotors turn, unless a check forbids it."""
         if self.is_armed:
             return ACCEPTED
         events = self._flight.events
@@ -95,7 +95,7 @@ class Commander:
         return ACCEPTED
 
     def disarm(self, *, is_forced: bool, why: str = "external command") -> Reply:
-        """Stop the rotors; in the air only if forced."""
+        """Stop the rotors; in the air only with `is_forced`."""
         if not self.is_armed:
             return ACCEPTED
         if not (self._flight.vehicle.is_landed or is_forced):
@@ -117,11 +117,11 @@ class Commander:
         return ACCEPTED
 
     def request(self, mode: Mode, behaviour: Behaviour | None = None) -> Reply:
-        """Change the mode because a client asks for it.
+        """Change the mode at a client's request.
 
         Args:
             mode: The mode.
-            behaviour: How to fly in it, unless as usual.
+            behaviour: Behaviour in that mode, if not the usual one.
         """
         is_restart = mode is Mode.HOLD or (
             mode is Mode.MISSION and self._flight.mission.is_finished
@@ -142,12 +142,12 @@ class Commander:
         return ACCEPTED
 
     def terminate(self) -> None:
-        """Stop the rotors for good, wherever the vehicle is."""
+        """Stop the rotors irrevocably, wherever the vehicle is."""
         self._flight.events.say(Severity.EMERGENCY, "Flight termination")
         self._enter(Mode.TERMINATION, None)
 
     def tick(self) -> Setpoint:
-        """One tick of the present behaviour."""
+        """Run one tick of the present behaviour."""
         if not self.is_armed:
             return OFF
         self._follow_landing()
@@ -163,7 +163,7 @@ class Commander:
         return setpoint if self.is_armed and self.mode is not Mode.TERMINATION else OFF
 
     def guard(self) -> None:
-        """Look for failsafe conditions and act on new ones; a few times a second suffice."""
+        """Check failsafe conditions and act on new ones; a few times a second suffice."""
         flight = self._flight
         self._failsafes.watch_links()
         if not self.is_armed or self.mode is Mode.TERMINATION:
@@ -194,7 +194,7 @@ class Commander:
         self.failsafe = None
 
     def _follow_landing(self) -> None:
-        """Notice that the vehicle left the ground or came back to it."""
+        """Track takeoff and landing."""
         is_landed = self._flight.vehicle.is_landed
         if is_landed == self._was_landed:
             return
@@ -209,7 +209,7 @@ class Commander:
     def _rests(self) -> bool:
         """Whether the ground carries a descending vehicle, so that its rotors should idle.
 
-        Holding attitude and position against the ground makes a vehicle dance on it.
+        Controlling attitude and position against the ground makes a vehicle dance on it.
         """
         flight = self._flight
         is_resting = flight.land_detector.has_contact and self.behaviour.may_rest
@@ -219,7 +219,7 @@ class Commander:
         return is_resting
 
     def _lifts_off(self) -> bool:
-        """Whether a landed vehicle goes up now; else its rotors idle."""
+        """Whether a landed vehicle takes off now; else its rotors idle."""
         spooled_us = self._flight.vehicle.time_us - (self.armed_at_us or 0)
         is_ready = (
             spooled_us >= 1e6 * self._flight.parameters["COM_SPOOLUP_TIME"]
@@ -234,7 +234,7 @@ class Commander:
         return is_ready
 
     def _disarm_if_forgotten(self) -> None:
-        """Disarm a vehicle that has landed, that nobody flies or that cannot leave the ground."""
+        """Disarm a vehicle that has landed, is flown by nobody or cannot leave the ground."""
         p = self._flight.parameters
         self._standing_s += TICK_S
         is_in_mission = self.mode is Mode.MISSION and not self._flight.mission.is_finished
@@ -260,7 +260,7 @@ class Commander:
         self.request(mode)
 
     def _act(self, reason: FailsafeReason, action: Action) -> None:
-        """Do what a new failsafe condition asks for, unless something stronger is under way."""
+        """Execute the action of a new failsafe condition, unless a stronger one is underway."""
         flight = self._flight
         if action is Action.WARN:
             if reason in BATTERY_REASONS:

@@ -1,4 +1,4 @@
-"""What the autopilot tells the outside without being asked."""
+"""Events that the autopilot reports without being asked."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Severity(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Statustext:
-    """A line for people."""
+    """Line of text for people."""
 
     time_us: int
     severity: Severity
@@ -42,7 +42,7 @@ Event = Statustext | MissionItemReached
 
 
 class EventLog:
-    """Events waiting to be fetched; bounded, and deaf to the same text within `quiet_us`."""
+    """Bounded queue of events; ignores a text that is repeated within `quiet_us`."""
 
     def __init__(self, *, capacity: int = 256, quiet_us: int = 2_000_000) -> None:
         self.time_us = 0
@@ -51,7 +51,7 @@ class EventLog:
         self._last_said_us: dict[str, int] = {}
 
     def say(self, severity: Severity, text: str) -> None:
-        """Queue a line, unless the same line was queued just before."""
+        """Queue a text, unless the same one was queued just before."""
         last_us = self._last_said_us.get(text)
         if last_us is not None and self.time_us - last_us < self._quiet_us:
             return
@@ -65,7 +65,7 @@ class EventLog:
         self._waiting.append(MissionItemReached(self.time_us, index))
 
     def pop(self) -> list[Event]:
-        """All waiting events, oldest first; they are waiting no longer."""
+        """Remove and return all queued events, oldest first."""
         if not self._waiting:
             return []
         events = list(self._waiting)

@@ -1,7 +1,7 @@
-"""What can go wrong in flight, and what is to be done about it.
+"""Failsafe conditions, and the action that each one demands.
 
-Each condition is looked at on its own; a new or a worse one asks for an action, once. What follows
-from the action is the commander's business, and a client may overrule it.
+Conditions are checked independently; a new or a worse one demands an action, once. The
+commander decides what follows from the action, and a client may override it.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from flightsim.autopilot.streams import DatalinkWatch
 
 @unique
 class Action(IntEnum):
-    """What a failsafe asks for; a greater number is the stronger measure."""
+    """Action that a failsafe demands; a greater number is stronger."""
 
     WARN = 0
     HOLD = 1
     STICKS = 2
-    """Back to the pilot: position mode, or hold while there are no sticks."""
+    """Return control to the pilot: position mode, or hold while there are no sticks."""
     RETURN = 3
     LAND = 4
     DESCEND = 5
@@ -48,7 +48,7 @@ _LINK_ACTIONS = {
     5: Action.TERMINATE,
     6: Action.DISARM,
 }
-"""NAV_DLL_ACT and NAV_RCL_ACT."""
+"""Actions of NAV_DLL_ACT and NAV_RCL_ACT."""
 _OFFBOARD_ACTIONS = {
     0: Action.STICKS,
     1: Action.STICKS,
@@ -73,14 +73,14 @@ BATTERY_REASONS = frozenset(
         FailsafeReason.BATTERY_EMERGENCY,
     }
 )
-"""The battery monitor has its own words for these."""
+"""Reasons that the battery monitor announces in its own words."""
 _GOING_DOWN = frozenset({Mode.RETURN, Mode.LAND, Mode.DESCEND, Mode.TERMINATION})
 _POSITION_GRACE_S = 0.5
 _SHORTEST_GAP_S = 0.1
 
 
 class Failsafes:
-    """Conditions that are present, and the actions that new ones ask for."""
+    """Present conditions and the actions that new ones demand."""
 
     def __init__(self, flight: Flight, battery: BatteryMonitor, datalink: DatalinkWatch) -> None:
         self._flight = flight
@@ -105,7 +105,7 @@ class Failsafes:
 
     @property
     def reason(self) -> FailsafeReason | None:
-        """The present condition with the strongest measure; None if none asks for any."""
+        """Present condition with the strongest action; None if none demands any."""
         worst = max(self._present, key=lambda reason: self._present[reason], default=None)
         return None if worst is None or self._present[worst] is Action.WARN else worst
 
@@ -116,7 +116,7 @@ class Failsafes:
         self._position_lost_us = self._toppled_us = None
 
     def watch_links(self) -> None:
-        """Say when ground stations fall silent or come back; armed or not."""
+        """Announce when ground stations fall silent or return, armed or not."""
         is_lost = self._datalink.is_lost(self._flight.vehicle.time_us)
         if is_lost != self._was_link_lost:
             self._was_link_lost = is_lost
@@ -125,10 +125,10 @@ class Failsafes:
             self._flight.events.say(severity, f"Connection to ground station {text}")
 
     def update(self, mode: Mode) -> list[tuple[FailsafeReason, Action]]:
-        """Look at all conditions of an armed vehicle.
+        """Check all conditions of an armed vehicle.
 
         Returns:
-            Conditions that are new or worse than before, with what they ask for; strongest first.
+            Conditions that are new or worse than before and their actions, strongest first.
         """
         now_us = self._flight.vehicle.time_us
         self._had_sticks = self._had_sticks or self._flight.sticks.is_alive(now_us)

@@ -1,4 +1,4 @@
-"""Geofences and rally points: what ground stations upload, in metres once it is stored."""
+"""Geofences and rally points uploaded by ground stations, stored in metres."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _CIRCLES = {Cmd.FENCE_CIRCLE_INCLUSION: True, Cmd.FENCE_CIRCLE_EXCLUSION: False}
 
 @dataclass(frozen=True, slots=True)
 class PolygonFence:
-    """A closed polygon in the horizontal plane, ENU m; stay inside or stay outside."""
+    """Closed polygon in the horizontal plane, ENU m; the vehicle must stay inside or outside."""
 
     vertices_enu_m: tuple[Point2, ...]
     is_inclusion: bool
@@ -46,7 +46,7 @@ class PolygonFence:
 
 @dataclass(frozen=True, slots=True)
 class CircleFence:
-    """A circle in the horizontal plane, ENU m; stay inside or stay outside."""
+    """Circle in the horizontal plane, ENU m; the vehicle must stay inside or outside."""
 
     centre_enu_m: Point2
     radius_m: float
@@ -59,7 +59,7 @@ class CircleFence:
 
 
 class FenceStore:
-    """The uploaded fence. A place is allowed inside any inclusion and outside all exclusions."""
+    """Uploaded fence: a place is allowed inside any inclusion and outside all exclusions."""
 
     def __init__(self, frame: LocalFrame) -> None:
         self._frame = frame
@@ -72,10 +72,10 @@ class FenceStore:
         return len(self.items)
 
     def replace(self, items: Iterable[MissionItem]) -> None:
-        """Store a new fence.
+        """Replace the fence.
 
         Raises:
-            MissionError: If an item is no fence, or a polygon is incomplete; the old one remains.
+            MissionError: If an item is no fence or a polygon is incomplete; the old fence remains.
         """
         candidate = tuple(items)
         if len(candidate) > MAX_FENCE_ITEMS:
@@ -90,11 +90,11 @@ class FenceStore:
         self._has_inclusion = any(fence.is_inclusion for fence in self.fences)
 
     def clear(self) -> None:
-        """Forget the fence."""
+        """Remove the fence."""
         self.replace(())
 
     def allows(self, position_enu_m: Vector3) -> bool:
-        """Whether the fence lets the vehicle be here."""
+        """Whether the fence allows a position."""
         if not self.fences:
             return True
         east_m, north_m, _ = position_enu_m
@@ -108,7 +108,7 @@ class FenceStore:
 
 
 class RallyStore:
-    """Uploaded safe places to return to."""
+    """Uploaded rally points: safe places to return to."""
 
     def __init__(self, frame: LocalFrame) -> None:
         self._frame = frame
@@ -120,7 +120,7 @@ class RallyStore:
         return len(self.items)
 
     def replace(self, items: Iterable[MissionItem]) -> None:
-        """Store new rally points.
+        """Replace the rally points.
 
         Raises:
             MissionError: If an item is no rally point; the old ones remain.
@@ -142,7 +142,7 @@ class RallyStore:
         self.revision += 1
 
     def clear(self) -> None:
-        """Forget the rally points."""
+        """Remove the rally points."""
         self.replace(())
 
 

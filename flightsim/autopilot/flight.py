@@ -1,4 +1,4 @@
-"""What all flight behaviours share: the vehicle, its references, its limits."""
+"""State shared by all flight behaviours: the vehicle, its references and its limits."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _MIN_BEARING_DISTANCE_M = 1.0
 
 
 class Flight:
-    """State and means of flying that outlive a single behaviour.
+    """State and means of flight that outlive a single behaviour.
 
     Attributes:
         path: Position reference of automatic flight.
         heading: Yaw reference.
         limits: Limits of the references.
-        target_enu_m: Where the vehicle is flying to, for reports.
+        target_enu_m: Position that the vehicle flies to, for reports.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Flight:
         self.target_enu_m: Vector3 | None = None
 
     def move_home(self, position_enu_m: Vector3 | None, *, is_manual: bool = True) -> None:
-        """Set home to a place, or to where the vehicle is."""
+        """Set home to a position, or to the vehicle's."""
         position = self.vehicle.position_enu_m if position_enu_m is None else position_enu_m
         self.home = Home(
             position_enu_m=position,
@@ -65,7 +65,7 @@ class Flight:
         )
 
     def start_references_here(self) -> None:
-        """Let the references begin at the vehicle, at rest if it is landed."""
+        """Reset the references to the vehicle, at rest if it is landed."""
         vehicle = self.vehicle
         velocity = ZERO3 if vehicle.is_landed else vehicle.velocity_enu_mps
         self.path.reset(vehicle.position_enu_m, velocity)
@@ -74,7 +74,7 @@ class Flight:
     def follow_path(self) -> Setpoint:
         """Advance the references by one tick and return them as a setpoint.
 
-        The reference waits for a vehicle that falls behind, and starts over at one that is far.
+        The reference waits for a vehicle that lags, and restarts at one that is far away.
         """
         path = self.path
         (px, py, pz), (x, y, z) = path.position_enu_m, self.vehicle.position_enu_m
@@ -106,9 +106,9 @@ class Flight:
         )
 
     def follow(self, position: Vector3, velocity: Vector3, acceleration: Vector3) -> Setpoint:
-        """Setpoint of a reference other than the path (ENU), which begins there when next used.
+        """Setpoint of a reference other than the path (ENU); the path will continue from there.
 
-        The heading stays as it is; `turn` advances it.
+        The heading is not advanced; `turn` does that.
         """
         self.path.reset(position, velocity, acceleration)
         return self._setpoint(position, velocity, acceleration, ZERO3)
@@ -131,7 +131,7 @@ class Flight:
         self.heading.step(TICK_S, radians(p["MPC_YAWRAUTO_MAX"]), radians(p["MPC_YAWRAUTO_ACC"]))
 
     def face(self, target_enu_m: Vector3) -> None:
-        """Turn as MPC_YAW_MODE says for a flight to a target, unless it is near."""
+        """Turn as MPC_YAW_MODE demands for a flight to a target, unless it is near."""
         mode = self.parameters["MPC_YAW_MODE"]
         x, y, _ = self.path.position_enu_m
         if mode == 3:

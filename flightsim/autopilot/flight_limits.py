@@ -1,4 +1,4 @@
-"""Motion limits from parameters, and the speeds that clients and missions ask for."""
+"""Motion limits from parameters, and speeds requested by clients and missions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flightsim.autopilot.parameters import Parameters
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Speeds:
-    """Speeds of automatic flight that a client or a mission asks for; None is the parameter's."""
+    """Requested speeds of automatic flight; None uses the parameter."""
 
     cruise_mps: float | None = None
     climb_mps: float | None = None
@@ -23,7 +23,7 @@ class FlightLimits:
     Attributes:
         automatic: Limits of automatic flight.
         takeoff: Limits of a takeoff.
-        sticks: Limits of position and altitude mode.
+        sticks: Limits of position and altitude modes.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -34,7 +34,7 @@ class FlightLimits:
 
     @property
     def speeds(self) -> Speeds:
-        """Speeds asked for; setting them takes effect at once."""
+        """Requested speeds; setting them takes effect at once."""
         return self._speeds
 
     @speeds.setter

@@ -1,4 +1,4 @@
-"""Requests to fly somewhere: takeoff, landing, reposition, orbit, heading, speed, home."""
+"""Guided requests: takeoff, landing, reposition, orbit, heading, speed and home."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LEAST_CLIMB_M = 0.3
 
 
 class Guided:
-    """Turns places on the globe into behaviours, and refuses those that make no sense."""
+    """Converts geodetic requests into behaviours, and refuses those that make no sense."""
 
     def __init__(self, flight: Flight, commander: Commander) -> None:
         self._flight = flight
@@ -38,9 +38,9 @@ class Guided:
         latitude_deg: float | None = None,
         longitude_deg: float | None = None,
     ) -> Reply:
-        """Climb, once armed, then go to a place if one is given.
+        """Climb, once armed, then fly to a place if one is given.
 
-        Without an altitude it climbs by MIS_TAKEOFF_ALT, without a yaw it keeps the heading.
+        Without an altitude it climbs by MIS_TAKEOFF_ALT; without a yaw it keeps the heading.
         """
         height_m = None
         if altitude_amsl_m is not None:
@@ -63,7 +63,7 @@ class Guided:
         longitude_deg: float | None = None,
         yaw_rad: float | None = None,
     ) -> Reply:
-        """Land at a place, or here."""
+        """Land at a place, or at the present position."""
         place = self._place(latitude_deg, longitude_deg)
         if place is not None and not hypot(*place) <= _FARTHEST_M:
             return denied("landing place is out of range")
@@ -90,7 +90,7 @@ class Guided:
         return reply
 
     def orbit(self, centre: Geodetic, *, radius_m: float, speed_mps: float) -> Reply:
-        """Circle a centre; a positive radius is clockwise. NaN in the centre is here."""
+        """Circle a centre, clockwise if `radius_m` > 0; NaN in the centre means the vehicle's."""
         flight = self._flight
         if not self._commander.is_armed:
             return rejected("orbit denied: not armed")
@@ -104,7 +104,7 @@ class Guided:
         return self._commander.request(Mode.ORBIT, orbit)
 
     def set_yaw(self, yaw_rad: float, *, rate_radps: float | None = None) -> Reply:
-        """Take a heading while holding."""
+        """Turn to a heading while holding."""
         behaviour = self._commander.behaviour
         if not isinstance(behaviour, Hold) or not self._commander.is_armed or not isfinite(yaw_rad):
             return rejected("a heading can only be set while holding")
@@ -113,14 +113,14 @@ class Guided:
         return ACCEPTED
 
     def set_speed(self, speed_mps: float | None) -> Reply:
-        """Fly automatically at a speed; None is MPC_XY_CRUISE."""
+        """Set the speed of automatic flight; None restores MPC_XY_CRUISE."""
         if speed_mps is not None and not 0.0 < speed_mps <= 100.0:
             return denied(f"speed {speed_mps} m/s is out of range; valid are 0 to 100")
         self._flight.limits.speeds = Speeds(cruise_mps=speed_mps)
         return ACCEPTED
 
     def set_home(self, place: Geodetic | None) -> Reply:
-        """Set home to a place, or to here."""
+        """Set home to a place, or to the present position."""
         if place is None and not self._flight.vehicle.is_position_ok:
             return rejected("no valid position estimate")
         position = None if place is None else self._flight.frame.enu_from_geodetic(place)
@@ -130,7 +130,7 @@ class Guided:
         return ACCEPTED
 
     def _filled(self, position_enu_m: Vector3) -> Vector3:
-        """A position with the vehicle's own coordinates where it has NaN."""
+        """A position with NaN replaced by the vehicle's own coordinates."""
         x, y, z = position_enu_m
         here = self._flight.vehicle.position_enu_m
         return (

@@ -1,4 +1,4 @@
-"""Yaw of the reference: turns the shorter way, with limited rate and acceleration."""
+"""Yaw reference: turns the shorter way within limits of rate and acceleration."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import pi
 from flightsim.autopilot.axis import AxisMotion
 
 _JERK_PER_ACCELERATION = 4.0
-"""The rate takes a quarter of a second to build up to full acceleration."""
+"""Ratio that lets the acceleration build up in a quarter of a second."""
 
 
 def wrap_angle(angle_rad: float) -> float:
@@ -16,13 +16,13 @@ def wrap_angle(angle_rad: float) -> float:
 
 
 class HeadingMotion:
-    """A heading on its way to another."""
+    """A heading on its way to a goal."""
 
     def __init__(self) -> None:
         self.yaw_rad = 0.0
         self.goal_yaw_rad = 0.0
         self.rate_limit_radps: float | None = None
-        """Slower than usual, if given."""
+        """Rate limit below the usual one, if any."""
         self._motion = AxisMotion()
 
     @property
@@ -32,7 +32,7 @@ class HeadingMotion:
 
     @property
     def remaining_rad(self) -> float:
-        """Angle left to turn."""
+        """Angle left to the goal."""
         return abs(wrap_angle(self.goal_yaw_rad - self.yaw_rad))
 
     def reset(self, yaw_rad: float) -> None:
@@ -55,7 +55,7 @@ class HeadingMotion:
         self.yaw_rad = wrap_angle(self.goal_yaw_rad + motion.x)
 
     def step_rate(self, rate_radps: float, dt: float, acceleration_max_radps2: float) -> None:
-        """Turn for one tick at a wanted rate; the goal comes along."""
+        """Turn for one tick at a given rate; the goal moves along."""
         motion = self._motion
         motion.x = self.yaw_rad
         jerk = _JERK_PER_ACCELERATION * acceleration_max_radps2

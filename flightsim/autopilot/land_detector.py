@@ -1,7 +1,7 @@
-"""Decides from estimates and commanded thrust whether the vehicle stands on something.
+"""Land detector: decides by estimates and commanded thrust whether something carries the vehicle.
 
-The reasoning is physics: a vehicle whose rotors carry clearly less than its weight and that does
-not sink is carried by something else. Contact sensors are not needed, nor the rangefinder.
+A vehicle whose rotors carry clearly less than its weight and that does not sink is carried by
+something else. No contact sensor is needed, nor the rangefinder.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.vehicle import TICK_S, Vehicle
 
 _CARRIED_FRACTION = 0.8
-"""Of the hover thrust. In the air the vehicle would sink at 2 m/s within a second."""
+"""Fraction of the hover thrust; in the air the vehicle would sink at 2 m/s within a second."""
 _CONTACT_NEAR_GROUND_S = 0.1
 _CONTACT_S = 0.4
 _NEAR_GROUND_M = 0.25
@@ -20,7 +20,7 @@ _TOUCH_S = 0.04
 _TOUCH_HEIGHT_M = 0.1
 _TOUCH_STOP_MPS = 0.2
 _BARE_DESCENT_MPS = -0.25
-"""A descent to a bare position is at least as fast, until it is stopped."""
+"""Least speed of a descent to a bare position, until it is stopped."""
 _FALL_MPS = 0.8
 _LANDED_S = 1.0
 _MAX_RATE_RADPS = 0.7
@@ -30,7 +30,7 @@ _LIFT_OFF_CLIMB_MPS = 0.25
 
 
 class LandDetector:
-    """Keeps `vehicle.is_landed`, and knows ground contact before that.
+    """Updates `vehicle.is_landed`, and detects ground contact before that.
 
     Attributes:
         has_contact: Whether something seems to carry the vehicle. It begins when a commanded
@@ -49,13 +49,13 @@ class LandDetector:
     def update(
         self, vehicle: Vehicle, *, is_armed: bool, is_descending: bool, commanded_up_mps: float
     ) -> bool:
-        """Take a tick in, and return whether the vehicle is landed.
+        """Process one tick, and return whether the vehicle is landed.
 
         Args:
-            vehicle: Its estimates; `is_landed` is written.
+            vehicle: Estimates of the vehicle; `is_landed` is written.
             is_armed: Whether the rotors may turn.
             is_descending: Whether the present behaviour leads down.
-            commanded_up_mps: Vertical speed asked of the inner loops; NaN if none was.
+            commanded_up_mps: Vertical speed commanded to the inner loops; NaN if none.
         """
         if vehicle.is_landed:
             vehicle.is_landed = not self._is_lifting_off(vehicle, is_armed=is_armed)

@@ -8,16 +8,16 @@ from math import hypot, inf, sqrt
 from autonomy.model.quadrotor import Vector3
 
 _ROOM_SHARE = 0.6
-"""Of the room in a corner that is used; the rest is for the deceleration that fades in the turn.
+"""Fraction of a corner's room that is used; the rest is for the deceleration fading in the turn.
 
-Measured over random corners: 0.8 leaves the next line by up to 0.37 m, 0.6 by 0.09 m, at the same
-mean duration.
+Measured over random corners: 0.8 misses the next line by up to 0.37 m, 0.6 by 0.09 m, in the
+same mean time.
 """
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MotionLimits:
-    """Limits of a reference; horizontal ones hold in each direction of the line's frame."""
+    """Limits of a reference; the horizontal ones hold in each direction of the line's frame."""
 
     speed_xy_mps: float
     speed_up_mps: float
@@ -55,9 +55,9 @@ def corner_speed(
 ) -> float:
     """Speed at which a corner may be entered `radius_m` before its waypoint.
 
-    The part of the velocity that is across the next line must be gone when the line is reached. The
-    part along it must be stoppable before that line's end or, where the path turns back, before it
-    leads back past the waypoint.
+    The velocity across the next line must vanish before that line is reached. The velocity along it
+    must be stoppable before that line's end or, where the path turns back, before it leads back
+    past the waypoint.
 
     Args:
         arriving: Unit vector of the line that ends at the waypoint.
@@ -82,7 +82,7 @@ def corner_speed(
 
 
 def stoppable_speed(distance_m: float, a_max: float, j_max: float) -> float:
-    """Greatest speed from which a stop fits into a distance, starting unaccelerated."""
+    """Greatest speed from which a stop fits into a distance, without initial acceleration."""
     # v sqrt(v/j) below v = a^2/j, else v^2/(2a) + v a/(2j).
     if distance_m <= a_max**3 / j_max**2:
         return (max(distance_m, 0.0) ** 2 * j_max) ** (1.0 / 3.0)

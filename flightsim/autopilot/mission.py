@@ -1,4 +1,4 @@
-"""The uploaded mission and how far it has been flown."""
+"""Uploaded mission and its progress."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = [
 
 
 class MissionStore:
-    """The uploaded mission and where the vehicle is in it."""
+    """The uploaded mission and the vehicle's progress in it."""
 
     def __init__(self) -> None:
         self.items: tuple[MissionItem, ...] = ()
@@ -26,17 +26,17 @@ class MissionStore:
         self.last_reached_index: int | None = None
         self.is_finished = False
         self.n_jumps: dict[int, int] = {}
-        """How often each jump has been taken."""
+        """Number of times that each jump was taken, by index."""
         self.revision = 0
-        """Grows with every change of the items."""
+        """Counter of changes to the items."""
         self.n_selections = 0
-        """Grows with every choice of an item by a client."""
+        """Counter of items selected by clients."""
 
     def __len__(self) -> int:
         return len(self.items)
 
     def replace(self, items: Iterable[MissionItem]) -> None:
-        """Store a new mission.
+        """Replace the mission.
 
         Raises:
             MissionError: If an item cannot be flown; the old mission remains.
@@ -48,16 +48,16 @@ class MissionStore:
         self.rewind()
 
     def clear(self) -> None:
-        """Forget the mission."""
+        """Remove the mission."""
         self.replace(())
 
     def rewind(self) -> None:
-        """Start over at the first item."""
+        """Restart at the first item."""
         self.select(0)
         self.last_reached_index = None
 
     def select(self, index: int) -> None:
-        """Go to an item because somebody wants it; a mission in flight follows."""
+        """Go to an item at a client's request; a mission in flight follows."""
         self.current_index = index
         self.is_finished = False
         self.n_jumps.clear()

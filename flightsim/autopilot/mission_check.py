@@ -1,4 +1,4 @@
-"""Refuses missions that cannot be flown, before they are stored."""
+"""Checks that refuse missions that cannot be flown, before they are stored."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def check_mission(items: tuple[MissionItem, ...]) -> None:
     """Refuse a mission that cannot be flown.
 
     Raises:
-        MissionError: Names the item, the parameter and what is valid.
+        MissionError: Names the item, the parameter and the valid values.
     """
     if len(items) > MAX_MISSION_ITEMS:
         raise MissionError(
@@ -52,7 +52,7 @@ def check_mission(items: tuple[MissionItem, ...]) -> None:
 
 
 def check_horizontal_place(index: int, item: MissionItem) -> None:
-    """Refuse an item whose x or y is no place.
+    """Refuse an item whose x or y is not a valid coordinate.
 
     Raises:
         MissionError: If a coordinate is NaN, infinite or off the globe.

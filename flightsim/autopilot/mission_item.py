@@ -1,7 +1,7 @@
-"""Mission items as ground stations write them, and what can be wrong with them.
+"""Mission items as ground stations write them, and the error for bad ones.
 
-The numbers of commands and frames are those of the common MAVLink mission protocol, which is the
-language that missions are written in; nothing else of MAVLink is here.
+Commands and frames have the numbers of the common MAVLink mission protocol, the language
+in which missions are written; nothing else of MAVLink is used here.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from enum import Enum, IntEnum, unique
 
 
 class Cmd(IntEnum):
-    """Mission commands that act, and those that are accepted and have nothing to act on."""
+    """Mission commands that act, and those that are accepted without effect."""
 
     WAYPOINT = 16
     LOITER_UNLIMITED = 17
@@ -49,21 +49,21 @@ PLACE_COMMANDS = frozenset(
         Cmd.TAKEOFF,
     },
 )
-"""Items that fly somewhere."""
+"""Items that fly to or at a place."""
 
 IGNORED_COMMANDS = frozenset(
     # servo, relay, region of interest, camera, gimbal, gripper, parachute off, video, trigger
     {181, 182, 183, 184, 195, 196, 197, 201, 202, 203, 204, 205, 206, 207, 211, 214, 530, 531, 532}
     | {1000, 1001, 2000, 2001, 2003, 2500, 2501},
 )
-"""Items for payloads that this vehicle does not carry: taken, and skipped in flight."""
+"""Items for payloads that this vehicle does not carry: accepted, and skipped in flight."""
 
 FRAME_GLOBAL = frozenset({0, 5})
-"""Altitude above mean sea level."""
+"""Frames with altitude above mean sea level."""
 FRAME_RELATIVE = frozenset({3, 6})
-"""Altitude above home."""
+"""Frames with altitude above home."""
 FRAME_TERRAIN = frozenset({10, 11})
-"""Altitude above terrain, which is taken as that of home."""
+"""Frames with altitude above terrain, which is assumed at the height of home."""
 FRAME_LOCAL_NED = 1
 FRAME_MISSION = 2
 FRAME_LOCAL_ENU = 4
@@ -72,7 +72,7 @@ GEODETIC_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
 
 @unique
 class MissionFault(Enum):
-    """What kind of thing is wrong with an item."""
+    """Category of an error in an item."""
 
     UNSUPPORTED_COMMAND = "unsupported command"
     UNSUPPORTED_FRAME = "unsupported frame"
@@ -82,11 +82,11 @@ class MissionFault(Enum):
 
 
 class MissionError(ValueError):
-    """Items were refused; the ones stored before remain.
+    """Items were refused; the stored ones remain.
 
     Attributes:
-        fault: What kind of thing is wrong.
-        index: Index of the first bad item, or None if it is the whole list.
+        fault: Category of the error.
+        index: Index of the first bad item, or None if the whole list is bad.
         param: 1 to 7, the bad parameter of that item (5, 6, 7 are x, y, z), or None.
     """
 
@@ -101,7 +101,7 @@ class MissionError(ValueError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MissionItem:
-    """One item of a mission, fence or rally list, as it travels.
+    """One item of a mission, fence or rally list, as transferred.
 
     `x`, `y` are latitude and longitude in degrees in global frames, else metres of the local
     frame that `frame` names. NaN in a parameter means "not given".
@@ -125,7 +125,7 @@ class MissionItem:
 
     @property
     def is_here(self) -> bool:
-        """Whether the item names no horizontal place and means wherever the vehicle is."""
+        """Whether the item names no horizontal place and so means the vehicle's."""
         return (
             math.isnan(self.x)
             or math.isnan(self.y)

@@ -1,4 +1,4 @@
-"""Where mission items are, in local metres, and whether a mission can be flown from here."""
+"""Positions of mission items in local metres, and obstacles to flying a mission from here."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PASSED_OVER = IGNORED_COMMANDS | {Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOM
 
 
 def place_of(item: MissionItem, flight: Flight) -> Vector3:
-    """ENU position of an item that flies somewhere; what it leaves open is where the path is."""
+    """ENU position of an item that flies somewhere; missing coordinates are the path's."""
     here = flight.path.position_enu_m
     home_m = 0.0 if flight.home is None else flight.home.position_enu_m[2]
     if item.is_geodetic:
@@ -42,7 +42,7 @@ def yaw_of(compass_deg: float) -> float | None:
 
 
 def place_after(index: int, flight: Flight, height_enu_m: float) -> Vector3 | None:
-    """Where the mission goes on after an item at a height; None if it must stop there first."""
+    """Next position after an item at a height; None if the mission must stop there first."""
     for item in flight.mission.items[index + 1 :]:
         if item.command in _PASSED_OVER:
             continue
@@ -57,7 +57,7 @@ def place_after(index: int, flight: Flight, height_enu_m: float) -> Vector3 | No
 
 
 def mission_obstacle(flight: Flight) -> str | None:
-    """Why the mission cannot be flown from here, or None if it can."""
+    """Reason why the mission cannot be flown from here, or None if it can."""
     if not flight.mission.items:
         return "no valid mission uploaded"
     p = flight.parameters
@@ -77,7 +77,7 @@ def mission_obstacle(flight: Flight) -> str | None:
 
 
 def fence_breach(flight: Flight, position_enu_m: Vector3) -> str | None:
-    """How a position lies outside the geofence, or None if it is inside."""
+    """Description of a position outside the geofence, or None if it is inside."""
     p = flight.parameters
     farthest_m, highest_m = p["GF_MAX_HOR_DIST"], p["GF_MAX_VER_DIST"]
     home = flight.home

@@ -1,4 +1,4 @@
-"""Which modes may be entered now, and how each of them flies."""
+"""Mode entry: modes that may be entered now, and the behaviour of each."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ _BEHAVIOURS: dict[Mode, Callable[[Flight], Behaviour]] = {
     Mode.STABILIZED: partial(Manual, is_acro=False),
     Mode.ACRO: partial(Manual, is_acro=True),
 }
-"""How each mode flies unless a request says more; hold for the others."""
+"""Behaviour of each mode unless a request demands another; hold for the rest."""
 
 
 def behaviour_of(mode: Mode, flight: Flight) -> Behaviour:
-    """A new behaviour for a mode."""
+    """Create the behaviour of a mode."""
     return _BEHAVIOURS.get(mode, Hold)(flight)
 
 
@@ -47,7 +47,7 @@ def may_enter(mode: Mode, flight: Flight, *, is_armed: bool, is_bare: bool) -> R
         mode: The mode.
         flight: Shared state.
         is_armed: Whether the vehicle is armed.
-        is_bare: Whether nothing but the mode was asked for, no place and no circle.
+        is_bare: Whether the request has only a mode, without place or circle.
     """
     now_us = flight.vehicle.time_us
     if mode in {Mode.DESCEND, Mode.TERMINATION} or (mode is Mode.ORBIT and is_bare):

@@ -1,4 +1,4 @@
-"""What the autopilot can be doing, free of any protocol's numbers."""
+"""Modes and states of the autopilot, independent of any protocol's numbers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import Enum, IntEnum, unique
 
 @unique
 class Mode(Enum):
-    """Flight modes, named as pilots know them; the value is the text shown to people."""
+    """Flight modes; the value is the text shown to people."""
 
     MANUAL = "Manual"
     STABILIZED = "Stabilized"
@@ -22,18 +22,18 @@ class Mode(Enum):
     OFFBOARD = "Offboard"
     ORBIT = "Orbit"
     DESCEND = "Descend"
-    """Blind descent of a failsafe, when no position is known; never chosen by a client."""
+    """Blind descent of a failsafe without a position; clients cannot choose it."""
     TERMINATION = "Termination"
-    """Rotors stopped for good; left only by disarming."""
+    """Rotors stopped irrevocably; only disarming leaves this mode."""
 
 
 STICK_MODES = frozenset(
     {Mode.MANUAL, Mode.STABILIZED, Mode.ACRO, Mode.ALTITUDE, Mode.POSITION},
 )
-"""Modes in which a pilot's sticks steer."""
+"""Modes steered by a pilot's sticks."""
 
 THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
-"""Modes in which the throttle is thrust, so that they cannot do without sticks."""
+"""Modes in which the throttle is thrust, so that they need sticks."""
 
 POSITION_MODES = frozenset(
     {
@@ -51,7 +51,7 @@ POSITION_MODES = frozenset(
 
 @unique
 class LandedState(Enum):
-    """Where the vehicle is between ground and air."""
+    """Phase of the vehicle between ground and air."""
 
     ON_GROUND = "on ground"
     TAKEOFF = "takeoff"
@@ -61,7 +61,7 @@ class LandedState(Enum):
 
 @unique
 class SystemState(Enum):
-    """How the vehicle is, as a heartbeat reports it."""
+    """State of the vehicle, as a heartbeat reports it."""
 
     STANDBY = "standby"
     ACTIVE = "active"
@@ -71,7 +71,7 @@ class SystemState(Enum):
 
 @unique
 class FailsafeReason(Enum):
-    """Why the autopilot took over; the value is the text shown to people."""
+    """Reason for a failsafe; the value is the text shown to people."""
 
     OFFBOARD_LOST = "offboard setpoints lost"
     DATALINK_LOST = "ground station lost"
@@ -86,7 +86,7 @@ class FailsafeReason(Enum):
 
 @unique
 class BatteryWarning(IntEnum):
-    """How worrying the battery is; ordered."""
+    """Severity of the battery's state, ordered."""
 
     NONE = 0
     LOW = 1

@@ -1,7 +1,7 @@
-"""The autopilot's parameters: PX4's names, typed, bounded, in a stable order.
+"""Parameters of the autopilot: PX4's names, typed and bounded, in a stable order.
 
-Values are what travels on the wire: 32-bit integers and 32-bit floats. What a refused value
-should have been stands in the error. The table itself is `parameters.csv`.
+Values are those of the wire: 32-bit integers and 32-bit floats. The error for a refused value
+says what is valid. The table is `parameters.csv`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _FLOAT32_MAX = 3.4028234663852886e38
 
 
 class ParameterError(ValueError):
-    """A parameter was asked for or set wrongly."""
+    """A parameter was requested or set wrongly."""
 
 
 class UnknownParameterError(ParameterError, KeyError):
@@ -32,16 +32,16 @@ class UnknownParameterError(ParameterError, KeyError):
 
 
 class ParameterValueError(ParameterError):
-    """The value is not a number, out of range or of the wrong kind."""
+    """The value is not a number, out of range or not whole."""
 
 
 class ReadOnlyParameterError(ParameterError):
-    """The parameter describes the simulated hardware."""
+    """The parameter describes simulated hardware."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ParameterSpec:
-    """What is fixed about a parameter."""
+    """Fixed properties of a parameter."""
 
     name: str
     type: Literal["int", "float"]
@@ -86,7 +86,7 @@ class Parameters:
     """Current values, read like a dictionary: `parameters["MIS_TAKEOFF_ALT"]`."""
 
     def __init__(self, **airframe_values: float) -> None:
-        """Start from the defaults, except for those that the airframe determines.
+        """Start with the defaults, except for values of the airframe.
 
         Args:
             airframe_values: Values that replace defaults; read-only parameters may be among them.
@@ -152,7 +152,7 @@ class Parameters:
         return self._names[index]
 
     def spec(self, name: str) -> ParameterSpec:
-        """What is fixed about a parameter.
+        """Fixed properties of a parameter.
 
         Raises:
             UnknownParameterError: If there is none of this name.
@@ -184,7 +184,7 @@ class Parameters:
         return stored
 
     def reset(self, *names: str) -> None:
-        """Return the named parameters, or all, to the values at the start."""
+        """Restore the initial values of the named parameters, or of all."""
         for name in names or self._names:
             self.spec(name)
             if self._values[name] != self._initial[name]:

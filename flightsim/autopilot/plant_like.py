@@ -1,7 +1,7 @@
-"""What the autopilot needs of the vehicle below it: a description for the type checker.
+"""Protocols of the vehicle below the autopilot, for the type checker.
 
-`flightsim.plant.Plant` fits; so does anything else that estimates a state and follows a
-`Setpoint`. There is no truth here: an autopilot knows only what its sensors and its estimator say.
+`flightsim.plant.Plant` satisfies them; so does anything that estimates a state and follows a
+`Setpoint`. There is no truth here: an autopilot knows only its sensors and its estimator.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ class EstimatorLike(Protocol):
 
     @property
     def is_attitude_valid(self) -> bool:
-        """Whether the attitude can be flown by."""
+        """Whether the attitude can be used for flight."""
         ...
 
     @property
     def is_position_valid(self) -> bool:
-        """Whether position and velocity can be flown by."""
+        """Whether position and velocity can be used for flight."""
         ...
 
     @property
@@ -46,17 +46,17 @@ class GnssLike(Protocol):
 
     @property
     def fix_type(self) -> int:
-        """0 or 1 none, 2 flat, 3 and more three-dimensional."""
+        """Fix type: 0 or 1 none, 2 two-dimensional, 3 and more three-dimensional."""
         ...
 
     @property
     def position_enu_m(self) -> Vector3:
-        """Where the receiver believes to be."""
+        """Position measured by the receiver."""
         ...
 
 
 class StampedLike(Protocol):
-    """Latest reading of a sensor of which only the age matters here."""
+    """Latest reading of a sensor of which only the age matters to the autopilot."""
 
     @property
     def time_us(self) -> int:
@@ -65,7 +65,7 @@ class StampedLike(Protocol):
 
 
 class SensorsLike(Protocol):
-    """Latest readings that the autopilot looks at."""
+    """Latest readings that the autopilot uses."""
 
     @property
     def imu(self) -> StampedLike:
@@ -94,7 +94,7 @@ class SensorsLike(Protocol):
 
 
 class BatteryLike(Protocol):
-    """What a power module measures."""
+    """Measurements of the power module."""
 
     @property
     def voltage_v(self) -> float:
@@ -118,7 +118,7 @@ class BatteryLike(Protocol):
 
 
 class PlantLike(Protocol):
-    """A vehicle with sensors, estimator and inner loops, seen every 20 ms."""
+    """A vehicle with sensors, estimator and inner loops, updated every 20 ms."""
 
     @property
     def time_us(self) -> int:
@@ -142,12 +142,12 @@ class PlantLike(Protocol):
 
     @property
     def battery(self) -> BatteryLike:
-        """The battery."""
+        """State of the battery."""
         ...
 
     @property
     def collective_thrust_fraction(self) -> float:
-        """Commanded collective thrust over the maximum."""
+        """Commanded collective thrust as a fraction of the maximum."""
         ...
 
     def apply(self, setpoint: Setpoint) -> None:

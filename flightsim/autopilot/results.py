@@ -1,4 +1,4 @@
-"""How the autopilot answers a request."""
+"""Results of requests to the autopilot."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from enum import Enum, unique
 
 @unique
 class CommandResult(Enum):
-    """Outcome of a request, in the vocabulary that every ground station shares."""
+    """Outcome of a request, in the vocabulary of all ground stations."""
 
     ACCEPTED = "accepted"
     TEMPORARILY_REJECTED = "temporarily rejected"
-    """Valid, but not in the present state; asking again later may work."""
+    """Valid, but not in the present state; a later request may succeed."""
     DENIED = "denied"
     """Never valid with these values."""
     UNSUPPORTED = "unsupported"
@@ -22,14 +22,14 @@ class CommandResult(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """A result and, unless it is `ACCEPTED`, one line that says why."""
+    """A result and, unless it is `ACCEPTED`, one line with the reason."""
 
     result: CommandResult
     reason: str = ""
 
     @property
     def is_accepted(self) -> bool:
-        """Whether the request was taken."""
+        """Whether the request was accepted."""
         return self.result is CommandResult.ACCEPTED
 
 
@@ -37,10 +37,10 @@ ACCEPTED = Reply(CommandResult.ACCEPTED)
 
 
 def rejected(reason: str) -> Reply:
-    """Valid, but not now."""
+    """Reply to a request that is valid, but not now."""
     return Reply(CommandResult.TEMPORARILY_REJECTED, reason)
 
 
 def denied(reason: str) -> Reply:
-    """Not with these values."""
+    """Reply to a request with invalid values."""
     return Reply(CommandResult.DENIED, reason)

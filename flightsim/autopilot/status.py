@@ -1,4 +1,4 @@
-"""What the autopilot reports about itself besides its mode."""
+"""Status reports of the autopilot besides its mode."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from flightsim.frames import Geodetic
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Home:
-    """Where a return ends."""
+    """Position where a return ends."""
 
     position_enu_m: Vector3
     geodetic: Geodetic
     yaw_rad: float
     """ENU heading of the vehicle when home was set."""
     is_manual: bool
-    """Set by a client, so that arming leaves it alone."""
+    """Whether a client set it, so that arming keeps it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Health:
-    """Which parts work; `is_armable` is whether arming in the present mode would be accepted."""
+    """Health of the parts; `is_armable` is whether arming in the present mode would be accepted."""
 
     is_imu_ok: bool = False
     is_mag_ok: bool = False
@@ -48,12 +48,12 @@ class PrearmReport:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BatteryView:
-    """The battery as the autopilot sees it."""
+    """State of the battery as the autopilot sees it."""
 
     voltage_v: float
     current_a: float
     consumed_mah: float
     remaining: float
-    """0 to 1."""
+    """State of charge, 0 to 1."""
     warning: BatteryWarning
     n_cells: int

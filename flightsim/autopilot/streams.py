@@ -1,4 +1,4 @@
-"""What clients send continuously: offboard setpoints, sticks, heartbeats."""
+"""Continuous input from clients: offboard setpoints, sticks and heartbeats."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from autonomy.types import Setpoint
 from flightsim.autopilot.parameters import Parameters
 
 OFFBOARD_ENTRY_GAP_US = 500_000
-"""Setpoints must come at more than 2 Hz to enter offboard."""
+"""Longest gap between setpoints for entering offboard mode: they must exceed 2 Hz."""
 
 
 class OffboardStream:
@@ -20,7 +20,7 @@ class OffboardStream:
         self._received_us = 0
 
     def receive(self, setpoint: Setpoint, time_us: int) -> None:
-        """Take a setpoint."""
+        """Accept a setpoint."""
         self.setpoint = setpoint
         self._received_us = time_us
 
@@ -31,7 +31,7 @@ class OffboardStream:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sticks:
-    """A pilot's sticks: forward, right and clockwise positive, -1 to 1; throttle 0 to 1."""
+    """Stick positions: forward, right and clockwise positive, -1 to 1; throttle 0 to 1."""
 
     pitch: float = 0.0
     roll: float = 0.0
@@ -51,7 +51,7 @@ class StickStream:
         self._received_us: int | None = None
 
     def receive(self, sticks: Sticks, time_us: int) -> None:
-        """Take stick positions, unless parameters say to ignore them."""
+        """Accept stick positions, unless parameters say to ignore them."""
         if self._parameters["COM_RC_IN_MODE"] != 4:
             self._sticks = sticks
             self._received_us = time_us
@@ -62,17 +62,17 @@ class StickStream:
         return self._received_us is not None
 
     def is_alive(self, time_us: int) -> bool:
-        """Whether sticks keep coming."""
+        """Whether sticks are still being received."""
         if self._received_us is None:
             return False
         return time_us - self._received_us <= 1e6 * max(self._parameters["COM_RC_LOSS_T"], 0.1)
 
     def current(self, time_us: int) -> Sticks:
-        """Stick positions; centred while none come."""
+        """Present stick positions; centred while none are received."""
         return self._sticks if self.is_alive(time_us) else CENTRED
 
     def is_moved(self, time_us: int) -> bool:
-        """Whether the pilot deflects a stick so far that it means to take over."""
+        """Whether the pilot deflects a stick far enough to take over."""
         if not self.is_alive(time_us):
             return False
         sticks, limit = self._sticks, 0.01 * self._parameters["COM_RC_STICK_OV"]
@@ -80,25 +80,25 @@ class StickStream:
 
 
 def with_dead_zone(deflection: float, dead_zone: float) -> float:
-    """Deflection with a dead zone in the middle and full travel at the end."""
+    """Deflection with a dead zone in the middle and full travel at the ends."""
     if abs(deflection) <= dead_zone:
         return 0.0
     return copysign((abs(deflection) - dead_zone) / (1.0 - dead_zone), deflection)
 
 
 class DatalinkWatch:
-    """When a ground station was last heard."""
+    """Time when a ground station was last heard."""
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         self._heard_us: int | None = None
 
     def receive(self, time_us: int) -> None:
-        """Take a heartbeat."""
+        """Accept a heartbeat."""
         self._heard_us = time_us
 
     def is_lost(self, time_us: int) -> bool:
-        """Whether ground stations were there and are silent."""
+        """Whether ground stations were present and have fallen silent."""
         if self._heard_us is None:
             return False
         return time_us - self._heard_us > 1e6 * self._parameters["COM_DL_LOSS_T"]

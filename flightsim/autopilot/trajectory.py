@@ -1,4 +1,4 @@
-"""References along straight lines: smooth, within limits, stopping where they should.
+"""References along straight lines: smooth, within limits, with exact stops.
 
 A `PathMotion` moves a point towards a goal along a line. Along the line and across it the laws
 of `axis` apply, each with the full limits, so that a straight flight from rest stays exactly on its
@@ -19,14 +19,14 @@ _NORTH: Vector3 = (0.0, 1.0, 0.0)
 
 
 class PathMotion:
-    """A point on its way to a goal, and its derivatives.
+    """A point on its way to a goal, with its derivatives.
 
     Attributes:
         position_enu_m: Position of the reference.
         velocity_enu_mps: Its velocity.
         acceleration_enu_mps2: Its acceleration.
         jerk_enu_mps3: Its jerk over the last tick.
-        goal_enu_m: Where it stops, or passes at the exit speed.
+        goal_enu_m: Position where it stops, or which it passes at the exit speed.
         speed_limit_mps: Speed along the line; may be changed at any tick.
     """
 
@@ -60,7 +60,7 @@ class PathMotion:
         velocity_enu_mps: Vector3 = ZERO3,
         acceleration_enu_mps2: Vector3 = ZERO3,
     ) -> None:
-        """Put the reference somewhere, without a goal; `fly_to` comes next."""
+        """Put the reference somewhere, without a goal; `fly_to` must follow."""
         self.position_enu_m = self.goal_enu_m = position_enu_m
         self.velocity_enu_mps = velocity_enu_mps
         self.acceleration_enu_mps2 = acceleration_enu_mps2
@@ -77,12 +77,12 @@ class PathMotion:
         line_start_enu_m: Vector3 | None = None,
         exit_speed_mps: float = 0.0,
     ) -> None:
-        """Head for a goal; asking the same again changes nothing.
+        """Head for a goal; repeating the same goal changes nothing.
 
         Args:
-            goal_enu_m: Where to go.
+            goal_enu_m: Position to fly to.
             limits: Limits of the motion.
-            line_start_enu_m: Start of the line to follow; the present position if None.
+            line_start_enu_m: Start of the line to follow; None is the present position.
             exit_speed_mps: Speed along the line at which the goal may be passed.
         """
         if (
@@ -97,7 +97,7 @@ class PathMotion:
         self._set_line(line_start_enu_m or self.position_enu_m)
 
     def stopping_point(self, limits: MotionLimits) -> Vector3:
-        """Where the present motion can come to rest."""
+        """Position where the present motion can come to rest."""
         v = self.velocity_enu_mps
         speed = sqrt(_dot(v, v))
         if speed < 1e-6:
@@ -113,7 +113,7 @@ class PathMotion:
         return _moved(self.position_enu_m, direction, max(distance_m, 1e-3))
 
     def step(self, dt: float) -> None:
-        """Advance by one tick; without a goal the reference stays."""
+        """Advance by one tick; without a goal the reference stays in place."""
         limits = self._limits
         if limits is None:
             return
@@ -138,7 +138,7 @@ class PathMotion:
         self.jerk_enu_mps3 = _combined(u, n, b, along.j, across.j, over.j)
 
     def _set_line(self, start_enu_m: Vector3) -> None:
-        """Lay the axes along the line and express the present motion in them."""
+        """Align the axes with the line and express the present motion in them."""
         limits = self._limits
         assert limits is not None
         u = direction_between(start_enu_m, self.goal_enu_m)
@@ -169,7 +169,7 @@ class PathMotion:
 
 
 class VelocityMotion:
-    """A point that follows a wanted velocity within limits, axis by axis of the world."""
+    """A point that follows a desired velocity within limits, per axis of the world."""
 
     def __init__(self) -> None:
         self.axes = (AxisMotion(), AxisMotion(), AxisMotion())
@@ -180,7 +180,7 @@ class VelocityMotion:
         velocity_enu_mps: Vector3 = ZERO3,
         acceleration_enu_mps2: Vector3 = ZERO3,
     ) -> None:
-        """Put the point somewhere."""
+        """Put the point at a position."""
         for i, axis in enumerate(self.axes):
             axis.x, axis.v, axis.a = (
                 position_enu_m[i],

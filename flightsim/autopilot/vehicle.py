@@ -1,4 +1,4 @@
-"""What the autopilot knows of the vehicle in one tick, read once from the plant."""
+"""State of the vehicle known to the autopilot in one tick, read once from the plant."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class Vehicle:
         self._parameters = parameters
         self.hover_thrust_fraction = hover_thrust_fraction
         self.is_landed = True
-        """What the landing detector decided."""
+        """Decision of the land detector."""
         self.resting_range_m = 0.0
-        """Reading of the rangefinder on the ground, as last seen there."""
+        """Last reading of the rangefinder on the ground."""
         self.time_us = 0
         self.position_enu_m = self.velocity_enu_mps = self.angular_rate_flu_radps = ZERO3
         self.quat_wxyz = (1.0, 0.0, 0.0, 0.0)
@@ -50,7 +50,7 @@ class Vehicle:
         self.range_m = float("nan")
 
     def read(self) -> None:
-        """Take the plant's present estimates and readings."""
+        """Read the plant's present estimates and readings."""
         plant = self._plant
         state = plant.estimate
         self.time_us = plant.time_us
@@ -62,11 +62,11 @@ class Vehicle:
         self.thrust_fraction = plant.collective_thrust_fraction
 
     def read_range(self) -> None:
-        """Take the present reading of the rangefinder."""
+        """Read the rangefinder."""
         self.range_m = self._plant.sensors.range_m
 
     def read_slowly(self) -> None:
-        """Take what changes slowly or costs more to ask for; a few times a second."""
+        """Read what changes slowly or is costly; call it a few times a second."""
         self.read_range()
         estimator = self._plant.estimator
         self.is_attitude_ok = estimator.is_attitude_valid
@@ -90,7 +90,7 @@ class Vehicle:
 
     @property
     def height_m(self) -> float | None:
-        """Height over what the rangefinder sees, 0 at rest on it; None if it sees nothing."""
+        """Height over the surface that the rangefinder sees, 0 at rest; None if it sees none."""
         cosine = self.cos_tilt
         if not isfinite(self.range_m) or cosine < 0.7:
             return None

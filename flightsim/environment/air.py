@@ -24,6 +24,7 @@ AIR_DTYPE = np.dtype(
     [
         ("is_steady", "i8"),  # nothing to do in a tick
         ("dt_s", "f8"),
+        ("first_normal", "i8"),  # of its block among the plant's normals
         ("steady_enu_mps", "f8", 3),
         ("axis_enu", "f8", 2),
         ("turbulence_mps", "f8"),
@@ -48,19 +49,18 @@ def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
     airs = np.zeros(1, AIR_DTYPE)
     airs["dt_s"] = dt_s
     airs["states"][0] = stationary_states(generator)
-    set_wind(airs, WindCfg())
+    set_wind(airs[0], WindCfg())
     return airs
 
 
-def set_wind(airs: np.ndarray, cfg: WindCfg, *, has_rooms: bool = False) -> None:
+def set_wind(air: np.void, cfg: WindCfg, *, has_rooms: bool = False) -> None:
     """Let another wind blow from the next tick on; the clock of the gusts starts anew.
 
     Args:
-        airs: Changed.
+        air: `AIR_DTYPE`, changed.
         cfg: The wind under the open sky.
         has_rooms: Whether there is anywhere that it does not blow.
     """
-    air = airs[0]
     is_steady = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
     is_still = cfg.steady_enu_mps == ZERO3
     air["is_steady"] = is_steady and (is_still or not has_rooms)

@@ -21,10 +21,10 @@ from flightsim.looks.light import AMBIENT_RGB, SUN_DIRECTION, SUN_RGB
 from flightsim.looks.mesh import MeshBuilder, WorldMesh, add_solids
 from flightsim.looks.paint import Paint
 from flightsim.looks.skins import Skin, skins
+from flightsim.looks.sky import HORIZON_RGB, ZENITH_RGB
 from flightsim.looks.surfaces import FAST, Detail
 from flightsim.looks.surroundings import add_surroundings
 from flightsim.looks.textures import tile
-from flightsim.sensors.sky import HORIZON_RGB, ZENITH_RGB
 
 _FAR_EXTENTS = 12.0
 """Cameras see this far, in multiples of half the extent's diagonal."""

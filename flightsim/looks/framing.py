@@ -7,7 +7,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-from flightsim.sensors.camera import look_at
+from flightsim.sensors.cameras import look_at
 
 Point = tuple[float, float, float]
 

@@ -13,7 +13,7 @@ import numpy as np
 from aeroscene.scene import Scene
 from flightsim.looks.mesh import MeshBuilder
 from flightsim.looks.paint import Paint, material_paint
-from flightsim.sensors.sky import FAR_LAND_RGB
+from flightsim.looks.sky import FAR_LAND_RGB
 
 GROUND_MATERIAL = "grass"
 

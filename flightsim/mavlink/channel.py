@@ -1,4 +1,4 @@
-"""A conversation with one partner: what it sent, what it is sent, and how much of both."""
+"""State of a conversation with one partner: received and outgoing bytes, and limits on both."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Write = Callable[[Sequence[bytes]], None]
 Clock = Callable[[], float]
 """Seconds for protocol timeouts: wall time behind a socket, simulated time in lockstep."""
 
-# A ground station talks at 1 to 100 messages a second, a mission upload at one a round trip.
+# A ground station sends 1 to 100 messages per second, a mission upload one per round trip.
 _REFILL_PER_TICK = 20
 _BURST = 200
 _STREAM_BACKLOG_BYTES = 16_384
@@ -41,7 +41,7 @@ class Channel:
         self.is_open = True
         self.system_id = 1
         self.component_id = 1
-        """Identity that outgoing frames carry."""
+        """Component id in outgoing frames."""
         self.n_sent = 0
         self.n_refused_bytes = 0
         self._parser = FrameParser()
@@ -59,16 +59,16 @@ class Channel:
 
     @property
     def n_bad_frames(self) -> int:
-        """Candidate frames that were damaged, unknown or no frames at all."""
+        """Number of candidate frames that were damaged, unknown or not frames at all."""
         return self._parser.n_bad
 
     @property
     def has_room(self) -> bool:
-        """Whether more received bytes are welcome; a stream waits in the kernel otherwise."""
+        """Whether the channel accepts more bytes; the excess of a stream stays in the kernel."""
         return self._parser.n_buffered < _STREAM_BACKLOG_BYTES
 
     def receive(self, data: bytes) -> None:
-        """Take bytes from the partner; datagrams beyond its budget are thrown away unread."""
+        """Accept bytes from the partner; datagrams beyond its budget are discarded unread."""
         if self._is_datagram and self._budget <= 0:
             self.n_refused_bytes += len(data)
             return
@@ -77,7 +77,7 @@ class Channel:
             self._collect()
 
     def take_messages(self) -> list[Message]:
-        """Messages since the last call, as many as the partner's budget allows; once a tick."""
+        """Messages since the last call, up to the partner's budget; call once per tick."""
         if not self._is_datagram:
             self._collect()
         self._budget = min(_BURST, self._budget + _REFILL_PER_TICK)
@@ -91,7 +91,7 @@ class Channel:
         self._inbox += messages
 
     def send(self, layout: Layout, payload: bytes) -> None:
-        """Queue a message in the version of MAVLink that the partner speaks."""
+        """Queue a message in the partner's version of MAVLink."""
         build = layout.frame_v1 if self._parser.is_version_1 else layout.frame_v2
         frame = build(payload, self._sequence, self.system_id, self.component_id)
         if frame:
@@ -99,7 +99,7 @@ class Channel:
             self._frames.append(frame)
 
     def flush(self) -> None:
-        """Send what is queued."""
+        """Send the queued frames."""
         if self._frames:
             self.n_sent += len(self._frames)
             self._write(self._frames)

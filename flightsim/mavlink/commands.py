@@ -1,4 +1,4 @@
-"""Command protocol: COMMAND_LONG and COMMAND_INT come in, every one is acknowledged.
+"""Command protocol: executes COMMAND_LONG and COMMAND_INT and acknowledges every one.
 
 https://mavlink.io/en/services/command.html; the handlers are in `flight_commands.py` and
 `message_commands.py`.
@@ -41,7 +41,7 @@ class Command:
     """A command with its parameters as both messages carry them; NaN is "not given"."""
 
     number: int
-    """MAV_CMD."""
+    """Value of MAV_CMD."""
     frame: int
     """MAV_FRAME of the place; GLOBAL for COMMAND_LONG."""
     param1: float
@@ -49,20 +49,20 @@ class Command:
     param3: float
     param4: float
     x: float
-    """Parameter 5; degrees of latitude in places."""
+    """Parameter 5; latitude in degrees if it is a place."""
     y: float
-    """Parameter 6; degrees of longitude in places."""
+    """Parameter 6; longitude in degrees if it is a place."""
     z: float
-    """Parameter 7; altitude in places."""
+    """Parameter 7; altitude if it is a place."""
     channel: Channel
 
     @property
     def is_here(self) -> bool:
-        """Whether no horizontal place is named; (0, 0) comes from clients that know no NaN."""
+        """Whether the command names no horizontal place; clients without NaN send (0, 0)."""
         return math.isnan(self.x) or math.isnan(self.y) or (self.x == 0.0 and self.y == 0.0)
 
     def place_fault(self) -> str | None:
-        """What is wrong with the place, or None."""
+        """Description of an invalid place, or None if it is valid."""
         if self.frame not in _PLACE_FRAMES:
             return f"frame {self.frame} is no global one; valid are 0, 3, 5, 6, 10, 11"
         if not self.is_here and not (abs(self.x) <= 90.0 and abs(self.y) <= 180.0):
@@ -72,7 +72,7 @@ class Command:
         return None
 
     def altitude_amsl_m(self, home_altitude_m: float) -> float:
-        """Altitude above mean sea level; NaN if none is given. Terrain counts as home's height."""
+        """Altitude above mean sea level; NaN if not given. Terrain counts as the height of home."""
         return self.z if self.frame in _AMSL_FRAMES else self.z + home_altitude_m
 
 
@@ -80,7 +80,7 @@ Executor = Callable[[Command], Reply]
 
 
 class CommandService:
-    """Finds who executes a command and tells the sender what came of it."""
+    """Dispatches commands to their handlers and acknowledges the result."""
 
     def __init__(self, executors: Mapping[int, Executor], statustext: StatustextSender) -> None:
         self._executors = executors
@@ -122,7 +122,7 @@ class CommandService:
 
 
 def _explanation(command: Command, reply: Reply) -> str:
-    if " denied: " in reply.reason:  # the autopilot says by itself what it denies
+    if " denied: " in reply.reason:  # the autopilot itself announces what it denies
         return reply.reason[0].upper() + reply.reason[1:]
     return f"Command {command.number} {reply.result.value}: {reply.reason}"
 
@@ -132,14 +132,14 @@ def _values(c: Command) -> tuple[float, ...]:
 
 
 def given(value: float) -> float | None:
-    """The value, or None if it is not given."""
+    """The value, or None for NaN."""
     return None if math.isnan(value) else value
 
 
 def choice(value: float, default: int | None = None) -> int | None:
-    """A parameter that selects something as the whole number it is; None if it is none.
+    """The whole number in a parameter that selects an option; None if it is not whole.
 
-    NaN, "not given", is the default.
+    NaN, "not given", yields the default.
     """
     if math.isnan(value):
         return default

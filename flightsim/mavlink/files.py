@@ -1,6 +1,6 @@
-"""File transfer and logs: there are none to have, and clients are told so at once.
+"""File transfer and log download: both are empty, and clients learn that at once.
 
-A correct refusal matters: MAVProxy waits 11 s for one that it cannot read.
+A well-formed refusal matters: MAVProxy waits 11 s after one that it cannot parse.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class FileService:
     def _on_ftp(self, channel: Channel, message: Message) -> None:
         opcode = message.payload[3]
         if opcode in {_ACK, _NAK}:
-            return  # an answer to somebody else
+            return  # an answer meant for another system
         send(
             channel,
             "FILE_TRANSFER_PROTOCOL",
@@ -44,11 +44,11 @@ class FileService:
         )
 
     def _on_log_list(self, channel: Channel, _: Message) -> None:
-        send(channel, "LOG_ENTRY")  # number 0 of 0
+        send(channel, "LOG_ENTRY")  # log number 0 of 0
 
 
 def _answer(request: list[int]) -> bytes:
-    """The reply to an FTP request: its header with the next sequence number, and no file."""
+    """Reply to an FTP request: its header with the next sequence number, and no data."""
     sequence = (request[0] + (request[1] << 8) + 1) & 0xFFFF
     session, opcode = request[2], request[3]
     answer = bytearray(_PAYLOAD_BYTES)
@@ -65,5 +65,5 @@ def _answer(request: list[int]) -> bytes:
 
 def _refusal(opcode: int, path: bytes) -> int:
     if opcode == _LIST_DIRECTORY and not path.strip(b"/.\0"):
-        return _END_OF_FILE  # the root is there, and empty
+        return _END_OF_FILE  # the root directory exists and is empty
     return _FILE_NOT_FOUND if opcode in _KNOWN_OPCODES else _UNKNOWN_COMMAND

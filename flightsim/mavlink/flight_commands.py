@@ -1,4 +1,4 @@
-"""Commands that fly: arming, modes, takeoff and landing, places, speed, home, mission."""
+"""Flight commands: arming, modes, takeoff, landing, places, speed, home and missions."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _MAX_MODE_PART = 0xFF
 
 
 def _yaw_of_degrees(heading_deg: float) -> float | None:
-    """ENU yaw of a heading in degrees; None if none is given."""
+    """ENU yaw of a heading in degrees; None for NaN."""
     return None if math.isnan(heading_deg) else swap_yaw_enu_ned(math.radians(heading_deg))
 
 
 class FlightCommands:
-    """Executes commands by asking the autopilot."""
+    """Executes flight commands by calling the autopilot."""
 
     def __init__(self, view: VehicleView, personality: Personality) -> None:
         self._view = view
@@ -60,7 +60,7 @@ class FlightCommands:
         }
 
     def on_set_mode(self, message: Message) -> None:
-        """SET_MODE, the message from before there were commands; it has no acknowledgement."""
+        """Handle SET_MODE, a message older than the command protocol; it has no acknowledgement."""
         mode = self._personality.selectable(message.custom_mode)
         if mode is not None and message.base_mode & _CUSTOM_MODE_FLAG:
             self._autopilot.set_mode(mode)
@@ -178,13 +178,13 @@ class FlightCommands:
         return self._autopilot.set_home(self._place(c))
 
     def _place(self, c: Command) -> Geodetic:
-        """The place of a command; NaN means "keep"."""
+        """Place of a command; NaN means "keep"."""
         altitude_m = c.altitude_amsl_m(self._view.home_altitude_m)
         if c.is_here:
             return Geodetic(math.nan, math.nan, altitude_m)
         return Geodetic(c.x, c.y, altitude_m)
 
-    # --- on the way ---
+    # --- underway ---
 
     def _condition_yaw(self, c: Command) -> Reply:
         if math.isnan(c.param1):
@@ -226,7 +226,7 @@ class FlightCommands:
 
     def _preflight_storage(self, c: Command) -> Reply:
         if choice(c.param1) != _RESET_PARAMETERS:
-            return UNSUPPORTED  # parameters live as long as the simulation
+            return UNSUPPORTED  # parameters last as long as the simulation
         if self._autopilot.is_armed:
             return rejected("the vehicle is armed")
         self._autopilot.parameters.reset()

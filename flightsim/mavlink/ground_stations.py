@@ -1,4 +1,4 @@
-"""Which ground stations are there: the autopilot's data link."""
+"""Presence of ground stations: the autopilot's data link."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from flightsim.mavlink.service import Handler
 
 _MAV_TYPE_GCS = 6
 _PRESENCE_S = 1.5
-"""A heartbeat's period and a half: until then its sender counts as present."""
+"""Time for which a heartbeat's sender counts as present: one and a half periods."""
 
 
 class GroundStationService:
-    """Keeps the data link alive while a ground station's heartbeats come.
+    """Keeps the data link alive while a ground station sends heartbeats.
 
-    Presence runs by the partner's own clock: a client behind a socket beats once a second of wall
-    time, which at fifty times real time is once in fifty simulated seconds.
+    Presence is timed by the partner's own clock: a client behind a socket sends a heartbeat once a
+    second of wall time, which at fifty times real time is once in fifty simulated seconds.
     """
 
     def __init__(self, autopilot: Autopilot) -> None:
@@ -27,7 +27,7 @@ class GroundStationService:
         self.handlers: Mapping[str, Handler] = {"HEARTBEAT": self._on_heartbeat}
 
     def update(self) -> None:
-        """Tell the autopilot of ground stations that are there."""
+        """Report present ground stations to the autopilot."""
         for channel, heard_s in list(self._last_heard_s.items()):
             if channel.clock() - heard_s <= _PRESENCE_S:
                 self._autopilot.on_link_heartbeat(channel.name)
@@ -35,7 +35,7 @@ class GroundStationService:
                 del self._last_heard_s[channel]
 
     def forget(self, channel: Channel) -> None:
-        """A partner is gone."""
+        """Drop a partner that left."""
         self._last_heard_s.pop(channel, None)
 
     def _on_heartbeat(self, channel: Channel, message: Message) -> None:

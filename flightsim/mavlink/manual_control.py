@@ -1,4 +1,4 @@
-"""Sticks: MANUAL_CONTROL of ground stations and RC_CHANNELS_OVERRIDE of scripts."""
+"""Stick input: MANUAL_CONTROL of ground stations and RC_CHANNELS_OVERRIDE of scripts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PWM_UNUSED = (0, 0xFFFF)
 
 
 class ManualControlService:
-    """Hands stick positions to the autopilot, which watches how fresh they are."""
+    """Passes stick positions to the autopilot, which checks their age."""
 
     def __init__(self, autopilot: Autopilot, system_id: int) -> None:
         self._autopilot = autopilot
@@ -40,7 +40,7 @@ class ManualControlService:
         if any(pwm in _PWM_UNUSED for pwm in channels):
             return  # released, or meant for other channels
         roll, pitch, throttle, yaw = map(_deflection, channels)
-        # A stick pulled back is a high pulse and pitches the nose up.
+        # A stick pulled back gives a high pulse and pitches the nose up.
         self._autopilot.set_manual_control(
             pitch=-pitch, roll=roll, throttle=0.5 + 0.5 * throttle, yaw=yaw
         )

@@ -1,4 +1,4 @@
-"""Commands that ask for messages: once, at an interval, or the list of flight modes."""
+"""Message commands: request one message, an interval or the list of flight modes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flightsim.mavlink.service import send
 from flightsim.mavlink.telemetry import TelemetryService
 
 _DENIED = Reply(CommandResult.DENIED)
-"""Without a reason: clients ask for messages regularly, and nobody wants to read of each."""
+"""Denial without a reason: clients request messages regularly; a text for each would be noise."""
 
 _AVAILABLE_MODES = LAYOUTS["AVAILABLE_MODES"].message_id
 _AUTOPILOT_VERSION = LAYOUTS["AUTOPILOT_VERSION"].message_id
@@ -27,7 +27,7 @@ _IS_ADVANCED, _NOT_SELECTABLE = 1, 2
 
 
 class MessageCommands:
-    """Executes the commands that concern what the sender is told."""
+    """Executes commands that request messages."""
 
     def __init__(self, telemetry: TelemetryService, personality: Personality) -> None:
         self._telemetry = telemetry
@@ -67,7 +67,7 @@ class MessageCommands:
         return ACCEPTED if is_set else _DENIED
 
     def _send_modes(self, c: Command) -> Reply:
-        """AVAILABLE_MODES: one by its index from 1, or all for index 0."""
+        """Send AVAILABLE_MODES: one by its index from 1, or all for index 0."""
         index = choice(c.param2, default=0)
         if index is None or not 0 <= index <= len(self._modes):
             return _DENIED

@@ -1,7 +1,7 @@
-"""Mission protocol: upload, download, clear, and where the mission is.
+"""Mission protocol: upload, download, clearing and progress.
 
-One upload of each type is under way at a time. Downloads keep no state: every request is answered
-as it comes, so a lost item is simply asked for again.
+One upload of each type runs at a time. Downloads keep no state: every request is answered
+as it comes, so a lost item is simply requested again.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ _REPEAT_ACK_S = 5.0
 
 
 class ItemStore(Protocol):
-    """What the autopilot keeps for each type of items."""
+    """Store of the autopilot for one type of items."""
 
     @property
     def items(self) -> tuple[MissionItem, ...]:
-        """What is stored."""
+        """Stored items."""
         ...
 
     def replace(self, items: Iterable[MissionItem]) -> None:
-        """Store other items, or raise `MissionError` and keep the present ones."""
+        """Replace the items, or raise `MissionError` and keep the present ones."""
         ...
 
 
 class MissionService:
-    """Carries items between partners and the autopilot's stores."""
+    """Transfers items between partners and the autopilot's stores."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class MissionService:
         partners: Partners,
         statustext: StatustextSender,
     ) -> None:
-        """Serve the stores of each mission type."""
+        """Serve one store for each mission type."""
         self._stores = stores
         self._partners = partners
         self._statustext = statustext
@@ -70,7 +70,7 @@ class MissionService:
         }
 
     def update(self) -> None:
-        """Repeat requests; give up uploads whose partner is silent."""
+        """Repeat requests; abandon uploads of silent partners."""
         for mission_type, upload in list(self._uploads.items()):
             if upload.is_abandoned:
                 del self._uploads[mission_type]
@@ -80,12 +80,12 @@ class MissionService:
                 upload.update()
 
     def forget(self, channel: Channel) -> None:
-        """End the uploads of a partner that is gone."""
+        """Abandon the uploads of a partner that left."""
         self._uploads = {t: u for t, u in self._uploads.items() if u.channel is not channel}
         self._finished = {k: v for k, v in self._finished.items() if k[0] is not channel}
 
     def announce_reached(self, index: int) -> None:
-        """Tell everybody that the mission arrived at an item."""
+        """Tell all partners that the mission reached an item."""
         message = LAYOUTS["MISSION_ITEM_REACHED"]
         self._partners.broadcast(message, message.encode(seq=index))
 
@@ -147,7 +147,7 @@ class MissionService:
             self._finished[channel, upload.mission_type] = (result, message.seq, until_s)
 
     def _repeat_ack(self, channel: Channel, message: Message) -> None:
-        """The last item comes again: the ack was lost."""
+        """Repeat the ack if the last item arrives again, since the ack was lost."""
         result, last, until_s = self._finished.get((channel, message.mission_type), (0, -1, 0.0))
         if message.seq == last and channel.clock() < until_s:
             self._ack(channel, _sender(message), message.mission_type, result)
@@ -171,7 +171,7 @@ class MissionService:
         return result
 
     def _on_ack(self, channel: Channel, message: Message) -> None:
-        """A partner cancels its upload; acks of downloads need nothing."""
+        """Cancel the partner's upload; acks of downloads need no action."""
         upload = self._uploads.get(message.mission_type)
         if upload and upload.is_from(channel, message) and message.type != results.ACCEPTED:
             del self._uploads[message.mission_type]

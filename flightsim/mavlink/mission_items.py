@@ -1,4 +1,4 @@
-"""Mission items between the wire and the autopilot's stores."""
+"""Conversion of mission items between MAVLink messages and the autopilot's stores."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ _RESULT_OF_FAULT = {
 
 
 def result_of(error: MissionError) -> int:
-    """MAV_MISSION_RESULT that says what the autopilot found wrong."""
+    """MAV_MISSION_RESULT for an error of the autopilot."""
     if error.fault is MissionFault.INVALID_PARAM:
         return INVALID if error.param is None else _INVALID_PARAM1 + error.param - 1
     return _RESULT_OF_FAULT[error.fault]
 
 
 def scale_of(frame: int) -> float:
-    """Units of x and y in integer messages per degree or metre of this frame."""
+    """Units of x and y in integer messages, per degree or metre of this frame."""
     if frame in _DEGREES_E7_FRAMES:
         return 1e7
     return 1e4 if frame in _LOCAL_FRAMES else 1.0
@@ -53,7 +53,7 @@ def _int_from_coordinate(value: float, frame: int) -> int:
 
 
 def check_frames(items: Iterable[MissionItem]) -> None:
-    """Refuse items in local frames, as PX4 does: uploads are meant to outlive a local origin.
+    """Refuse items in local frames, as PX4 does: stored missions outlive a local origin.
 
     Raises:
         MissionError: Names the first such item.
@@ -68,7 +68,7 @@ def check_frames(items: Iterable[MissionItem]) -> None:
 
 
 def item_from_message(message: Message) -> MissionItem:
-    """The item of a MISSION_ITEM_INT or of the older MISSION_ITEM."""
+    """Item of a MISSION_ITEM_INT or of the older MISSION_ITEM."""
     is_int = message.get_type() == "MISSION_ITEM_INT"
     frame = message.frame
     return MissionItem(

@@ -1,6 +1,6 @@
-"""One upload of mission, fence or rally items, robust against loss in both directions.
+"""Upload of mission, fence or rally items, robust against loss in both directions.
 
-https://mavlink.io/en/services/mission.html: the vehicle asks for one item after the other.
+https://mavlink.io/en/services/mission.html: the vehicle requests one item after the other.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from flightsim.mavlink.service import send
 
 RETRY_S = 0.25
 TIMEOUT_S = 5.0
-"""Twenty unanswered requests end an upload: at a quarter of frames lost, one in ten million."""
+"""Time of twenty unanswered requests; at 25% frame loss, one item in ten million fails."""
 
 _REQUESTS_BEFORE_OLD_STYLE = 4
 
 
 class Upload:
-    """Asks a partner for items until it has them all, or the partner falls silent."""
+    """Requests items from a partner until the list is complete or the partner falls silent."""
 
     def __init__(
         self,
@@ -36,12 +36,12 @@ class Upload:
         """Start an upload.
 
         Args:
-            channel: Where the partner is.
-            partner: Its system and component id.
+            channel: Channel to the partner.
+            partner: System and component id of the partner.
             mission_type: MAV_MISSION_TYPE.
-            first: Index of the first item to come.
-            count: Items to come, at least 1.
-            previous: Items of the list of which a part is replaced.
+            first: Index of the first item to request.
+            count: Number of items to request, at least 1.
+            previous: Items of the list that is replaced in part.
         """
         self.channel = channel
         self.partner = partner
@@ -58,7 +58,7 @@ class Upload:
 
     @property
     def is_complete(self) -> bool:
-        """Whether all items are here."""
+        """Whether all items have arrived."""
         return len(self._received) == self._count
 
     @property
@@ -68,7 +68,7 @@ class Upload:
 
     @property
     def items(self) -> tuple[MissionItem, ...]:
-        """The whole list with what was uploaded in its place."""
+        """The whole list, with uploaded items in their places."""
         merged = list(self._items)
         merged[self._first : self._first + self._count] = self._received
         return tuple(merged)
@@ -78,10 +78,10 @@ class Upload:
         return channel is self.channel and message.mission_type == self.mission_type
 
     def receive(self, message: Message) -> None:
-        """Take the item if it is the one that was asked for, and ask for the next."""
+        """Store the item if it is the requested one, and request the next."""
         self._last_heard_s = self.channel.clock()
         if message.seq != self._expected:
-            return  # a late copy: the request that is under way will be repeated if need be
+            return  # a late copy: the pending request will be repeated if necessary
         self._is_int = message.get_type() == "MISSION_ITEM_INT"
         self._received.append(item_from_message(message))
         self._n_requests = 0
@@ -89,7 +89,7 @@ class Upload:
             self._request()
 
     def update(self) -> None:
-        """Repeat the request if it stayed unanswered."""
+        """Repeat an unanswered request."""
         if self.channel.clock() - self._last_request_s >= RETRY_S:
             self._request()
 
@@ -102,7 +102,7 @@ class Upload:
         self._n_requests += 1
         is_int = self._is_int
         if not self._received and self._n_requests > _REQUESTS_BEFORE_OLD_STYLE:
-            # Clients from before MISSION_REQUEST_INT hear only MISSION_REQUEST.
+            # Clients older than MISSION_REQUEST_INT answer only MISSION_REQUEST.
             is_int = bool(self._n_requests % 2)
         send(
             self.channel,

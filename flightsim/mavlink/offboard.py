@@ -1,7 +1,7 @@
 """Offboard setpoints: SET_POSITION_TARGET_LOCAL_NED, _GLOBAL_INT and SET_ATTITUDE_TARGET.
 
-A setpoint with a field that is no number or out of range is dropped whole, so the stream counts as
-lost; a NaN in a position, velocity or acceleration means "free", as PX4 reads it.
+A setpoint with a field that is not a number or out of range is dropped whole, so the stream counts
+as lost; NaN in a position, velocity or acceleration means "free", as in PX4.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _MAX_RATE_RADPS = 50.0
 
 
 class OffboardService:
-    """Turns MAVLink's setpoints into the autopilot's."""
+    """Converts MAVLink's setpoints into the autopilot's."""
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view
@@ -62,7 +62,7 @@ class OffboardService:
             self._apply(message, position)
 
     def _position_of_local(self, message: Message) -> Vector3:
-        """Position wanted in ENU, with NaN on the axes that are ignored."""
+        """Desired position in ENU, NaN on ignored axes."""
         position = _masked((message.x, message.y, message.z), message.type_mask)
         frame = message.coordinate_frame
         if frame not in _OFFSET_FRAMES:
@@ -73,7 +73,7 @@ class OffboardService:
         return self._view.enu_from_ned((x + position[0], y + position[1], z + position[2]))
 
     def _position_of_global(self, message: Message) -> Vector3 | None:
-        """Position wanted in ENU; None if the frame is not one of latitudes and longitudes."""
+        """Desired position in ENU; None if the frame is not global."""
         view, frame = self._view, message.coordinate_frame
         if frame in _AMSL_FRAMES:
             altitude_m = message.alt
@@ -91,7 +91,7 @@ class OffboardService:
         return (east, north, up)
 
     def _apply(self, message: Message, position_enu_m: Vector3) -> None:
-        """Common to both messages: velocity, acceleration and yaw, in NED or by heading."""
+        """Apply the fields of both messages: velocity, acceleration and yaw, NED or by heading."""
         mask = message.type_mask
         velocity = _masked((message.vx, message.vy, message.vz), mask >> 3)
         acceleration = _masked((message.afx, message.afy, message.afz), mask >> 6)
@@ -144,9 +144,9 @@ class OffboardService:
         )
 
     def _ned_from_heading(self, vector: Vector3) -> Vector3:
-        """A forward-right-down vector in NED, turned by the heading alone.
+        """Forward-right-down vector rotated into NED by the heading alone.
 
-        An axis that is free stays free only if its partner is free too: a turn mixes both.
+        A free horizontal axis stays free only if the other is free too: rotation mixes both.
         """
         forward, right, down = vector
         if math.isnan(forward) and math.isnan(right):
@@ -161,7 +161,7 @@ class OffboardService:
 
 
 def _masked(vector: Vector3, mask: int) -> Vector3:
-    """The vector with NaN where the mask says "ignore"."""
+    """The vector, NaN on axes that the mask ignores."""
     if mask & 7 == 7:
         return NAN3
     x, y, z = vector
@@ -170,7 +170,7 @@ def _masked(vector: Vector3, mask: int) -> Vector3:
 
 
 def _is_usable(vectors: Sequence[Vector3]) -> bool:
-    """Whether anything is wanted and nothing is out of range; NaN is free."""
+    """Whether any field is given and none is out of range; NaN is free."""
     is_wanted = False
     for vector, limit in zip(vectors, _LIMITS, strict=True):
         for value in vector:

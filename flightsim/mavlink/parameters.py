@@ -1,4 +1,4 @@
-"""Parameter protocol: list, read, set, and the hash that saves ground stations the list.
+"""Parameter protocol: list, read, set, and a hash that saves ground stations the list.
 
 PX4 carries integers bytewise in the float field, https://mavlink.io/en/services/parameter.html.
 """
@@ -35,7 +35,7 @@ _DOES_NOT_EXIST, _OUT_OF_RANGE, _READ_ONLY = 1, 2, 4
 
 
 class ParameterService:
-    """Answers about the autopilot's parameters; a list goes out in small pieces."""
+    """Answers requests for the autopilot's parameters; a list is sent in small batches."""
 
     def __init__(
         self, parameters: Parameters, partners: Partners, statustext: StatustextSender
@@ -51,7 +51,7 @@ class ParameterService:
         }
 
     def update(self) -> None:
-        """Continue the lists that partners asked for."""
+        """Continue the lists that partners requested."""
         for channel, start in list(self._listing.items()):
             stop = min(start + _LIST_PER_TICK, len(self._parameters))
             for index in range(start, stop):
@@ -62,7 +62,7 @@ class ParameterService:
                 self._listing[channel] = stop
 
     def forget(self, channel: Channel) -> None:
-        """Stop a list."""
+        """Stop the list of a partner that left."""
         self._listing.pop(channel, None)
 
     def _on_list(self, channel: Channel, _: Message) -> None:
@@ -83,7 +83,7 @@ class ParameterService:
 
     def _on_set(self, channel: Channel, message: Message) -> None:
         name = message.param_id
-        if name == _HASH_NAME:  # the ground station has the same parameters cached
+        if name == _HASH_NAME:  # the ground station has cached the same parameters
             self.forget(channel)
             return
         try:
@@ -141,9 +141,9 @@ def parameter_hash(parameters: Parameters) -> int:
 
 
 def _received_value(message: Message) -> float:
-    """The number meant: bytewise where the type says integer, else the float as it is.
+    """Value of a parameter message: bytewise for integer types, else the float as it is.
 
-    A client that casts integers sends them with the type of a float and is understood as well.
+    Clients that send integers as floats with a float type are understood as well.
     """
     if message.param_type not in _INTEGER_TYPES:
         return message.param_value

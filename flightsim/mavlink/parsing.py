@@ -1,4 +1,4 @@
-"""Messages out of received bytes: frames of MAVLink 1 and 2, garbage skipped, work bounded."""
+"""MAVLink 1 and 2 frame parser: skips garbage and bounds the work per call."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from flightsim.mavlink.dialect import MARKER_V2, dialect
 
 Message = Any
-"""A decoded message: pymavlink's object, the fields as attributes."""
+"""Decoded message: pymavlink's object with fields as attributes."""
 
 _MARKERS = re.compile(rb"[\xfd\xfe]")
 _SIGNED_FLAG = 0x01
@@ -22,9 +22,8 @@ _decoder = dialect.MAVLink(None)
 class FrameParser:
     """Splits the bytes of one partner into messages.
 
-    A marker that no valid frame follows costs one step of the caller's budget and the search goes
-    on at the next byte, so a damaged frame never swallows its neighbour. Unknown message ids are
-    passed over.
+    A marker without a valid frame costs one step of the caller's budget and the search continues at
+    the next byte, so a damaged frame never hides the one after it. Unknown message ids are ignored.
     """
 
     def __init__(self) -> None:
@@ -49,14 +48,14 @@ class FrameParser:
 
     @property
     def n_buffered(self) -> int:
-        """Bytes not looked at yet."""
+        """Number of unparsed bytes."""
         return len(self._buffer) - self._position
 
     def take(self, budget: int) -> tuple[list[Message], int]:
-        """Decode what is complete, trying at most `budget` frames.
+        """Decode complete frames, trying at most `budget` candidates.
 
         Returns:
-            The messages and how much of the budget is left.
+            The messages and the remaining budget.
         """
         messages: list[Message] = []
         while budget > 0:
@@ -76,7 +75,7 @@ class FrameParser:
         return messages, budget
 
     def _next_frame(self) -> bytearray | None:
-        """Bytes of the next candidate frame, at `_position`; None until more bytes come."""
+        """Bytes of the next candidate frame, at `_position`; None until more bytes arrive."""
         found = _MARKERS.search(self._buffer, self._position)
         if found is None:
             self._position = len(self._buffer)
@@ -95,7 +94,7 @@ class FrameParser:
 
 
 def _decode(frame: bytearray) -> Message | None:
-    """The message of a candidate frame; None if damaged, unknown or of an unknown variant."""
+    """Message of a candidate frame; None if it is damaged, unknown or of an unknown variant."""
     if frame[0] == MARKER_V2 and frame[2] & ~_SIGNED_FLAG:
         return None
     try:

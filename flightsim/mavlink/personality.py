@@ -1,4 +1,4 @@
-"""How the autopilot presents itself: numbers that differ between flight stacks."""
+"""Personality of a flight stack: its identity, mode numbers and encodings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flightsim.autopilot.modes import Mode
 
 @dataclass(frozen=True, kw_only=True)
 class ModeEntry:
-    """One flight mode in a stack's numbers."""
+    """Numbers of one flight mode in a flight stack."""
 
     mode: Mode
     custom_mode: int
@@ -19,7 +19,7 @@ class ModeEntry:
     standard_mode: int = 0
     """MAV_STANDARD_MODE; 0 is non-standard."""
     is_selectable: bool = True
-    """Whether a client may ask for it."""
+    """Whether a client may select the mode."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,33 +28,33 @@ class Personality:
 
     name: str
     autopilot: int
-    """MAV_AUTOPILOT."""
+    """Value of MAV_AUTOPILOT."""
     modes: tuple[ModeEntry, ...]
     mode_shift: Mapping[str, int]
     """Bits by which DO_SET_MODE's "main" and "sub" are shifted into the custom mode."""
     flight_sw_version: int
     flight_custom_version: bytes
     capabilities: int
-    """MAV_PROTOCOL_CAPABILITY bits."""
+    """Bits of MAV_PROTOCOL_CAPABILITY."""
 
     def entry(self, mode: Mode) -> ModeEntry:
-        """How a mode is reported."""
+        """Entry that reports a mode."""
         return next(entry for entry in self.modes if entry.mode is mode)
 
     def selectable(self, custom_mode: int) -> Mode | None:
-        """The mode a client asks for by a custom mode; None if there is none."""
+        """Selectable mode with a custom mode number; None if there is none."""
         for entry in self.modes:
             if entry.custom_mode == custom_mode and entry.is_selectable:
                 return entry.mode
         return None
 
     def standard(self, standard_mode: int) -> Mode | None:
-        """The mode a client asks for by MAV_STANDARD_MODE; None if there is none."""
+        """Selectable mode with a MAV_STANDARD_MODE; None if there is none."""
         for entry in self.modes:
             if standard_mode and entry.standard_mode == standard_mode and entry.is_selectable:
                 return entry.mode
         return None
 
     def custom_mode(self, main: int, sub: int) -> int:
-        """The custom mode of a DO_SET_MODE."""
+        """Custom mode number of a DO_SET_MODE."""
         return main << self.mode_shift["main"] | sub << self.mode_shift["sub"]

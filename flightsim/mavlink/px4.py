@@ -12,7 +12,7 @@ _MANUAL, _ALTCTL, _POSCTL, _AUTO, _ACRO, _OFFBOARD, _STABILIZED = (n << 16 for n
 _TAKEOFF, _LOITER, _MISSION, _RTL, _LAND = (_AUTO | n << 24 for n in range(2, 7))
 _POSCTL_ORBIT = _POSCTL | 1 << 24
 
-# MAV_MODE_FLAG: custom 1, auto 4, guided 8, stabilize 16, manual input 64. pymavlink reads from
+# MAV_MODE_FLAG: custom 1, auto 4, guided 8, stabilize 16, manual input 64. pymavlink infers from
 # them whether a custom mode is one of sticks or automatic.
 _STICKS = 1 | 64
 _ASSISTED = 1 | 16 | 64
@@ -31,7 +31,7 @@ def _mode(
     )
 
 
-# Modes that clients do not choose are reported as the nearest one that every client knows.
+# Modes that clients cannot select are reported as the nearest one that every client knows.
 PX4 = Personality(
     name="px4",
     autopilot=12,

@@ -1,7 +1,7 @@
-"""The vehicle's end of MAVLink: links, microservices and streams, polled once a tick.
+"""MAVLink server of the vehicle: links, microservices and streams, polled once per tick.
 
 Nothing that a client sends can stop the flight: work per tick is bounded for every partner, and
-what cannot be understood is ignored.
+malformed input is ignored.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ AUTOPILOT_COMPONENT = 1
 
 
 class MavlinkServer:
-    """Speaks MAVLink for one vehicle on several links."""
+    """Serves one vehicle on several links."""
 
     def __init__(
         self,
@@ -59,13 +59,13 @@ class MavlinkServer:
         """Open the links.
 
         Args:
-            autopilot: Who is asked and reported on.
-            plant: What is measured.
-            frame: The scene's local frame.
-            links: Ways for clients to come; opened here, closed by `close`.
+            autopilot: Autopilot to control and report on.
+            plant: Source of measurements.
+            frame: Local frame of the scene.
+            links: Links for clients; opened here, closed by `close`.
             system_id: MAVLink system id, 1 to 255.
-            personality: The flight stack whose habits are kept.
-            local_origin_enu_m: Origin of MAVLink's local frame; by default where the vehicle is.
+            personality: Flight stack to imitate.
+            local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
 
         Raises:
             LinkError: If a link cannot be opened; the others are closed again.
@@ -133,11 +133,11 @@ class MavlinkServer:
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """All partners at present."""
+        """All present partners."""
         return self._partners.channels
 
     def update(self) -> None:
-        """Read, answer, stream and send; once every 20 ms of simulated time."""
+        """Read, answer, stream and send; call once every 20 ms of simulated time."""
         for key, _ in self._selector.select(0):
             key.data()
         self._view.refresh()
@@ -153,7 +153,7 @@ class MavlinkServer:
             channel.flush()
 
     def close(self) -> None:
-        """Give all ports back. Closing twice is fine."""
+        """Release all ports. Closing twice is fine."""
         for link in self._links:
             link.close()
         self._selector.close()

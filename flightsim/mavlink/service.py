@@ -1,4 +1,4 @@
-"""What the microservices share: how they are called, and how they reach all partners."""
+"""Interfaces of the microservices, and ways to reach all partners."""
 
 from __future__ import annotations
 
@@ -17,35 +17,35 @@ class Service(Protocol):
 
     @property
     def handlers(self) -> Mapping[str, Handler]:
-        """What to call for which message; messages for other systems are filtered before."""
+        """Handler of each message name; messages for other systems are filtered out before."""
         ...
 
 
 class StatefulService(Service, Protocol):
-    """A microservice that keeps something for its partners and has things to do on its own."""
+    """A microservice that keeps state per partner and acts by itself."""
 
     def update(self) -> None:
-        """Do what is due; once a tick."""
+        """Perform due work; called once per tick."""
         ...
 
     def forget(self, channel: Channel) -> None:
-        """A partner is gone: drop what was kept for it."""
+        """Drop the state of a partner that left."""
         ...
 
 
 class Partners:
-    """All partners at present, for what everybody is told."""
+    """All present partners, for broadcasts."""
 
     def __init__(self) -> None:
         self.channels: Sequence[Channel] = ()
 
     def broadcast(self, message: Layout, payload: bytes) -> None:
-        """Send one payload to everybody."""
+        """Send one payload to all partners."""
         for channel in self.channels:
             channel.send(message, payload)
 
 
 def send(channel: Channel, name: str, **values: Any) -> None:
-    """Send a message by names of its fields: for answers, not for streams."""
+    """Send a message from named field values: for answers, not for streams."""
     message = layout(name)
     channel.send(message, message.encode(**values))

@@ -1,4 +1,4 @@
-"""STATUSTEXT: lines for people, longer ones in chunks."""
+"""STATUSTEXT: text messages for people, long ones in chunks."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _LONGEST_BYTES = 250
 
 
 class StatustextSender:
-    """Tells all partners; numbers the lines that need more than one message.
+    """Sends texts to all partners; numbers those that need more than one message.
 
     Attributes:
-        listeners: Called with every line too, partners or not.
+        listeners: Called with every text, even without partners.
     """
 
     def __init__(self, partners: Partners) -> None:
@@ -27,11 +27,11 @@ class StatustextSender:
         self.listeners: list[Callable[[Severity, str], None]] = []
 
     def end_tick(self) -> None:
-        """From now on what was said may be said again."""
+        """End the tick, so that texts sent in it may be repeated."""
         self._said_in_tick.clear()
 
     def say(self, severity: Severity, text: str) -> None:
-        """Send one line of at most 250 bytes; what is longer is cut, repetitions are dropped."""
+        """Send a text of at most 250 bytes; longer ones are cut, repeats in a tick are dropped."""
         if text in self._said_in_tick:
             return
         self._said_in_tick.add(text)
@@ -45,7 +45,7 @@ class StatustextSender:
             yield _STATUSTEXT.encode(severity=int(severity), text=line)
             return
         self._last_id = self._last_id % 0xFFFF + 1
-        # The last chunk is the first that is not full, so a full one is followed by an empty one.
+        # A chunk that is not full ends the text, so a full last chunk is followed by an empty one.
         for chunk, start in enumerate(range(0, len(line) + 1, _CHUNK_BYTES)):
             yield _STATUSTEXT.encode(
                 severity=int(severity),

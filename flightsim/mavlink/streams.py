@@ -1,4 +1,4 @@
-"""Which messages a partner gets unasked, and how often."""
+"""Stream rates of each partner: which messages it gets unrequested, and how often."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Literal
 from flightsim.mavlink.dialect import LAYOUTS
 
 Profile = Literal["normal", "onboard"]
-"""Default stream rates: those for a ground station or those for a companion computer."""
+"""Default stream rates: for a ground station or for a companion computer."""
 
 TICK_US = 20_000
-"""The server's period, and so the shortest interval between two messages of a stream."""
+"""Period of the server, and so the shortest interval of a stream."""
 
-# Rates in Hz of PX4's modes of the same names (mavlink_main.cpp, v1.15), capped at the tick; the
-# ground station gets its local position oftener, because scripts on 14550 steer by it.
+# Rates in Hz of PX4's modes of the same names (mavlink_main.cpp, v1.15), capped at the tick; ground
+# stations get the local position more often, because scripts on 14550 steer by it.
 _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "HEARTBEAT": (1, 1),
     "SYS_STATUS": (1, 5),
@@ -58,7 +58,7 @@ _GROUP_ALL = 0
 
 
 class StreamTable:
-    """The streams of one partner, on a calendar of ticks: streams that are not due cost nothing."""
+    """Streams of one partner, in a calendar of ticks: streams that are not due cost nothing."""
 
     def __init__(self, profile: Profile, supported: Collection[int], now_us: int = 0) -> None:
         """Start with the default rates of `profile` for the message ids in `supported`."""
@@ -77,7 +77,7 @@ class StreamTable:
             self.set_interval(message_id, interval_us)
 
     def interval_us(self, message_id: int) -> int:
-        """Present interval, us; -1 when not streamed."""
+        """Present interval in us; -1 if not streamed."""
         return self._interval_us.get(message_id, -1)
 
     def set_interval(self, message_id: int, interval_us: float) -> bool:
@@ -99,7 +99,7 @@ class StreamTable:
         return True
 
     def set_group(self, group: int, rate_hz: float, *, is_on: bool) -> bool:
-        """REQUEST_DATA_STREAM: one rate for a group of messages; heartbeats are left alone.
+        """Handle REQUEST_DATA_STREAM: one rate for a group of messages, except heartbeats.
 
         Returns:
             False if there is no such group.
@@ -124,7 +124,7 @@ class StreamTable:
         due: list[int] = []
         for message_id in candidates:
             next_us = self._next_us.get(message_id)
-            # An entry whose stream was changed since is an old page of the calendar.
+            # An entry whose stream was changed since is outdated.
             if next_us is None or next_us > now_us or message_id in due:
                 continue
             due.append(message_id)

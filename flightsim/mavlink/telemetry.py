@@ -1,4 +1,4 @@
-"""What partners are sent unasked or on request: streams, intervals, single messages."""
+"""Telemetry service: streams, intervals and single messages on request."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from flightsim.mavlink.service import Handler, Partners, send
 from flightsim.mavlink.streams import StreamTable
 
 Producer = Callable[[], bytes | None]
-"""Packs a message of this tick; None if there is nothing to tell yet."""
+"""Packs a message of this tick; None if there is no data yet."""
 
 # Answered on request, never streamed.
 _ON_REQUEST_ONLY = frozenset({"AUTOPILOT_VERSION", "PROTOCOL_VERSION", "FLIGHT_INFORMATION"})
 
 
 class TelemetryService:
-    """Streams to every partner at its own rates; a payload is packed once for all of them."""
+    """Streams to each partner at its own rates; a payload is packed once for all of them."""
 
     def __init__(
         self,
@@ -40,7 +40,7 @@ class TelemetryService:
         self.handlers: Mapping[str, Handler] = {"REQUEST_DATA_STREAM": self._on_data_stream}
 
     def update(self) -> None:
-        """Send what is due at this tick."""
+        """Send all messages due at this tick."""
         now_us = self._now_us()
         packed: dict[int, bytes | None] = {}
         for channel in self._partners.channels:
@@ -52,14 +52,14 @@ class TelemetryService:
                     channel.send(self._producers[message_id][0], payload)
 
     def forget(self, channel: Channel) -> None:
-        """Drop a partner's rates."""
+        """Drop the rates of a partner that left."""
         self._tables.pop(channel, None)
 
     def send_now(self, channel: Channel, message_id: int) -> bool:
         """Send one message.
 
         Returns:
-            False if this message is unknown here or has nothing to tell yet.
+            False if the message is unknown or has no data yet.
         """
         if message_id not in self._producers:
             return False
@@ -70,7 +70,7 @@ class TelemetryService:
         return True
 
     def is_known(self, message_id: int) -> bool:
-        """Whether the message can be asked for."""
+        """Whether the message can be requested."""
         return message_id in self._producers
 
     def set_interval(self, channel: Channel, message_id: int, interval_us: float) -> bool:
@@ -88,7 +88,7 @@ class TelemetryService:
         return True
 
     def broadcast(self, name: str) -> None:
-        """Send one message to everybody, for a change that nobody should wait for."""
+        """Send one message to all partners, for a change that should reach them at once."""
         message_id = LAYOUTS[name].message_id
         payload = self._pack(message_id)
         if payload is not None:
@@ -109,5 +109,5 @@ class TelemetryService:
         try:
             return self._producers[message_id][1]()
         except (struct.error, ValueError, OverflowError):
-            # A number that its field cannot hold (an estimate gone astray) is not sent.
+            # A number that its field cannot hold (a diverged estimate) is not sent.
             return None

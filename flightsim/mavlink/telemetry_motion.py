@@ -1,4 +1,4 @@
-"""Messages about where the vehicle is, how it moves and where it is told to go."""
+"""Motion telemetry: position, velocity, attitude and setpoint messages."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _centidegrees(heading_deg: float) -> int:
 
 
 class MotionTelemetry:
-    """Packs messages out of the estimate and the setpoint."""
+    """Packs messages from the estimate and the setpoint."""
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view
@@ -275,7 +275,7 @@ class MotionTelemetry:
 
 
 def _rotate_inverse(quat: Quaternion, vector: tuple[float, float, float]) -> tuple[float, ...]:
-    """A vector of the outer frame in the frame that the quaternion turns."""
+    """Rotate a vector from the quaternion's outer frame into its inner one."""
     w, x, y, z = quat
     a, b, c = vector
     # t = 2 v x u, v' = v + w t + t x u with u the vector part: rotation by the conjugate.

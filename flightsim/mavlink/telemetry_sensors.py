@@ -1,4 +1,4 @@
-"""Messages about what sensors, motors and the battery say."""
+"""Sensor telemetry: messages of sensors, motors and the battery."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _BATTERY_STATUS = layout("BATTERY_STATUS")
 _ESTIMATOR_STATUS = layout("ESTIMATOR_STATUS")
 _VIBRATION = layout("VIBRATION")
 
-_ALL_IMU_FIELDS = 0x1FFF & ~(1 << 10)  # all but the differential pressure
+_ALL_IMU_FIELDS = 0x1FFF
 _MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
 _LASER, _PITCH_DOWN = 0, 25
 _PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900, 1000, 1000
@@ -54,7 +54,7 @@ def _millimetres(value_m: float) -> int:
 
 
 class SensorTelemetry:
-    """Packs messages out of the latest readings."""
+    """Packs messages from the latest readings."""
 
     def __init__(self, view: VehicleView, *, max_rotor_speed_radps: float) -> None:
         self._view = view
@@ -83,7 +83,7 @@ class SensorTelemetry:
             my * 0.01,
             mz * 0.01,
             baro.pressure_pa * 0.01,
-            0.0,
+            sensors.airspeed.differential_pa * 0.01,
             baro.altitude_m,
             baro.temperature_degc,
             _ALL_IMU_FIELDS,
@@ -151,11 +151,13 @@ class SensorTelemetry:
 
     def _pressure(self) -> bytes:
         v = self._view
-        baro = v.plant.sensors.baro
+        baro, airspeed = v.plant.sensors.baro, v.plant.sensors.airspeed
         return _SCALED_PRESSURE.encode(
             time_boot_ms=v.time_boot_ms,
             press_abs=baro.pressure_pa * 0.01,
+            press_diff=airspeed.differential_pa * 0.01,
             temperature=round(100.0 * baro.temperature_degc),
+            temperature_press_diff=round(100.0 * airspeed.temperature_degc),
         )
 
     def _battery(self) -> bytes:

@@ -1,4 +1,4 @@
-"""Messages about what the vehicle is, which state it is in and where its home is."""
+"""Status telemetry: messages of identity, system state and home position."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ SIMULATED_EPOCH_US = 1_767_225_600_000_000
 
 
 class StatusTelemetry:
-    """Packs messages out of the autopilot's state."""
+    """Packs messages from the autopilot's state."""
 
     def __init__(self, view: VehicleView, personality: Personality, system_id: int) -> None:
         self._view = view
@@ -87,7 +87,7 @@ class StatusTelemetry:
     def _sys_status(self) -> bytes:
         autopilot = self._view.autopilot
         health, battery = autopilot.health, autopilot.battery
-        # MAVSDK reads "position known" from GPS, and "calibrated" from gyro, accel and mag.
+        # MAVSDK infers "position known" from GPS, and "calibrated" from gyro, accel and mag.
         bits = (
             (_GYRO | _ACCEL if health.is_imu_ok else 0)
             | (_MAG if health.is_mag_ok else 0)

@@ -1,4 +1,4 @@
-"""TIMESYNC and PING: clients compare clocks and measure the way."""
+"""TIMESYNC and PING: clients compare clocks and measure the round trip."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flightsim.mavlink.service import Handler, send
 
 
 class TimesyncService:
-    """Answers with simulated time since the start."""
+    """Answers with the simulated time since the start."""
 
     def __init__(self, now_us: Callable[[], int]) -> None:
         self._now_us = now_us
@@ -20,7 +20,7 @@ class TimesyncService:
         }
 
     def _on_timesync(self, channel: Channel, message: Message) -> None:
-        if message.tc1 == 0:  # a question; anything else answers somebody's
+        if message.tc1 == 0:  # a request; any other value is someone's answer
             send(channel, "TIMESYNC", tc1=self._now_us() * 1000, ts1=message.ts1)
 
     def _on_ping(self, channel: Channel, message: Message) -> None:

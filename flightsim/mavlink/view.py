@@ -1,4 +1,4 @@
-"""The vehicle in MAVLink's frames: NED relative to where it started, FRD, geodetic."""
+"""Vehicle state in MAVLink's frames: NED relative to the start, FRD and geodetic."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from flightsim.plant import Plant
 
 
 class VehicleView:
-    """What many messages need of one tick, converted once.
+    """State of one tick that many messages share, converted once.
 
-    MAVLink's local frame has its origin where the vehicle stood at the start, as PX4's estimator
-    has it: scripts fly to (0, 0, -5) right after arming and mean five metres straight up.
+    MAVLink's local frame has its origin at the vehicle's start, as in PX4's estimator: scripts fly
+    to (0, 0, -5) right after arming and mean five metres straight up.
     """
 
     def __init__(
@@ -37,11 +37,11 @@ class VehicleView:
         self.origin_enu_m = local_origin_enu_m
         self.origin = frame.geodetic_from_enu(local_origin_enu_m)
         self.has_estimate = False
-        """Whether the estimator has ever been aligned; before, its numbers mean nothing."""
+        """Whether the estimator has ever been aligned; before that, its numbers mean nothing."""
         self.refresh()
 
     def refresh(self) -> None:
-        """Convert the estimate of this tick."""
+        """Convert the estimate of the present tick."""
         state: State = self.plant.estimate
         self.has_estimate = self.has_estimate or self.plant.estimator.is_attitude_valid
         self.time_us = self.plant.time_us
@@ -54,24 +54,24 @@ class VehicleView:
         self.place = self.frame.geodetic_from_enu(state.position_enu_m)
 
     def ned_from_enu(self, position_enu_m: Vector3) -> Vector3:
-        """Position in MAVLink's local frame from the scene's."""
+        """Convert a position from the scene's frame to MAVLink's local frame."""
         east, north, up = position_enu_m
         x0, y0, z0 = self.origin_enu_m
         return (north - y0, east - x0, z0 - up)
 
     def enu_from_ned(self, position_ned_m: Vector3) -> Vector3:
-        """Position in the scene from MAVLink's local frame."""
+        """Convert a position from MAVLink's local frame to the scene's."""
         north, east, down = position_ned_m
         x0, y0, z0 = self.origin_enu_m
         return (east + x0, north + y0, z0 - down)
 
     @property
     def home_altitude_m(self) -> float:
-        """Altitude above mean sea level of home, or of the start while there is no home."""
+        """Altitude of home above mean sea level, or of the start while there is no home."""
         home = self.autopilot.home
         return self.origin.altitude_m if home is None else home.geodetic.altitude_m
 
     @property
     def heading_deg(self) -> float:
-        """Heading clockwise from north, 0 to 360."""
+        """Heading in degrees clockwise from north, 0 to 360."""
         return math.degrees(self.rpy_rad[2]) % 360.0

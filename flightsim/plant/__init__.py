@@ -1,13 +1,13 @@
 """The plant: everything that runs faster than 50 Hz, compiled, behind a call every 20 ms."""
 
-from flightsim.plant.cfg import PhysicsDivergedError, PlantCfg, PlantError
-from flightsim.plant.plant import Plant, SensorName, compile_kernels
+from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.plant import Plant, compile_kernels
 
 __all__ = [
+    "NotAlignedError",
     "PhysicsDivergedError",
     "Plant",
     "PlantCfg",
     "PlantError",
-    "SensorName",
     "compile_kernels",
 ]

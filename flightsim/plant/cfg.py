@@ -11,9 +11,11 @@ from autonomy.estimation import EstimatorCfg
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.wind import CALM, WindCfg
+from flightsim.plant.sensing import SENSORS
+from flightsim.sensors.airspeed import AirspeedCfg
 from flightsim.sensors.barometer import BarometerCfg
 from flightsim.sensors.gnss import GRADES
-from flightsim.sensors.imu import ADIS16448, PX4_IMU
+from flightsim.sensors.imu import IMUS
 from flightsim.sensors.magnetometer import MagnetometerCfg
 from flightsim.sensors.mocap import MocapCfg
 from flightsim.sensors.rangefinder import RangefinderCfg
@@ -25,11 +27,16 @@ ADVANCE_HZ = 50
 _PRESSURE_GRADIENT_PAPM = 11.6
 """Of the standard atmosphere near 400 m above the sea."""
 
-IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
+
+_AIDED_BY = {"gnss": ("gnss", "auto"), "vio": ("vio", "auto"), "mocap": ("mocap",)}
 
 
 class PlantError(ValueError):
     """A plant that cannot be built as configured."""
+
+
+class NotAlignedError(RuntimeError):
+    """A setpoint for a plant whose estimator does not know yet how the vehicle lies."""
 
 
 class PhysicsDivergedError(RuntimeError):
@@ -62,15 +69,15 @@ class PlantCfg:
     rangefinder: RangefinderCfg = field(default_factory=RangefinderCfg)
     vio: VioCfg = field(default_factory=VioCfg)
     mocap: MocapCfg = field(default_factory=MocapCfg)
+    airspeed: AirspeedCfg = field(default_factory=AirspeedCfg)
     estimator: EstimatorCfg | None = None
     """None: tuned to the sensors, `estimator_cfg_for`."""
     controller: ControllerCfg | None = None
     """None: gains for the airframe, `autonomy.control.cfg.controller_cfg_for`."""
 
-    @property
-    def has_gnss(self) -> bool:
-        """Whether there is a receiver."""
-        return self.aiding in ("gnss", "auto")
+    def has(self, sensor: str) -> bool:
+        """Whether a sensor, by its name, is switched on at the start."""
+        return self.aiding in _AIDED_BY.get(sensor, (self.aiding,))
 
     def check(self, timestep_s: float) -> None:
         """Check the rates against each other and against the world's physics step.
@@ -93,11 +100,12 @@ class PlantCfg:
                 f"physics_hz = {self.physics_hz}: the world steps at {1.0 / timestep_s:g} Hz, "
                 "both must be the same"
             )
-        for name in ("barometer", "magnetometer", "rangefinder", "vio", "mocap"):
-            rate = getattr(self, name).rate_hz
+        for sensor in SENSORS:
+            rate = getattr(sensor.cfg(self), "rate_hz", self.control_hz)
             if rate <= 0 or self.control_hz % rate:
                 raise PlantError(
-                    f"{name}.rate_hz = {rate}: a divisor of control_hz ({self.control_hz}) is valid"
+                    f"{sensor.setting}.rate_hz = {rate}: a divisor of control_hz "
+                    f"({self.control_hz}) is valid"
                 )
 
 

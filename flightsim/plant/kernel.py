@@ -8,144 +8,52 @@ from __future__ import annotations
 import numpy as np
 
 from autonomy.control.controller import control
-from autonomy.estimation.alignment import align_when_ready, collect_imu, collect_vector
-from autonomy.estimation.fusion import fuse_barometer, fuse_magnetometer
-from autonomy.estimation.predict import predict
-from autonomy.estimation.terrain import fuse_range
-from autonomy.estimation.wind import fuse_drag
+from autonomy.estimation.alignment import align_when_ready
 from autonomy.jit import kernel
-from flightsim.environment.air import move_air
+from flightsim.environment.air import AIR_NORMALS, move_air
 from flightsim.environment.motion import move_traffic
-from flightsim.plant.aiding import sense_pose, sense_satellites
-from flightsim.plant.mujoco_calls import call_mj_ray, call_mj_step
-from flightsim.sensors.barometer import sample_barometer
-from flightsim.sensors.imu import sample_imu
-from flightsim.sensors.magnetometer import sample_magnetometer
-from flightsim.sensors.rangefinder import aim_ray, sample_rangefinder
+from flightsim.plant.mujoco_calls import call_mj_step, doubles, integers
+from flightsim.plant.sensing import sense
 from flightsim.vehicles.rotor_model import step_rotors
 
 
 @kernel
 def advance(
-    engines: np.ndarray,
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-    applied: np.ndarray,
-    constraint: np.ndarray,
-    rotors: np.ndarray,
-    airs: np.ndarray,
-    traffic: np.ndarray,
+    plants: np.ndarray,
     movers: np.ndarray,
     mover_points: np.ndarray,
-    mocap_pos: np.ndarray,
-    mocap_quat: np.ndarray,
-    geom_conaffinity: np.ndarray,
-    body_conaffinity: np.ndarray,
-    imus: np.ndarray,
-    receivers: np.ndarray,
-    barometers: np.ndarray,
-    magnetometers: np.ndarray,
-    rangefinders: np.ndarray,
-    vios: np.ndarray,
-    mocaps: np.ndarray,
     rooms: np.ndarray,
-    filters: np.ndarray,
-    states: np.ndarray,
-    controllers: np.ndarray,
-    setpoints: np.ndarray,
-    imu_normals: np.ndarray,
-    gnss_normals: np.ndarray,
-    baro_normals: np.ndarray,
-    mag_normals: np.ndarray,
-    range_normals: np.ndarray,
-    vio_normals: np.ndarray,
-    mocap_normals: np.ndarray,
-    air_normals: np.ndarray,
+    normals: np.ndarray,
     history: np.ndarray,
-    reports: np.ndarray,
 ) -> None:
     """Advance by 20 ms.
 
     Args:
-        engines: `ENGINE_DTYPE`; this and every other record comes in an array of shape (1,).
-        qpos: Pose of the vehicle (7,), MuJoCo's own memory, as the next three.
-        qvel: Its velocity (6,): linear in the world, angular in the body.
-        applied: Wrench on its body (6,), written here.
-        constraint: Constraint forces (nv,); non-zero while it touches something.
-        rotors: `ROTORS_DTYPE`.
-        airs: `AIR_DTYPE`.
-        traffic: `TRAFFIC_DTYPE`.
-        movers: `MOVER_DTYPE`, a row for each moving obstacle, as the next three.
+        plants: `PLANT_DTYPE` (1,).
+        movers: `MOVER_DTYPE` (n,), a row for each moving obstacle.
         mover_points: Control points of their paths (k, 3).
-        mocap_pos: MuJoCo's poses of their bodies (n, 3), written here.
-        mocap_quat: The same (n, 4).
-        geom_conaffinity: What the model's geoms may touch, written for movers.
-        body_conaffinity: The same of its bodies.
-        imus: `IMU_DTYPE`.
-        receivers: `GNSS_DTYPE`.
-        barometers: `BAROMETER_DTYPE`.
-        magnetometers: `MAGNETOMETER_DTYPE`.
-        rangefinders: `RANGEFINDER_DTYPE`.
-        vios: `VIO_DTYPE`.
-        mocaps: `MOCAP_DTYPE`.
         rooms: Without satellites and wind (n, 8), `flightsim.environment.rooms`.
-        filters: `FILTER_DTYPE`.
-        states: `STATE_DTYPE`.
-        controllers: `CONTROLLER_DTYPE`.
-        setpoints: `SETPOINT_DTYPE`.
-        imu_normals: Standard normals for one second, a row for each sample, as the next six.
-        gnss_normals: For the receiver.
-        baro_normals: For the barometer.
-        mag_normals: For the magnetometer.
-        range_normals: For the rangefinder.
-        vio_normals: For visual-inertial odometry.
-        mocap_normals: For motion capture.
-        air_normals: For turbulence.
-        history: `HISTORY_DTYPE`, a row for each control tick.
-        reports: `REPORT_DTYPE`, written at the end.
+        normals: Standard normals for one second, a block for each sensor and one for the air.
+        history: `HISTORY_DTYPE`, a row for each control tick, written.
     """
-    e, r, f, c, s = engines[0], rotors[0], filters[0], controllers[0], setpoints[0]
-    imu, gnss, baro = imus[0], receivers[0], barometers[0]
-    mag, rangefinder = magnetometers[0], rangefinders[0]
-    vio, mocap = vios[0], mocaps[0]
-    x = states[0]
+    p = plants[0]
+    e, f = p.engine, p.filter
+    qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
     e.contact_ticks = 0
     for i in range(e.ticks_per_advance):
-        _tell_state(x, e, f, qpos, qvel)
-        control(c, s, x, e.has_new_setpoint == 1)
+        _tell_state(p.state, e, f, qpos, qvel)
+        control(p.controller, p.setpoint, p.state, e.has_new_setpoint == 1)
         e.has_new_setpoint = 0
-        gusts = air_normals[e.tick % e.tick_hz]
-        move_air(airs[0], qpos[0:3], qvel[0:3], rooms, gusts, r.wind_enu_mps)
-        if len(movers) > 0:
-            move_traffic(
-                traffic[0],
-                movers,
-                mover_points,
-                qpos[0:3],
-                mocap_pos,
-                mocap_quat,
-                geom_conaffinity,
-                body_conaffinity,
-            )
-        is_touching = _step_physics(e, r, c, qpos, qvel, applied, constraint)
+        _move_world(p, movers, mover_points, rooms, normals, qpos, qvel)
+        is_touching = _step_physics(e, p.rotors, p.controller, qpos, qvel)
         e.contact_ticks += is_touching
         e.tick += 1
-        sample_imu(imu, qpos[3:7], qvel[0:3], imu_normals[(e.tick - 1) % e.tick_hz])
-        if f.is_aligned == 1:
-            predict(f, imu.accel_flu_mps2, imu.gyro_flu_radps)
-            fuse_drag(f, imu.accel_flu_mps2, r.speed_radps)
-        else:
-            collect_imu(f, imu.accel_flu_mps2, imu.gyro_flu_radps)
-        sense_satellites(e, f, gnss, rooms, qpos, qvel, gnss_normals)
-        sense_pose(e, f, vio, mocap, qpos, vio_normals, mocap_normals)
-        _sense_pressure(e, f, baro, qpos, baro_normals)
-        _sense_field_and_range(e, f, mag, rangefinder, qpos, mag_normals, range_normals)
+        sense(p, qpos, qvel, rooms, normals)
         if f.is_aligned == 0:
             align_when_ready(f)
-        _log(history[i], e, qpos, qvel, r, imu, f, c, s, is_touching)
-    reports[0].contact_ticks = e.contact_ticks
-    _report(reports[0], history[-1], f, c)
-    _report_sensors(reports[0], imu, gnss, baro, mag, rangefinder)
+        _log(history[i], p, qpos, qvel, is_touching)
+    p.report.contact_ticks = e.contact_ticks
+    _report(p.report, history[-1], f, p.controller)
 
 
 @kernel
@@ -166,17 +74,41 @@ def _tell_state(
 
 
 @kernel
-def _step_physics(
-    e: np.record,
-    r: np.record,
-    c: np.record,
+def _move_world(
+    p: np.record,
+    movers: np.ndarray,
+    mover_points: np.ndarray,
+    rooms: np.ndarray,
+    normals: np.ndarray,
     qpos: np.ndarray,
     qvel: np.ndarray,
-    applied: np.ndarray,
-    constraint: np.ndarray,
+) -> None:
+    """Let the air and everything that moves by itself move by a control tick."""
+    e, air, n = p.engine, p.air, len(movers)
+    first = air.first_normal + e.tick % e.tick_hz * AIR_NORMALS
+    gusts = normals[first : first + AIR_NORMALS]
+    move_air(air, qpos[0:3], qvel[0:3], rooms, gusts, p.rotors.wind_enu_mps)
+    if n > 0:
+        move_traffic(
+            p.traffic,
+            movers,
+            mover_points,
+            qpos[0:3],
+            doubles(e.mocap_pos_address, 3 * n).reshape(n, 3),
+            doubles(e.mocap_quat_address, 4 * n).reshape(n, 4),
+            integers(e.geom_bits_address, e.n_geoms),
+            integers(e.body_bits_address, e.n_bodies),
+        )
+
+
+@kernel
+def _step_physics(
+    e: np.record, r: np.record, c: np.record, qpos: np.ndarray, qvel: np.ndarray
 ) -> int:
     """Step to the next control tick; 1 if the vehicle touched something on the way."""
     command = c.rotor_command_radps if e.has_power == 1 else e.no_command
+    applied = doubles(e.applied_address, 6)
+    constraint = doubles(e.constraint_address, e.n_constraints)
     is_touching = 0
     for _ in range(e.steps_per_tick):
         step_rotors(r, command, qpos[3:7], qvel[0:3], qvel[3:6], applied)
@@ -188,76 +120,10 @@ def _step_physics(
 
 
 @kernel
-def _is_due(e: np.record, period_ticks: int) -> bool:
-    return e.tick % period_ticks == 0
-
-
-@kernel
-def _row(e: np.record, period_ticks: int) -> int:
-    """Which of the second's normals belongs to the sample of this tick."""
-    return (e.tick - 1) % e.tick_hz // period_ticks
-
-
-@kernel
-def _sense_pressure(
-    e: np.record, f: np.record, baro: np.record, qpos: np.ndarray, baro_normals: np.ndarray
-) -> None:
-    if _is_due(e, baro.period_ticks) and baro.is_enabled == 1:
-        sample_barometer(baro, e.tick, qpos[2], baro_normals[_row(e, baro.period_ticks)])
-        if f.is_aligned == 1:
-            fuse_barometer(f, baro.altitude_m)
-        else:
-            f.baro_sum += baro.altitude_m
-            f.n_baro += 1
-
-
-@kernel
-def _sense_field_and_range(
-    e: np.record,
-    f: np.record,
-    mag: np.record,
-    rangefinder: np.record,
-    qpos: np.ndarray,
-    mag_normals: np.ndarray,
-    range_normals: np.ndarray,
-) -> None:
-    if _is_due(e, mag.period_ticks) and mag.is_enabled == 1:
-        sample_magnetometer(mag, e.tick, qpos[3:7], mag_normals[_row(e, mag.period_ticks)])
-        if f.is_aligned == 1:
-            fuse_magnetometer(f, mag.field_flu_ut)
-        else:
-            collect_vector(f.mag_sum, mag.field_flu_ut)
-            f.n_mag += 1
-    if _is_due(e, rangefinder.period_ticks) and rangefinder.is_enabled == 1:
-        aim_ray(rangefinder, qpos[0:3], qpos[3:7])
-        distance = call_mj_ray(
-            e.ray_address,
-            e.model_address,
-            e.data_address,
-            rangefinder.ray.ctypes.data,
-            rangefinder.ray[3:].ctypes.data,
-            e.vehicle_body,
-            e.ray_geom.ctypes.data,
-        )
-        row = range_normals[_row(e, rangefinder.period_ticks)]
-        sample_rangefinder(rangefinder, e.tick, distance, row)
-        if f.is_aligned == 1:
-            fuse_range(f, rangefinder.range_m, rangefinder.period_ticks * f.dt_s)
-
-
-@kernel
 def _log(
-    row: np.record,
-    e: np.record,
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-    r: np.record,
-    imu: np.record,
-    f: np.record,
-    c: np.record,
-    s: np.record,
-    is_touching: int,
+    row: np.record, p: np.record, qpos: np.ndarray, qvel: np.ndarray, is_touching: int
 ) -> None:
+    e, r, imu, f, c, s = p.engine, p.rotors, p.imu, p.filter, p.controller, p.setpoint
     row.time_us = e.tick * e.tick_us
     row.setpoint_level = s.level
     row.is_touching = is_touching
@@ -310,29 +176,3 @@ def _report(report: np.record, row: np.record, f: np.record, c: np.record) -> No
     report.ratios[1] = f.ratio_gnss_velocity
     report.ratios[2] = f.ratio_baro
     report.ratios[3] = f.ratio_heading
-
-
-@kernel
-def _report_sensors(
-    report: np.record,
-    imu: np.record,
-    gnss: np.record,
-    baro: np.record,
-    mag: np.record,
-    rangefinder: np.record,
-) -> None:
-    for i in range(3):
-        report.accel[i] = imu.accel_flu_mps2[i]
-        report.gyro[i] = imu.gyro_flu_radps[i]
-        report.gnss_position[i] = gnss.position_enu_m[i]
-        report.gnss_velocity[i] = gnss.velocity_enu_mps[i]
-        report.field[i] = mag.field_flu_ut[i]
-    report.gnss_tick = gnss.tick
-    report.gnss_settling = gnss.settling_sigma_m
-    report.hears_satellites = gnss.under_sky_ticks >= gnss.reacquire_ticks
-    report.baro_tick = baro.tick
-    report.mag_tick = mag.tick
-    report.pressure = baro.pressure_pa
-    report.pressure_altitude = baro.altitude_m
-    report.temperature = baro.temperature_degc
-    report.range = rangefinder.range_m

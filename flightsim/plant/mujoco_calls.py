@@ -1,4 +1,4 @@
-"""MuJoCo's step and ray from inside a kernel, through their C pointers.
+"""MuJoCo's step, ray and arrays from inside a kernel, through their C pointers.
 
 A kernel that steps ten times in one call saves nine trips through Python. Addresses travel as
 integers; a cached kernel holds none of its own.
@@ -11,9 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
+from numba.np.numpy_support import carray
+
+from autonomy.jit import kernel
 
 _POINTER = ir.IntType(8).as_pointer()
 
@@ -80,3 +84,23 @@ def call_mj_ray(
         )
 
     return signature, codegen
+
+
+@_in_kernel
+def _pointer(_typing: Any, _address: Any) -> Any:
+    def codegen(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        return builder.inttoptr(args[0], _POINTER)
+
+    return types.voidptr(types.intp), codegen
+
+
+@kernel
+def doubles(address: int, n: int) -> np.ndarray:
+    """The n doubles at an address."""
+    return carray(_pointer(address), (n,), np.float64)
+
+
+@kernel
+def integers(address: int, n: int) -> np.ndarray:
+    """The n integers of 32 bits at an address."""
+    return carray(_pointer(address), (n,), np.int32)

@@ -8,31 +8,35 @@ from __future__ import annotations
 
 import logging
 import math
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 
 from autonomy.control.record import setpoint_row
 from autonomy.jit import compile_ahead
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import OFF, ControlLevel, Quaternion, Setpoint, State
+from autonomy.types import OFF, ControlLevel, Setpoint, State, Vector3
 from flightsim.environment.motion import MAX_RATE
 from flightsim.environment.movers import MOVER_KINDS, MoverName, ObstacleStates
 from flightsim.environment.wind import WindCfg
-from flightsim.plant.cfg import ADVANCE_HZ, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.cfg import (
+    ADVANCE_HZ,
+    NotAlignedError,
+    PhysicsDivergedError,
+    PlantCfg,
+    PlantError,
+)
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, example_arguments
-from flightsim.plant.readings import EstimatorStatus, Report, SensorReadings
+from flightsim.plant.readings import EstimatorStatus, Report
 from flightsim.plant.record import report_slices
-from flightsim.sensors.gnss import GRADES
+from flightsim.plant.sensing import SENSORS, SensorReadings
+from flightsim.sensors.imu import IMU
 from flightsim.vehicles.battery import Battery
 from flightsim.world import World
 
 _LOG = logging.getLogger(__name__)
 _COMPILE_SECONDS = 12.0
 _ADVANCE_US = 1_000_000 // ADVANCE_HZ
-
-SensorName = Literal["gnss", "baro", "mag", "range", "vio", "mocap"]
 
 
 class Plant:
@@ -61,12 +65,12 @@ class Plant:
         """Control ticks of the last advance in which the vehicle touched something."""
         self.total_contact_ticks = 0
         self.n_refused_setpoints = 0
-        self._gnss_cfg = GRADES[cfg.gnss]
         self._n_advances = 0
-        self._has_gnss = cfg.has_gnss
         self._memory = PlantMemory(world, cfg, self.data)
         self._arguments = self._memory.arguments()
         self._report_slices = report_slices()
+        self.sensors = SensorReadings(self._memory.plant, self._memory.tick_us)
+        """Latest reading of each sensor."""
         self.history = self._memory.history
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
         self._memory.describe_start()
@@ -95,7 +99,7 @@ class Plant:
         self.total_contact_ticks += self.contact_ticks
         self.battery.step(self.rotor_speeds_radps, 1.0 / ADVANCE_HZ)
         if self.battery.remaining <= 0.0:
-            self._memory.engines["has_power"] = 0
+            self._memory.plant["engine"]["has_power"] = 0
 
     def _read_report(self) -> None:
         self._report = Report(
@@ -104,15 +108,43 @@ class Plant:
             self.time_us,
             self._memory.tick_us,
         )
-        self._truth = self._estimate = None
-        self._status = self._readings = None
+        self._truth = self._estimate = self._status = None
+
+    @property
+    def is_aligned(self) -> bool:
+        """Whether the controller knows the vehicle's state: by the estimator, or as the truth."""
+        return self.cfg.state == "truth" or self._report.scalar("is_aligned") == 1.0
+
+    def align(self, timeout_s: float = 10.0) -> None:
+        """Rest until the estimator is aligned, which takes about a second.
+
+        Raises:
+            NotAlignedError: If it is not within `timeout_s` of simulated time.
+        """
+        end_us = self.time_us + round(1e6 * timeout_s)
+        self.apply(OFF)
+        while not self.is_aligned:
+            if self.time_us >= end_us:
+                raise NotAlignedError(
+                    f"the estimator is not aligned after {timeout_s:g} s: it needs a vehicle at "
+                    "rest, a barometer, a magnetometer, and satellites where aiding = 'gnss'"
+                )
+            self.advance()
 
     def apply(self, setpoint: Setpoint) -> None:
         """Follow this setpoint from the next advance on.
 
         One that is not a number where it matters, at `ATTITUDE` or `RATE`, is refused: the setpoint
         before stays, and `n_refused_setpoints` counts.
+
+        Raises:
+            NotAlignedError: If it asks for more than idling before the estimator is aligned.
         """
+        if setpoint.level >= ControlLevel.TRAJECTORY and not self.is_aligned:
+            raise NotAlignedError(
+                f"setpoint at level {setpoint.level.name} after {1e-6 * self.time_us:.2f} s: the "
+                "estimator is not aligned yet; valid: OFF and IDLE, or call align() before"
+            )
         if setpoint.level >= ControlLevel.ATTITUDE:
             setpoint_or_none = _normalised(setpoint)
             if setpoint_or_none is None:
@@ -122,7 +154,7 @@ class Plant:
                 return
             setpoint = setpoint_or_none
         self._memory.setpoint_flat[:] = setpoint_row(setpoint)
-        self._memory.engines["has_new_setpoint"] = 1
+        self._memory.plant["engine"]["has_new_setpoint"] = 1
 
     @property
     def truth(self) -> State:
@@ -144,13 +176,6 @@ class Plant:
         if self._status is None:
             self._status = self._report.estimator()
         return self._status
-
-    @property
-    def sensors(self) -> SensorReadings:
-        """Latest reading of each sensor."""
-        if self._readings is None:
-            self._readings = self._report.sensors(self._gnss_cfg, has_gnss=self._has_gnss)
-        return self._readings
 
     @property
     def rotor_speeds_radps(self) -> tuple[float, float, float, float]:
@@ -180,7 +205,7 @@ class Plant:
     @property
     def filter(self) -> np.void:
         """The filter's own record (`autonomy.estimation.error_state`), for those who judge it."""
-        return self._memory.filters[0]
+        return self._memory.plant["filter"]
 
     @property
     def reference(self) -> tuple[Vector3, Vector3]:
@@ -204,7 +229,7 @@ class Plant:
     @property
     def air_velocity_true_enu_mps(self) -> Vector3:
         """Velocity of the air now: wind, turbulence and gusts."""
-        east, north, up = self._memory.rotors["wind_enu_mps"][0].tolist()
+        east, north, up = self._memory.plant["rotors"]["wind_enu_mps"].tolist()
         return (east, north, up)
 
     @property
@@ -224,13 +249,13 @@ class Plant:
     @property
     def traffic_speed(self) -> float:
         """How fast the movers' time runs, 1 as it is and 0 not at all; it changes gradually."""
-        return float(self._memory.traffic["rate_cmd"][0])
+        return float(self._memory.plant["traffic"]["rate_cmd"])
 
     @traffic_speed.setter
     def traffic_speed(self, rate: float) -> None:
         if not 0.0 <= rate <= MAX_RATE:
             raise PlantError(f"traffic_speed = {rate}: 0 to {MAX_RATE:g} are valid")
-        self._memory.traffic["rate_cmd"] = rate
+        self._memory.plant["traffic"]["rate_cmd"] = rate
 
     def set_rotor_effectiveness(self, rotor: int, effectiveness: float) -> None:
         """Let a rotor (0 to 3) make only this share, 0 to 1, of its thrust and torque.
@@ -242,13 +267,18 @@ class Plant:
             raise PlantError(
                 f"rotor = {rotor}, effectiveness = {effectiveness}: 0 to 3 and 0 to 1 are valid"
             )
-        self._memory.rotors["effectiveness"][0, rotor] = effectiveness
+        self._memory.plant["rotors"]["effectiveness"][rotor] = effectiveness
 
-    def set_sensor_enabled(self, sensor: SensorName, *, is_enabled: bool) -> None:
-        """Switch a sensor off or on again; one that is off keeps its last reading and its time."""
-        self._memory.sensor(sensor)["is_enabled"] = int(is_enabled)
-        if sensor == "gnss":
-            self._has_gnss = is_enabled
+    def set_sensor_enabled(self, sensor: str, *, is_enabled: bool) -> None:
+        """Switch a sensor off or on again; one that is off keeps its last reading and its time.
+
+        Raises:
+            PlantError: If there is no such sensor that can be switched off.
+        """
+        names = [s.name for s in SENSORS if s is not IMU]
+        if sensor not in names:
+            raise PlantError(f"sensor = {sensor!r}: valid are {', '.join(names)}")
+        self._memory.plant[sensor]["is_enabled"] = int(is_enabled)
 
 
 def compile_kernels() -> None:
@@ -263,10 +293,4 @@ def _normalised(setpoint: Setpoint) -> Setpoint | None:
     total = setpoint.thrust + norm + sum(setpoint.angular_rate_flu_radps)
     if not math.isfinite(total) or norm < 1e-3:
         return None
-    quat: Quaternion = (w / norm, x / norm, y / norm, z / norm)
-    return Setpoint(
-        level=setpoint.level,
-        quat_wxyz=quat,
-        angular_rate_flu_radps=setpoint.angular_rate_flu_radps,
-        thrust=setpoint.thrust,
-    )
+    return replace(setpoint, quat_wxyz=(w / norm, x / norm, y / norm, z / norm))

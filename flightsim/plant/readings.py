@@ -1,4 +1,4 @@
-"""What the plant tells: estimator status and sensor readings, built from its report on demand."""
+"""What the plant tells: states and estimator status, built from its report on demand."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import State
-from flightsim.sensors.gnss import GnssCfg
+from autonomy.types import State, Vector3
 
 _MAX_HORIZONTAL_SIGMA_M = 5.0
 """Position counts as lost beyond this: some ten seconds without a fix."""
@@ -34,59 +32,6 @@ class EstimatorStatus:
     heading_ratio: float
     gyro_bias_flu_radps: Vector3
     accel_bias_flu_mps2: Vector3
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ImuReading:
-    """Mean specific force and angular rate of the last IMU interval."""
-
-    time_us: int
-    accel_flu_mps2: Vector3
-    gyro_flu_radps: Vector3
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class GnssReading:
-    """Latest fix; `time_us` is the time for which it is valid, 0 before the first."""
-
-    time_us: int
-    position_enu_m: Vector3
-    velocity_enu_mps: Vector3
-    fix_type: int
-    """MAVLink's GPS_FIX_TYPE; 0 or 1 before the first fix or without signal."""
-    eph_m: float
-    epv_m: float
-    n_satellites: int
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class BaroReading:
-    """Static pressure and the altitude above mean sea level that the standard gives it."""
-
-    time_us: int
-    pressure_pa: float
-    altitude_m: float
-    temperature_degc: float
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MagReading:
-    """Magnetic field in body axes."""
-
-    time_us: int
-    field_flu_ut: Vector3
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class SensorReadings:
-    """The latest sample of every sensor."""
-
-    imu: ImuReading
-    gnss: GnssReading
-    baro: BaroReading
-    mag: MagReading
-    range_m: float
-    """Along body -z; infinite beyond reach, NaN before the first sample or when switched off."""
 
 
 class Report:
@@ -140,36 +85,3 @@ class Report:
             gyro_bias_flu_radps=self.vector("gyro_bias"),
             accel_bias_flu_mps2=self.vector("accel_bias"),
         )
-
-    def sensors(self, gnss: GnssCfg, *, has_gnss: bool) -> SensorReadings:
-        """Latest readings; without signal the receiver reports no fix."""
-        is_heard = has_gnss and self.scalar("hears_satellites") == 1.0
-        is_fixed = is_heard and self.scalar("gnss_tick") >= 0.0
-        settling = self.scalar("gnss_settling")
-        return SensorReadings(
-            imu=ImuReading(
-                time_us=self._time_us,
-                accel_flu_mps2=self.vector("accel"),
-                gyro_flu_radps=self.vector("gyro"),
-            ),
-            gnss=GnssReading(
-                time_us=self._time("gnss_tick"),
-                position_enu_m=self.vector("gnss_position"),
-                velocity_enu_mps=self.vector("gnss_velocity"),
-                fix_type=gnss.fix_type if is_fixed else 1,
-                eph_m=math.hypot(gnss.reported_accuracy_m[0], settling) if is_fixed else math.inf,
-                epv_m=math.hypot(gnss.reported_accuracy_m[1], settling) if is_fixed else math.inf,
-                n_satellites=gnss.n_satellites if is_fixed else 0,
-            ),
-            baro=BaroReading(
-                time_us=self._time("baro_tick"),
-                pressure_pa=self.scalar("pressure"),
-                altitude_m=self.scalar("pressure_altitude"),
-                temperature_degc=self.scalar("temperature"),
-            ),
-            mag=MagReading(time_us=self._time("mag_tick"), field_flu_ut=self.vector("field")),
-            range_m=self.scalar("range"),
-        )
-
-    def _time(self, name: str) -> int:
-        return max(0, round(self.scalar(name))) * self._tick_us

@@ -1,10 +1,15 @@
-"""The records of the plant as a whole: its clock and engine, what it logs, what it reports."""
+"""The record of a plant: its engine, all of its parts, what it logs and what it reports."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from autonomy.estimation.error_state import N_STATES
+from autonomy.control import CONTROLLER_DTYPE, SETPOINT_DTYPE, STATE_DTYPE
+from autonomy.estimation.error_state import FILTER_DTYPE, N_STATES
+from flightsim.environment.air import AIR_DTYPE
+from flightsim.environment.motion import TRAFFIC_DTYPE
+from flightsim.plant.sensing import SENSORS
+from flightsim.vehicles.rotor_model import ROTORS_DTYPE
 
 ENGINE_DTYPE = np.dtype(
     [
@@ -21,8 +26,20 @@ ENGINE_DTYPE = np.dtype(
         ("ray_address", "i8"),
         ("model_address", "i8"),
         ("data_address", "i8"),
+        # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
+        ("qpos_address", "i8"),
+        ("qvel_address", "i8"),
+        ("applied_address", "i8"),
+        # of the world: constraint forces, poses of movers, what geoms and bodies may touch
+        ("constraint_address", "i8"),
+        ("mocap_pos_address", "i8"),
+        ("mocap_quat_address", "i8"),
+        ("geom_bits_address", "i8"),
+        ("body_bits_address", "i8"),
+        ("n_constraints", "i8"),
+        ("n_geoms", "i8"),
+        ("n_bodies", "i8"),
         ("vehicle_body", "i4"),
-        ("ray_geom", "i4", 1),
         ("no_command", "f8", 4),
     ],
     align=True,
@@ -76,25 +93,28 @@ REPORT_DTYPE = np.dtype(
         ("ratios", "f8", 4),  # GNSS position, GNSS velocity, barometer, heading
         ("gnss_age_ticks", "f8"),
         ("wind", "f8", 2),
-        ("accel", "f8", 3),
-        ("gyro", "f8", 3),
-        ("gnss_tick", "f8"),
-        ("gnss_settling", "f8"),
-        ("hears_satellites", "f8"),
-        ("gnss_position", "f8", 3),
-        ("gnss_velocity", "f8", 3),
-        ("baro_tick", "f8"),
-        ("pressure", "f8"),
-        ("pressure_altitude", "f8"),
-        ("temperature", "f8"),
-        ("mag_tick", "f8"),
-        ("field", "f8", 3),
-        ("range", "f8"),
         ("contact_ticks", "f8"),
     ],
     align=True,
 )
 """What Python reads at most once an advance: doubles alone, so that one `tolist` reads them all."""
+
+PLANT_DTYPE = np.dtype(
+    [
+        ("engine", ENGINE_DTYPE),
+        ("rotors", ROTORS_DTYPE),
+        ("air", AIR_DTYPE),
+        ("traffic", TRAFFIC_DTYPE),
+        *((sensor.name, sensor.dtype) for sensor in SENSORS),
+        ("filter", FILTER_DTYPE),
+        ("state", STATE_DTYPE),
+        ("setpoint", SETPOINT_DTYPE),
+        ("controller", CONTROLLER_DTYPE),
+        ("report", REPORT_DTYPE),
+    ],
+    align=True,
+)
+"""All that a plant is and knows, in one piece."""
 
 
 def report_slices() -> dict[str, slice]:

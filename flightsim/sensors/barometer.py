@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from autonomy.estimation.fusion import fuse_barometer
 from autonomy.jit import kernel
 from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa, temperature_k
 from flightsim.sensors.drift import drift_terms
-
-BAROMETER_NORMALS = 2
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -25,37 +25,12 @@ class BarometerCfg:
     drift_correlation_s: float = 300.0
 
 
-BAROMETER_DTYPE = np.dtype(
-    [
-        ("pressure_pa", "f8"),
-        ("altitude_m", "f8"),
-        ("temperature_degc", "f8"),
-        ("tick", "i8"),
-        ("drift_pa", "f8"),
-        ("decay", "f8"),
-        ("drift_sigma_pa", "f8"),
-        ("noise_pa", "f8"),
-        ("origin_altitude_m", "f8"),
-        ("period_ticks", "i8"),
-        ("is_enabled", "i8"),
-    ],
-    align=True,
-)
-
-
-def new_barometer(cfg: BarometerCfg, *, tick_hz: int, origin_altitude_m: float) -> np.ndarray:
-    """A barometer in a scene whose z = 0 lies at an altitude, in an array of shape (1,)."""
-    records = np.zeros(1, BAROMETER_DTYPE)
-    r = records[0]
+def _configure(r: np.void, cfg: BarometerCfg, start: SensorStart) -> None:
     r["decay"], r["drift_sigma_pa"] = drift_terms(
         cfg.drift_density_pa, cfg.drift_correlation_s, 1.0 / cfg.rate_hz
     )
     r["noise_pa"] = cfg.noise_pa
-    r["origin_altitude_m"] = origin_altitude_m
-    r["period_ticks"] = tick_hz // cfg.rate_hz
-    r["is_enabled"] = 1
-    r["tick"] = -1
-    return records
+    r["origin_altitude_m"] = start.altitude_m
 
 
 @kernel
@@ -67,3 +42,57 @@ def sample_barometer(r: np.record, tick: int, height_enu_m: float, normals: np.n
     r.altitude_m = pressure_altitude_m(r.pressure_pa)
     r.temperature_degc = temperature_k(altitude) - 273.15
     r.tick = tick
+
+
+@kernel
+def sense_barometer(
+    r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
+) -> None:
+    """Measure where a sample is due, and let the filter use it."""
+    if not is_due(r, tick):
+        return
+    sample_barometer(r, tick, qpos[2], noise(r, tick, normals))
+    if f.is_aligned == 1:
+        fuse_barometer(f, r.altitude_m)
+    else:
+        f.baro_sum += r.altitude_m
+        f.n_baro += 1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BaroReading:
+    """Static pressure and the altitude above mean sea level that the standard gives it."""
+
+    time_us: int
+    pressure_pa: float
+    altitude_m: float
+    temperature_degc: float
+
+
+def _read(r: np.void, tick_us: int) -> BaroReading:
+    return BaroReading(
+        time_us=time_us(r, tick_us),
+        pressure_pa=float(r["pressure_pa"]),
+        altitude_m=float(r["altitude_m"]),
+        temperature_degc=float(r["temperature_degc"]),
+    )
+
+
+BAROMETER = Sensor(
+    name="baro",
+    setting="barometer",
+    fields=(
+        ("pressure_pa", "f8"),
+        ("altitude_m", "f8"),
+        ("temperature_degc", "f8"),
+        ("drift_pa", "f8"),
+        ("decay", "f8"),
+        ("drift_sigma_pa", "f8"),
+        ("noise_pa", "f8"),
+        ("origin_altitude_m", "f8"),
+    ),
+    n_normals=2,
+    stream=4,
+    configure=_configure,
+    read=_read,
+)

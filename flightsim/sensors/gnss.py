@@ -12,14 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from autonomy.estimation.alignment import collect_fix
+from autonomy.estimation.fusion import fuse_gnss
 from autonomy.jit import kernel
+from autonomy.types import Vector3
 from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
 
 N_GNSS_PAST = 64
 """IMU ticks that the receiver remembers; the longest delay."""
-
-GNSS_NORMALS = 9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,39 +77,12 @@ STANDARD = GnssCfg(
 
 GRADES = {"rtk": RTK, "standard": STANDARD}
 
-GNSS_DTYPE = np.dtype(
-    [
-        ("position_enu_m", "f8", 3),
-        ("velocity_enu_mps", "f8", 3),
-        ("tick", "i8"),  # of validity of the last fix, -1 before the first
-        ("drift_enu_m", "f8", 3),
-        ("decay", "f8"),
-        ("drift_sigma_m", "f8", 3),
-        ("position_sigma_m", "f8", 3),
-        ("velocity_sigma_mps", "f8", 3),
-        ("present_sigma_m", "f8", 3),  # white error of the last fix
-        ("reacquire_ticks", "i8"),
-        ("reacquired_sigma_m", "f8"),
-        ("settle_decay", "f8"),  # from one fix to the next
-        ("settling_sigma_m", "f8"),  # extra error just now
-        ("under_sky_ticks", "i8"),  # since the last room
-        ("delay_ticks", "i8"),
-        ("period_ticks", "i8"),
-        ("is_enabled", "i8"),
-        ("past_position_enu_m", "f8", (N_GNSS_PAST, 3)),
-        ("past_velocity_enu_mps", "f8", (N_GNSS_PAST, 3)),
-    ],
-    align=True,
-)
 
-
-def new_gnss(cfg: GnssCfg, rng: np.random.Generator, *, tick_hz: int) -> np.ndarray:
-    """A receiver that has tracked for long, in an array of shape (1,)."""
-    records = np.zeros(1, GNSS_DTYPE)
-    r = records[0]
+def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
+    """A receiver that has tracked for long."""
     horizontal, vertical = cfg.drift_sigma_m
     stationary = np.array([horizontal, horizontal, vertical])
-    r["drift_enu_m"] = stationary * rng.standard_normal(3)
+    r["drift_enu_m"] = stationary * start.rng.standard_normal(3)
     for i in range(3):
         density = density_of(stationary[i], cfg.drift_correlation_s)
         r["decay"], r["drift_sigma_m"][i] = drift_terms(
@@ -118,15 +93,13 @@ def new_gnss(cfg: GnssCfg, rng: np.random.Generator, *, tick_hz: int) -> np.ndar
         ("velocity_sigma_mps", cfg.velocity_noise_mps),
     ):
         r[name] = (pair[0], pair[0], pair[1])
-    r["delay_ticks"] = round(cfg.delay_s * tick_hz)
-    r["period_ticks"] = tick_hz // cfg.rate_hz
-    r["reacquire_ticks"] = round(cfg.reacquire_s * tick_hz)
+    r["delay_ticks"] = round(cfg.delay_s * start.tick_hz)
+    r["reacquire_ticks"] = round(cfg.reacquire_s * start.tick_hz)
     r["reacquired_sigma_m"] = cfg.reacquired_sigma_m
     r["settle_decay"] = math.exp(-1.0 / (cfg.settle_s * cfg.rate_hz))
     r["under_sky_ticks"] = r["reacquire_ticks"]
-    r["is_enabled"] = 1
-    r["tick"] = -1
-    return records
+    r["fix_type"], r["n_satellites"] = cfg.fix_type, cfg.n_satellites
+    r["reported_accuracy_m"] = cfg.reported_accuracy_m
 
 
 @kernel
@@ -163,3 +136,94 @@ def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
         r.position_enu_m[i] = r.past_position_enu_m[slot, i] + r.drift_enu_m[i] + noise
         noise = r.velocity_sigma_mps[i] * normals[6 + i]
         r.velocity_enu_mps[i] = r.past_velocity_enu_mps[slot, i] + noise
+
+
+@kernel
+def sense_gnss(
+    r: np.record,
+    f: np.record,
+    tick: int,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    rooms: np.ndarray,
+    normals: np.ndarray,
+) -> None:
+    """Follow the vehicle, and let the filter use the fix where one is due."""
+    follow_gnss(r, tick, qpos[0:3], qvel[0:3])
+    if not is_due(r, tick) or tick <= r.delay_ticks or not hears_satellites(r, rooms, qpos[0:3]):
+        return
+    sample_gnss(r, tick, noise(r, tick, normals))
+    if f.is_aligned == 1:
+        fuse_gnss(
+            f,
+            r.position_enu_m,
+            r.velocity_enu_mps,
+            r.delay_ticks,
+            r.present_sigma_m,
+            r.velocity_sigma_mps,
+        )
+    else:
+        collect_fix(f, r.position_enu_m, r.present_sigma_m)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class GnssReading:
+    """Latest fix; `time_us` is the time for which it is valid, 0 before the first."""
+
+    time_us: int
+    position_enu_m: Vector3
+    velocity_enu_mps: Vector3
+    fix_type: int
+    """MAVLink's GPS_FIX_TYPE; 0 or 1 before the first fix or without signal."""
+    eph_m: float
+    epv_m: float
+    n_satellites: int
+
+
+def _read(r: np.void, tick_us: int) -> GnssReading:
+    is_heard = r["is_enabled"] == 1 and r["under_sky_ticks"] >= r["reacquire_ticks"]
+    is_fixed = is_heard and r["tick"] >= 0
+    settling = float(r["settling_sigma_m"])
+    horizontal, vertical = r["reported_accuracy_m"].tolist()
+    return GnssReading(
+        time_us=time_us(r, tick_us),
+        position_enu_m=tuple(r["position_enu_m"].tolist()),
+        velocity_enu_mps=tuple(r["velocity_enu_mps"].tolist()),
+        fix_type=int(r["fix_type"]) if is_fixed else 1,
+        eph_m=math.hypot(horizontal, settling) if is_fixed else math.inf,
+        epv_m=math.hypot(vertical, settling) if is_fixed else math.inf,
+        n_satellites=int(r["n_satellites"]) if is_fixed else 0,
+    )
+
+
+GNSS = Sensor(
+    name="gnss",
+    setting="gnss",
+    grades=GRADES,
+    fields=(
+        ("position_enu_m", "f8", 3),
+        ("velocity_enu_mps", "f8", 3),
+        ("drift_enu_m", "f8", 3),
+        ("decay", "f8"),
+        ("drift_sigma_m", "f8", 3),
+        ("position_sigma_m", "f8", 3),
+        ("velocity_sigma_mps", "f8", 3),
+        ("present_sigma_m", "f8", 3),  # white error of the last fix
+        ("reacquire_ticks", "i8"),
+        ("reacquired_sigma_m", "f8"),
+        ("settle_decay", "f8"),  # from one fix to the next
+        ("settling_sigma_m", "f8"),  # extra error just now
+        ("under_sky_ticks", "i8"),  # since the last room
+        ("delay_ticks", "i8"),
+        ("fix_type", "i8"),
+        ("n_satellites", "i8"),
+        ("reported_accuracy_m", "f8", 2),
+        ("past_position_enu_m", "f8", (N_GNSS_PAST, 3)),
+        ("past_velocity_enu_mps", "f8", (N_GNSS_PAST, 3)),
+    ),
+    n_normals=9,
+    stream=3,
+    start_stream=1,
+    configure=_configure,
+    read=_read,
+)

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from autonomy.estimation.alignment import collect_imu
+from autonomy.estimation.predict import predict
+from autonomy.estimation.wind import fuse_drag
 from autonomy.jit import kernel
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.rotation import (
@@ -20,7 +23,9 @@ from autonomy.rotation import (
     quat_multiply,
     rotation_vector_from_quat,
 )
+from autonomy.types import Vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
+from flightsim.sensors.sensor import Sensor, SensorStart, noise, time_us
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -61,49 +66,17 @@ PX4_IMU = ImuCfg(
 )
 """PX4's gazebo-classic vehicles today: noisier, and calibrated."""
 
-IMU_NORMALS = 12
-"""Standard normals that a sample takes."""
-
-IMU_DTYPE = np.dtype(
-    [
-        ("accel_flu_mps2", "f8", 3),
-        ("gyro_flu_radps", "f8", 3),
-        ("accel_bias_flu_mps2", "f8", 3),
-        ("gyro_bias_flu_radps", "f8", 3),
-        ("last_velocity_enu_mps", "f8", 3),
-        ("last_quat_wxyz", "f8", 4),
-        ("dt_s", "f8"),
-        ("accel_sigma", "f8"),
-        ("gyro_sigma", "f8"),
-        ("accel_decay", "f8"),
-        ("gyro_decay", "f8"),
-        ("accel_drift_sigma", "f8", 3),
-        ("gyro_drift_sigma", "f8", 3),
-        ("work_quat", "f8", 4),
-        ("work_vector", "f8", 3),
-        ("work_R", "f8", (3, 3)),
-    ],
-    align=True,
-)
+IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
 
 
-def new_imu(
-    cfg: ImuCfg,
-    rng: np.random.Generator,
-    *,
-    rate_hz: int,
-    quat_wxyz: np.ndarray,
-    velocity_enu_mps: np.ndarray,
-) -> np.ndarray:
-    """An IMU just switched on at a true attitude and velocity, in an array of shape (1,)."""
-    records = np.zeros(1, IMU_DTYPE)
-    r = records[0]
-    dt_s = 1.0 / rate_hz
+def _configure(r: np.void, cfg: ImuCfg, start: SensorStart) -> None:
+    """Switch it on at a true attitude and velocity."""
+    dt_s = 1.0 / start.tick_hz
     r["dt_s"] = dt_s
-    r["last_quat_wxyz"] = quat_wxyz
-    r["last_velocity_enu_mps"] = velocity_enu_mps
-    r["accel_bias_flu_mps2"] = cfg.accel_turn_on_sigma_mps2 * rng.standard_normal(3)
-    r["gyro_bias_flu_radps"] = cfg.gyro_turn_on_sigma_radps * rng.standard_normal(3)
+    r["last_quat_wxyz"] = start.quat_wxyz
+    r["last_velocity_enu_mps"] = start.velocity_enu_mps
+    r["accel_bias_flu_mps2"] = cfg.accel_turn_on_sigma_mps2 * start.rng.standard_normal(3)
+    r["gyro_bias_flu_radps"] = cfg.gyro_turn_on_sigma_radps * start.rng.standard_normal(3)
     r["accel_sigma"] = cfg.accel_noise_density / math.sqrt(dt_s)
     r["gyro_sigma"] = cfg.gyro_noise_density / math.sqrt(dt_s)
     r["accel_decay"], r["accel_drift_sigma"] = drift_terms(
@@ -112,7 +85,6 @@ def new_imu(
     r["gyro_decay"], r["gyro_drift_sigma"] = drift_terms(
         cfg.gyro_bias_walk, cfg.gyro_bias_correlation_s, dt_s
     )
-    return records
 
 
 @kernel
@@ -149,3 +121,70 @@ def _mean_motion(r: np.record, quat_wxyz: np.ndarray, velocity_enu_mps: np.ndarr
         r.accel_flu_mps2[i] = R[0, i] * turn[0] + R[1, i] * turn[1] + R[2, i] * turn[2]
     for i in range(4):
         r.last_quat_wxyz[i] = quat_wxyz[i]
+
+
+@kernel
+def sense_imu(
+    r: np.record,
+    f: np.record,
+    tick: int,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    rotor_speed_radps: np.ndarray,
+    normals: np.ndarray,
+) -> None:
+    """Measure, and let the filter predict by it."""
+    sample_imu(r, qpos[3:7], qvel[0:3], noise(r, tick, normals))
+    r.tick = tick
+    if f.is_aligned == 1:
+        predict(f, r.accel_flu_mps2, r.gyro_flu_radps)
+        fuse_drag(f, r.accel_flu_mps2, rotor_speed_radps)
+    else:
+        collect_imu(f, r.accel_flu_mps2, r.gyro_flu_radps)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ImuReading:
+    """Mean specific force and angular rate of the last IMU interval."""
+
+    time_us: int
+    accel_flu_mps2: Vector3
+    gyro_flu_radps: Vector3
+
+
+def _read(r: np.void, tick_us: int) -> ImuReading:
+    return ImuReading(
+        time_us=time_us(r, tick_us),
+        accel_flu_mps2=tuple(r["accel_flu_mps2"].tolist()),
+        gyro_flu_radps=tuple(r["gyro_flu_radps"].tolist()),
+    )
+
+
+IMU = Sensor(
+    name="imu",
+    setting="imu",
+    grades=IMUS,
+    fields=(
+        ("accel_flu_mps2", "f8", 3),
+        ("gyro_flu_radps", "f8", 3),
+        ("accel_bias_flu_mps2", "f8", 3),
+        ("gyro_bias_flu_radps", "f8", 3),
+        ("last_velocity_enu_mps", "f8", 3),
+        ("last_quat_wxyz", "f8", 4),
+        ("dt_s", "f8"),
+        ("accel_sigma", "f8"),
+        ("gyro_sigma", "f8"),
+        ("accel_decay", "f8"),
+        ("gyro_decay", "f8"),
+        ("accel_drift_sigma", "f8", 3),
+        ("gyro_drift_sigma", "f8", 3),
+        ("work_quat", "f8", 4),
+        ("work_vector", "f8", 3),
+        ("work_R", "f8", (3, 3)),
+    ),
+    n_normals=12,
+    stream=2,
+    start_stream=0,
+    configure=_configure,
+    read=_read,
+)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from autonomy.estimation.alignment import collect_vector
+from autonomy.estimation.fusion import fuse_magnetometer
 from autonomy.jit import kernel
-from autonomy.model.quadrotor import Vector3
 from autonomy.rotation import matrix_from_quat
+from autonomy.types import Vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
-
-MAGNETOMETER_NORMALS = 6
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -27,35 +28,11 @@ class MagnetometerCfg:
     drift_correlation_s: float = 600.0
 
 
-MAGNETOMETER_DTYPE = np.dtype(
-    [
-        ("field_flu_ut", "f8", 3),
-        ("tick", "i8"),
-        ("field_enu_ut", "f8", 3),
-        ("drift_flu_ut", "f8", 3),
-        ("decay", "f8"),
-        ("drift_sigma_ut", "f8", 3),
-        ("noise_ut", "f8"),
-        ("period_ticks", "i8"),
-        ("is_enabled", "i8"),
-        ("R", "f8", (3, 3)),
-    ],
-    align=True,
-)
-
-
-def new_magnetometer(cfg: MagnetometerCfg, *, tick_hz: int, field_enu_ut: Vector3) -> np.ndarray:
-    """A magnetometer in a uniform field, in an array of shape (1,)."""
-    records = np.zeros(1, MAGNETOMETER_DTYPE)
-    r = records[0]
+def _configure(r: np.void, cfg: MagnetometerCfg, start: SensorStart) -> None:
     dt_s = 1.0 / cfg.rate_hz
-    r["field_enu_ut"] = field_enu_ut
+    r["field_enu_ut"] = start.field_enu_ut
     r["decay"], r["drift_sigma_ut"] = drift_terms(cfg.drift_density, cfg.drift_correlation_s, dt_s)
     r["noise_ut"] = cfg.noise_density / math.sqrt(dt_s)
-    r["period_ticks"] = tick_hz // cfg.rate_hz
-    r["is_enabled"] = 1
-    r["tick"] = -1
-    return records
 
 
 @kernel
@@ -70,3 +47,49 @@ def sample_magnetometer(
         true = R[0, i] * field[0] + R[1, i] * field[1] + R[2, i] * field[2]
         r.field_flu_ut[i] = true + r.drift_flu_ut[i] + r.noise_ut * normals[i]
     r.tick = tick
+
+
+@kernel
+def sense_magnetometer(
+    r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
+) -> None:
+    """Measure where a sample is due, and let the filter use it."""
+    if not is_due(r, tick):
+        return
+    sample_magnetometer(r, tick, qpos[3:7], noise(r, tick, normals))
+    if f.is_aligned == 1:
+        fuse_magnetometer(f, r.field_flu_ut)
+    else:
+        collect_vector(f.mag_sum, r.field_flu_ut)
+        f.n_mag += 1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MagReading:
+    """Magnetic field in body axes."""
+
+    time_us: int
+    field_flu_ut: Vector3
+
+
+def _read(r: np.void, tick_us: int) -> MagReading:
+    return MagReading(time_us=time_us(r, tick_us), field_flu_ut=tuple(r["field_flu_ut"].tolist()))
+
+
+MAGNETOMETER = Sensor(
+    name="mag",
+    setting="magnetometer",
+    fields=(
+        ("field_flu_ut", "f8", 3),
+        ("field_enu_ut", "f8", 3),
+        ("drift_flu_ut", "f8", 3),
+        ("decay", "f8"),
+        ("drift_sigma_ut", "f8", 3),
+        ("noise_ut", "f8"),
+        ("R", "f8", (3, 3)),
+    ),
+    n_normals=6,
+    stream=5,
+    configure=_configure,
+    read=_read,
+)

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from autonomy.estimation.motion_capture import fuse_mocap
 from autonomy.jit import kernel
 from autonomy.rotation import yaw_from_quat
-
-MOCAP_NORMALS = 4
+from autonomy.types import Vector3
+from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise, time_us
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -29,32 +30,10 @@ class MocapCfg:
     """Markers 0.2 m apart, each wrong by half a millimetre."""
 
 
-MOCAP_DTYPE = np.dtype(
-    [
-        ("position_enu_m", "f8", 3),
-        ("yaw_rad", "f8"),
-        ("tick", "i8"),  # of validity of the last pose, -1 before the first
-        ("position_noise_m", "f8"),
-        ("yaw_noise_rad", "f8"),
-        ("delay_ticks", "i8"),
-        ("period_ticks", "i8"),
-        ("is_enabled", "i8"),
-    ],
-    align=True,
-)
-
-
-def new_mocap(cfg: MocapCfg, *, tick_hz: int) -> np.ndarray:
-    """A system before its first pose, in an array of shape (1,)."""
-    records = np.zeros(1, MOCAP_DTYPE)
-    r = records[0]
+def _configure(r: np.void, cfg: MocapCfg, start: SensorStart) -> None:
     r["position_noise_m"] = cfg.position_noise_m
     r["yaw_noise_rad"] = cfg.yaw_noise_rad
-    r["period_ticks"] = tick_hz // cfg.rate_hz
-    r["delay_ticks"] = min(round(cfg.delay_s * tick_hz), r["period_ticks"])
-    r["is_enabled"] = 1
-    r["tick"] = -1
-    return records
+    r["delay_ticks"] = min(round(cfg.delay_s * start.tick_hz), r["period_ticks"])
 
 
 @kernel
@@ -66,3 +45,48 @@ def sample_mocap(
         r.position_enu_m[i] = position_enu_m[i] + r.position_noise_m * normals[i]
     r.yaw_rad = yaw_from_quat(quat_wxyz) + r.yaw_noise_rad * normals[3]
     r.tick = tick
+
+
+@kernel
+def sense_mocap(
+    r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
+) -> None:
+    """Fuse the pose that arrives just now, then take the next one."""
+    if has_arrived(r, tick) and f.is_aligned == 1:
+        fuse_mocap(f, r.position_enu_m, r.yaw_rad, r.delay_ticks)
+    if is_due(r, tick):
+        sample_mocap(r, tick, qpos[0:3], qpos[3:7], noise(r, tick, normals))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MocapReading:
+    """Pose in the world."""
+
+    time_us: int
+    position_enu_m: Vector3
+    yaw_rad: float
+
+
+def _read(r: np.void, tick_us: int) -> MocapReading:
+    return MocapReading(
+        time_us=time_us(r, tick_us),
+        position_enu_m=tuple(r["position_enu_m"].tolist()),
+        yaw_rad=float(r["yaw_rad"]),
+    )
+
+
+MOCAP = Sensor(
+    name="mocap",
+    setting="mocap",
+    fields=(
+        ("position_enu_m", "f8", 3),
+        ("yaw_rad", "f8"),
+        ("position_noise_m", "f8"),
+        ("yaw_noise_rad", "f8"),
+        ("delay_ticks", "i8"),
+    ),
+    n_normals=4,
+    stream=8,
+    configure=_configure,
+    read=_read,
+)

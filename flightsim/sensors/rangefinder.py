@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.jit import kernel
-
-RANGEFINDER_NORMALS = 1
+from flightsim.sensors.sensor import Sensor, SensorStart
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -24,33 +23,11 @@ class RangefinderCfg:
     """Of the distance, added to `noise_m` in quadrature."""
 
 
-RANGEFINDER_DTYPE = np.dtype(
-    [
-        ("range_m", "f8"),
-        ("tick", "i8"),
-        ("max_range_m", "f8"),
-        ("noise_m", "f8"),
-        ("relative_noise", "f8"),
-        ("period_ticks", "i8"),
-        ("is_enabled", "i8"),
-        ("ray", "f8", 6),  # origin and direction in the world
-    ],
-    align=True,
-)
-
-
-def new_rangefinder(cfg: RangefinderCfg, *, tick_hz: int) -> np.ndarray:
-    """A rangefinder before its first sample, in an array of shape (1,)."""
-    records = np.zeros(1, RANGEFINDER_DTYPE)
-    r = records[0]
+def _configure(r: np.void, cfg: RangefinderCfg, _start: SensorStart) -> None:
     r["range_m"] = math.nan
     r["max_range_m"] = cfg.max_range_m
     r["noise_m"] = cfg.noise_m
     r["relative_noise"] = cfg.relative_noise
-    r["period_ticks"] = tick_hz // cfg.rate_hz
-    r["is_enabled"] = 1
-    r["tick"] = -1
-    return records
 
 
 @kernel
@@ -73,3 +50,22 @@ def sample_rangefinder(r: np.record, tick: int, distance_m: float, normals: np.n
     relative = r.relative_noise * distance_m
     sigma = math.sqrt(r.noise_m * r.noise_m + relative * relative)
     r.range_m = max(0.0, distance_m + sigma * normals[0])
+
+
+RANGEFINDER = Sensor(
+    name="range",
+    setting="rangefinder",
+    fields=(
+        ("range_m", "f8"),
+        ("max_range_m", "f8"),
+        ("noise_m", "f8"),
+        ("relative_noise", "f8"),
+        ("ray", "f8", 6),  # origin and direction in the world
+        ("ray_geom", "i4", 1),  # what it meets
+    ),
+    n_normals=1,
+    stream=6,
+    configure=_configure,
+    read=lambda r, _: float(r["range_m"]),
+    gauge=("range m", lambda range_m: range_m),
+)

@@ -19,10 +19,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from autonomy.estimation.odometry import fuse_vio
 from autonomy.jit import kernel
 from autonomy.rotation import yaw_from_quat
-
-VIO_NORMALS = 8
+from autonomy.types import Vector3
+from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise, time_us
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,44 +42,15 @@ class VioCfg:
     yaw_noise_rad: float = 4e-3
 
 
-VIO_DTYPE = np.dtype(
-    [
-        ("position_vio_m", "f8", 3),
-        ("yaw_vio_rad", "f8"),
-        ("tick", "i8"),  # of validity of the last pose, -1 before the first
-        ("odometer_m", "f8", 3),  # position without its white noise
-        ("frame_yaw_rad", "f8"),
-        ("last_position_enu_m", "f8", 3),
-        ("position_walk", "f8", 3),
-        ("yaw_walk", "f8"),
-        ("position_noise_m", "f8"),
-        ("yaw_noise_rad", "f8"),
-        ("delay_ticks", "i8"),
-        ("period_ticks", "i8"),
-        ("is_enabled", "i8"),
-    ],
-    align=True,
-)
-
-
-def new_vio(
-    cfg: VioCfg, *, tick_hz: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray
-) -> np.ndarray:
-    """Odometry that begins at a true pose, in an array of shape (1,)."""
-    records = np.zeros(1, VIO_DTYPE)
-    r = records[0]
-    r["last_position_enu_m"] = position_enu_m
-    r["frame_yaw_rad"] = yaw_from_quat(quat_wxyz)
+def _configure(r: np.void, cfg: VioCfg, start: SensorStart) -> None:
+    r["last_position_enu_m"] = start.position_enu_m
+    r["frame_yaw_rad"] = yaw_from_quat(np.array(start.quat_wxyz))
     horizontal, vertical = cfg.position_walk
     r["position_walk"] = (horizontal, horizontal, vertical)
     r["yaw_walk"] = cfg.yaw_walk
     r["position_noise_m"] = cfg.position_noise_m
     r["yaw_noise_rad"] = cfg.yaw_noise_rad
-    r["period_ticks"] = tick_hz // cfg.rate_hz
-    r["delay_ticks"] = min(round(cfg.delay_s * tick_hz), r["period_ticks"])
-    r["is_enabled"] = 1
-    r["tick"] = -1
-    return records
+    r["delay_ticks"] = min(round(cfg.delay_s * start.tick_hz), r["period_ticks"])
 
 
 @kernel
@@ -107,3 +79,51 @@ def sample_vio(
     yaw = yaw_from_quat(quat_wxyz) - r.frame_yaw_rad
     r.yaw_vio_rad = yaw + r.yaw_noise_rad * normals[7]
     r.tick = tick
+
+
+@kernel
+def sense_vio(r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray) -> None:
+    """Fuse the pose that arrives just now, then take the next one."""
+    if has_arrived(r, tick) and f.is_aligned == 1:
+        fuse_vio(f, r.position_vio_m, r.yaw_vio_rad, r.delay_ticks)
+    if is_due(r, tick):
+        sample_vio(r, tick, qpos[0:3], qpos[3:7], noise(r, tick, normals))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class VioReading:
+    """Pose in the frame of the odometry."""
+
+    time_us: int
+    position_vio_m: Vector3
+    yaw_vio_rad: float
+
+
+def _read(r: np.void, tick_us: int) -> VioReading:
+    return VioReading(
+        time_us=time_us(r, tick_us),
+        position_vio_m=tuple(r["position_vio_m"].tolist()),
+        yaw_vio_rad=float(r["yaw_vio_rad"]),
+    )
+
+
+VIO = Sensor(
+    name="vio",
+    setting="vio",
+    fields=(
+        ("position_vio_m", "f8", 3),
+        ("yaw_vio_rad", "f8"),
+        ("odometer_m", "f8", 3),  # position without its white noise
+        ("frame_yaw_rad", "f8"),
+        ("last_position_enu_m", "f8", 3),
+        ("position_walk", "f8", 3),
+        ("yaw_walk", "f8"),
+        ("position_noise_m", "f8"),
+        ("yaw_noise_rad", "f8"),
+        ("delay_ticks", "i8"),
+    ),
+    n_normals=8,
+    stream=7,
+    configure=_configure,
+    read=_read,
+)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from dataclasses import dataclass
 
 import numpy as np
 
 from aeroscene.scene import Scene
 from flightsim.mavlink.client.client import MavlinkClient
-from flightsim.sensors.cameras import Cameras
-from flightsim.sensors.depth_noise import depth_noise
+from flightsim.sensors.cameras import Cameras, depth_noise
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg
@@ -49,7 +47,7 @@ def fly_landing(scene: Scene, cfg: TestbenchCfg) -> Landing:
         plant, leg_m = bench.plant, bench.airframe.leg_length_m
         mission = plan_mission(scene, bench.airframe, seed=cfg.seed)
         noise = depth_noise(cfg.depth_camera, cfg.seed)
-        with closing(Cameras(bench.world, plant, depth_noise=noise)) as cameras:
+        with Cameras(plant, depth_noise=noise) as cameras:
             client = MavlinkClient(bench.pilot_link.client, bench.frame)
             pilot_cfg = PilotCfg(expects_traffic=cfg.traffic_cfg.has_any)
             pilot = Pilot(client, mission, cameras.render, pilot_cfg)

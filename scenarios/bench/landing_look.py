@@ -18,8 +18,8 @@ from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingSite
 from flightsim.mavlink.client.telemetry import Telemetry
-from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
-from flightsim.sensors.depth_noise import DepthNoiseCfg, measured_depth
+from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
+from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth
 from flightsim.world import World
 from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.area import (

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from autonomy.perception import LandingNeeds
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.rays import RayScene
-from flightsim.sensors.raycast_mesh import geom_triangles
+from flightsim.sensors.cameras.raycast_mesh import geom_triangles
 from flightsim.world import World
 
 _SPACING_M = 0.03

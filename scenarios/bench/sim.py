@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -262,7 +262,7 @@ def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Obser
     yield lambda: recorder.on_tick(bench.plant, bench.autopilot)
     if camera_hz == 0:
         return
-    cameras = stack.enter_context(closing(Cameras(bench.world, bench.plant)))
+    cameras = stack.enter_context(Cameras(bench.plant))
     cameras.listen(recorder.log_frame)
     names = [mount.name for mount in bench.airframe.cameras]
     period_us = 1_000_000 // camera_hz

@@ -89,6 +89,10 @@ def run(cfg: BenchCfg) -> int:
 def _module(bench: AnyBenchCfg) -> Any:
     """The benchmark itself; for scenes that are made already another than for generating."""
     is_made = isinstance(bench, GenerateBenchCfg) and bench.scenes is not None
+    if isinstance(bench, GenerateBenchCfg) and not is_made:
+        from aeroscene.learning import require_torch  # noqa: PLC0415 - with the scene model
+
+        require_torch()
     name = "made" if is_made else _NAMES[type(bench)]
     return importlib.import_module(f"scenarios.bench.{name}")
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from aeroscene.learning import require_torch
 from aeroscene.learning.skeleton.config import SkeletonError
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from aeroscene.scene.io import write_scene
@@ -104,6 +105,7 @@ class _Tally:
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
+    require_torch()
     # PyTorch: seconds that no other command should spend.
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import math
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -50,8 +49,7 @@ def run(cfg: SitlCfg) -> int:
     with Sitl(cfg) as sitl:
         with _stop_on_signals() as should_stop, StatusLine(console, sitl) as status:
             _announce(console, sitl)
-            sitl.run(lambda: status.refresh() or should_stop())
-        result = sitl.finish()
+            result = sitl.run(lambda: status.refresh() or should_stop())
     if cfg.json:
         print(json.dumps(result.to_plain()))
     else:
@@ -86,7 +84,7 @@ def _print_result(console: Console, result: TrialResult) -> None:
         console.print(f"  contacts before touchdown     {result.contacts_before_touchdown}")
         if result.touchdown_error_m is not None:
             console.print(f"  touchdown error               {result.touchdown_error_m:.2f} m")
-    if not math.isnan(result.position_rmse_m):
+    if result.position_rmse_m is not None:
         console.print(
             f"  estimate against truth, RMS   {result.position_rmse_m:.2f} m, "
             f"{result.attitude_rmse_deg:.2f} degrees"

@@ -68,11 +68,14 @@ class TrainCfg:
 
 def run(cfg: TrainCfg) -> int:
     """Train; exit status 2 with one line where input, device or memory do not allow it."""
-    # PyTorch: seconds that no other command should spend.
-    from aeroscene.learning.training.procedure import Training  # noqa: PLC0415
+    from aeroscene.learning import require_torch  # noqa: PLC0415
     from aeroscene.scene import SceneError  # noqa: PLC0415
 
     try:
+        require_torch()
+        # PyTorch: seconds that no other command should spend.
+        from aeroscene.learning.training.procedure import Training  # noqa: PLC0415
+
         with _asked_to_stop() as stop:
             state = _open_state(cfg)
             plan = _plan(cfg, state)

@@ -18,7 +18,7 @@ from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from flightsim.looks.cutting import cut_at
 from flightsim.looks.framing import frame_points
-from flightsim.sensors.camera import open_camera_renderer
+from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 from scenarios.dataset.pool import run_all

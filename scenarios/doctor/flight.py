@@ -77,7 +77,7 @@ def _take_off(bench: Testbench) -> Check:
 
 
 def _check_cameras(bench: Testbench) -> Iterator[Check]:
-    from flightsim.sensors.camera import open_camera_renderer  # noqa: PLC0415
+    from flightsim.sensors.cameras import open_camera_renderer  # noqa: PLC0415
 
     renderer = open_camera_renderer(bench.world, _WIDTH_PX, _HEIGHT_PX)
     try:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
-import importlib.util
 import os
 import platform
 import shutil
@@ -14,9 +13,9 @@ from pathlib import Path
 
 from scenarios.doctor.check import REINSTALL, Check
 
-SUPPORTED_PYTHONS = ((3, 11), (3, 12))
+SUPPORTED_PYTHONS = ((3, 11), (3, 12), (3, 13))
 LIBRARIES = (
-    "mujoco",
+    "mujoco-core",
     "numpy",
     "numba",
     "scipy",
@@ -41,7 +40,7 @@ def check_machine() -> Iterator[Check]:
         name="python",
         status="ok" if is_supported else "problem",
         value=f"{version} on {platform.platform(terse=True)}",
-        remedy="" if is_supported else "install Python 3.11 or 3.12",
+        remedy="" if is_supported else "install Python 3.11, 3.12 or 3.13",
     )
     yield Check(name="processor", status="ok", value=f"{_processor()}, {_usable_cores()} cores")
     memory_mb = _memory_mb()
@@ -67,10 +66,12 @@ def check_libraries() -> Iterator[Check]:
 
 def check_learning() -> Iterator[Check]:
     """What torch would compute on; nothing here needs it."""
-    if importlib.util.find_spec("torch") is None:
-        yield Check(name="torch", status="ok", value="not installed; only training needs it")
+    try:
+        torch = importlib.import_module("torch")
+    except ModuleNotFoundError:
+        value = "not installed; only the scene model needs it: pip install 'aeroscene[model]'"
+        yield Check(name="torch", status="ok", value=value)
         return
-    torch = importlib.import_module("torch")
     device = "cpu"
     if torch.cuda.is_available():
         device = f"cuda, {torch.cuda.get_device_name()}"

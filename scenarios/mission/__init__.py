@@ -1,1 +1,1 @@
-"""A mission through a scene: what is known of the place, the areas to land on, the plan."""
+"""Mission through a scene: the map of the place, the areas to land on and the plan."""

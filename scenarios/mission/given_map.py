@@ -1,4 +1,4 @@
-"""The map of a scene that is given before the flight."""
+"""Map of a scene that is given before the flight."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scenarios.mission.obstacles import distance_field, scene_obstacles
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GivenMap:
-    """The map of a scene that was given before the flight."""
+    """Obstacles and free space of a scene, given before the flight."""
 
     obstacles: Obstacles
     field: DistanceField
@@ -28,9 +28,9 @@ def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap:
     """Obstacles and free space of a scene.
 
     Args:
-        scene: Where to fly.
-        radius_m: Of the vehicle's sphere.
-        resolution_m: Of the distance field.
+        scene: Scene to fly in.
+        radius_m: Radius of the vehicle's sphere.
+        resolution_m: Resolution of the distance field.
 
     Raises:
         NoFreeSpaceError: If the vehicle cannot leave the start.

@@ -1,4 +1,4 @@
-"""Places above an area from where to look at it, and the air below them."""
+"""Hover points above an area, and the air below them."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from jaxtyping import Float
 from autonomy.model.quadrotor import Vector3
 
 HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6, 1.2)
-"""Above an area, from where to look at it: the first that is free."""
+"""Heights of hover points above an area; the first free one is used."""
 _STEP_M = 0.1
 
 
 def hover_columns(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.ndarray, "n 3"]]:
-    """Points upwards above a place, the last of each column where to hover, the highest first.
+    """Columns of points from just above a place up to a hover point, the highest column first.
 
     Args:
-        foot_enu_m: On the surface.
-        lowest_m: Of the first point above it.
+        foot_enu_m: Point on the surface.
+        lowest_m: Height of the lowest point above the surface.
     """
     x, y, z = foot_enu_m
     for height_m in HOVER_HEIGHTS_M:

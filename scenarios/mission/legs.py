@@ -1,4 +1,4 @@
-"""Straight legs with the proof that they are free, but for what a vehicle stands on."""
+"""Straight legs certified to be free, except near a surface that the vehicle stands on."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Leg(Protocol):
     """Makes a straight leg from rest to rest."""
 
     def __call__(self, start_enu_m: Vector3, goal_enu_m: Vector3) -> Trajectory:
-        """Between two places."""
+        """Make a leg between two positions."""
         ...
 
 
@@ -40,27 +40,27 @@ def certified(
     moving: MovingObstacles,
     exempt_m: float,
 ) -> Trajectory:
-    """A straight leg that keeps the limits and stays clear of what moves and what stands.
+    """Straight leg that keeps the limits and stays clear of static obstacles and movers.
 
     Args:
-        leg: Makes it.
-        ends_enu_m: Its start and its goal.
-        obstacles: What stands.
-        limits: Of the motion.
+        leg: Makes the leg.
+        ends_enu_m: Start and goal of the leg.
+        obstacles: Static obstacles.
+        limits: Limits of the motion.
         quadrotor: Mass, thrust and drag of the vehicle.
-        cfg: Vehicle's size and margin.
-        moving: What moves, predicted from now on.
-        exempt_m: Up to so much of the way what stands is not asked about; no more of it than
-            needed is left out.
+        cfg: Size and margin of the vehicle.
+        moving: Movers, predicted from now on.
+        exempt_m: Length of the way that may be exempt from the check of static obstacles; no
+            more than necessary is exempt.
 
     Raises:
-        PlanningError: If it is not free or a limit is broken.
+        PlanningError: If the leg is not free or breaks a limit.
     """
     start_enu_m, goal_enu_m = ends_enu_m
     whole = leg(start_enu_m, goal_enu_m)
     certify(whole, NOTHING_STANDS, cfg.vehicle_radius_m, limits, quadrotor, moving=moving)
     begin_enu_m = _first_free(start_enu_m, goal_enu_m, exempt_m, obstacles, cfg)
-    # Clearance of what stands depends on the way alone, not on when it is flown.
+    # Clearance from static obstacles depends on the way alone, not on its timing.
     proof = certify(
         leg(begin_enu_m, goal_enu_m),
         obstacles,
@@ -75,7 +75,7 @@ def certified(
 def _first_free(
     start_enu_m: Vector3, goal_enu_m: Vector3, most_m: float, obstacles: Obstacles, cfg: PlannerCfg
 ) -> Vector3:
-    """The first point of a line, within a distance of its start, where the vehicle has room."""
+    """First point of a line, within a distance of its start, where the vehicle has room."""
     start, way = np.array(start_enu_m), np.subtract(goal_enu_m, start_enu_m)
     length_m = float(np.linalg.norm(way))
     if most_m == 0.0 or length_m == 0.0:
@@ -83,7 +83,7 @@ def _first_free(
     along_m = np.arange(0.0, min(most_m, length_m), _STEP_M)
     points = start + np.outer(along_m / length_m, way)
     room_m = obstacles.signed_distance(points)[0] - cfg.vehicle_radius_m
-    # The proof bounds from below, so a little more than it demands.
+    # The certificate is a lower bound, so demand a little more.
     has_room = room_m > cfg.min_margin_m + _STEP_M
     x, y, z = points[np.argmax(has_room) if has_room.any() else -1].tolist()
     return (x, y, z)

@@ -1,4 +1,4 @@
-"""The task of a flight: which landing area, from where to look at it, and the way there."""
+"""Task of a flight: the landing area, the hover point above it and the way there."""
 
 from __future__ import annotations
 
@@ -24,30 +24,30 @@ from scenarios.mission.surroundings import (
 
 TAKEOFF_HEIGHTS_M = (2.5, 2.0, 1.5, 3.0, 4.0, 1.2)
 FAR_ENOUGH_M = 15.0
-"""Areas nearer to the start than this are flown to only where there is no other."""
+"""Areas nearer to the start are chosen only where there is no other."""
 _MAX_ATTEMPTS = 8
 _LUCK = 2.0
-"""What chance adds to an area's appeal at most: twice what height above the ground does."""
+"""Greatest share of chance in an area's appeal, twice that of height above the ground."""
 _CLASSES = ("small", "medium", "large")
 Target = Literal["landing", "perching", "any"]
-"""What kind of area is wanted."""
+"""Desired kind of area."""
 _WANTED = {"landing": "landing area", "perching": "place to perch", "any": "area"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mission:
-    """A flight that was planned."""
+    """A planned flight."""
 
     surroundings: Surroundings
     area: InteractionArea
     alternates: tuple[InteractionArea, ...]
-    """Areas to try when the first turns out not to be safe, best first."""
+    """Areas to try if the first turns out to be unsafe, best first."""
     takeoff_enu_m: Vector3
-    """Where the take-off ends, above the start."""
+    """End of the take-off, above the start."""
     hover_enu_m: Vector3
-    """From where the area is looked at."""
+    """Hover point from which the area is observed."""
     trajectory: Trajectory
-    """From above the start to the hover point; where the map grows, a stay above the start."""
+    """From above the start to the hover point; in a growing map, a stay above the start."""
 
 
 def plan_mission(
@@ -62,13 +62,13 @@ def plan_mission(
     """Choose an area (unless one is given) and plan the way to it.
 
     Args:
-        scene: Where to fly.
-        airframe: What flies.
-        seed: Of the choice among good areas.
-        area: Where to land, if that is settled.
-        target: What kind of area is chosen.
-        map_source: Whether the map is given, or grows with what the vehicle sees; then the way is
-            planned from above the start, and the areas are those of the brief.
+        scene: Scene to fly in.
+        airframe: Vehicle that flies.
+        seed: Seed of the choice among good areas.
+        area: Area to land on; None chooses one.
+        target: Kind of area to choose.
+        map_source: Whether the map is given or grows with what the vehicle sees; a growing map is
+            planned in from above the start, and its areas are those of the brief.
 
     Raises:
         MissionError: If no area suits the vehicle, or none can be flown to.
@@ -99,10 +99,10 @@ def plan_mission(
 
 
 def _first_way(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3) -> Trajectory:
-    """From above the start to above the area; where nothing was seen yet, a stay above the start.
+    """Way from above the start to above the area; in an empty map, a stay above the start.
 
     Raises:
-        PlanningError: If there is none.
+        PlanningError: If there is no way.
     """
     yaw_rad = world.scene.start_yaw_rad
     if not world.is_known:
@@ -112,7 +112,7 @@ def _first_way(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3
 
 
 def takeoff_point(surroundings: Surroundings) -> Vector3:
-    """Where to rise to from the start before flying on.
+    """Point above the start to which the vehicle rises before flying on.
 
     Raises:
         MissionError: If something is above the start.

@@ -24,7 +24,7 @@ _KEPT_HULLS = 4096
 
 
 def scene_obstacles(scene: Scene, primitives: Sequence[Primitive]) -> Obstacles:
-    """Everything that a drone can touch, the ground last."""
+    """Obstacles of everything that a drone can touch, the ground last."""
     solids = [primitive for primitive in primitives if primitive.collides]
     faces = [_faces(primitive) for primitive in solids]
     ground_center, ground_size = _ground(scene)
@@ -39,7 +39,7 @@ def scene_obstacles(scene: Scene, primitives: Sequence[Primitive]) -> Obstacles:
 
 
 def distance_field(voxels: VoxelField) -> DistanceField:
-    """The scene's distance field as the planner takes it."""
+    """The scene's distance field in the planner's type."""
     return DistanceField(
         origin_enu_m=voxels.origin_enu_m,
         resolution_m=voxels.resolution_m,
@@ -48,7 +48,7 @@ def distance_field(voxels: VoxelField) -> DistanceField:
 
 
 def _faces(primitive: Primitive) -> np.ndarray:
-    """Normals and offsets of a hull's faces, local; none for what is measured by its extents."""
+    """Normals and offsets of a hull's faces, local; none for shapes measured by their extents."""
     return _hull_planes(primitive.vertices_m) if primitive.kind == "mesh" else np.zeros((0, 4))
 
 
@@ -59,7 +59,7 @@ def _hull_planes(vertices_m: tuple[Vector3, ...]) -> np.ndarray:
 
 
 def _ground(scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Centre and size of a slab that reaches well beyond the flight volume."""
+    """Centre and size of a slab that extends well beyond the flight volume."""
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     size = 3 * (high - low)
     size[2] = _GROUND_DEPTH_M

@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 from autonomy.model.quadrotor import Vector3
 from flightsim.looks.cutting import cut_at
 from flightsim.looks.framing import frame_points
-from flightsim.sensors.camera import CameraRenderer, RgbdFrame, open_camera_renderer
+from flightsim.sensors.cameras import CameraRenderer, RgbdFrame, open_camera_renderer
 from flightsim.world import World
 
 _TOP_FOV_RAD = math.radians(14.0)

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.scene.io import scene_from_json
@@ -26,7 +26,7 @@ from scenarios.recording.rows import RecordedRows
 from scenarios.recording.summary import readable
 
 _WANTED = (
-    "state/position",
+    f"{layout.STATE}/position",
     layout.ARMED,
     layout.PHASE,
     layout.PLANNED,
@@ -83,9 +83,9 @@ def _airframe(rows: RecordedRows, path: Path) -> Airframe:
 
 
 def _track(rows: RecordedRows) -> Track:
-    time_us, true_m = rows.vectors(layout.POSITION_TRUE, _SCALARS)
-    _, est_m = rows.vectors(layout.POSITION_EST, _SCALARS)
-    _, ref_m = rows.vectors(layout.POSITION_REF, _SCALARS)
+    time_us, true_m = _positions(rows, "true")
+    _, est_m = _positions(rows, "estimate")
+    _, ref_m = _positions(rows, "reference")
     # A file that was torn may lack the last rows of one of them.
     n = min(len(true_m), len(est_m), len(ref_m))
     is_armed = np.zeros(n, dtype=bool)
@@ -97,6 +97,18 @@ def _track(rows: RecordedRows) -> Track:
         est_enu_m=est_m[:n],
         ref_enu_m=np.where(is_armed[:, None], ref_m[:n], np.nan),
     )
+
+
+def _positions(
+    rows: RecordedRows, whose: str
+) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
+    """Times, us, and positions; as long as the shortest of the three axes."""
+    columns = [
+        rows.vectors(layout.state("position", axis, whose), _SCALARS, width=1)
+        for axis in layout.AXES
+    ]
+    n = min(len(values) for _, values in columns)
+    return columns[0][0][:n], np.hstack([values[:n] for _, values in columns])
 
 
 def _plans(rows: RecordedRows) -> tuple[PlannedLeg, ...]:

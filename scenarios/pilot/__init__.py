@@ -1,4 +1,4 @@
-"""Our own pilot: flies a mission over MAVLink, chooses the touchdown point from depth, lands."""
+"""Our own pilot: flies a mission over MAVLink, chooses the touchdown point from depth and lands."""
 
 from scenarios.pilot.phases import Phase, PilotVerdict, Replan, Transition
 from scenarios.pilot.pilot import Pilot, PilotCfg

@@ -1,4 +1,4 @@
-"""At the area: look, choose a place, go above it, down, and up again if it turns bad."""
+"""Landing phases: search for a place, align above it, descend, and climb back if it turns bad."""
 
 from __future__ import annotations
 
@@ -17,37 +17,37 @@ from scenarios.pilot.phases import Phase, Step
 _LOG = logging.getLogger(__name__)
 
 COMMIT_HEIGHT_M = 1.0
-"""Of the soles above the surface: below it the landing is no longer called off."""
+"""Height of the soles above the surface below which the landing is no longer aborted."""
 DESCENT_SPEED_MPS = 0.8
 SEARCH_FRAMES = 6
-"""Depth images that are fused before a place is chosen."""
+"""Number of depth images fused before a place is chosen."""
 MAX_SEARCH_FRAMES = 20
 MAX_LOOKS = 4
-"""Searches and descents at one area before the next is tried."""
+"""Number of searches and descents at one area before the next is tried."""
 MAX_AREAS = 3
 MAX_BLIND_FRAMES = 5
-"""Images without depth in a row before the area is not looked at any longer for now."""
+"""Number of consecutive images without depth after which the area is abandoned for now."""
 LEAVE_M = 1.0
-"""Above a place that it touched, the map is not asked."""
+"""Height above a touched place up to which the map is not checked."""
 
 
 class WaysOut(Protocol):
-    """What to do when there is nothing more to do here."""
+    """Actions when the area allows no landing now."""
 
     def hold(self, reason: str) -> Step:
         """Come to rest and wait."""
         ...
 
     def go_home(self, reason: str) -> Step:
-        """Give up."""
+        """Give up and fly home."""
         ...
 
 
 class Area:
-    """The phases above and on the area.
+    """Flies the phases above and on the area.
 
     Attributes:
-        ways_out: Where to turn when it is left without a landing.
+        ways_out: Called when the area is left without a landing.
     """
 
     ways_out: WaysOut
@@ -56,7 +56,7 @@ class Area:
         self._flight = flight
 
     def look(self, reason: str) -> Step:
-        """Begin to look at the area anew, or go on to the next one."""
+        """Start a new search of the area, or go on to the next area."""
         flight = self._flight
         flight.n_looks += 1
         if flight.n_looks > MAX_LOOKS:
@@ -65,7 +65,7 @@ class Area:
         return Phase.SEARCH, reason
 
     def give_up(self, reason: str) -> Step:
-        """On to the next area that can be flown to, else home."""
+        """Fly to the next reachable area, else home."""
         flight = self._flight
         flight.n_looks, flight.watch = 0, None
         while flight.alternates and flight.n_areas < MAX_AREAS:
@@ -112,7 +112,7 @@ class Area:
         )
 
     def align(self) -> Step:
-        """Above the chosen place, then down."""
+        """Fly to above the chosen place, then descend."""
         flight = self._flight
         if not flight.has_arrived:
             return None
@@ -125,7 +125,7 @@ class Area:
         return Phase.DESCEND, "above the touchdown point"
 
     def descend(self) -> Step:
-        """Down, and looking, until it is to be committed to."""
+        """Descend while watching the place, down to the commit height."""
         flight, watch = self._flight, self._watching()
         if self._see(watch):
             flight.site = watch.again(flight.chosen)
@@ -139,13 +139,13 @@ class Area:
         return Phase.TOUCHDOWN, "still safe from here"
 
     def touch_down(self) -> Step:
-        """The last metre."""
+        """Sink through the last metre."""
         if self._flight.telemetry.landed_state != LANDED_ON_GROUND:
             return None
         return Phase.DISARM, "on the ground"
 
     def leave(self, reason: str) -> Step:
-        """Up again from a place that does not let it land."""
+        """Climb from a place that does not allow a landing."""
         flight = self._flight
         here, now = flight.telemetry.position_enu_m, flight.setpoint
         x, y, _ = here
@@ -161,11 +161,11 @@ class Area:
         return Phase.CLIMB, reason
 
     def climb(self) -> Step:
-        """Back up, then look again."""
+        """Climb back, then search again."""
         return self.look("climbed back") if self._flight.has_arrived else None
 
     def _climb_back(self, reason: str) -> Step:
-        """Stop, and go back up."""
+        """Stop, and climb back."""
         flight = self._flight
         x, y, z = flight.setpoint.position_enu_m
         try:
@@ -175,7 +175,7 @@ class Area:
         return Phase.CLIMB, reason
 
     def _see(self, watch: LandingWatch) -> bool:
-        """Fuse an image if one is due and shows anything; True if so."""
+        """Fuse an image if one is due and has depth; return whether it did."""
         flight = self._flight
         if not watch.is_due(flight.time_us):
             return False
@@ -189,7 +189,7 @@ class Area:
         return True
 
     def _blind(self) -> Step:
-        """Whether there was no depth for too long."""
+        """Abandon the area if there was no depth for too long."""
         n_blind = self._flight.senses.n_blind
         if n_blind < MAX_BLIND_FRAMES:
             return None

@@ -1,4 +1,4 @@
-"""What the pilot has the vehicle follow: one trajectory after another, or the last metre down."""
+"""Course of the vehicle: one trajectory after another, or the last metre of a landing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flightsim.mavlink.client.telemetry import Telemetry
 
 TOUCHDOWN_SPEED_MPS = 0.4
 _PRESS_M = 0.4
-"""How far below the surface the last setpoints lie, so that the rotors let go."""
+"""Depth of the last setpoints below the surface, so that the rotors unload."""
 _AT_PLACE_M = 0.25
 _AT_REST_MPS = 0.2
 _SOON_US = 1_500_000
@@ -23,7 +23,7 @@ class Course:
     """Setpoints over time.
 
     Attributes:
-        trajectory: What is followed, is going to be, or was before the last metre.
+        trajectory: The present or next trajectory, or the last one before the last metre.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
@@ -34,18 +34,18 @@ class Course:
 
     @property
     def has_begun(self) -> bool:
-        """Whether anything is to be followed yet."""
+        """Whether there is anything to follow yet."""
         return self._begun_us is not None
 
     @property
     def is_touching_down(self) -> bool:
-        """Whether it is in the last metre."""
+        """Whether the vehicle is in the last metre."""
         return self._touchdown is not None
 
     def fly(self, trajectory: Trajectory, begin_us: int) -> None:
-        """Follow a trajectory from a time on; until then, what was followed before.
+        """Follow a trajectory from a given time on, and the previous one until then.
 
-        Without anything before, the time must be now.
+        Without a previous trajectory, that time must be the present.
         """
         if self._begun_us is not None:
             self._before = (self.trajectory, self._begun_us)
@@ -57,13 +57,13 @@ class Course:
         """Sink from the present setpoint onto a surface.
 
         Args:
-            time_us: Now.
-            resting_height_m: Height of the vehicle's origin when it stands there.
+            time_us: Present time.
+            resting_height_m: Height of the vehicle's origin when it stands on the surface.
         """
         self._touchdown = (time_us, self.reference(time_us), resting_height_m)
 
     def reference(self, time_us: int) -> FlatReference:
-        """The setpoint of a time."""
+        """Setpoint at a given time."""
         if self._touchdown is not None:
             return _sinking(time_us, *self._touchdown)
         if self._before is not None and self._begun_us is not None and time_us < self._begun_us:
@@ -72,7 +72,7 @@ class Course:
         return self.trajectory.sample(self.elapsed_s(time_us))
 
     def heading_rad(self, time_us: int) -> float | None:
-        """Direction to where it will be soon; None where it hardly moves horizontally."""
+        """Direction of the coming motion; None where it is hardly horizontal."""
         now, soon = (self.reference(t).position_enu_m for t in (time_us, time_us + _SOON_US))
         x, y, _ = np.subtract(soon, now).tolist()
         return math.atan2(y, x) if math.hypot(x, y) > _AT_PLACE_M else None
@@ -85,14 +85,14 @@ class Course:
         return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
 
     def elapsed_s(self, time_us: int) -> float:
-        """Time of the trajectory at a time; negative before it takes over."""
+        """Time within the trajectory; negative before it takes over."""
         return 0.0 if self._begun_us is None else (time_us - self._begun_us) * 1e-6
 
 
 def _sinking(
     time_us: int, begun_us: int, begin: FlatReference, resting_height_m: float
 ) -> FlatReference:
-    """Straight down at a steady speed, to a little below the surface."""
+    """Vertical descent at a steady speed, to a little below the surface."""
     x, y, z = begin.position_enu_m
     lowest_m = resting_height_m - _PRESS_M
     height_m = z - TOUCHDOWN_SPEED_MPS * (time_us - begun_us) * 1e-6

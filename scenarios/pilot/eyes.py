@@ -1,4 +1,4 @@
-"""Depth frames of the vehicle's cameras, posed by where the vehicle believes it is."""
+"""Depth frames of the vehicle's cameras, posed by the vehicle's own estimate."""
 
 from __future__ import annotations
 
@@ -13,35 +13,35 @@ from flightsim.vehicles.airframe import Airframe, CameraMount
 
 
 class NoDepthError(ValueError):
-    """A depth image in which nothing was measured."""
+    """A depth image has no measured pixel."""
 
 
 class DepthFrame(Protocol):
-    """What is needed of a camera frame; where it was really taken is none of our business."""
+    """Camera frame without its true pose, which the pilot must not know."""
 
     @property
     def depth_m(self) -> np.ndarray:
-        """Along the optical axis, float32 (height, width)."""
+        """Depth along the optical axis, float32 (height, width)."""
         ...
 
     @property
     def fx(self) -> float:
-        """Focal length, px."""
+        """Horizontal focal length, px."""
         ...
 
     @property
     def fy(self) -> float:
-        """Focal length, px."""
+        """Vertical focal length, px."""
         ...
 
     @property
     def cx(self) -> float:
-        """Principal point, px."""
+        """Horizontal principal point, px."""
         ...
 
     @property
     def cy(self) -> float:
-        """Principal point, px."""
+        """Vertical principal point, px."""
         ...
 
 
@@ -55,13 +55,13 @@ def camera_mount(airframe: Airframe, camera: str) -> CameraMount:
 
 
 def posed_image(frame: DepthFrame, mount: CameraMount, telemetry: Telemetry) -> DepthImage:
-    """A frame as an image taken from where telemetry has the vehicle.
+    """Depth image of a frame, taken from the pose in the telemetry.
 
     Raises:
-        NoDepthError: If not one pixel was measured.
+        NoDepthError: If no pixel was measured.
     """
     depth_m = frame.depth_m
-    # A comparison with NaN is false, so this counts what was measured.
+    # Comparisons with NaN are false, so this counts measured pixels only.
     if not np.any((depth_m > 0) & (depth_m < np.inf)):
         height, width = depth_m.shape
         raise NoDepthError(

@@ -1,4 +1,4 @@
-"""What all phases of a flight share: what is known, what is flown, what was tried so far."""
+"""State shared by all phases of a flight: knowledge, present course and attempts so far."""
 
 from __future__ import annotations
 
@@ -26,45 +26,45 @@ from scenarios.pilot.phases import Phase, Replan
 from scenarios.pilot.senses import Senses
 
 PLANNING_TIME_S = 0.1
-"""A plan made in flight takes over so much later: what a computer on board may take to make it."""
+"""Delay until a plan made in flight takes over: the computing time of an onboard computer."""
 _ON_COURSE_M = 0.4
-"""A prepared trajectory is flown if it begins so near."""
+"""Distance within which a prepared trajectory must begin to be flown."""
 _AT_REST_MPS = 0.05
 _STRAIGHT_M = 3.0
-"""Ways up to this length are first tried straight."""
+"""Length up to which a straight way is tried first."""
 _LESS_ROOM_M = (0.0, 0.15, 0.3, 0.5, 0.7, 0.9)
-"""To what moves, beside the margins that predictions have: the widest stop that there is."""
+"""Reductions of the room to movers, tried in turn for a stop; predictions have margins already."""
 _PLANNING_TIME_US = round(1e6 * PLANNING_TIME_S)
 
 
 @dataclass(kw_only=True, eq=False)
 class Flight:
-    """One flight; every place in it is in the map's frame."""
+    """State of one flight; all positions are in the map's frame."""
 
     client: MavlinkClient
     mission: Mission
     senses: Senses
     course: Course
     area: InteractionArea
-    """Where it wants to land at present."""
+    """Area chosen for landing at present."""
     hover_enu_m: Vector3
-    """From where to look at the area."""
+    """Hover point from which the area is observed."""
     alternates: list[InteractionArea]
     """Areas not tried yet."""
     site: LandingSite | None = None
     watch: LandingWatch | None = None
     given_up: str | None = None
-    """Why there will be no landing on an area, None while there may be."""
+    """Reason why no landing on an area will be tried any more, None while one may be."""
     complaint: str | None = None
-    """What keeps it from knowing where it is, None if nothing does."""
+    """Reason why the vehicle's position is unknown, None if it is known."""
     gaze: Gaze | None = None
-    """Turns the heading to look out for what moves; None to look where it flies."""
+    """Turns the heading to look out for movers; None to look along the course."""
     after_hold: Phase = Phase.NAVIGATE
     time_us: int = 0
     since_us: int = 0
-    """When the present phase began."""
+    """Start time of the present phase."""
     commands: list[Command] = field(default_factory=list)
-    """Sent in the present phase."""
+    """Commands sent in the present phase."""
     replans: list[Replan] = field(default_factory=list)
     n_looks: int = 0
     n_areas: int = 1
@@ -72,38 +72,38 @@ class Flight:
 
     @property
     def telemetry(self) -> Telemetry:
-        """The vehicle as last reported, in the map's frame."""
+        """Latest telemetry, in the map's frame."""
         return self.senses.telemetry
 
     @property
     def elapsed_s(self) -> float:
-        """Time in the present phase."""
+        """Time since the present phase began."""
         return (self.time_us - self.since_us) * 1e-6
 
     @property
     def take_over_us(self) -> int:
-        """When a plan that is made now can be flown."""
+        """Time from which a plan made now can be flown."""
         return self.time_us + _PLANNING_TIME_US
 
     @property
     def has_arrived(self) -> bool:
-        """Whether what is flown is over and the vehicle rests at its end."""
+        """Whether the course is complete and the vehicle rests at its end."""
         return self.course.has_arrived(self.time_us, self.telemetry)
 
     @property
     def setpoint(self) -> FlatReference:
-        """What is flown now."""
+        """Present setpoint of the course."""
         return self.course.reference(self.time_us)
 
     @property
     def chosen(self) -> LandingSite:
-        """The place to land on; only after one was chosen."""
+        """Chosen landing site; valid only after one was chosen."""
         assert self.site is not None
         return self.site
 
     @property
     def resting_height_m(self) -> float:
-        """Height of the vehicle's origin when it stands on the chosen place."""
+        """Height of the vehicle's origin when it stands on the chosen site."""
         return self.chosen.position_enu_m[2] + self.mission.surroundings.airframe.leg_length_m
 
     @property
@@ -113,41 +113,41 @@ class Flight:
         return world.scene.start_position_enu_m[2] + world.airframe.leg_length_m
 
     def last_words(self) -> str:
-        """The latest text of the autopilot, to go after a reason."""
+        """Latest text of the autopilot, to be appended to a reason."""
         texts = self.telemetry.texts
         return f"; the autopilot said: {texts[-1][1]}" if texts else ""
 
     def is_at_end(self, goal_enu_m: Vector3) -> bool:
-        """Whether what is flown ends at a place: where the map grows it may end before."""
+        """Whether the course ends at a place; in a growing map it may end before."""
         trajectory = self.course.trajectory
         end = trajectory.sample(trajectory.duration_s).position_enu_m
         return math.dist(end, goal_enu_m) < _ON_COURSE_M
 
     def moving(self) -> MovingObstacles:
-        """What moves, predicted from when a new plan can take over."""
+        """Movers, predicted from the time when a new plan can take over."""
         return self.senses.moving(self.take_over_us)
 
     def room_to_movers_m(self) -> float:
-        """How near the rest of what is flown comes to what moves."""
+        """Least distance of the remaining course to the movers."""
         since_s = self.course.elapsed_s(self.take_over_us)
         radius_m = self.mission.surroundings.radius_m
         return room_to_movers_m(self.course.trajectory, since_s, self.moving(), radius_m)
 
     def fly(self, trajectory: Trajectory) -> None:
-        """Follow a certified trajectory from when a plan can take over."""
+        """Follow a certified trajectory from the time when a plan can take over."""
         self.course.fly(trajectory, self.take_over_us)
 
     def begin_with(self, trajectory: Trajectory) -> None:
-        """Follow a trajectory that begins where the vehicle rests, from now on."""
+        """Follow a trajectory from the vehicle's resting place, starting now."""
         self.course.fly(trajectory, self.time_us)
 
     def leg(
         self, goal_enu_m: Vector3, speed_mps: float | None = None, *, exempt_m: float = 0.0
     ) -> Trajectory:
-        """A certified straight line from the present setpoint, at rest, to rest at a goal.
+        """Certified straight line from the present setpoint, at rest, to rest at a goal.
 
         Raises:
-            PlanningError: If it cannot be proved.
+            PlanningError: If it cannot be certified.
         """
         now = self.setpoint
         return self.mission.surroundings.certified_leg(
@@ -160,7 +160,7 @@ class Flight:
         )
 
     def go(self, goal_enu_m: Vector3, speed_mps: float | None = None) -> None:
-        """From rest to a goal nearby: straight if that can be proved, else by a plan.
+        """Fly from rest to a goal nearby: straight if that can be certified, else by a plan.
 
         Raises:
             PlanningError: If there is no certified way.
@@ -177,10 +177,10 @@ class Flight:
         self.plan_to(goal_enu_m)
 
     def plan_to(self, goal_enu_m: Vector3, prepared: Trajectory | None = None) -> None:
-        """Fly a prepared trajectory if it begins here, else plan one from the setpoint.
+        """Fly a prepared trajectory if it begins here, else a plan from the present setpoint.
 
         Raises:
-            PlanningError: If there is none, or none past what moves.
+            PlanningError: If there is no plan, or none that avoids the movers.
         """
         here = self.telemetry.position_enu_m
         is_here = prepared is not None and (
@@ -191,7 +191,7 @@ class Flight:
         self.fly(self._past_movers(prepared))
 
     def go_on_from(self, start: FlatReference, goal_enu_m: Vector3, reason: str) -> None:
-        """Plan anew from a state in which a plan can take over.
+        """Replan from a state in which a plan can take over.
 
         Raises:
             PlanningError: If there is no certified way from there.
@@ -200,10 +200,10 @@ class Flight:
         self.replans.append(Replan(time_us=self.time_us, reason=reason))
 
     def replan(self, reason: str) -> None:
-        """Plan the rest of what is flown anew, past what moves.
+        """Replan the rest of the course around the movers.
 
         Raises:
-            PlanningError: If there is none.
+            PlanningError: If there is no plan.
         """
         at_s = self.course.elapsed_s(self.take_over_us)
         world, moving = self.mission.surroundings, self.moving()
@@ -211,18 +211,18 @@ class Flight:
         self.replans.append(Replan(time_us=self.time_us, reason=reason))
 
     def brake(self, start: FlatReference | None = None) -> None:
-        """Come to rest as soon as possible, aside where something comes along.
+        """Come to rest as soon as possible, stepping aside for approaching movers.
 
         Args:
-            start: Where the vehicle will be when the stop takes over; None for where it should.
+            start: State of the vehicle when the stop takes over; None for the state on the course.
 
         Raises:
-            PlanningError: If not even a stop among what stands can be proved.
+            PlanningError: If not even a stop clear of the static obstacles can be certified.
         """
         world, moving = self.mission.surroundings, self.moving()
         plan, at_s = self.course.trajectory, self.course.elapsed_s(self.take_over_us)
         urgent = replace(world, limits=urgent_limits(world.limits))
-        # Where nothing moves, less room to it is no other way.
+        # Without movers, less room to them makes no difference.
         less_room_m = _LESS_ROOM_M if len(moving) else ()
         for each, less_m in [(world, 0.0), *((urgent, less_m) for less_m in less_room_m)]:
             try:
@@ -238,7 +238,7 @@ class Flight:
         return self.mission.surroundings.plan(start, goal_enu_m)
 
     def _past_movers(self, plan: Trajectory) -> Trajectory:
-        """The same plan, or one around what moves where that would come too near.
+        """The same plan, or one around movers that it would come too near to.
 
         Raises:
             EvasionError: If there is none.
@@ -249,5 +249,5 @@ class Flight:
         return world.replan(plan, 0.0, moving=moving)
 
     def is_resting(self) -> bool:
-        """Whether what is flown stands still now."""
+        """Whether the course is at rest now."""
         return math.hypot(*self.setpoint.velocity_enu_mps) < _AT_REST_MPS

@@ -1,10 +1,10 @@
-"""Where the vehicle looks while somebody may come along: around, and not only where it flies.
+"""Gaze of the vehicle where movers may approach: around, and not only along the course.
 
-Who is going to meet the vehicle stays at the same bearing all the while. For a vehicle that
-flies at v and somebody at up to w that bearing lies anywhere if v < w, else up to asin(w / v) to
-either side of the course. One camera does not cover that unless the vehicle is fast. So it turns
-to and fro as far as it must, all round where it stands, and keeps to who was just found or comes
-near. Who comes from behind, faster than it flies, it does not see.
+A mover on a collision course stays at a constant bearing. For a vehicle that flies at v and movers
+of speed up to w, that bearing is arbitrary if v < w, else up to asin(w / v) to either side of the
+course. One camera does not cover that unless the vehicle is fast. So the vehicle turns to and fro
+as far as necessary, all round where it stands, and keeps a mover in view that was just found or
+comes near. It does not see movers that approach from behind, faster than it flies.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from autonomy.planning.yaw import next_rate
 from autonomy.types import FlatReference
 
 MOVER_SPEED_MPS = 3.0
-"""Of the fastest that are looked out for."""
+"""Greatest speed of the movers to look out for."""
 HALF_VIEW_RAD = math.radians(30.0)
-"""To either side of where it looks; the camera has 37 degrees, of which a few are for edges."""
+"""Usable half angle of view; the camera has 37 degrees, less a few for the edges."""
 ROUND_RAD = math.radians(300.0)
-"""Of turning, after which all that is around came into view."""
+"""Angle of turning that brings the whole surroundings into view."""
 MOST_LOOK_S = 8.0
-"""After which a look around is over even where something held its gaze; else it takes 4 s."""
+"""Longest look around, even if something holds the gaze; otherwise it takes 4 s."""
 MOST_ASIDE_RAD = math.radians(60.0)
-"""It turns no farther from its course in flight: there it has to look again soon."""
+"""Greatest turn from the course in flight, which soon has to be viewed again."""
 _OVERSHOOT_RAD = 0.3
 _MOST_STEP_S = 0.1
 
@@ -34,7 +34,7 @@ class Gaze:
     """Turns the heading of setpoints, within the limits of the motion.
 
     Attributes:
-        kept_rad: Bearing of what is to be kept in view, None to look around.
+        kept_rad: Bearing to keep in view, None to look around.
     """
 
     def __init__(self, limits: FlightLimits) -> None:
@@ -55,13 +55,13 @@ class Gaze:
         *,
         looks_around: bool,
     ) -> FlatReference:
-        """A setpoint with the heading to look by; to be called for every one.
+        """Setpoint with the heading of the gaze; must be called for every setpoint.
 
         Args:
-            time_us: Now.
-            setpoint: What is flown; its own heading is where to look if not around.
-            course_rad: Where it flies to, None where it stands.
-            looks_around: Whether to look out now.
+            time_us: Present time.
+            setpoint: Present setpoint; its own heading is used when not looking around.
+            course_rad: Direction of flight, None at rest.
+            looks_around: Whether to look around now.
         """
         if self._yaw_rad is None:
             self._yaw_rad, self._time_us = setpoint.yaw_rad, time_us
@@ -85,13 +85,13 @@ class Gaze:
 
     @property
     def is_on_it(self) -> bool:
-        """Whether what is to be kept in view is, as far as the heading goes; True for nothing."""
+        """Whether the bearing to keep is in view by the heading; True without such a bearing."""
         if self.kept_rad is None or self._yaw_rad is None:
             return True
         return abs(math.remainder(self.kept_rad - self._yaw_rad, math.tau)) < HALF_VIEW_RAD
 
     def has_looked_round(self, time_us: int) -> bool:
-        """Whether it looked all around since this was first asked; to be asked until it has."""
+        """Whether the gaze went all round since the first call; call it until it has."""
         if self._round is None:
             self._round = (time_us, self._turned_rad)
         since_us, since_rad = self._round
@@ -102,7 +102,7 @@ class Gaze:
         return True
 
     def _left_rad(self, setpoint: FlatReference, course_rad: float | None) -> float:
-        """How far it has to turn yet, looking around."""
+        """Angle left to turn while looking around."""
         assert self._yaw_rad is not None
         if self.kept_rad is not None:
             return math.remainder(self.kept_rad - self._yaw_rad, math.tau)
@@ -112,7 +112,7 @@ class Gaze:
         off_rad = math.remainder(self._yaw_rad - course_rad, math.tau)
         most_rad = max(danger_rad(math.hypot(u, v)) - HALF_VIEW_RAD, 0.0)
         most_rad = min(most_rad, MOST_ASIDE_RAD)
-        # It cannot turn back at once.
+        # The rotation cannot reverse at once.
         rate_radps = self._side * self._rate_radps
         coast_rad = max(rate_radps, 0.0) ** 2 / (2 * self._limits.yaw_acceleration_radps2)
         if self._side * off_rad + coast_rad >= most_rad:
@@ -121,5 +121,5 @@ class Gaze:
 
 
 def danger_rad(speed_mps: float) -> float:
-    """To either side of the course: how far from it somebody may come who meets the vehicle."""
+    """Largest angle between the course and the bearing of a mover that may collide."""
     return math.pi if speed_mps <= MOVER_SPEED_MPS else math.asin(MOVER_SPEED_MPS / speed_mps)

@@ -1,4 +1,4 @@
-"""On the ground: connect, wait for health, arm; and disarm at the end."""
+"""Ground phases: connect, wait for health, arm, and disarm at the end."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from scenarios.pilot.phases import Phase, PilotVerdict, Step
 
 MAX_ARMING_TRIES = 10
 LIFT_OFF_M = 1.0
-"""Above where it stands, the map is not asked: it stood there, so there is room."""
+"""Height above the resting place up to which the map is not checked: the vehicle stood there."""
 _STREAM_BEFORE_ARMING_S = 0.2
 
 
 class Ground:
-    """The phases before the take-off and after the landing."""
+    """Flies the phases before take-off and after landing."""
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
 
     def connect(self) -> Step:
-        """Until the vehicle answers and sends what is needed."""
+        """Wait until the vehicle answers and sends the telemetry needed."""
         flight = self._flight
         if flight.telemetry.system_id and not flight.commands:
             client = flight.client
@@ -32,23 +32,23 @@ class Ground:
         return None
 
     def prepare(self) -> Step:
-        """Until it may be armed."""
+        """Wait until arming is allowed."""
         flight = self._flight
         telemetry = flight.telemetry
         if not (telemetry.has_state and telemetry.is_armable and telemetry.is_navigating):
             return None
         if flight.senses.looks_ahead:
-            # What plans made in flight are solved by takes seconds to build.
+            # Building the solvers for plans made in flight takes seconds.
             prepare()
         x, y, _ = flight.mission.takeoff_enu_m
         flight.senses.stand_at((x, y, flight.home_resting_height_m))
         here = flight.telemetry.position_enu_m
-        # A stream of setpoints that stay where it stands: offboard mode wants one.
+        # Setpoints at the resting place: offboard mode requires a stream.
         flight.begin_with(flight.mission.surroundings.leg(here, here, telemetry.yaw_rad))
         return Phase.ARM, "estimator and arming checks are ready"
 
     def arm(self) -> Step:
-        """The stream of setpoints runs; now the mode, then the rotors."""
+        """Request offboard mode, then arm, while setpoints are streamed."""
         flight = self._flight
         telemetry = flight.telemetry
         if telemetry.is_armed and telemetry.custom_mode == PX4_OFFBOARD:
@@ -76,7 +76,7 @@ class Ground:
         return Phase.TAKEOFF, "armed in offboard mode"
 
     def disarm(self) -> Step:
-        """Until the rotors stand."""
+        """Wait until the rotors stand still."""
         flight = self._flight
         if flight.telemetry.is_armed:
             if all(command.is_done for command in flight.commands):

@@ -1,4 +1,4 @@
-"""What may end or change any phase in the air, looked at before the phase itself."""
+"""Guard of the phases in the air: conditions that end or change any of them, checked first."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from scenarios.pilot.phases import (
 from scenarios.pilot.way import Way
 
 SILENCE_S = 0.5
-"""Without a new position for so long, it does not know where it is."""
+"""Time without a new position after which the position is unknown."""
 PATIENCE_S = 3.0
-"""How long it holds without knowing where it is before the autopilot has to see to it."""
+"""Longest hold with unknown position before the autopilot must take over."""
 LEAST_BATTERY = 0.2
-"""Share of the charge with which it turns home; the autopilots of the field warn at 15 to 25%."""
+"""Charge at which it returns home; common autopilots warn at 15 to 25%."""
 LEAST_DEVIATION_M, MOST_DEVIATION_M = 0.5, 1.0
-"""Bounds of how far it may be from where the plan has it; between them, the plan's clearance."""
+"""Bounds of the allowed deviation from the plan; between them, it is the plan's clearance."""
 DEVIATION_PERIOD_S = 1.0
-"""Between two plans from where it is."""
+"""Time between two plans from a deviating state."""
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
 _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAND_HOME})
-"""Sooner on the ground than by turning home."""
+"""Phases that reach the ground sooner than a return would."""
 
 
 class Guard:
-    """Watches over the phases."""
+    """Checks the conditions of every phase in the air."""
 
     def __init__(self, flight: Flight, way: Way, area: Area) -> None:
         self._flight, self._way, self._area = flight, way, area
@@ -46,7 +46,7 @@ class Guard:
         self._deviation_due_us = 0
 
     def check(self, phase: Phase) -> Step:
-        """What has to be done before anything else, None if all is well."""
+        """Action needed before anything else, None if all is well."""
         if phase in IN_THE_AIR:
             checks = (
                 self._control,
@@ -61,7 +61,7 @@ class Guard:
         return self._clock(phase)
 
     def _control(self, phase: Phase) -> Step:
-        """Armed, and ours."""
+        """Check that the vehicle is armed and in offboard mode."""
         flight = self._flight
         if not flight.telemetry.is_armed:
             return Phase.FAILED, f"disarmed in phase {phase.value}{flight.last_words()}"
@@ -70,7 +70,7 @@ class Guard:
         return None
 
     def _whereabouts(self, phase: Phase) -> Step:
-        """Does it know where it is?"""
+        """Check that the position is known."""
         flight = self._flight
         flight.complaint = self._complaint()
         if flight.complaint is None or phase in _NEVER_HOLD:
@@ -96,18 +96,18 @@ class Guard:
     def _battery(self, phase: Phase) -> Step:
         flight = self._flight
         left = flight.telemetry.battery_remaining
-        # NaN before the first report.
+        # The battery is NaN before the first report.
         if phase in _GOING_DOWN or flight.given_up is not None or not left < LEAST_BATTERY:
             return None
         return self._way.go_home(f"the battery is down to {100 * left:.0f}%")
 
     def _deviation(self, phase: Phase) -> Step:
-        """Is it where the plan has it? Else plan from where it is."""
+        """Check that the vehicle is on its course; else plan from its state."""
         flight = self._flight
         if flight.course.is_touching_down or flight.time_us < self._deviation_due_us:
             return None
         here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
-        # The rotors spin up while the plan already rises: straight up it may well be late.
+        # The rotors spin up while the plan already rises: a vertical lag is harmless.
         n = 2 if phase is Phase.TAKEOFF else 3
         away_m = math.dist(here[:n], should[:n])
         limit_m = deviation_limit_m(flight.course.trajectory)
@@ -127,7 +127,7 @@ class Guard:
         return None
 
     def _vehicle(self) -> FlatReference:
-        """Where the vehicle will be when a new plan takes over, moving as it does."""
+        """State of the vehicle when a new plan takes over, at its present velocity."""
         flight = self._flight
         telemetry = flight.telemetry
         lead_s = (flight.take_over_us - flight.time_us) * 1e-6
@@ -139,7 +139,7 @@ class Guard:
         )
 
     def _within_limits(self, velocity_enu_mps: Vector3) -> Vector3:
-        """The same velocity, slower if no plan may begin with it."""
+        """The same velocity, reduced to one with which a plan may begin."""
         limits = self._flight.mission.surroundings.limits
         u, v, w = velocity_enu_mps
         share = min(
@@ -150,7 +150,7 @@ class Guard:
         return (share * u, share * v, share * w)
 
     def _clock(self, phase: Phase) -> Step:
-        """A phase that takes too long has failed."""
+        """Fail a phase that takes too long."""
         flight = self._flight
         limit_s = TIME_LIMIT_S.get(phase, math.inf)
         if flight.elapsed_s <= limit_s:
@@ -166,7 +166,7 @@ class Guard:
 
 
 def deviation_limit_m(trajectory: Trajectory) -> float:
-    """How far the vehicle may be from a plan: what is certified to be free beside it."""
+    """Allowed distance from a plan: the clearance certified beside it."""
     clearance_m = trajectory.min_clearance_m
     if math.isnan(clearance_m):
         return MOST_DEVIATION_M

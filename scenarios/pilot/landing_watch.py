@@ -1,4 +1,4 @@
-"""Looks at a landing area through the downward camera and says where to touch down."""
+"""Landing watch: maps a landing area with the downward camera and chooses where to touch down."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from scenarios.mission.surroundings import Surroundings
 CAMERA = "down"
 FRAME_PERIOD_US = 200_000
 SCATTER_M = 0.1
-"""By how much a touchdown may miss: estimate, tracking and map together."""
+"""Greatest horizontal error of a touchdown: estimate, tracking and map together."""
 PERCHING_SCATTER_M = 0.05
-"""All that a perch leaves: places of 22 cm for feet of 17 cm."""
+"""Greatest error that a perch allows: places of 22 cm for feet of 17 cm."""
 _BORDER_M = 0.8
-"""How far the map reaches beyond the area."""
+"""Width of the map's border around the area."""
 _MAX_HALF_EXTENT_M = 4.0
 _COLUMN_STEP_M = 0.25
 _COLUMN_MARGIN_M = 0.05
@@ -38,7 +38,7 @@ _LEAST_PERCHING_CLEARANCE_M = 0.05
 
 
 def landing_needs(airframe: Airframe, scatter_m: float = SCATTER_M) -> LandingNeeds:
-    """What an airframe needs to stand safely wherever a touchdown may scatter to."""
+    """Needs of an airframe for standing safely anywhere within the scatter of a touchdown."""
     return LandingNeeds(
         footprint_radius_m=airframe.leg_spread_m + scatter_m,
         body_radius_m=airframe.collision_radius_m + scatter_m,
@@ -46,13 +46,13 @@ def landing_needs(airframe: Airframe, scatter_m: float = SCATTER_M) -> LandingNe
 
 
 class LandingWatch:
-    """One look at one area; a new one forgets what the last saw.
+    """One observation of one area; a new one starts with an empty map.
 
     Attributes:
         n_frames: Depth images fused so far.
-        elevation: What was seen.
-        is_allowed: Cells of it that may be landed on: of the area, and free above.
-        map: The latest judgement of the area, None before the first.
+        elevation: Elevation map fused so far.
+        is_allowed: Cells that may be landed on: within the area, and free above.
+        map: Latest assessment of the area, None before the first.
     """
 
     def __init__(
@@ -61,12 +61,12 @@ class LandingWatch:
         area: InteractionArea,
         hover_enu_m: Vector3,
     ) -> None:
-        """Begin an empty map of an area.
+        """Start with an empty map of an area.
 
         Args:
-            surroundings: What the map of the scene knows.
-            area: Where to land.
-            hover_enu_m: From where it is looked at.
+            surroundings: Prior map of the scene.
+            area: Area to land on.
+            hover_enu_m: Hover point from which it is observed.
         """
         is_perch = area.kind == "perching"
         self._needs = landing_needs(
@@ -90,31 +90,31 @@ class LandingWatch:
         return time_us >= self._due_us
 
     def miss(self, time_us: int) -> None:
-        """An image was of no use; the next is due a period later."""
+        """Skip a useless image; the next is due one period later."""
         self._due_us = time_us + FRAME_PERIOD_US
 
     def fuse(self, time_us: int, image: DepthImage) -> None:
-        """Take in a depth image of the camera that looks down."""
+        """Fuse a depth image of the downward camera."""
         self._due_us = time_us + FRAME_PERIOD_US
         self.elevation.add(image)
         self.n_frames += 1
         self.map = assess(self.elevation, self._needs, self.is_allowed)
 
     def choose(self) -> LandingSite | None:
-        """The best place on what was seen so far, None if none is safe."""
+        """Best place in the present map, None if none is safe."""
         if self.map is None:
             return None
         site = choose_site(self.map, self.elevation, self._needs, self._preferred_enu_m)
         return site if site is not None and site.clearance_m >= self._least_m else None
 
     def objection(self, site: LandingSite) -> str | None:
-        """What by now speaks against a place that was chosen, None if nothing does."""
+        """Reason against a chosen place by the present map, None if there is none."""
         if self.map is None:
             return "nothing was seen yet"
         return objection(self.map, self.elevation, self._needs, site.position_enu_m)
 
     def again(self, site: LandingSite) -> LandingSite:
-        """A place that was chosen, with the height and slope that are known by now."""
+        """A chosen place with its present height and slope."""
         latest = (
             None if self.map is None else site_at(self.map, self.elevation, site.position_enu_m)
         )
@@ -126,7 +126,7 @@ def _is_open_above(
 ) -> np.ndarray:
     """Cells above which the vehicle has room from just over the surface up to a height.
 
-    By the map of the scene, which knows of branches and eaves that a camera below them cannot see.
+    This uses the map of the scene, with branches and eaves that a camera below them cannot see.
     """
     stride = max(1, round(_COLUMN_STEP_M / elevation.resolution_m))
     east, north = (axis[::stride] for axis in elevation.cell_centres())

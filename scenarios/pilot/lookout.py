@@ -1,4 +1,4 @@
-"""What is seen ahead and was not planned with: somebody who moves, the map as it grows."""
+"""Lookout for what was not planned with: movers, and new parts of a growing map."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from scenarios.pilot.phases import ON_THE_WAY, Phase, Step
 from scenarios.pilot.way import Way
 
 UNSEEN_AHEAD_S = 4.0
-"""A plan that ends short of the goal is made anew when this is left of it."""
+"""Remaining flight time at which a plan that ends short of the goal is replaced."""
 KEEP_IN_VIEW_M = 1.5
-"""Who is going to come so near is looked at until it is past."""
+"""Predicted distance within which a mover is kept in view until it has passed."""
 _STEP_S = 0.1
 
 
 class Lookout:
-    """Looks ahead, and changes what is flown where it must."""
+    """Looks ahead, and changes the course where necessary."""
 
     def __init__(self, flight: Flight, way: Way) -> None:
         self._flight, self._way = flight, way
 
     def check(self, phase: Phase) -> Step:
-        """What is seen now, and was not planned with."""
+        """Action demanded by what was seen since the plan was made."""
         flight = self._flight
         if not flight.senses.look_about() or phase is Phase.TOUCHDOWN:
             return None
@@ -34,7 +34,7 @@ class Lookout:
         return self._movers(phase) or self._unseen(phase)
 
     def _keep_in_view(self) -> None:
-        """Have the gaze follow who comes near soonest, else what it is not sure of."""
+        """Aim the gaze at the mover that comes near soonest, else at an uncertain one."""
         flight = self._flight
         if flight.gaze is None:
             return
@@ -53,7 +53,7 @@ class Lookout:
         flight.gaze.kept_rad = None if away is None else math.atan2(away[1], away[0])
 
     def _movers(self, phase: Phase) -> Step:
-        """Does something come too near to what is flown, or to where it ends?"""
+        """Check whether movers come too near to the course or to its end."""
         flight = self._flight
         room_m = flight.room_to_movers_m()
         if room_m >= KEEP_FROM_MOVERS_M:
@@ -70,7 +70,7 @@ class Lookout:
         return self._way.hold(reason)
 
     def _unseen(self, phase: Phase) -> Step:
-        """Where the map grows: is the plan still free, and does it lead as far as it can?"""
+        """In a growing map, check that the plan is still free and reaches as far as possible."""
         flight = self._flight
         world = flight.mission.surroundings
         if world.is_known or phase not in ON_THE_WAY:
@@ -86,7 +86,7 @@ class Lookout:
             start = flight.course.reference(flight.take_over_us)
             flight.go_on_from(start, self._way.goal_enu_m, reason)
         except PlanningError as error:
-            # The plan in hand ends at rest within what was seen free.
+            # The present plan ends at rest within the known free space.
             return None if is_free else self._way.hold(f"{reason}; {error}")
         return None
 

@@ -1,4 +1,4 @@
-"""How near a plan comes to what moves, as predicted."""
+"""Predicted distances between a plan and movers."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ import numpy as np
 from autonomy.planning import FlightLimits, MovingObstacles, Trajectory
 
 KEEP_FROM_MOVERS_M = 0.2
-"""Between the vehicle's sphere and what moves: a plan that comes nearer is made anew. Less than a
-new plan aims at, so that one is enough."""
+"""Distance from the vehicle's sphere to movers below which a plan is replaced; smaller than the
+distance that a new plan aims at, so that one replan is enough."""
 URGENT_ACCELERATION_MPS2 = (5.0, 3.5)
-"""Horizontal and vertical: out of somebody's way the vehicle may do more than on its way."""
+"""Horizontal and vertical limits of evasion, above those of normal flight."""
 _STEP_S = 0.1
 
 
 def room_to_movers_m(
     trajectory: Trajectory, since_s: float, moving: MovingObstacles, radius_m: float
 ) -> float:
-    """Least predicted distance of the vehicle to what moves, infinite where nothing does.
+    """Least predicted distance of the vehicle to movers, infinite without any.
 
     Args:
-        trajectory: What is flown; at its end the vehicle stands.
+        trajectory: Present trajectory; the vehicle rests at its end.
         since_s: Time of the trajectory at which the predictions begin.
-        moving: What moves.
-        radius_m: Of the vehicle's sphere.
+        moving: Movers.
+        radius_m: Radius of the vehicle's sphere.
     """
     if not len(moving):
         return math.inf
@@ -38,13 +38,13 @@ def room_to_movers_m(
 def first_to_come(
     trajectory: Trajectory, since_s: float, moving: MovingObstacles, within_m: float
 ) -> tuple[float, float, float] | None:
-    """Where somebody is who comes near soonest and is not past yet; None where nobody does.
+    """Position of the mover that comes near soonest and has not passed yet; None without one.
 
     Args:
-        trajectory: What is flown.
+        trajectory: Present trajectory.
         since_s: Time of the trajectory at which the predictions begin.
-        moving: What moves.
-        within_m: Of the vehicle's centre counts as near.
+        moving: Movers.
+        within_m: Distance from the vehicle's centre that counts as near.
     """
     if not len(moving):
         return None
@@ -59,12 +59,12 @@ def first_to_come(
 
 
 def with_less_room(moving: MovingObstacles, less_m: float) -> MovingObstacles:
-    """The same, each smaller all around: for a way that passes nearer than is wanted."""
+    """The same movers, each reduced all around: for a way that passes nearer than desired."""
     return dataclasses.replace(moving, radius_m=moving.radius_m - less_m)
 
 
 def urgent_limits(limits: FlightLimits) -> FlightLimits:
-    """Limits of the motion out of somebody's way."""
+    """Limits of the motion while evading."""
     across, up = URGENT_ACCELERATION_MPS2
     return dataclasses.replace(
         limits,

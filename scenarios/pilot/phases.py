@@ -1,6 +1,6 @@
-"""The states of our pilot and every change between them, in one table.
+"""Phases of our pilot and all transitions between them, in one table.
 
-docs/pilot.md draws it. `Transition` refuses what is not in it: no change is made in passing.
+docs/pilot.md draws it. `Transition` refuses any change that the table does not have.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 
 class Phase(Enum):
-    """What the pilot is doing."""
+    """Activity of the pilot."""
 
     CONNECT = "connect"
     PREPARE = "wait for health"
@@ -35,7 +35,7 @@ class Phase(Enum):
 
 _P = Phase
 _WAYS_OUT = frozenset({_P.HOLD, _P.RETURN, _P.HAND_OVER, _P.FAILED})
-"""Of every phase in the air: wait, go home, let the autopilot do it, or it is over already."""
+"""Exits of every phase in the air: wait, go home, hand over to the autopilot, or fail."""
 
 TRANSITIONS: Mapping[Phase, frozenset[Phase]] = MappingProxyType(
     {
@@ -63,7 +63,7 @@ TRANSITIONS: Mapping[Phase, frozenset[Phase]] = MappingProxyType(
         _P.FAILED: frozenset(),
     }
 )
-"""Where each phase may lead."""
+"""Allowed successors of each phase."""
 
 TIME_LIMIT_S: Mapping[Phase, float] = MappingProxyType(
     {
@@ -84,25 +84,25 @@ TIME_LIMIT_S: Mapping[Phase, float] = MappingProxyType(
         _P.HAND_OVER: 5.0,
     }
 )
-"""Simulated seconds after which a phase has failed."""
+"""Simulated seconds after which a phase fails."""
 
 IN_THE_AIR = frozenset(
     phase for phase, targets in TRANSITIONS.items() if targets & {_P.RETURN, _P.HOLD}
 )
-"""Phases in which the pilot steers and the vehicle has to stay armed and in offboard mode."""
+"""Phases in which the pilot steers and the vehicle must stay armed and in offboard mode."""
 
 ON_THE_WAY = frozenset({_P.NAVIGATE, _P.RETURN})
-"""Phases that fly a plan through the map, which can be made anew from any point of it."""
+"""Phases that fly a plan through the map, which can be replanned from any of its points."""
 
 LOOKS_AROUND = frozenset({Phase.TAKEOFF, Phase.NAVIGATE, Phase.HOLD, Phase.CLIMB, Phase.RETURN})
-"""Phases that may turn to look out for what moves; the others look down on one place."""
+"""Phases that may turn to look out for movers; the others look down at one place."""
 
 Step = tuple[Phase, str] | None
-"""The next phase and why; None to stay."""
+"""The next phase with the reason; None to stay."""
 
 
 class TransitionError(RuntimeError):
-    """A change of phase that the table does not have."""
+    """The table does not have this change of phase."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -115,10 +115,10 @@ class Transition:
     reason: str
 
     def __post_init__(self) -> None:
-        """Refuse what the table does not have.
+        """Refuse a change that the table does not have.
 
         Raises:
-            TransitionError: Naming both phases and what may follow.
+            TransitionError: Naming both phases and the allowed successors.
         """
         valid = TRANSITIONS[self.source]
         if self.target not in valid:
@@ -130,7 +130,7 @@ class Transition:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Replan:
-    """A plan that was made anew without a change of phase."""
+    """A replacement of the plan without a change of phase."""
 
     time_us: int
     reason: str
@@ -138,9 +138,9 @@ class Replan:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PilotVerdict:
-    """How a flight ended, as far as the pilot can know."""
+    """Outcome of a flight, as far as the pilot can know it."""
 
     success: bool
     reason: str
     touchdown_error_m: float | None = None
-    """Estimated resting place against the chosen point, horizontally."""
+    """Horizontal distance of the estimated resting place from the chosen point."""

@@ -1,9 +1,9 @@
-"""Our own pilot: a state machine that is called every 20 ms of simulated time.
+"""Our own pilot: a state machine called every 20 ms of simulated time.
 
 The task of the paper, section "AeroScene for Navigation and Interaction Tasks": navigate along a
-planned trajectory, then land by onboard depth. It knows the map that it was given, what MAVLink
-tells, and the frames of its cameras; the true state it never sees. States and transitions are in
-`phases`, what each state does in `ground`, `way` and `area`, what may end any of them in `guard`.
+planned trajectory, then land by onboard depth. The pilot knows the given map, the telemetry and
+the frames of its cameras, but never the true state. Phases and transitions are in `phases`, the
+actions of each phase in `ground`, `way` and `area`, conditions that end any of them in `guard`.
 """
 
 from __future__ import annotations
@@ -35,25 +35,29 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PilotCfg:
-    """What the pilot is told besides the mission."""
+    """Settings of the pilot besides the mission."""
 
     expects_traffic: bool = False
-    """Look out ahead for what moves, five times a second."""
+    """Look ahead for movers five times a second."""
 
 
 def _gaze(mission: Mission, cfg: PilotCfg) -> Gaze | None:
-    """Where the map grows, plans say themselves where to look."""
+    """Gaze for a given map; in a growing map, plans determine the heading."""
     world = mission.surroundings
     return Gaze(world.limits) if cfg.expects_traffic and world.is_known else None
+
+
+def _unfinished(phase: Phase) -> PilotVerdict:
+    return PilotVerdict(success=False, reason=f"not finished, still in {phase.value}")
 
 
 class Pilot:
     """Flies one mission; call `update` at the end of every tick.
 
     Attributes:
-        phase: What it is doing.
-        verdict: How it ended; of a flight that is not done, that it is not.
-        transitions: Every change of phase with its reason.
+        phase: Present phase.
+        verdict: Outcome of the flight; not done while it lasts.
+        transitions: All changes of phase with their reasons.
     """
 
     def __init__(
@@ -67,9 +71,9 @@ class Pilot:
 
         Args:
             client: Connection to the vehicle.
-            mission: What to fly.
-            frames: Renders the named camera now.
-            cfg: What to expect.
+            mission: Mission to fly.
+            frames: Renders the present frame of a named camera.
+            cfg: Settings of the pilot.
         """
         senses = Senses(mission.surroundings, frames, expects_traffic=cfg.expects_traffic)
         self._flight = flight = Flight(
@@ -87,7 +91,7 @@ class Pilot:
         area.ways_out = way
         self._guard = Guard(flight, way, area)
         self.phase = Phase.CONNECT
-        self.verdict = PilotVerdict(success=False, reason="not finished")
+        self.verdict = _unfinished(self.phase)
         self.transitions: list[Transition] = []
         self._steps: dict[Phase, Callable[[], Step]] = {
             Phase.CONNECT: self._ground.connect,
@@ -109,48 +113,48 @@ class Pilot:
 
     @property
     def is_done(self) -> bool:
-        """Whether the flight is over, well or badly."""
+        """Whether the flight is over, successful or not."""
         return self.phase in {Phase.DONE, Phase.FAILED}
 
     @property
     def area(self) -> InteractionArea:
-        """Where it wants to land at present."""
+        """Area chosen for landing at present."""
         return self._flight.area
 
     @property
     def site(self) -> LandingSite | None:
-        """The touchdown point that it chose, None before."""
+        """Chosen landing site, None before the choice."""
         return self._flight.site
 
     @property
     def trajectory(self) -> Trajectory:
-        """What it is flying or flew last; before the flight, the way to the area."""
+        """Present or last trajectory; before the flight, the way to the area."""
         return self._flight.course.trajectory
 
     @property
     def landing_map(self) -> LandingMap | None:
-        """What it knows of the landing area, None before it looked."""
+        """Assessment of the landing area, None before it was observed."""
         watch = self._flight.watch
         return None if watch is None else watch.map
 
     @property
     def touchdown_enu_m(self) -> Vector3 | None:
-        """The touchdown point that it chose, None before."""
+        """Chosen touchdown point, None before the choice."""
         site = self._flight.site
         return None if site is None else site.position_enu_m
 
     @property
     def moving(self) -> MovingObstacles:
-        """What moves, as it sees it now."""
+        """Movers as seen now."""
         return self._flight.senses.moving(self._flight.time_us)
 
     @property
     def replans(self) -> Sequence[Replan]:
-        """Plans that were made anew without a change of phase, and why."""
+        """Replans without a change of phase, with their reasons."""
         return self._flight.replans
 
     def update(self, time_us: int) -> None:
-        """Read telemetry, decide, send a setpoint."""
+        """Read telemetry, decide and send a setpoint."""
         flight = self._flight
         flight.time_us = time_us
         flight.client.update(time_us)
@@ -164,7 +168,7 @@ class Pilot:
             flight.client.send_setpoint(flight.senses.to_estimate(self._looking()))
 
     def _looking(self) -> FlatReference:
-        """The setpoint, turned to where it looks."""
+        """Present setpoint, turned to the gaze."""
         flight = self._flight
         if flight.gaze is None:
             return flight.setpoint
@@ -184,6 +188,8 @@ class Pilot:
             self.verdict = self._ground.success()
         elif phase is Phase.FAILED:
             self.verdict = PilotVerdict(success=False, reason=flight.given_up or reason)
+        else:
+            self.verdict = _unfinished(phase)
         self.phase = phase
         flight.since_us = flight.time_us
         flight.commands = []

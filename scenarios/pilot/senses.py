@@ -1,7 +1,7 @@
-"""What the pilot knows by looking: where it is in the map, what moves, what the map lacks.
+"""Perception of the pilot: its place in the map, movers, and what the map lacks.
 
-Telemetry comes in by the frame of the estimate and leaves as the map has it; setpoints go the other
-way. A depth image is taken once and shown to all that want it.
+Telemetry is converted from the frame of the estimate to that of the map, setpoints the other way.
+A depth image is rendered once and shared by all its users.
 """
 
 from __future__ import annotations
@@ -26,38 +26,38 @@ if TYPE_CHECKING:
     from autonomy.perception.mover_tracker import MoverTracker
 
 LOOK_PERIOD_US = 200_000
-"""Between two looks ahead, where something may be seen that the map has not."""
+"""Time between two looks ahead for what the map lacks."""
 LOOK_AGAIN_US = 100_000
-"""The same, while something was seen too seldom to count."""
+"""Time between two looks while a detection is still unconfirmed."""
 FIX_PERIOD_US = 500_000
-"""Between two looks at the map, where the autopilot is not sure where it is."""
+"""Time between two fixes in the map while the autopilot is unsure of its position."""
 UNSURE_M = 0.1
-"""Reported horizontal accuracy beyond which the map is looked at on the way."""
+"""Reported horizontal accuracy above which the position is fixed in the map on the way."""
 SURE_M = 0.2
-"""Standard deviation of the place in the map beyond which what does not fit the map may be the map
-itself, and nothing is taken for a mover."""
+"""Standard deviation of the position in the map above which a mismatch may be due to the map
+itself, so that nothing is taken for a mover."""
 MOST_AGE_S = 0.1
-"""Telemetry is carried forward to the time of an image by so much at most."""
+"""Longest time by which telemetry is extrapolated to an image."""
 PLACED_SIGMA_M = 0.1
-"""How exactly a vehicle is put down at its start."""
+"""Standard deviation of the vehicle's placement at its start."""
 
 
 class Senses:
-    """Cameras, and what is made of their images.
+    """Cameras and the processing of their images.
 
     Attributes:
-        telemetry: The vehicle as last reported, in the map's frame.
-        looks_ahead: Whether it looks ahead for what may be seen that the map has not.
-        n_blind: Images in a row of the camera that looks down without one measured pixel.
+        telemetry: Latest telemetry, in the map's frame.
+        looks_ahead: Whether it looks ahead for what the map may lack.
+        n_blind: Number of consecutive images of the downward camera without a measured pixel.
     """
 
     def __init__(self, world: Surroundings, frames: Frames, *, expects_traffic: bool) -> None:
-        """Open the eyes.
+        """Start perception.
 
         Args:
-            world: The map; one that grows is shown every image.
-            frames: Renders the named camera now.
-            expects_traffic: Whether to look out for what moves.
+            world: Map of the place; a growing one receives every image.
+            frames: Renders the present frame of a named camera.
+            expects_traffic: Whether to look out for movers.
         """
         self._world, self._frames = world, frames
         self._anchor = _anchor(world) if world.is_known else None
@@ -70,7 +70,7 @@ class Senses:
         self.n_blind = 0
 
     def locate(self, time_us: int, estimate: Telemetry) -> None:
-        """Take telemetry over into the map's frame."""
+        """Convert telemetry to the map's frame."""
         self._time_us, self._estimate = time_us, estimate
         anchor = self._anchor
         if anchor is None or not estimate.has_state:
@@ -87,18 +87,18 @@ class Senses:
         )
 
     def stand_at(self, position_enu_m: Vector3) -> None:
-        """It stands at a place that is known: what the estimate is off by shows."""
+        """Use a known resting place to measure the error of the estimate."""
         if self._anchor is not None:
             here = self._estimate.position_enu_m
             self._anchor.stand_at(self._time_us * 1e-6, here, position_enu_m, PLACED_SIGMA_M)
             self.locate(self._time_us, self._estimate)
 
     def to_estimate(self, reference: FlatReference) -> FlatReference:
-        """A setpoint in the frame that the autopilot steers by."""
+        """Convert a setpoint to the frame that the autopilot steers by."""
         return reference if self._anchor is None else self._anchor.to_estimate(reference)
 
     def look_about(self) -> bool:
-        """Look where it is worth it and time to; True if something new may be known."""
+        """Look where it is useful and due; return whether anything new may be known."""
         if self._time_us < self._due_us:
             return False
         if self.looks_ahead:
@@ -113,7 +113,7 @@ class Senses:
         return False
 
     def take(self, camera: str) -> DepthImage:
-        """A depth image in the map's frame.
+        """Take a depth image in the map's frame.
 
         Raises:
             NoDepthError: If nothing was measured.
@@ -137,11 +137,11 @@ class Senses:
         return image
 
     def moving(self, time_us: int) -> MovingObstacles:
-        """What moves, predicted from a time on."""
+        """Movers, predicted from a given time on."""
         return NOTHING_MOVES if self._tracker is None else self._tracker.moving(time_us * 1e-6)
 
     def _now(self) -> Telemetry:
-        """The estimate carried forward to now: a vehicle that turns looks elsewhere by then."""
+        """Estimate extrapolated to now: a turning vehicle looks elsewhere by then."""
         estimate = self._estimate
         age_s = self._time_us * 1e-6 - estimate.position_time_ms * 1e-3
         if not (0.0 < age_s <= MOST_AGE_S and estimate.has_state):
@@ -156,18 +156,18 @@ class Senses:
         )
 
     def in_question(self) -> Float[np.ndarray, "n 3"]:
-        """Places where something may move, ENU: it was seen too seldom yet to count."""
+        """Positions (ENU) of possible movers that are still unconfirmed."""
         return np.zeros((0, 3)) if self._tracker is None else self._tracker.in_question()
 
     def _glance(self, camera: str) -> None:
-        """Look, and make nothing of it if there is only sky."""
+        """Take an image, ignoring one of bare sky."""
         try:
             self.take(camera)
         except NoDepthError:
             return
 
     def _static_distance(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-        """Distance to what is known to stand; 0 where a map that grows knows nothing yet."""
+        """Distance to known static obstacles; 0 where a growing map knows nothing yet."""
         known = self._world.map
         distance_m = self._world.obstacles.signed_distance(points_enu_m)[0]
         if isinstance(known, GivenMap):
@@ -177,7 +177,7 @@ class Senses:
 
 
 def _turned(quat_wxyz: Quaternion, turn_flu_rad: Float[np.ndarray, " 3"]) -> list[float]:
-    """An attitude after a small turn about the body's axes."""
+    """Attitude after a small rotation about the body's axes."""
     turn, turned = np.empty(4), np.empty(4)
     x, y, z = turn_flu_rad.tolist()
     quat_from_rotation_vector(x, y, z, turn)
@@ -186,7 +186,7 @@ def _turned(quat_wxyz: Quaternion, turn_flu_rad: Float[np.ndarray, " 3"]) -> lis
 
 
 def _anchor(world: Surroundings) -> MapAnchor:
-    # Compiled code that only a flight with a given map needs.
+    # Compiled code that is needed only with a given map.
     from autonomy.perception.map_anchor import MapAnchor  # noqa: PLC0415
 
     return MapAnchor(world.obstacles)

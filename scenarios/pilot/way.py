@@ -1,4 +1,4 @@
-"""On the way: take off, navigate, hold, and home again when there is nothing left to try."""
+"""Phases on the way: take off, navigate, hold, and return home when no area is left."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.phases import Phase, Replan, Step
 
 MAX_HOLDS = 6
-"""In one flight; with the next reason to hold it goes home."""
+"""Number of holds in one flight; one more and it goes home."""
 MOST_RISE_M = 8.0
-"""Beyond so much it climbs on the way."""
+"""Greatest initial climb; the rest of the climb is part of the way."""
 RISE_SPEED_MPS = 1.5
 RETRY_PERIOD_S = 1.0
-"""Between two tries to go on from a hold."""
+"""Time between two attempts to continue from a hold."""
 
 
 class Way:
-    """The phases between the start and the area, and back."""
+    """Flies the phases between the start and the area, and back."""
 
     def __init__(self, flight: Flight, area: Area) -> None:
         self._flight = flight
@@ -34,14 +34,14 @@ class Way:
 
     @property
     def goal_enu_m(self) -> Vector3:
-        """Where it wants to be next: home once it gave up, else above the area."""
+        """Next goal: home after giving up, else above the area."""
         flight = self._flight
         if flight.given_up is not None:
             return flight.mission.takeoff_enu_m
         return flight.hover_enu_m
 
     def take_off(self) -> Step:
-        """Up to above the start, then on."""
+        """Climb to above the start, then navigate."""
         flight = self._flight
         if not flight.has_arrived:
             return None
@@ -54,7 +54,7 @@ class Way:
         return Phase.NAVIGATE, "above the start"
 
     def _has_looked(self, gaze: Gaze) -> bool:
-        """Rise to the height to fly at, then look all around once."""
+        """Climb to the flight height and look all around once; return whether that is done."""
         flight = self._flight
         if not self._has_risen:
             self._has_risen = True
@@ -63,7 +63,7 @@ class Way:
         return gaze.has_looked_round(flight.time_us)
 
     def _rise(self, height_m: float) -> None:
-        """Straight up first, where that is free: to a level way nobody comes from above."""
+        """Climb vertically first, where that is free: no mover reaches a level way from above."""
         flight = self._flight
         x, y, z = flight.setpoint.position_enu_m
         if not 0.0 < height_m - z <= MOST_RISE_M:
@@ -77,19 +77,19 @@ class Way:
         flight.begin_with(leg)
 
     def navigate(self) -> Step:
-        """Along the plan to above the area."""
+        """Fly the plan to above the area."""
         flight = self._flight
         if not flight.has_arrived:
             return None
         if flight.is_at_end(flight.hover_enu_m):
-            # From here on it looks down.
+            # From here on the gaze is downward.
             if flight.gaze is not None and not flight.gaze.has_looked_round(flight.time_us):
                 return None
             return self._area.look(f"above area {flight.area.id}")
         return self._go_on()
 
     def go_home(self, reason: str) -> Step:
-        """Give up: plan the way home, else let the autopilot do it."""
+        """Give up: plan the way home, else hand over to the autopilot."""
         flight = self._flight
         flight.given_up = flight.given_up or reason
         try:
@@ -101,7 +101,7 @@ class Way:
         return Phase.RETURN, reason
 
     def hand_over(self) -> Step:
-        """The autopilot's own return."""
+        """Hand over to the autopilot's own return."""
         flight = self._flight
         if not flight.commands:
             flight.commands = [flight.client.set_mode(PX4_RETURN)]
@@ -110,7 +110,7 @@ class Way:
         return None
 
     def fly_home(self) -> Step:
-        """Along the plan to above the start, then down to where the last metre begins."""
+        """Fly the plan to above the start, then down to where the last metre begins."""
         flight = self._flight
         if not flight.has_arrived:
             return None
@@ -125,7 +125,7 @@ class Way:
         return Phase.LAND_HOME, "above the start"
 
     def land_home(self) -> Step:
-        """Straight down on the place that it started from."""
+        """Descend vertically onto the start."""
         flight = self._flight
         if flight.course.is_touching_down:
             is_down = flight.telemetry.landed_state == LANDED_ON_GROUND
@@ -135,11 +135,11 @@ class Way:
         return None
 
     def hold(self, reason: str, start: FlatReference | None = None) -> Step:
-        """Come to rest and wait; after too often, go home or hand over.
+        """Come to rest and wait; after too many holds, go home or hand over.
 
         Args:
-            reason: Why.
-            start: Where the vehicle will be when the stop takes over; None for where it should.
+            reason: Reason for the hold.
+            start: State of the vehicle when the stop takes over; None for the state on the course.
         """
         flight = self._flight
         flight.n_holds += 1
@@ -158,7 +158,7 @@ class Way:
         return Phase.HOLD, reason
 
     def stop_elsewhere(self, reason: str, start: FlatReference | None = None) -> Step:
-        """From one stop to another: clear of what comes, or near where it was carried to."""
+        """Change to another stop: clear of approaching movers, or near the displaced vehicle."""
         flight = self._flight
         try:
             flight.brake(start)
@@ -169,19 +169,19 @@ class Way:
         return None
 
     def _resumed(self) -> Phase:
-        """What to go on with after the hold that begins now."""
+        """Phase that follows the hold beginning now."""
         if self._flight.given_up is not None:
             return Phase.RETURN
         return Phase.NAVIGATE if self._flight.watch is None else Phase.CLIMB
 
     def wait(self) -> Step:
-        """Hold until there is a certified way on; what comes near is evaded by the guard."""
+        """Hold until there is a certified way on; the guard evades approaching movers."""
         flight = self._flight
         is_ready = flight.complaint is None and flight.has_arrived
         if flight.time_us < self._retry_us or not is_ready:
             return None
         if flight.gaze is not None and not flight.gaze.is_on_it:
-            # Who comes near was not seen just now: first look where they are.
+            # A mover nearby was lost from view: look at it first.
             return None
         self._retry_us = flight.time_us + round(1e6 * RETRY_PERIOD_S)
         try:
@@ -191,7 +191,7 @@ class Way:
         return flight.after_hold, "there is a way on"
 
     def _go_on(self) -> Step:
-        """The plan ended within what was seen: another one, from there."""
+        """Continue from the end of a plan within the known free space."""
         flight = self._flight
         try:
             flight.plan_to(self.goal_enu_m)
@@ -204,7 +204,7 @@ class Way:
         return None
 
     def _aim_elsewhere(self, reason: str) -> Step:
-        """What was seen speaks against the goal: higher or lower above the area, or another one."""
+        """Replace a goal that was found blocked: another height above the area, or another area."""
         flight = self._flight
         hover = flight.mission.surroundings.hover_point(flight.area)
         if hover is not None and math.dist(hover, flight.hover_enu_m) > 0.0:

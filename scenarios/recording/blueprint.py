@@ -2,32 +2,47 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
+import numpy as np
 import rerun.blueprint as rrb
 
 from aeroscene.scene import Scene
 from autonomy.model.quadrotor import Vector3
+from flightsim.looks.framing import frame_points
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 
 _SKY_RGB = (158, 184, 208)
 _EYE_AZIMUTH_RAD = math.radians(-125.0)
 _EYE_ELEVATION_RAD = math.radians(38.0)
-_EYE_DISTANCE_PER_EXTENT = 0.76
+_EYE_FOV_RAD = math.radians(55.0)
+"""Vertical angle of view of rerun's eye."""
+_VIEW_ASPECT = 1.6
+_ROOM_M = 4.0
+"""Shown around start and goal, and above them."""
+_MARGIN = 1.05
 SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE)
 """Layers of the landing map that lie where its safety is shown; the viewer switches them on."""
-_CHASE_OFFSET_M = (-6.0, -4.0, 3.5)
 
 
-def recording_blueprint(scene: Scene, airframe: Airframe) -> rrb.Blueprint:
-    """The arrangement of a recording of `airframe` in `scene`."""
+def recording_blueprint(
+    scene: Scene, airframe: Airframe, goal_enu_m: Vector3 | None = None
+) -> rrb.Blueprint:
+    """The arrangement of a recording.
+
+    Args:
+        scene: What is flown in.
+        airframe: What flies.
+        goal_enu_m: Where to, to be framed with the start; None frames the whole scene.
+    """
     cameras = [mount.name for mount in airframe.cameras]
     return rrb.Blueprint(
         rrb.Horizontal(
-            rrb.Vertical(_scene_views(scene, cameras), _plots(), row_shares=[5, 3]),
-            rrb.Vertical(_camera_views(cameras), _states(), _texts(), row_shares=[10, 5, 5]),
+            rrb.Vertical(_scene_views(scene, cameras, goal_enu_m), _plots(), row_shares=[5, 3]),
+            rrb.Vertical(_camera_views(cameras), *_states(), _texts(), row_shares=[10, 2.6, 5, 5]),
             column_shares=[3, 2],
         ),
         rrb.BlueprintPanel(state="collapsed"),
@@ -38,30 +53,25 @@ def recording_blueprint(scene: Scene, airframe: Airframe) -> rrb.Blueprint:
 
 def scene_blueprint(scene: Scene) -> rrb.Blueprint:
     """The arrangement of a scene that nobody flies in."""
-    eye, target = _overview(scene)
     return rrb.Blueprint(
-        _scene_view("Scene", (), eye, target, tracking=None),
+        _scene_view("Scene", (), _overview(scene, None)),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="hidden"),
     )
 
 
-def _scene_views(scene: Scene, cameras: Sequence[str]) -> rrb.Container:
-    overview_eye, overview_target = _overview(scene)
-    start = scene.start_position_enu_m
+def _scene_views(scene: Scene, cameras: Sequence[str], goal_enu_m: Vector3 | None) -> rrb.Container:
+    # The eye looks through the camera that follows the vehicle.
+    chase = rrb.EyeControls3D(tracking_entity=layout.CHASE)
     return rrb.Tabs(
-        _scene_view("Scene", cameras, overview_eye, overview_target, tracking=None),
-        _scene_view(
-            "Chase", cameras, _add(start, _CHASE_OFFSET_M), start, tracking=layout.FUSELAGE
-        ),
+        _scene_view("Scene", cameras, _overview(scene, goal_enu_m)),
+        _scene_view("Chase", cameras, chase),
         active_tab=0,
     )
 
 
-def _scene_view(
-    name: str, cameras: Sequence[str], eye: Vector3, target: Vector3, tracking: str | None
-) -> rrb.Spatial3DView:
+def _scene_view(name: str, cameras: Sequence[str], eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
     until_now = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
             layout.TIMELINE,
@@ -75,12 +85,7 @@ def _scene_view(
         contents=["+ $origin/**", *(f"- {layout.camera_depth(camera)}" for camera in cameras)],
         background=_SKY_RGB,
         line_grid=False,
-        eye_controls=rrb.EyeControls3D(
-            position=eye,
-            look_target=target,
-            eye_up=(0.0, 0.0, 1.0),
-            tracking_entity=tracking,
-        ),
+        eye_controls=eye,
         overrides={
             layout.EXECUTED: until_now,
             layout.EARLIER_PLANS: until_now,
@@ -90,22 +95,27 @@ def _scene_view(
     )
 
 
-def _overview(scene: Scene) -> tuple[Vector3, Vector3]:
-    """An eye that sees the whole flight volume from above one corner, and what it looks at."""
-    lower, upper = scene.extent_min_enu_m, scene.extent_max_enu_m
-    target = ((lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, lower[2])
-    distance = _EYE_DISTANCE_PER_EXTENT * math.hypot(upper[0] - lower[0], upper[1] - lower[1])
-    level = distance * math.cos(_EYE_ELEVATION_RAD)
-    offset = (
-        level * math.cos(_EYE_AZIMUTH_RAD),
-        level * math.sin(_EYE_AZIMUTH_RAD),
-        distance * math.sin(_EYE_ELEVATION_RAD),
+def _overview(scene: Scene, goal_enu_m: Vector3 | None) -> rrb.EyeControls3D:
+    """An eye from above one side: on start and goal side by side, or on the whole scene."""
+    low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
+    high[2] = low[2]
+    azimuth_rad = _EYE_AZIMUTH_RAD
+    if goal_enu_m is not None:
+        ends = np.array([scene.start_position_enu_m, goal_enu_m])
+        low, high = ends.min(axis=0) - (_ROOM_M, _ROOM_M, 0.0), ends.max(axis=0) + _ROOM_M
+        x, y, _ = (ends[1] - ends[0]).tolist()
+        sides = [math.atan2(y, x) + turn for turn in (-math.pi / 2, math.pi / 2)]
+        azimuth_rad = max(sides, key=lambda side: math.cos(side - _EYE_AZIMUTH_RAD))
+    corners = np.array(list(itertools.product(*zip(low.tolist(), high.tolist(), strict=True))))
+    eye, target = frame_points(
+        corners,
+        azimuth_rad=azimuth_rad,
+        elevation_rad=_EYE_ELEVATION_RAD,
+        vertical_fov_rad=_EYE_FOV_RAD,
+        aspect=_VIEW_ASPECT,
+        margin=_MARGIN,
     )
-    return _add(target, offset), target
-
-
-def _add(a: Vector3, b: Vector3) -> Vector3:
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+    return rrb.EyeControls3D(position=eye, look_target=target, eye_up=(0.0, 0.0, 1.0))
 
 
 def _camera_views(cameras: Sequence[str]) -> rrb.Container:
@@ -127,28 +137,55 @@ def _camera_views(cameras: Sequence[str]) -> rrb.Container:
 
 
 def _plots() -> rrb.Container:
-    def plot(name: str, *contents: str) -> rrb.TimeSeriesView:
-        return rrb.TimeSeriesView(name=name, origin="/", contents=[f"+ /{c}" for c in contents])
-
+    errors = (layout.POSITION_ERROR, f"{layout.POSITION_SIGMA}/**")
     return rrb.Tabs(
-        plot("Position", layout.POSITION_TRUE, layout.POSITION_EST, layout.POSITION_REF),
-        plot("Velocity", layout.VELOCITY_TRUE, layout.VELOCITY_EST, layout.VELOCITY_REF),
-        plot("Position error", layout.POSITION_ERROR, f"{layout.POSITION_SIGMA}/**"),
-        plot("Attitude error", layout.ATTITUDE_ERROR),
-        plot("Wind", layout.WIND),
-        plot("Accelerometer", layout.ACCELERATION),
-        plot("Gyroscope", layout.ANGULAR_RATE),
-        plot("Motors", layout.MOTOR_COMMAND, layout.MOTOR_SPEED),
-        plot("Battery", layout.BATTERY_VOLTAGE, layout.BATTERY_CURRENT),
-        plot("Rangefinder", layout.RANGE),
+        _axis_plots("position", "m"),
+        _axis_plots("velocity", "m/s"),
+        rrb.Horizontal(
+            _plot("Position", *errors), _plot("Attitude", layout.ATTITUDE_ERROR), name="Errors"
+        ),
+        rrb.Horizontal(
+            _plot("Accelerometer", layout.ACCELERATION),
+            _plot("Gyroscope", layout.ANGULAR_RATE),
+            rrb.TimeSeriesView(
+                name="Gauges",
+                origin="/",
+                contents=[f"+ /{layout.sensor('**')}", f"- /{layout.IMU}/**"],
+            ),
+            name="Sensors",
+        ),
+        rrb.Horizontal(
+            _plot("Motors", layout.MOTOR_COMMAND, layout.MOTOR_SPEED),
+            _plot("Battery", layout.BATTERY_VOLTAGE, layout.BATTERY_CURRENT),
+            name="Power",
+        ),
+        _plot("Wind", layout.WIND),
         active_tab=0,
     )
 
 
-def _states() -> rrb.View:
-    states = [layout.PHASE, layout.MODE, layout.ARMED, layout.LANDED, layout.FAILSAFE]
-    contents = [f"+ /{state}" for state in states]
-    return rrb.StateTimelineView(name="Mode and state", origin="/", contents=contents)
+def _plot(name: str, *entities: str) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(name=name, origin="/", contents=[f"+ /{e}" for e in entities])
+
+
+def _axis_plots(what: str, unit: str) -> rrb.Container:
+    """A plot for each axis: what is true, what is believed, what is to be."""
+    plots = [
+        rrb.TimeSeriesView(name=f"{axis}, {unit}", origin=f"{layout.STATE}/{what}/{axis}")
+        for axis in layout.AXES
+    ]
+    return rrb.Horizontal(*plots, name=what.capitalize())
+
+
+def _states() -> tuple[rrb.View, rrb.View]:
+    """The pilot's phase first; rerun sorts the rows of a view by their entities."""
+    states = [layout.MODE, layout.ARMED, layout.LANDED, layout.FAILSAFE]
+    return (
+        rrb.StateTimelineView(name="Pilot", origin="/", contents=[f"+ /{layout.PHASE}"]),
+        rrb.StateTimelineView(
+            name="Mode and state", origin="/", contents=[f"+ /{state}" for state in states]
+        ),
+    )
 
 
 def _texts() -> rrb.Container:

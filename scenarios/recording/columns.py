@@ -11,7 +11,7 @@ import rerun as rr
 from jaxtyping import Float, Int
 
 from scenarios.recording import layout
-from scenarios.recording.series import SERIES
+from scenarios.recording.series import ESTIMATE_FIELD, SERIES, ScalarSeries
 
 SLOW_STEP = 5
 """Control ticks from one kept sample to the next, of quantities that are not fast: 50 Hz."""
@@ -34,25 +34,36 @@ def set_sim_time(stream: rr.RecordingStream, time_us: int) -> None:
 
 def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
     """Write a stretch of `Plant.history` rows, oldest first."""
-    fast, slow = history, history[SLOW_STEP - 1 :: SLOW_STEP]
-    fast_time = sim_time(fast["time_us"])
-    slow_time = sim_time(slow["time_us"]) if len(slow) else None
+    slow = history[SLOW_STEP - 1 :: SLOW_STEP]
+    fast_time = sim_time(history["time_us"])
     for series in SERIES:
-        if series.is_fast:
-            send_scalars(stream, series.entity, fast_time, fast[series.field])
-        elif slow_time is not None:
-            send_scalars(stream, series.entity, slow_time, slow[series.field])
-    send_pose(
-        stream, layout.VEHICLE, fast_time, fast["position_true_enu_m"], fast["quat_true_wxyz"]
-    )
-    if slow_time is not None:
-        _send_errors(stream, slow_time, slow)
+        rows, time = (history, fast_time) if series.is_fast else (slow, sim_time(slow["time_us"]))
+        if len(rows):
+            send_scalars(stream, series.entity, time, _known(rows, series))
+    position_m, quat = history["position_true_enu_m"], history["quat_true_wxyz"]
+    send_pose(stream, layout.VEHICLE, fast_time, position_m, quat)
+    _send_errors(stream, slow)
 
 
-def _send_errors(stream: rr.RecordingStream, time: rr.TimeColumn, rows: np.ndarray) -> None:
+def _known(rows: np.ndarray, series: ScalarSeries) -> Float[np.ndarray, "n k"]:
+    """Values of a series; NaN, which plots leave out, as long as they mean nothing."""
+    values = rows[series.field]
+    if series.column is not None:
+        values = values[:, series.column : series.column + 1]
+    if series.known_by is None:
+        return values
+    return np.where(np.any(rows[series.known_by], axis=1, keepdims=True), values, np.nan)
+
+
+def _send_errors(stream: rr.RecordingStream, rows: np.ndarray) -> None:
+    """Estimate and errors, from the estimator's alignment on."""
     from scenarios.run.scoring import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
 
-    position_m, quat = rows["position_est_enu_m"], rows["quat_est_wxyz"]
+    rows = rows[rows[ESTIMATE_FIELD].any(axis=1)]
+    if not len(rows):
+        return
+    time = sim_time(rows["time_us"])
+    position_m, quat = rows[ESTIMATE_FIELD], rows["quat_est_wxyz"]
     send_pose(stream, layout.ESTIMATE, time, position_m, quat)
     error_m = position_m - rows["position_true_enu_m"]
     distance_m = np.linalg.norm(error_m, axis=1, keepdims=True)

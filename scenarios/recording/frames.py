@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,13 +12,15 @@ from jaxtyping import Float, Integer
 from scenarios.recording import layout
 
 if TYPE_CHECKING:
-    from flightsim.sensors.camera import RgbdFrame
+    from flightsim.sensors.cameras import RgbdFrame
 
 JPEG_QUALITY = 85
 DEPTH_UNITS_PER_M = 1000.0
 """Depth is stored in whole millimetres, up to 65 m; 0 means nothing seen."""
 _DEPTH_LIMIT = np.iinfo(np.uint16).max
-_SHOWN_DEPTH_M = (0.0, 40.0)
+_SHOWN_DEPTHS_M = (2.0, 5.0, 10.0, 20.0, 40.0, _DEPTH_LIMIT / DEPTH_UNITS_PER_M)
+"""What the last of the colours may stand for; steps, so that colours rarely change."""
+_NEARLY_ALL = 0.95
 _FRUSTUM_M = 0.6
 
 
@@ -41,7 +44,8 @@ class FrameLog:
                 encode_png(depth_to_uint16(frame.depth_m)),
                 media_type="image/png",
                 meter=DEPTH_UNITS_PER_M,
-                depth_range=[limit * DEPTH_UNITS_PER_M for limit in _SHOWN_DEPTH_M],
+                colormap=rr.components.Colormap.Turbo,
+                depth_range=(0.0, DEPTH_UNITS_PER_M * shown_depth_m(frame.depth_m)),
             ),
         )
 
@@ -75,6 +79,13 @@ def encode_png(image: Integer[np.ndarray, "h w"]) -> bytes:
 
     settings = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP]
     return cv2.imencode(".png", image, settings)[1].tobytes()
+
+
+def shown_depth_m(depth_m: Float[np.ndarray, "h w"]) -> float:
+    """The least of some round depths that nearly all of what is seen lies within."""
+    seen_m = depth_m[np.isfinite(depth_m)]
+    far_m = float(np.quantile(seen_m, _NEARLY_ALL)) if len(seen_m) else math.inf
+    return next((depth for depth in _SHOWN_DEPTHS_M if depth >= far_m), _SHOWN_DEPTHS_M[-1])
 
 
 def depth_to_uint16(depth_m: Float[np.ndarray, "h w"]) -> Integer[np.ndarray, "h w"]:

@@ -26,26 +26,23 @@ FUSELAGE = "world/vehicle/fuselage"
 ROTORS = "world/vehicle/rotors"
 FRAME = "world/vehicle/frame"
 MARKER = "world/vehicle/marker"
+CHASE = "world/chase"
 ESTIMATE = "world/estimate"
 PLANNED = "world/trajectory/planned"
 EARLIER_PLANS = "world/trajectory/earlier"
 EXECUTED = "world/trajectory/executed"
 
-POSITION_TRUE = "state/position/true"
-POSITION_EST = "state/position/estimate"
-POSITION_REF = "state/position/reference"
-VELOCITY_TRUE = "state/velocity/true"
-VELOCITY_EST = "state/velocity/estimate"
-VELOCITY_REF = "state/velocity/reference"
+STATE = "state"
+AXES = ("east", "north", "up")
 POSITION_ERROR = "error/position"
 ATTITUDE_ERROR = "error/attitude"
 POSITION_SIGMA = "error/sigma"
 
 WIND = "environment/wind"
 
-ACCELERATION = "sensors/imu/acceleration"
-ANGULAR_RATE = "sensors/imu/angular_rate"
-RANGE = "sensors/rangefinder"
+IMU = "sensors/imu"
+ACCELERATION = f"{IMU}/acceleration"
+ANGULAR_RATE = f"{IMU}/angular_rate"
 MOTOR_COMMAND = "motors/command"
 MOTOR_SPEED = "motors/speed"
 BATTERY_VOLTAGE = "battery/voltage"
@@ -63,6 +60,16 @@ SCENE_DOCUMENT = "run/scene"
 
 RUN_PROPERTY = "run"
 VERDICT_PROPERTY = "verdict"
+
+
+def sensor(name: str) -> str:
+    """Entity of the gauge of a sensor, by its setting in `PlantCfg`."""
+    return f"sensors/{name}"
+
+
+def state(what: str, axis: str, whose: str) -> str:
+    """Entity of one axis of position or velocity: true, estimate or reference."""
+    return f"{STATE}/{what}/{axis}/{whose}"
 
 
 def mover(name: str) -> str:

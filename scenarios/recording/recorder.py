@@ -14,10 +14,12 @@ import rerun as rr
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
+from autonomy.model.quadrotor import Vector3
 from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
+from scenarios.recording.chase_log import ChaseLog
 from scenarios.recording.columns import ExecutedPath, send_history, set_sim_time
 from scenarios.recording.frames import FrameLog
 from scenarios.recording.landing_log import LandingLog
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
     from flightsim.autopilot.autopilot import Autopilot
     from flightsim.plant import Plant
-    from flightsim.sensors.camera import RgbdFrame
+    from flightsim.sensors.cameras import RgbdFrame
 
 _log = logging.getLogger(__name__)
 
@@ -86,6 +88,7 @@ class Recorder:
         primitives: Iterable[Primitive],
         airframe: Airframe,
         info: RunInfo,
+        goal_enu_m: Vector3 | None = None,
         serve_port: int | None = None,
     ) -> None:
         """Open the file, the live port or both, and write the scene.
@@ -96,6 +99,7 @@ class Recorder:
             primitives: Its shapes, as the world was built of.
             airframe: What flies.
             info: Which run it is.
+            goal_enu_m: Where it is to end, to be in view with the start; None shows all.
             serve_port: Loopback port on which viewers can watch live.
 
         Raises:
@@ -114,7 +118,7 @@ class Recorder:
         try:
             self._stream.set_sinks(
                 *self._open_sinks(serve_port),
-                default_blueprint=recording_blueprint(scene, airframe),
+                default_blueprint=recording_blueprint(scene, airframe, goal_enu_m),
             )
         except RuntimeError as error:
             raise RecordingError(
@@ -132,6 +136,7 @@ class Recorder:
         self._frames = FrameLog(self._stream)
         self._status = StatusLog(self._stream)
         self._traffic = TrafficLog(self._stream)
+        self._chase = ChaseLog(self._stream)
         self.plans = PlanLog(self._stream)
         self.landing = LandingLog(self._stream)
         self.tracks = TrackLog(self._stream)
@@ -162,6 +167,7 @@ class Recorder:
         self._dtype = plant.history.dtype
         self._status.on_tick(plant, autopilot)
         self._traffic.on_tick(plant)
+        self._chase.on_tick(plant)
         if plant.time_us >= self._flush_due_us:
             self._flush_due_us = plant.time_us + FLUSH_PERIOD_US
             self.flush()
@@ -175,6 +181,7 @@ class Recorder:
             self._executed.send(self._stream, history)
         self._status.flush()
         self._traffic.flush()
+        self._chase.flush()
 
     def log_frame(self, frame: RgbdFrame) -> None:
         """Write a camera frame."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import rerun as rr
-from jaxtyping import Float, Int
+from jaxtyping import Float, Num
+from scipy.spatial.transform import Rotation
 
 from aeroscene.scene import InteractionArea, Scene, SceneObject
 from aeroscene.scene.catalogue import CATALOGUE
@@ -23,8 +25,7 @@ DRONE_CLASS_RGB: Mapping[str, tuple[int, int, int]] = {
 PERCHING_RGB = (214, 120, 255)
 """Colour of a perching area."""
 
-_GROUND_RGB = (96, 122, 76)
-_GROUND_MARGIN_M = 20.0
+_GROUND_REACH_M = 100.0
 _GROUND_HEIGHT_M = -0.02
 """A touch below zero, where floors and roads lie."""
 _AREA_LIFT_M = 0.04
@@ -77,80 +78,65 @@ def _log_group(
         stream.log(f"{path}/{kind}", _BATCHES[kind](batch, class_ids), static=True)
 
 
-def _positions(batch: Sequence[Primitive]) -> Float[np.ndarray, "n 3"]:
-    return np.array([p.position_enu_m for p in batch], dtype=np.float32)
+def _placed(batch: Sequence[Primitive], class_ids: Sequence[int]) -> dict[str, Any]:
+    """Where the solids of a batch are, and how they look."""
+    rgba = np.array([MATERIALS[p.material].rgba for p in batch])
+    return {
+        "centers": np.array([p.position_enu_m for p in batch], dtype=np.float32),
+        "quaternions": np.roll(
+            np.array([p.quat_wxyz for p in batch], dtype=np.float32), -1, axis=1
+        ),
+        "colors": np.round(255 * rgba).astype(np.uint8),
+        "class_ids": class_ids,
+        "fill_mode": "solid",
+        "show_labels": False,
+    }
 
 
 def _sizes(batch: Sequence[Primitive]) -> Float[np.ndarray, "n 3"]:
     return np.array([p.size_m for p in batch], dtype=np.float32)
 
 
-def _quats_xyzw(batch: Sequence[Primitive]) -> Float[np.ndarray, "n 4"]:
-    return np.roll(np.array([p.quat_wxyz for p in batch], dtype=np.float32), -1, axis=1)
-
-
-def _colours(batch: Sequence[Primitive]) -> Int[np.ndarray, "n 4"]:
-    rgba = np.array([MATERIALS[p.material].rgba for p in batch])
-    return np.round(255 * rgba).astype(np.uint8)
-
-
 def _boxes(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Boxes3D:
-    return rr.Boxes3D(
-        centers=_positions(batch),
-        half_sizes=_sizes(batch) / 2,
-        quaternions=_quats_xyzw(batch),
-        colors=_colours(batch),
-        class_ids=class_ids,
-        fill_mode="solid",
-        show_labels=False,
-    )
+    return rr.Boxes3D(half_sizes=_sizes(batch) / 2, **_placed(batch, class_ids))
 
 
 def _cylinders(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Cylinders3D:
-    sizes = _sizes(batch)
+    size = _sizes(batch)
     return rr.Cylinders3D(
-        centers=_positions(batch),
-        radii=sizes[:, :2].max(axis=1) / 2,
-        lengths=sizes[:, 2],
-        quaternions=_quats_xyzw(batch),
-        colors=_colours(batch),
-        class_ids=class_ids,
-        fill_mode="solid",
-        show_labels=False,
+        radii=size[:, :2].max(axis=1) / 2, lengths=size[:, 2], **_placed(batch, class_ids)
     )
 
 
 def _ellipsoids(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Ellipsoids3D:
-    return rr.Ellipsoids3D(
-        centers=_positions(batch),
-        half_sizes=_sizes(batch) / 2,
-        quaternions=_quats_xyzw(batch),
-        colors=_colours(batch),
-        class_ids=class_ids,
-        fill_mode="solid",
-        show_labels=False,
-    )
+    return rr.Ellipsoids3D(half_sizes=_sizes(batch) / 2, **_placed(batch, class_ids))
 
 
 def _meshes(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Mesh3D:
     """All convex hulls of the batch as one mesh with flat faces."""
-    corners: list[np.ndarray] = []
-    normals: list[np.ndarray] = []
-    colours: list[np.ndarray] = []
-    for primitive, rgba in zip(batch, _colours(batch), strict=True):
-        triangles = hull_triangles(np.asarray(primitive.vertices_m, dtype=float))
-        rotation = _rotation_matrix(primitive.quat_wxyz)
-        placed = triangles @ rotation.T + np.array(primitive.position_enu_m)
-        normal = np.cross(placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-        corners.append(placed.reshape(-1, 3))
-        normals.append(np.repeat(normal, 3, axis=0))
-        colours.append(np.tile(rgba, (3 * len(triangles), 1)))
+    hulls = [
+        Rotation.from_quat(p.quat_wxyz, scalar_first=True).apply(
+            hull_triangles(np.asarray(p.vertices_m, dtype=float)).reshape(-1, 3)
+        )
+        + p.position_enu_m
+        for p in batch
+    ]
+    rgba = [MATERIALS[p.material].rgba for p in batch]
+    colours = np.repeat(np.round(255 * np.array(rgba)), [len(h) // 3 for h in hulls], axis=0)
+    return flat_mesh(np.concatenate(hulls).reshape(-1, 3, 3), colours, class_ids=class_ids[:1])
+
+
+def flat_mesh(
+    corners_m: Float[np.ndarray, "t 3 3"], colours: Num[np.ndarray, "t c"], **more: Any
+) -> rr.Mesh3D:
+    """Triangles, each of one colour, 0 to 255, and lit as a flat face."""
+    normals = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return rr.Mesh3D(
-        vertex_positions=np.concatenate(corners).astype(np.float32),
-        vertex_normals=np.concatenate(normals).astype(np.float32),
-        vertex_colors=np.concatenate(colours),
-        class_ids=class_ids[:1],
+        vertex_positions=corners_m.reshape(-1, 3).astype(np.float32),
+        vertex_normals=np.repeat(normals, 3, axis=0).astype(np.float32),
+        vertex_colors=np.repeat(colours.astype(np.uint8), 3, axis=0),
+        **more,
     )
 
 
@@ -169,32 +155,28 @@ def hull_triangles(vertices_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m
     return triangles
 
 
-def _rotation_matrix(quat_wxyz: Sequence[float]) -> Float[np.ndarray, "3 3"]:
-    w, x, y, z = quat_wxyz
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
 def _log_ground(stream: rr.RecordingStream, scene: Scene) -> None:
-    (west, south, _), (east, north, _) = scene.extent_min_enu_m, scene.extent_max_enu_m
-    west, south = west - _GROUND_MARGIN_M, south - _GROUND_MARGIN_M
-    east, north = east + _GROUND_MARGIN_M, north + _GROUND_MARGIN_M
-    corners = [(west, south), (east, south), (east, north), (west, north)]
-    stream.log(
-        layout.GROUND,
-        rr.Mesh3D(
-            vertex_positions=[(x, y, _GROUND_HEIGHT_M) for x, y in corners],
-            triangle_indices=[[0, 1, 2], [0, 2, 3]],
-            vertex_normals=[(0.0, 0.0, 1.0)] * 4,
-            vertex_colors=[_GROUND_RGB] * 4,
-        ),
-        static=True,
-    )
+    """Grass and the fields around, each paint with its texture, a touch below floors and roads."""
+    # Textures load where a scene is recorded, not where a recording is read.
+    from flightsim.looks.mesh import MeshBuilder  # noqa: PLC0415
+    from flightsim.looks.skins import skins  # noqa: PLC0415
+    from flightsim.looks.surroundings import add_surroundings  # noqa: PLC0415
+    from flightsim.looks.textures import tile  # noqa: PLC0415
+
+    builder = MeshBuilder()
+    add_surroundings(builder, scene, _GROUND_REACH_M)
+    for number, skin in enumerate(skins(builder.mesh())):
+        texture = skin.paint.texture
+        picture = None if texture is None else tile(texture, skin.paint.rgb)
+        ground = rr.Mesh3D(
+            vertex_positions=skin.vertices_enu_m + np.array((0.0, 0.0, _GROUND_HEIGHT_M)),
+            triangle_indices=skin.triangles,
+            vertex_normals=skin.normals,
+            vertex_texcoords=skin.texture_tiles,
+            albedo_texture=picture,
+            albedo_factor=skin.paint.rgb if picture is None else None,
+        )
+        stream.log(f"{layout.GROUND}/{number}", ground, static=True)
 
 
 def _log_areas(

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import rerun as rr
 
 from scenarios.recording import layout
+
+ESTIMATE_FIELD, REFERENCE_FIELD = "position_est_enu_m", "reference_position_enu_m"
+"""Zero until the estimator is aligned, and until something is to be flown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,21 +23,23 @@ class ScalarSeries:
     colours: tuple[tuple[int, int, int], ...]
     is_fast: bool = False
     """Kept at every control tick, else at every tick of the loop."""
+    column: int | None = None
+    """Of the field, if not all of it."""
+    known_by: str | None = None
+    """A field that is all zero as long as this one means nothing."""
 
 
+_BODY = ("forward", "left", "up")
 _RED, _GREEN, _BLUE = (230, 80, 80), (90, 200, 90), (90, 140, 255)
-_PALE_RED, _PALE_GREEN, _PALE_BLUE = (255, 170, 160), (180, 235, 170), (175, 205, 255)
-_DARK_RED, _DARK_GREEN, _DARK_BLUE = (140, 50, 50), (50, 115, 50), (50, 75, 150)
 _ORANGE, _VIOLET, _TEAL, _YELLOW = (255, 150, 50), (190, 120, 255), (60, 200, 190), (240, 210, 70)
+_GREY = (140, 146, 154)
 
-_TRUE = (_RED, _GREEN, _BLUE)
-_EST = (_PALE_RED, _PALE_GREEN, _PALE_BLUE)
-_REF = (_DARK_RED, _DARK_GREEN, _DARK_BLUE)
+_AXES = (_RED, _GREEN, _BLUE)
 _ROTORS = (_ORANGE, _VIOLET, _TEAL, _YELLOW)
 
 
-def _axes(prefix: str, suffix: str) -> tuple[str, ...]:
-    return tuple(f"{prefix} {axis}{suffix}" for axis in "xyz")
+def _axes(prefix: str, suffix: str, axes: Sequence[str] = layout.AXES) -> tuple[str, ...]:
+    return tuple(f"{prefix} {axis}{suffix}" for axis in axes)
 
 
 def _rotors(prefix: str) -> tuple[str, ...]:
@@ -41,28 +47,32 @@ def _rotors(prefix: str) -> tuple[str, ...]:
 
 
 SERIES: tuple[ScalarSeries, ...] = (
-    ScalarSeries(layout.POSITION_TRUE, "position_true_enu_m", _axes("true", " m"), _TRUE),
-    ScalarSeries(layout.POSITION_EST, "position_est_enu_m", _axes("estimate", " m"), _EST),
-    ScalarSeries(
-        layout.POSITION_REF,
-        "reference_position_enu_m",
-        _axes("reference", " m"),
-        _REF,
+    *(
+        ScalarSeries(
+            layout.state(what, axis, whose), field, (whose,), (rgb,), column=k, known_by=by
+        )
+        for what, unit in (("position", "m"), ("velocity", "mps"))
+        for k, axis in enumerate(layout.AXES)
+        for whose, field, rgb, by in (
+            ("reference", f"reference_{what}_enu_{unit}", _GREY, REFERENCE_FIELD),
+            ("estimate", f"{what}_est_enu_{unit}", _ORANGE, ESTIMATE_FIELD),
+            ("true", f"{what}_true_enu_{unit}", _BLUE, None),
+        )
     ),
-    ScalarSeries(layout.VELOCITY_TRUE, "velocity_true_enu_mps", _axes("true", " m/s"), _TRUE),
-    ScalarSeries(layout.VELOCITY_EST, "velocity_est_enu_mps", _axes("estimate", " m/s"), _EST),
+    ScalarSeries(layout.WIND, "wind_enu_mps", _axes("air", " m/s"), _AXES),
     ScalarSeries(
-        layout.VELOCITY_REF,
-        "reference_velocity_enu_mps",
-        _axes("reference", " m/s"),
-        _REF,
-    ),
-    ScalarSeries(layout.WIND, "wind_enu_mps", _axes("air", " m/s"), _TRUE),
-    ScalarSeries(
-        layout.ACCELERATION, "accel_flu_mps2", _axes("acceleration", " m/s²"), _TRUE, is_fast=True
+        layout.ACCELERATION,
+        "accel_flu_mps2",
+        _axes("acceleration", " m/s²", _BODY),
+        _AXES,
+        is_fast=True,
     ),
     ScalarSeries(
-        layout.ANGULAR_RATE, "gyro_flu_radps", _axes("rate", " rad/s"), _TRUE, is_fast=True
+        layout.ANGULAR_RATE,
+        "gyro_flu_radps",
+        _axes("rate", " rad/s", _BODY),
+        _AXES,
+        is_fast=True,
     ),
     ScalarSeries(
         layout.MOTOR_COMMAND, "rotor_command_radps", _rotors("command"), _ROTORS, is_fast=True
@@ -75,7 +85,7 @@ DERIVED: tuple[ScalarSeries, ...] = (
         layout.POSITION_ERROR,
         "",
         (*_axes("position", " m"), "distance m"),
-        (*_TRUE, (235, 235, 235)),
+        (*_AXES, _GREY),
     ),
     ScalarSeries(layout.ATTITUDE_ERROR, "", ("attitude deg",), (_ORANGE,)),
 )

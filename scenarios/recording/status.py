@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
 SAMPLE_TICKS = 5
 """One sample of every gauge in so many ticks of 20 ms."""
 
-_GAUGES: tuple[tuple[str, str, tuple[int, int, int], Callable[[Plant], float]], ...] = (
+_Gauge = tuple[str, str, tuple[int, int, int], "Callable[[Plant], float]"]
+
+_GAUGES: tuple[_Gauge, ...] = (
     (layout.BATTERY_VOLTAGE, "voltage V", (240, 210, 70), lambda p: p.battery.voltage_v),
     (layout.BATTERY_CURRENT, "current A", (230, 80, 80), lambda p: p.battery.current_a),
     (layout.BATTERY_REMAINING, "remaining %", (90, 200, 90), lambda p: 100 * p.battery.remaining),
@@ -35,8 +38,23 @@ _GAUGES: tuple[tuple[str, str, tuple[int, int, int], Callable[[Plant], float]], 
         (60, 200, 190),
         lambda p: p.estimator.sigma_vertical_m,
     ),
-    (layout.RANGE, "range m", (255, 150, 50), lambda p: p.sensors.range_m),
 )
+_SENSORS_RGB = ((255, 150, 50), (60, 200, 190), (190, 120, 255), (240, 210, 70))
+
+
+def _sensor_gauges() -> Iterator[_Gauge]:
+    """One for each sensor that has something to plot."""
+    from flightsim.plant.sensing import SENSORS  # noqa: PLC0415 - loads the simulator
+
+    found = [(sensor, *sensor.gauge) for sensor in SENSORS if sensor.gauge]
+    for (sensor, legend, value), rgb in zip(found, cycle(_SENSORS_RGB), strict=False):
+        yield (
+            layout.sensor(sensor.setting),
+            legend,
+            rgb,
+            lambda plant, sensor=sensor, value=value: value(plant.sensors.read(sensor)),
+        )
+
 
 _ARMED_RGB = {"disarmed": (90, 96, 105), "armed": (220, 70, 70)}
 
@@ -50,7 +68,8 @@ class StatusLog:
         self._times_us: list[int] = []
         self._samples: list[tuple[float, ...]] = []
         self._states: dict[str, str] = {}
-        for entity, name, rgb, _ in _GAUGES:
+        self._gauges = (*_GAUGES, *_sensor_gauges())
+        for entity, name, rgb, _ in self._gauges:
             stream.log(entity, rr.SeriesLines(names=name, colors=rgb, widths=1.2), static=True)
         stream.log(
             layout.ARMED,
@@ -68,7 +87,7 @@ class StatusLog:
         self._set_state(time_us, layout.FAILSAFE, "none" if failsafe is None else failsafe.value)
         if self._ticks % SAMPLE_TICKS == 0:
             self._times_us.append(time_us)
-            self._samples.append(tuple(read(plant) for _, _, _, read in _GAUGES))
+            self._samples.append(tuple(read(plant) for _, _, _, read in self._gauges))
         self._ticks += 1
 
     def flush(self) -> None:
@@ -81,7 +100,7 @@ class StatusLog:
         values[~np.isfinite(values)] = math.nan
         self._times_us.clear()
         self._samples.clear()
-        for (entity, _, _, _), column in zip(_GAUGES, values.T, strict=True):
+        for (entity, _, _, _), column in zip(self._gauges, values.T, strict=True):
             send_scalars(self._stream, entity, time, column[:, None])
 
     def _set_state(self, time_us: int, entity: str, state: str) -> None:

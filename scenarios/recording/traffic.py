@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from scenarios.recording import layout
 from scenarios.recording.columns import send_pose, sim_time
+from scenarios.recording.scene import flat_mesh
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
@@ -54,14 +55,7 @@ class TrafficLog:
         for index, looks in enumerate(plant.world.movers.looks):
             entity = layout.mover(mover_name(index, obstacles))
             self._entities.append(entity)
-            corners = looks.corners_m
-            normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-            mesh = rr.Mesh3D(
-                vertex_positions=corners.reshape(-1, 3).astype(np.float32),
-                vertex_normals=np.repeat(normals, 3, axis=0).astype(np.float32),
-                vertex_colors=np.repeat(np.round(255 * looks.rgb).astype(np.uint8), 3, axis=0),
-            )
+            mesh = flat_mesh(looks.corners_m, np.round(255 * looks.rgb))
             self._stream.log(entity, mesh, static=True)
 
 

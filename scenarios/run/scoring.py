@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass
 
@@ -63,6 +64,13 @@ class FlightLog:
     def on_tick(self) -> None:
         """Copy the last 20 ms."""
         self._history.append(self._plant.history.copy())
+
+    def state_hash(self) -> str:
+        """BLAKE2b of every row so far: what was true, measured, estimated and commanded."""
+        digest = hashlib.blake2b(digest_size=16)
+        for rows in self._history:
+            digest.update(rows.tobytes())
+        return digest.hexdigest()
 
     def score(
         self, area: InteractionArea | None, touchdown_enu_m: Vector3 | None, leg_length_m: float

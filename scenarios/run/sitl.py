@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from aeroscene.scene import SceneError
+from aeroscene.scene import Scene, SceneError
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
-from flightsim.sensors.camera import CameraError
-from flightsim.sensors.cameras import Cameras
-from flightsim.sensors.depth_noise import depth_noise
+from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
 from flightsim.simulator import TICK_US
 from flightsim.testbench import Testbench, TestbenchError
-from flightsim.vehicles.catalogue import AirframeError
+from flightsim.vehicles import Airframe, AirframeError
 from flightsim.world import WorldError
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.scoring import FlightLog
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
+    from scenarios.run.companion import Aboard, Companion
 
 _LOG = logging.getLogger(__name__)
 
@@ -53,46 +54,92 @@ class Sitl:
     Attributes:
         bench: The simulated world and its autopilot.
         pilot: Our own pilot, in a demo.
+        companion: Whoever flies, our pilot or the caller's; None in a run for clients alone.
+        observers: Called at the end of each tick; append to it what should look on.
         recorder: Where the run is recorded or watched.
         viewer_url: The page to watch, if a web viewer serves one.
         pictures: What was drawn when the run ended.
     """
 
-    def __init__(self, cfg: SitlCfg) -> None:
+    def __init__(
+        self,
+        cfg: SitlCfg,
+        *,
+        scene: Scene | None = None,
+        airframe: Airframe | None = None,
+        pilot: Callable[[Aboard], Companion] | None = None,
+        has_network: bool = True,
+    ) -> None:
         """Open every part, or none.
+
+        Args:
+            cfg: What is asked for.
+            scene: Where to fly, instead of the scene that the configuration names.
+            airframe: A vehicle of one's own, instead of the one that the configuration names.
+            pilot: Makes a pilot of one's own, which flies instead of ours.
+            has_network: Whether clients outside this process can connect.
 
         Raises:
             INPUT_ERRORS: One line that says what cannot be had, and what would be valid.
         """
-        self.cfg = cfg
+        self.cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
         self.viewer_url: str | None = None
         self.pictures: list[Path] = []
         self._cameras: Cameras | None = None
-        self._observers: list[Callable[[], None]] = []
+        self.observers: list[Callable[[], None]] = []
         with ExitStack() as stack:
+            self._stack = stack
             self.bench = stack.enter_context(
-                Testbench(open_scene(cfg.scene), cfg.bench, observers=self._observers)
+                Testbench(
+                    scene or open_scene(cfg.scene),
+                    cfg.bench,
+                    airframe=airframe,
+                    has_network=has_network,
+                    observers=self.observers,
+                )
             )
             self.log = FlightLog(self.bench.plant)
-            self._observers.append(self.log.on_tick)
-            self.pilot = self._board_pilot(stack) if cfg.demo else None
+            self.observers.append(self.log.on_tick)
+            self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
+            self.companion = self.pilot if pilot is None else pilot(self._aboard())
+            if self.companion is not None:
+                self._let_fly(self.companion)
             if cfg.record is not None or cfg.viewer != "off":
                 self._record(stack)
             self._tape = None if cfg.pictures is None else self._open_tape()
             self._stack = stack.pop_all()
 
-    def _open_cameras(self, stack: ExitStack) -> Cameras:
+    @property
+    def cameras(self) -> Cameras:
+        """The vehicle's cameras, opened when first asked for."""
         if self._cameras is None:
             bench = self.bench
             noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed)
-            cameras = Cameras(bench.world, bench.plant, depth_noise=noise)
-            self._cameras = stack.enter_context(closing(cameras))
+            self._cameras = self._stack.enter_context(Cameras(bench.plant, depth_noise=noise))
         return self._cameras
 
-    def _board_pilot(self, stack: ExitStack) -> Pilot:
+    def _aboard(self) -> Aboard:
+        from scenarios.run.companion import Aboard  # noqa: PLC0415 - only where somebody flies
+
+        bench = self.bench
+        return Aboard(
+            client=bench.connect(),
+            link=bench.pilot_link.client,
+            render=self._render,
+            scene=bench.scene,
+            airframe=bench.airframe,
+        )
+
+    def _render(self, camera: str) -> RgbdFrame:
+        return self.cameras.render(camera)
+
+    def _let_fly(self, companion: Companion) -> None:
+        plant = self.bench.plant
+        self.observers.append(lambda: companion.update(plant.time_us))
+
+    def _our_pilot(self) -> Pilot:
         # casadi and the kernels of planning and perception: only where our pilot flies.
-        from flightsim.mavlink.client.client import MavlinkClient  # noqa: PLC0415
         from scenarios.mission.mission import plan_mission  # noqa: PLC0415
         from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
         from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415
@@ -110,11 +157,8 @@ class Sitl:
             )
         except MissionError as error:
             raise TestbenchError(str(error)) from error
-        client = MavlinkClient(bench.pilot_link.client, bench.frame)
         brief = PilotCfg(expects_traffic=bench.cfg.traffic_cfg.has_any)
-        pilot = Pilot(client, mission, self._open_cameras(stack).render, brief)
-        self._observers.append(lambda: pilot.update(bench.plant.time_us))
-        return pilot
+        return Pilot(bench.connect(), mission, self.cameras.render, brief)
 
     def _record(self, stack: ExitStack) -> None:
         # rerun takes half a second to import: only where somebody records or looks.
@@ -124,7 +168,7 @@ class Sitl:
         cfg, bench = self.cfg, self.bench
         info = RunInfo(
             scene=bench.scene.scene_id,
-            vehicle=cfg.bench.vehicle,
+            vehicle=bench.airframe.name,
             seed=cfg.bench.seed,
             config=cfg.to_plain(),
         )
@@ -135,6 +179,7 @@ class Sitl:
                 primitives=scene_primitives(bench.scene),
                 airframe=bench.airframe,
                 info=info,
+                goal_enu_m=None if self.pilot is None else self.pilot.area.centroid,
                 serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
             )
             stack.enter_context(recorder)
@@ -143,25 +188,25 @@ class Sitl:
         except (RecordingError, ViewerError) as error:
             raise TestbenchError(str(error)) from error
         if cfg.camera_hz > 0:
-            cameras = self._open_cameras(stack)
+            cameras = self.cameras
             cameras.listen(recorder.log_frame)
-            self._observers.append(self._shutter(cameras))
+            self.observers.append(self._shutter(cameras))
         if self.pilot is not None:
             from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415
 
             pilot_log = PilotLog(self.pilot, recorder)
-            self._observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
+            self.observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
         bench.server.statustext.listeners.append(
             lambda severity, text: recorder.log_statustext(bench.plant.time_us, severity, text)
         )
-        self._observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
+        self.observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
         self.recorder = recorder
 
     def _open_tape(self) -> FlightTape:
         from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
 
         tape = FlightTape(self.bench.plant, self.bench.autopilot, self.pilot)
-        self._observers.append(tape.on_tick)
+        self.observers.append(tape.on_tick)
         return tape
 
     def _draw(self, ending: str) -> list[Path]:
@@ -189,27 +234,41 @@ class Sitl:
 
         return on_tick
 
-    def run(self, should_stop: Callable[[], bool]) -> None:
-        """Simulate until the demo is done, the time is up or `should_stop` says so."""
+    def run(self, should_stop: Callable[[], bool] = lambda: False) -> TrialResult:
+        """Simulate, judge what was flown, and write the verdict into and beside the recording.
+
+        Args:
+            should_stop: Asked every tick; the run ends where the demo is done, the time is up, or
+                this says so.
+
+        Returns:
+            The verdict and the figures; without a demo there is no verdict, only figures.
+        """
+        wall_start_s, cpu_start_s = time.perf_counter(), time.process_time()
+        self._simulate(should_stop)
+        result = self._judge(
+            wall_s=time.perf_counter() - wall_start_s, cpu_s=time.process_time() - cpu_start_s
+        )
+        self._write(result)
+        return result
+
+    def _simulate(self, should_stop: Callable[[], bool]) -> None:
         simulator, plant = self.bench.simulator, self.bench.plant
         until_us = None
         if self.cfg.headless_seconds is not None:
             until_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        self._wall_start_s = time.perf_counter()
-        pilot = self.pilot
-        if pilot is None:
+        companion = self.companion
+        if companion is None:
             simulator.run(until_us=until_us, stop=should_stop)
             return
         deadline_us = plant.time_us + round(MAX_TRIAL_S * 1e6)
         simulator.run(
             until_us=min(deadline_us, until_us or deadline_us),
-            stop=lambda: pilot.is_done or should_stop(),
+            stop=lambda: companion.is_done or should_stop(),
         )
         simulator.run(until_us=plant.time_us + round(SETTLE_S * 1e6), stop=should_stop)
 
-    def finish(self) -> TrialResult:
-        """Judge what was flown, and write the verdict into and beside the recording."""
-        result = self._judge()
+    def _write(self, result: TrialResult) -> None:
         if self.recorder is not None:
             self.recorder.close(verdict=result.to_plain())
         if self.cfg.record is not None:
@@ -218,34 +277,33 @@ class Sitl:
                 summary |= decisions(self.pilot)
             write_text(self.cfg.record.with_suffix(".json"), json.dumps(summary, indent=2) + "\n")
         self.pictures = self._draw(result.reason)
-        return result
 
-    def _judge(self) -> TrialResult:
-        """Without a demo there is no verdict, only figures."""
+    def _judge(self, wall_s: float, cpu_s: float) -> TrialResult:
         cfg, plant = self.cfg.bench, self.bench.plant
-        wall_s = time.perf_counter() - self._wall_start_s
         sim_s = plant.time_us * 1e-6
-        pilot = self.pilot
-        score = self.log.score(
-            None if pilot is None else pilot.area,
-            None if pilot is None else pilot.touchdown_enu_m,
-            self.bench.airframe.leg_length_m,
-        )
-        verdict = None if pilot is None else judge(pilot, score)
+        companion = self.companion
+        area = None if companion is None else companion.area
+        touchdown_enu_m = None if area is None else area.centroid
+        if self.pilot is not None:
+            touchdown_enu_m = self.pilot.touchdown_enu_m
+        score = self.log.score(area, touchdown_enu_m, self.bench.airframe.leg_length_m)
+        verdict = None if companion is None else judge(companion, score)
         return TrialResult(
             success=None if verdict is None else verdict.success,
             reason="ended" if verdict is None else verdict.reason,
             scene=self.bench.scene.scene_id,
-            vehicle=cfg.vehicle,
+            vehicle=self.bench.airframe.name,
             seed=cfg.seed,
-            area=None if pilot is None else pilot.area.id,
+            area=None if area is None else area.id,
             sim_seconds=round(sim_s, 2),
             wall_seconds=round(wall_s, 2),
+            cpu_seconds=round(cpu_s, 2),
             real_time_factor=round(sim_s / wall_s, 2),
-            contacts_before_touchdown=None if pilot is None else score.contacts_before_touchdown,
-            touchdown_error_m=score.touchdown_error_m,
-            position_rmse_m=round(score.position_rmse_m, 3),
-            attitude_rmse_deg=round(score.attitude_rmse_deg, 3),
+            contacts_before_touchdown=None if area is None else score.contacts_before_touchdown,
+            touchdown_error_m=rounded(score.touchdown_error_m),
+            position_rmse_m=rounded(score.position_rmse_m),
+            attitude_rmse_deg=rounded(score.attitude_rmse_deg),
+            state_hash=self.log.state_hash(),
             recording=None if self.cfg.record is None else str(self.cfg.record),
         )
 
@@ -258,6 +316,11 @@ class Sitl:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def rounded(figure: float | None) -> float | None:
+    """To a millimetre or a thousandth of a degree; None where there is no figure."""
+    return None if figure is None or math.isnan(figure) else round(figure, 3)
 
 
 def write_text(path: Path, text: str) -> None:

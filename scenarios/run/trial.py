@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ from scenarios.run.scoring import FlightScore
 
 if TYPE_CHECKING:
     from scenarios.pilot import Pilot
+    from scenarios.run.companion import Companion
 
 MAX_TRIAL_S = 240.0
 """Simulated seconds after which a trial has failed."""
@@ -31,20 +31,20 @@ class TrialResult:
     area: int | None
     sim_seconds: float
     wall_seconds: float
+    cpu_seconds: float
     real_time_factor: float
     contacts_before_touchdown: int | None
     touchdown_error_m: float | None
     """Where it rests against the touchdown point that the pilot chose, horizontally."""
-    position_rmse_m: float
-    attitude_rmse_deg: float
+    position_rmse_m: float | None
+    attitude_rmse_deg: float | None
+    state_hash: str
+    """Of every state of the flight: the same seed gives the same on the same machine."""
     recording: str | None
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data; a figure that is not a number is None."""
-        return {
-            name: None if isinstance(value, float) and math.isnan(value) else value
-            for name, value in asdict(self).items()
-        }
+        """As plain data."""
+        return asdict(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,17 +73,17 @@ def decisions(pilot: Pilot) -> dict[str, list[dict[str, Any]]]:
     return {"transitions": transitions, "replans": replans}
 
 
-def judge(pilot: Pilot, score: FlightScore) -> Verdict:
+def judge(pilot: Companion, score: FlightScore) -> Verdict:
     """A trial succeeds when the pilot says so and the truth agrees."""
+    is_landing = pilot.area is not None
     objections: tuple[tuple[bool, str], ...] = (
-        (not pilot.is_done, f"not finished, still in {pilot.phase.value}"),
-        (pilot.is_done and not pilot.verdict.success, pilot.verdict.reason),
+        (not pilot.is_done or not pilot.verdict.success, pilot.verdict.reason),
         (not score.has_flown, "never left the ground"),
         (
-            score.contacts_before_touchdown > 0,
+            is_landing and score.contacts_before_touchdown > 0,
             f"touched something {score.contacts_before_touchdown} times before touchdown",
         ),
-        (not score.is_inside_area, "came to rest outside the chosen landing area"),
+        (is_landing and not score.is_inside_area, "came to rest outside the chosen landing area"),
         (
             score.tilt_at_rest_deg > MAX_TILT_AT_REST_DEG,
             f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest",

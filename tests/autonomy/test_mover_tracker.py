@@ -117,7 +117,8 @@ def test_prediction_runs_on_at_the_velocity_and_grows_unsure():
     tracker = followed(walking(0.0, 1.2), 6)
     now, later = tracker.moving(1.0), tracker.moving(2.0)
     moved = later.position_enu_m - now.position_enu_m
-    np.testing.assert_allclose(moved, now.velocity_enu_mps, atol=1e-9)
+    # Nearly: it may also turn or stand.
+    np.testing.assert_allclose(moved, now.velocity_enu_mps, atol=0.1)
     assert later.radius_m[0] > now.radius_m[0]
 
 

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms, is_in_room
-from flightsim.sensors.gnss import RTK, follow_gnss, hears_satellites, new_gnss, sample_gnss
-from flightsim.sensors.mocap import MOCAP_NORMALS, MocapCfg, new_mocap, sample_mocap
-from flightsim.sensors.vio import VIO_NORMALS, VioCfg, new_vio, sample_vio
+from flightsim.sensors.gnss import GNSS, RTK, follow_gnss, hears_satellites, sample_gnss
+from flightsim.sensors.mocap import MOCAP, MocapCfg, sample_mocap
+from flightsim.sensors.sensor import SensorStart
+from flightsim.sensors.vio import VIO, VioCfg, sample_vio
 from scenarios.bench.manoeuvres import meadow
 
 HZ = 250
@@ -20,11 +21,11 @@ LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
 
 def odometry(rng, way_m, n_frames=100):
     """Error of the position that odometry reports after a straight way, and of its heading."""
-    r = new_vio(VioCfg(), tick_hz=HZ, position_enu_m=np.zeros(3), quat_wxyz=LEVEL)[0]
+    r = VIO.new(VioCfg(), SensorStart(tick_hz=HZ))[0]
     position = np.zeros(3)
     for k in range(1, n_frames + 1):
         position = np.array([way_m * k / n_frames, 0.0, 0.0])
-        sample_vio(r, 10 * k, position, LEVEL, rng.standard_normal(VIO_NORMALS))
+        sample_vio(r, 10 * k, position, LEVEL, rng.standard_normal(VIO.n_normals))
     return r["position_vio_m"] - position, r["yaw_vio_rad"]
 
 
@@ -51,17 +52,17 @@ def test_odometry_does_not_drift_at_rest():
 def test_the_frame_of_odometry_begins_at_the_start(yaw, x, y):
     start, attitude = np.array([x, y, 2.0]), Rotation.from_euler("z", yaw)
     quat = attitude.as_quat(scalar_first=True)
-    r = new_vio(VioCfg(), tick_hz=HZ, position_enu_m=start, quat_wxyz=quat)[0]
+    r = VIO.new(VioCfg(), SensorStart(tick_hz=HZ, position_enu_m=start, quat_wxyz=quat))[0]
     step = attitude.apply([3.0, 1.0, 0.5])
-    sample_vio(r, 10, start + step, quat, np.zeros(VIO_NORMALS))
+    sample_vio(r, 10, start + step, quat, np.zeros(VIO.n_normals))
     np.testing.assert_allclose(r["position_vio_m"], (3.0, 1.0, 0.5), atol=1e-9)
     assert r["yaw_vio_rad"] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_motion_capture_is_a_millimetre_off():
-    r = new_mocap(MocapCfg(), tick_hz=HZ)[0]
+    r = MOCAP.new(MocapCfg(), SensorStart(tick_hz=HZ))[0]
     samples = []
-    for row in np.random.default_rng(3).standard_normal((1000, MOCAP_NORMALS)):
+    for row in np.random.default_rng(3).standard_normal((1000, MOCAP.n_normals)):
         sample_mocap(r, 2, np.array([1.0, 2.0, 3.0]), LEVEL, row)
         samples.append([*r["position_enu_m"], r["yaw_rad"]])
     np.testing.assert_allclose(np.mean(samples, axis=0), (1.0, 2.0, 3.0, 0.0), atol=2e-4)
@@ -86,7 +87,7 @@ def test_a_receiver_loses_its_fix_in_a_room_and_finds_it_slowly():
     rooms = indoor_rooms(meadow(has_room=True))
     assert rooms.shape == (1, 8)
     inside, outside = np.array([18.0, 0.0, 3.0]), np.array([0.0, 0.0, 3.0])
-    r = new_gnss(RTK, np.random.default_rng(0), tick_hz=HZ)[0]
+    r = GNSS.new(RTK, SensorStart(tick_hz=HZ))[0]
     assert hears_satellites(r, rooms, outside)
     sample_gnss(r, 100, np.zeros(9))
     assert r["present_sigma_m"][0] == pytest.approx(0.01)

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.environment.wind import WindCfg, WindError
-from flightsim.plant import Plant
+from flightsim.plant import NotAlignedError, Plant
 from flightsim.plant.cfg import PlantCfg, PlantError
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import example_arguments
@@ -384,3 +384,27 @@ def test_physics_at_a_kilohertz_flies_too():
     flight = Flight(world, physics_hz=1000).take_off(height_m=1.5)
     h = flight.fly(2.0, position(*flight.hover))
     assert rms(h["position_est_enu_m"] - flight.hover) < 0.1
+
+
+@pytest.mark.parametrize(
+    "level", [ControlLevel.TRAJECTORY, ControlLevel.ATTITUDE, ControlLevel.RATE]
+)
+def test_setpoints_before_the_alignment_are_refused_by_name(worlds, level):
+    plant = Plant(worlds["iris"], PlantCfg(seed=0))
+    setpoint = Setpoint(level=level, position_enu_m=(0.0, 0.0, 3.0), thrust=0.5)
+    plant.apply(IDLE)
+    with pytest.raises(NotAlignedError, match=rf"{level.name} after 0\.00 s.*align\(\)"):
+        plant.apply(setpoint)
+    plant.align()
+    assert 0 < plant.time_us <= 2_000_000
+    plant.apply(setpoint)
+    Plant(worlds["iris"], PlantCfg(seed=0, state="truth")).apply(setpoint)
+
+
+def test_an_alignment_that_cannot_come_ends_with_what_is_missing(worlds):
+    plant = Plant(worlds["iris"], PlantCfg(seed=0))
+    plant.set_sensor_enabled("gnss", is_enabled=False)
+    with pytest.raises(NotAlignedError, match=r"after 3 s.*satellites"):
+        plant.align(timeout_s=3.0)
+    with pytest.raises(PlantError, match="'radar': valid are gnss, vio"):
+        plant.set_sensor_enabled("radar", is_enabled=False)

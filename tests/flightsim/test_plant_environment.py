@@ -8,7 +8,7 @@ from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
 from flightsim.geom_groups import RAY_GROUPS
 from flightsim.plant import Plant, PlantCfg, PlantError
-from flightsim.sensors.camera import open_camera_renderer
+from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import FIRST_MOVER_ID, WorldError, build_world
 from tests.flightsim.handmade import empty_scene

@@ -11,35 +11,39 @@ from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
 from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa
-from flightsim.sensors.barometer import BarometerCfg, new_barometer, sample_barometer
+from flightsim.plant.cfg import PlantCfg
+from flightsim.plant.record import PLANT_DTYPE
+from flightsim.plant.sensing import SENSORS, SensorReadings
+from flightsim.sensors.airspeed import AIRSPEED, AirspeedCfg, sample_airspeed
+from flightsim.sensors.barometer import BAROMETER, BarometerCfg, sample_barometer
 from flightsim.sensors.drift import density_of, drift_terms
-from flightsim.sensors.gnss import RTK, STANDARD, follow_gnss, new_gnss, sample_gnss
-from flightsim.sensors.imu import ADIS16448, IMU_NORMALS, PX4_IMU, new_imu, sample_imu
-from flightsim.sensors.magnetometer import (
-    MagnetometerCfg,
-    new_magnetometer,
-    sample_magnetometer,
-)
-from flightsim.sensors.normals import NormalBlocks
+from flightsim.sensors.gnss import GNSS, RTK, STANDARD, follow_gnss, sample_gnss
+from flightsim.sensors.imu import ADIS16448, IMU, PX4_IMU, sample_imu
+from flightsim.sensors.magnetometer import MAGNETOMETER, MagnetometerCfg, sample_magnetometer
 from flightsim.sensors.rangefinder import (
+    RANGEFINDER,
     RangefinderCfg,
     aim_ray,
-    new_rangefinder,
     sample_rangefinder,
 )
+from flightsim.sensors.sensor import NormalStream, SensorStart
 
 HZ = 250
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
-NO_NORMALS = np.zeros(IMU_NORMALS)
+NO_NORMALS = np.zeros(IMU.n_normals)
 
 
 def rng():
     return np.random.default_rng(7)
 
 
+def start(seed=7, **more):
+    return SensorStart(tick_hz=HZ, rng=np.random.default_rng(seed), **more)
+
+
 def perfect_imu(quat=LEVEL, velocity=(0.0, 0.0, 0.0)):
     cfg = dataclasses.replace(PX4_IMU, gyro_noise_density=0.0, accel_noise_density=0.0)
-    return new_imu(cfg, rng(), rate_hz=HZ, quat_wxyz=quat, velocity_enu_mps=velocity)[0]
+    return IMU.new(cfg, start(quat_wxyz=quat, velocity_enu_mps=velocity))[0]
 
 
 def test_imu_at_rest_feels_gravity():
@@ -70,8 +74,8 @@ def test_imu_samples_integrate_to_the_true_motion(attitude, acceleration, rate):
 def test_imu_noise_falls_with_the_square_root_of_averaging_time(cfg):
     """Allan deviation at short times is the density over sqrt(tau), and no bias shows yet."""
     cfg = dataclasses.replace(cfg, gyro_turn_on_sigma_radps=0.0, accel_turn_on_sigma_mps2=0.0)
-    r = new_imu(cfg, rng(), rate_hz=HZ, quat_wxyz=LEVEL, velocity_enu_mps=(0, 0, 0))[0]
-    normals = rng().standard_normal((40 * HZ, IMU_NORMALS))
+    r = IMU.new(cfg, start())[0]
+    normals = rng().standard_normal((40 * HZ, IMU.n_normals))
     gyro, accel = np.empty((len(normals), 3)), np.empty((len(normals), 3))
     for k, row in enumerate(normals):
         sample_imu(r, LEVEL, np.zeros(3), row)
@@ -85,18 +89,14 @@ def test_imu_noise_falls_with_the_square_root_of_averaging_time(cfg):
 
 
 def test_imu_biases_are_drawn_and_wander():
-    records = [
-        new_imu(ADIS16448, np.random.default_rng(k), rate_hz=HZ, quat_wxyz=LEVEL,
-                velocity_enu_mps=(0, 0, 0))[0]
-        for k in range(300)
-    ]  # fmt: skip
+    records = [IMU.new(ADIS16448, start(k))[0] for k in range(300)]
     gyro = np.array([r["gyro_bias_flu_radps"] for r in records])
     accel = np.array([r["accel_bias_flu_mps2"] for r in records])
     assert gyro.std() == pytest.approx(0.0087, rel=0.1)
     assert accel.std() == pytest.approx(0.196, rel=0.1)
     r = records[0]
     before = r["accel_bias_flu_mps2"].copy()
-    sample_imu(r, LEVEL, np.zeros(3), np.ones(IMU_NORMALS))
+    sample_imu(r, LEVEL, np.zeros(3), np.ones(IMU.n_normals))
     assert np.all(r["accel_bias_flu_mps2"] != before)
 
 
@@ -108,7 +108,7 @@ def test_drift_keeps_its_stationary_deviation_at_any_rate(sigma, correlation_s, 
 
 def gnss_track(cfg, seconds, velocity=(3.0, -2.0, 1.0), seed=7):
     """Errors of position and velocity of every fix along a straight flight."""
-    r = new_gnss(cfg, np.random.default_rng(seed), tick_hz=HZ)[0]
+    r = GNSS.new(cfg, start(seed))[0]
     normals = np.random.default_rng(seed + 1)
     errors = []
     velocity = np.array(velocity)
@@ -127,7 +127,7 @@ def test_a_fix_is_valid_for_a_time_before_its_delivery():
     silent = dataclasses.replace(
         RTK, drift_sigma_m=(0.0, 0.0), position_noise_m=(0.0, 0.0), velocity_noise_mps=(0.0, 0.0)
     )
-    r = new_gnss(silent, rng(), tick_hz=HZ)[0]
+    r = GNSS.new(silent, start())[0]
     assert r["delay_ticks"] == 30  # 0.12 s
     np.testing.assert_allclose(gnss_track(silent, 2.0), 0.0, atol=1e-12)
 
@@ -174,7 +174,7 @@ def test_atmosphere_is_the_standard_one():
 
 
 def test_barometer_noise_is_one_pascal_about_the_truth():
-    r = new_barometer(BarometerCfg(), tick_hz=HZ, origin_altitude_m=488.0)[0]
+    r = BAROMETER.new(BarometerCfg(), start(altitude_m=488.0))[0]
     draws = rng().standard_normal((2000, 2))
     altitudes = np.empty(len(draws))
     pressures = np.empty(len(draws))
@@ -188,7 +188,7 @@ def test_barometer_noise_is_one_pascal_about_the_truth():
 
 def test_barometer_drift_is_optional_and_bounded():
     cfg = BarometerCfg(noise_pa=0.0, drift_density_pa=0.5, drift_correlation_s=100.0)
-    r = new_barometer(cfg, tick_hz=HZ, origin_altitude_m=0.0)[0]
+    r = BAROMETER.new(cfg, start(altitude_m=0.0))[0]
     drifts = []
     for row in rng().standard_normal((50 * 1000, 2)):
         sample_barometer(r, 0, 0.0, row)
@@ -200,13 +200,13 @@ def test_barometer_drift_is_optional_and_bounded():
 def test_magnetometer_sees_the_field_in_body_axes(vector):
     field = (0.8, 21.5, -42.8)
     attitude = Rotation.from_rotvec(vector)
-    r = new_magnetometer(MagnetometerCfg(), tick_hz=HZ, field_enu_ut=field)[0]
+    r = MAGNETOMETER.new(MagnetometerCfg(), start(field_enu_ut=field))[0]
     sample_magnetometer(r, 1, attitude.as_quat(scalar_first=True), np.zeros(6))
     np.testing.assert_allclose(r["field_flu_ut"], attitude.inv().apply(field), atol=1e-9)
 
 
 def test_magnetometer_noise_has_its_density():
-    r = new_magnetometer(MagnetometerCfg(), tick_hz=HZ, field_enu_ut=(0.0, 20.0, 0.0))[0]
+    r = MAGNETOMETER.new(MagnetometerCfg(), start(field_enu_ut=(0.0, 20.0, 0.0)))[0]
     samples = []
     for row in rng().standard_normal((2000, 6)):
         sample_magnetometer(r, 1, LEVEL, row)
@@ -215,7 +215,7 @@ def test_magnetometer_noise_has_its_density():
 
 
 def test_range_is_noisy_near_and_infinite_far():
-    r = new_rangefinder(RangefinderCfg(), tick_hz=HZ)[0]
+    r = RANGEFINDER.new(RangefinderCfg(), start())[0]
     assert math.isnan(r["range_m"])
     readings = []
     for row in rng().standard_normal((1000, 1)):
@@ -232,19 +232,72 @@ def test_range_is_noisy_near_and_infinite_far():
 @given(hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)))
 def test_ray_looks_along_body_down(vector):
     attitude = Rotation.from_rotvec(vector)
-    r = new_rangefinder(RangefinderCfg(), tick_hz=HZ)[0]
+    r = RANGEFINDER.new(RangefinderCfg(), start())[0]
     aim_ray(r, np.array([1.0, 2.0, 3.0]), attitude.as_quat(scalar_first=True))
     np.testing.assert_allclose(r["ray"][:3], (1.0, 2.0, 3.0))
     np.testing.assert_allclose(r["ray"][3:], attitude.apply([0.0, 0.0, -1.0]), atol=1e-9)
 
 
-def test_streams_are_independent_of_each_other():
-    seeds = np.random.SeedSequence(1).spawn(2)
-    short = NormalBlocks(seeds, [(4, 2), (3, 1)])
-    long = NormalBlocks(np.random.SeedSequence(1).spawn(2), [(9, 5), (3, 1)])
-    short.draw()
-    long.draw()
-    np.testing.assert_array_equal(short.blocks[1], long.blocks[1])
-    first = short.blocks[0].copy()
-    short.draw()
-    assert np.all(short.blocks[0] != first)
+@given(
+    hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)),
+    hnp.arrays(float, 3, elements=st.floats(-15.0, 15.0)),
+    hnp.arrays(float, 3, elements=st.floats(-15.0, 15.0)),
+)
+def test_a_pitot_tube_feels_the_air_that_comes_along_its_axis(vector, velocity, air):
+    attitude = Rotation.from_rotvec(vector)
+    perfect = AirspeedCfg(noise_pa=0.0, zero_sigma_pa=0.0, span_sigma=0.0)
+    r = AIRSPEED.new(perfect, start(altitude_m=0.0))[0]
+    quat = attitude.as_quat(scalar_first=True)
+    sample_airspeed(r, 1, 0.0, quat, air, velocity, np.zeros(1))
+    forward = attitude.inv().apply(velocity - air)[0]
+    assert r["differential_pa"] == pytest.approx(
+        0.5 * 1.225 * forward * abs(forward), rel=1e-4, abs=1e-6
+    )
+    assert r["indicated_mps"] == pytest.approx(forward, rel=1e-4, abs=1e-3)
+    sample_airspeed(r, 1, 5000.0, quat, air, velocity, np.zeros(1))
+    # ISO 2533: 0.7361 kg/m^3 at 5 km
+    thin = math.sqrt(0.7361 / 1.225)
+    assert r["indicated_mps"] == pytest.approx(thin * forward, rel=1e-3, abs=1e-3)
+    assert r["temperature_degc"] == pytest.approx(-17.5)
+
+
+def test_airspeed_errs_by_its_noise_and_by_what_was_drawn_once():
+    tubes = [AIRSPEED.new(AirspeedCfg(), start(k))[0] for k in range(400)]
+    assert np.std([r["zero_pa"] for r in tubes]) == pytest.approx(0.1, rel=0.1)
+    assert np.std([r["span"] for r in tubes]) == pytest.approx(0.015, rel=0.1)
+    readings = []
+    for row in rng().standard_normal((1000, 1)):
+        sample_airspeed(tubes[0], 1, 0.0, LEVEL, np.zeros(3), np.zeros(3), row)
+        readings.append(tubes[0]["differential_pa"])
+    assert np.std(readings) == pytest.approx(1.0, rel=0.1)
+
+
+def test_streams_go_on_and_sensors_with_more_draws_leave_the_others_alone():
+    short, long, other = np.zeros(8), np.zeros(45), np.zeros(3)
+    stream = NormalStream(np.random.SeedSequence(1, spawn_key=(2,)), short)
+    for key, block in ((2, long), (3, other)):
+        NormalStream(np.random.SeedSequence(1, spawn_key=(key,)), block).draw()
+    stream.draw()
+    np.testing.assert_array_equal(short, long[:8])
+    stream.draw()
+    np.testing.assert_array_equal(short, long[8:16])
+    assert not np.isin(other, long).any()
+
+
+def test_no_two_sensors_share_a_stream_of_noise():
+    streams = [(s.stream,) for s in SENSORS] + [s.start_streams for s in SENSORS]
+    assert len(set(streams)) == 2 * len(SENSORS)
+    assert not {9, 10, 11} & {s.stream for s in SENSORS}  # the air's and the start's
+
+
+@pytest.mark.parametrize("sensor", SENSORS, ids=lambda s: s.name)
+def test_every_sensor_is_configured_built_and_read(sensor):
+    """What a plant does with each: a sensor that is only half registered fails here."""
+    r = sensor.new(sensor.cfg(PlantCfg(seed=0)), start())[0]
+    assert r["tick"] == -1
+    assert r["period_ticks"] * r["rate_hz"] == HZ
+    assert sensor.name in PLANT_DTYPE.names
+    reading = sensor.read(r, 4000)
+    assert sensor.gauge is None or isinstance(sensor.gauge[1](reading), float)
+    plant_reading = getattr(SensorReadings, "range_m" if sensor is RANGEFINDER else sensor.name)
+    assert isinstance(plant_reading, property)

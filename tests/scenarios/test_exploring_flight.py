@@ -15,7 +15,7 @@ def test_a_container_that_nobody_told_of_is_seen_and_landed_on():
     observers = []
     bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False, observers=observers)
     with bench:
-        cameras = Cameras(bench.world, bench.plant)
+        cameras = Cameras(bench.plant)
         mission = plan_mission(yard(), bench.airframe, area=ON_CONTAINER, map_source="onboard")
         world = mission.surroundings
         hover = np.array(mission.hover_enu_m)

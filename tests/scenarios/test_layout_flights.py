@@ -29,7 +29,6 @@ def test_a_layout_is_flown_and_landed_in(tmp_path, name):
     vehicle = "hummingbird" if name == "house" else "iris"
     bench = TestbenchCfg(vehicle=vehicle, speed="max", instance=79)
     with Sitl(SitlCfg(scene=FILES[name](tmp_path), bench=bench, demo=True)) as sitl:
-        sitl.run(lambda: False)
-        result = sitl.finish()
+        result = sitl.run()
     assert result.success, result.reason
     assert result.contacts_before_touchdown == 0

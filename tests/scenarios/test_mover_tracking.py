@@ -8,12 +8,12 @@ import pytest
 from autonomy.perception import DepthImage, MoverTracker
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant import Plant, PlantCfg
-from flightsim.sensors.camera import open_camera_renderer
-from flightsim.sensors.depth_noise import depth_noise
+from flightsim.sensors.cameras import depth_noise, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.mission.obstacles import scene_obstacles
 from tests.flightsim.handmade import empty_scene
+from tests.scenarios.mover_draws import draw, follow
 
 IRIS = AIRFRAMES["iris"]
 PERSON = MovingObstacle(kind="person", path_enu_m=((6, -6, 0), (6, 6, 0)), speed_mps=1.5, phase=0.1)
@@ -50,6 +50,33 @@ def test_a_mover_of_the_simulator_is_where_the_tracker_has_it(mover, camera):
     assert len(off_m) >= 8
     assert np.median(np.linalg.norm(off_m, axis=1)) < 0.3
     assert np.median(np.linalg.norm(off_mps, axis=1)) < 0.4
+
+
+def followed(kind, camera, draws):
+    """Errors on drawn paths, each a seed and whether the vehicle passes by without turning."""
+    looks = [draw(kind, camera, seed, gazes=gazes) for seed, gazes in draws]
+    rows = np.concatenate([follow(images) for images in looks])
+    assert np.isfinite(rows[:, 0]).mean() > 0.9
+    return rows[np.isfinite(rows[:, 0])]
+
+
+@pytest.mark.parametrize(
+    ("camera", "most_m", "most_mps"), [("exact", 0.3, 0.55), ("d435", 0.5, 0.85)]
+)
+def test_velocities_of_cars_that_cross_the_view_do_not_lag(camera, most_m, most_mps):
+    rows = followed("car", camera, [(seed, True) for seed in range(208, 216)])
+    assert np.median(rows[:, 0]) < most_m
+    assert np.median(rows[:, 1]) < most_mps
+
+
+@pytest.mark.parametrize("camera", ["exact", "d435"])
+def test_people_who_stop_are_seen_to_stop(camera):
+    draws = [(seed, gazes) for seed in (0, 1, 5) for gazes in (False, True)]
+    rows = followed("person", camera, draws)
+    assert np.median(rows[:, 1]) < 0.25
+    standing = rows[rows[:, 2] < 0.05]
+    assert len(standing) > 10
+    assert np.median(standing[:, 3]) < 0.05
 
 
 def posed(frame):

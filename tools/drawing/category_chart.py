@@ -13,7 +13,8 @@ from aeroscene.scene.catalogue import CATALOGUE, Category
 from aeroscene.solids.shapes import Primitive, object_primitives
 from drawing.labels import label
 from flightsim.looks.framing import frame_points
-from flightsim.sensors.camera import Quality, open_camera_renderer
+from flightsim.sensors.cameras import open_camera_renderer
+from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 

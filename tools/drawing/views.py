@@ -10,7 +10,7 @@ import numpy as np
 
 from aeroscene.scene import Scene, Vector3
 from flightsim.looks.framing import frame_points
-from flightsim.sensors.camera import CameraRenderer, RgbdFrame
+from flightsim.sensors.cameras import CameraRenderer, RgbdFrame
 from flightsim.world import World
 
 Preset = Literal["overview", "top", "aerial", "street", "forward", "down", "inside", "chase"]

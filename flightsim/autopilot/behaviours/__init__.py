@@ -1,4 +1,4 @@
-"""How each mode flies: one behaviour a mode, from the vehicle's state to a setpoint each tick."""
+"""Flight behaviours: one per mode, from the vehicle's state to a setpoint each tick."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from flightsim.autopilot.modes import Mode
 
 
 class Behaviour(Protocol):
-    """A way to fly. Made when its mode begins, started when the vehicle flies in it."""
+    """A way to fly: created when its mode begins, started when the vehicle flies in it."""
 
     next_mode: Mode | None
-    """Set when this behaviour is done and another mode should follow."""
+    """Mode that should follow; set when this behaviour is done."""
 
     @property
     def is_landing(self) -> bool:
-        """Whether it means to touch the ground now."""
+        """Whether the behaviour intends to touch the ground now."""
         ...
 
     @property
     def may_rest(self) -> bool:
-        """Whether it leads down, so that rotors may idle once something carries the vehicle."""
+        """Whether it leads down, so that the rotors may idle once something carries the vehicle."""
         ...
 
     def ready_to_lift(self) -> bool:
-        """One tick on the ground with idle rotors; whether to take off now."""
+        """Run one tick on the ground with idle rotors; return whether to take off now."""
         ...
 
     def start(self) -> None:
@@ -33,5 +33,5 @@ class Behaviour(Protocol):
         ...
 
     def update(self) -> Setpoint:
-        """One tick of flying."""
+        """Run one tick of flight."""
         ...

@@ -1,4 +1,4 @@
-"""Hold: stay, or go to a place and stay there."""
+"""Hold mode: stay, or go to a place and stay there."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.modes import Mode
 
 _TAKEOFF_MARGIN_M = 0.5
-"""A target this far above a landed vehicle makes it take off."""
+"""Height of a target above a landed vehicle that makes it take off."""
 
 
 class Hold:
-    """Stop and stay, or fly straight to a target and stay; faces where it goes unless told."""
+    """Stop and stay, or fly straight to a target and stay, facing it unless told otherwise."""
 
     is_landing = False
     may_rest = False
@@ -22,12 +22,12 @@ class Hold:
     def __init__(
         self, flight: Flight, target_enu_m: Vector3 | None = None, yaw_rad: float | None = None
     ) -> None:
-        """Prepare.
+        """Prepare to hold.
 
         Args:
             flight: Shared state.
-            target_enu_m: Where to go; NaN keeps that coordinate. None stays.
-            yaw_rad: Heading to take; None faces the target.
+            target_enu_m: Position to fly to; NaN keeps that coordinate. None stays.
+            yaw_rad: Heading to turn to; None faces the target.
         """
         self._flight = flight
         self._target_enu_m = target_enu_m
@@ -36,19 +36,19 @@ class Hold:
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """Only for a target well above."""
+        """Take off only for a target well above the vehicle."""
         target = self._target_enu_m
         if target is None:
             return False
         return target[2] > self._flight.vehicle.position_enu_m[2] + _TAKEOFF_MARGIN_M
 
     def turn_to(self, yaw_rad: float) -> None:
-        """Take another heading."""
+        """Turn to another heading."""
         self._faces_target = False
         self._flight.heading.goal_yaw_rad = yaw_rad
 
     def start(self) -> None:
-        """Set the goal."""
+        """Set the goal of the flight."""
         flight = self._flight
         here = flight.path.position_enu_m
         target = self._target_enu_m
@@ -63,7 +63,7 @@ class Hold:
             flight.heading.goal_yaw_rad = self._yaw_rad
 
     def update(self) -> Setpoint:
-        """Fly to the goal and stay."""
+        """Fly to the goal and stay there."""
         flight = self._flight
         target = self._target_enu_m
         assert target is not None

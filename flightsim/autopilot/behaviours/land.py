@@ -1,4 +1,4 @@
-"""Land: stop above a place, come down ever more slowly until the ground carries the vehicle."""
+"""Landing: stop above a place and descend ever more slowly until the ground carries the vehicle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ABOVE_PLACE_M = 0.5
 
 
 class Land:
-    """Descend onto a place, or onto what is below where the vehicle can stop."""
+    """Descend onto a place, or onto what is below the point where the vehicle can stop."""
 
     def __init__(
         self,
@@ -22,12 +22,12 @@ class Land:
         place_enu_m: tuple[float, float] | None = None,
         yaw_rad: float | None = None,
     ) -> None:
-        """Prepare.
+        """Prepare to land.
 
         Args:
             flight: Shared state.
-            place_enu_m: East and north of the place; None is here.
-            yaw_rad: Heading to take; None keeps it.
+            place_enu_m: East and north of the place; None lands here.
+            yaw_rad: Heading to turn to; None keeps the present one.
         """
         self._flight = flight
         self._place_enu_m = place_enu_m
@@ -38,11 +38,11 @@ class Land:
 
     @property
     def may_rest(self) -> bool:
-        """Once it descends."""
+        """Rest once it descends."""
         return self.is_landing
 
     def ready_to_lift(self) -> bool:
-        """Landed is where it wants to be."""
+        """Never take off."""
         return False
 
     def start(self) -> None:
@@ -58,7 +58,7 @@ class Land:
         )
 
     def update(self) -> Setpoint:
-        """Get above the place, then descend."""
+        """Fly to above the place, then descend."""
         flight = self._flight
         above = self._above_enu_m
         assert above is not None
@@ -76,7 +76,7 @@ class Land:
 
 
 class Descend:
-    """Come down level, without a position: the last resort."""
+    """Descend level, without a position: the last resort."""
 
     is_landing = True
     may_rest = True
@@ -86,23 +86,23 @@ class Descend:
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """Landed is where it wants to be."""
+        """Never take off."""
         return False
 
     def start(self) -> None:
-        """Keep the heading."""
+        """Keep the present heading."""
         flight = self._flight
         flight.heading.goal_yaw_rad = flight.heading.yaw_rad
         flight.target_enu_m = None
 
     def update(self) -> Setpoint:
-        """Sink."""
+        """Descend."""
         flight = self._flight
         return flight.sink(landing_speed(flight))
 
 
 def landing_speed(flight: Flight) -> float:
-    """Descent speed for the present height: MPC_Z_V_AUTO_DN far up, MPC_LAND_CRWL at the end."""
+    """Descent speed at the present height: MPC_Z_V_AUTO_DN far up, MPC_LAND_CRWL at the end."""
     p = flight.parameters
     slow_mps = p["MPC_LAND_SPEED"]
     height_m = flight.vehicle.height_m

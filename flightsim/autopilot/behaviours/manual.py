@@ -1,4 +1,4 @@
-"""Modes that a pilot's sticks steer: acro, manual (stabilized), altitude, position."""
+"""Stick modes: acro, manual (stabilized), altitude and position."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ class Manual:
         return self._sticks().throttle > _RAISED_THROTTLE
 
     def start(self) -> None:
-        """Keep the heading."""
+        """Keep the present heading."""
         self._flight.heading.reset(self._flight.vehicle.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Attitude or rates from the sticks."""
+        """Attitude or rates commanded by the sticks."""
         flight = self._flight
         flight.target_enu_m = None
         sticks = self._sticks()
@@ -88,21 +88,21 @@ class StickGuided:
 
     @property
     def may_rest(self) -> bool:
-        """Whether the throttle asks to sink."""
+        """Whether the throttle commands a descent."""
         return self._sticks().throttle < _SINK_THROTTLE
 
     def ready_to_lift(self) -> bool:
-        """Whether the throttle asks to rise."""
+        """Whether the throttle commands a climb."""
         return self._sticks().throttle > _RISE_THROTTLE
 
     def start(self) -> None:
-        """Go on from the present reference."""
+        """Continue from the present reference."""
         path = self._flight.path
         self._motion.reset(path.position_enu_m, path.velocity_enu_mps, path.acceleration_enu_mps2)
         self._flight.heading.reset(self._flight.heading.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Velocity, or tilt and climb, from the sticks."""
+        """Velocity, or tilt and climb, commanded by the sticks."""
         flight = self._flight
         flight.target_enu_m = None
         sticks = self._sticks()
@@ -124,7 +124,7 @@ class StickGuided:
         return self._tilt(east, north)
 
     def _advance(self, velocity_enu_mps: Vector3, *, drifts: bool) -> None:
-        """Move the reference; keep it near the vehicle, horizontally at it if that drifts."""
+        """Move the reference; keep it near the vehicle, and horizontally at it if it drifts."""
         vehicle, motion = self._flight.vehicle, self._motion
         motion.step(velocity_enu_mps, self._flight.limits.sticks, TICK_S)
         for i, axis in enumerate(motion.axes):
@@ -154,13 +154,13 @@ class StickGuided:
 
 
 def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: float) -> Quaternion:
-    """Attitude (FLU to ENU) with a heading and a tilt forward and to the right.
+    """Attitude (FLU to ENU) with a heading and with tilts forward and to the right.
 
-    The tilt is about one horizontal axis and no greater than `tilt_max_rad`.
+    The tilt is about one horizontal axis, `tilt_max_rad` at most.
     """
     angle = hypot(pitch_rad, roll_rad)
     half = 0.5 * min(angle, tilt_max_rad)
-    # About body y for forward, about body x for right (FLU: both are positive rotations).
+    # About body y for forward, about body x for right; both positive in FLU.
     k = sin(half) / angle if angle > 1e-9 else 0.0
     w, x, y = cos(half), roll_rad * k, pitch_rad * k
     c, s = cos(0.5 * yaw_rad), sin(0.5 * yaw_rad)

@@ -1,4 +1,4 @@
-"""Mission: one item after the other, legs flown, settings applied, jumps counted."""
+"""Mission mode: flies legs, applies settings and counts jumps, item by item."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
 
 _MAX_INSTANT_ITEMS = 50
-"""Items without duration in a row; more can only be a ring of jumps."""
+"""Most consecutive items without duration; more can only be a ring of jumps."""
 _DEFAULT_SPEED = -2.0
 
 
 class MissionFlight:
-    """Works off `flight.mission`, from its current item on."""
+    """Executes `flight.mission` from its current item."""
 
     def __init__(self, flight: Flight, *, last_index: int | None = None) -> None:
-        """Prepare.
+        """Prepare to fly the mission.
 
         Args:
             flight: Shared state with the mission.
@@ -54,11 +54,11 @@ class MissionFlight:
 
     @property
     def may_rest(self) -> bool:
-        """While it lands."""
+        """Rest while it lands."""
         return self.is_landing
 
     def ready_to_lift(self) -> bool:
-        """Work off what can be done on the ground; whether the present item flies."""
+        """Execute items that need no flight; return whether the present item flies."""
         self._synchronise()
         item = self._item()
         if item is None or self._flight.mission.is_finished:
@@ -74,13 +74,13 @@ class MissionFlight:
         return True
 
     def start(self) -> None:
-        """Begin the leg of the present item here."""
+        """Begin the leg of the present item from here."""
         self._synchronise()
         self._passed_enu_m = None
         self._begin_leg()
 
     def update(self) -> Setpoint:
-        """Fly the present leg, go on to the next item at its end."""
+        """Fly the present leg; continue with the next item at its end."""
         if self._synchronise() or self._leg is None:
             self._begin_leg()
         leg = self._leg
@@ -99,7 +99,7 @@ class MissionFlight:
         return items[self._index] if self._index is not None and self._index < len(items) else None
 
     def _synchronise(self) -> bool:
-        """Follow changes that clients made to the mission; whether there were any."""
+        """Follow changes that clients made to the mission; return whether there were any."""
         mission = self._flight.mission
         if (mission.revision, mission.n_selections) == self._followed:
             return False
@@ -111,7 +111,7 @@ class MissionFlight:
         return True
 
     def _go_to(self, index: int) -> None:
-        """Make an item the present one, or the first after it that takes time."""
+        """Make an item the present one, or the first item after it that takes time."""
         mission = self._flight.mission
         self._leg = None
         self._waited_s = 0.0
@@ -132,7 +132,7 @@ class MissionFlight:
         self._finish()
 
     def _complete(self) -> None:
-        """Leave the present item for the next."""
+        """Finish the present item and go to the next."""
         index, item = self._index, self._item()
         if index is None or item is None:
             return
@@ -163,7 +163,7 @@ class MissionFlight:
         return self._last_index is not None and index >= self._last_index
 
     def _begin_leg(self) -> None:
-        """Make and start the leg of the present item."""
+        """Create and start the leg of the present item."""
         flight = self._flight
         index, item = self._index, self._item()
         self._is_climbing_first = False
@@ -182,7 +182,7 @@ class MissionFlight:
         leg.behaviour.start()
 
     def _apply(self, index: int, item: MissionItem) -> int:
-        """Carry out an item without duration, and return the index that follows it."""
+        """Execute an item without duration; return the index of the next item."""
         flight = self._flight
         match item.command:
             case Cmd.JUMP:

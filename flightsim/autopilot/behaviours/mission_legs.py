@@ -1,4 +1,4 @@
-"""Legs of a mission: how each kind of item is flown, and when it is done."""
+"""Legs of a mission: how each kind of item is flown and when it is complete."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from flightsim.autopilot.mission_item import PLACE_COMMANDS, Cmd, MissionItem
 from flightsim.autopilot.mission_places import place_after, place_of, yaw_of
 
 WAITS = frozenset({Cmd.DELAY, Cmd.CONDITION_DELAY})
-"""Items that only take time, in the air or on the ground."""
+"""Items that only wait, in the air or on the ground."""
 LEG_COMMANDS = PLACE_COMMANDS | WAITS | {Cmd.CONDITION_YAW}
-"""Items that take time; all others are carried out at once."""
+"""Items that take time; all others are executed at once."""
 
 _LEAST_TURN_RADIUS_M = 1.0
 
@@ -33,21 +33,21 @@ class Leg:
     behaviour: Behaviour
     is_done: Callable[[], bool]
     passed_enu_m: Vector3 | None = None
-    """Waypoint that the leg ends at without a stop: the next line starts there."""
+    """Waypoint that the leg passes without a stop; the next line starts there."""
 
 
 def seconds(value: float) -> float:
-    """A duration of an item; not given or negative is none."""
+    """Duration of an item in seconds; NaN and negative values are 0."""
     return 0.0 if isnan(value) else max(value, 0.0)
 
 
 def loiter_leg(flight: Flight) -> Leg:
-    """Stay here when the mission has nothing left."""
+    """Leg that stays here when the mission is complete."""
     return Leg(Hold(flight), _never)
 
 
 def climb_leg(flight: Flight, item: MissionItem) -> Leg:
-    """Climb to an item's height from the ground, for missions that begin without a takeoff."""
+    """Leg that climbs from the ground to an item's height, for missions without a takeoff."""
     least_m = flight.path.position_enu_m[2] + flight.parameters["MIS_TAKEOFF_ALT"]
     return _takeoff_leg(Takeoff(flight, max(least_m, place_of(item, flight)[2])))
 
@@ -63,11 +63,11 @@ def leg_of(
     """The leg that flies an item.
 
     Args:
-        index: The item's place in the mission.
+        index: Index of the item in the mission.
         item: An item of `LEG_COMMANDS`.
         flight: Shared state.
-        line_start_enu_m: Waypoint passed before without a stop, if any.
-        may_pass: Whether the mission goes on after this item, so that it need not stop.
+        line_start_enu_m: Previous waypoint, if it was passed without a stop.
+        may_pass: Whether the mission continues after this item, so that it need not stop.
     """
     yaw_rad = yaw_of(item.param4) if item.command in PLACE_COMMANDS else None
     match item.command:
@@ -136,7 +136,7 @@ def _pause_leg(item: MissionItem, flight: Flight) -> Leg:
 
 
 def _turn_of(item: MissionItem, flight: Flight) -> float | None:
-    """ENU heading of a yaw item: absolute by compass, or relative to the present one."""
+    """ENU heading of a yaw item: absolute by compass, or relative to the present heading."""
     if item.command != Cmd.CONDITION_YAW:
         return None
     if item.param4 != 1.0:

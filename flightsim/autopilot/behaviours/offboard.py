@@ -1,4 +1,4 @@
-"""Offboard: hand a companion's setpoints down, within the vehicle's limits of speed."""
+"""Offboard mode: passes a companion's setpoints on, within the vehicle's speed limits."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CLIMB_MARGIN_MPS = 0.05
 
 
 class Offboard:
-    """Follow the latest offboard setpoint; what happens without any is a failsafe's business."""
+    """Follows the latest offboard setpoint; a failsafe handles the loss of the stream."""
 
     is_landing = False
 
@@ -55,7 +55,7 @@ class Offboard:
         return setpoint.acceleration_enu_mps2[2] > 0.0
 
     def start(self) -> None:
-        """Nothing to prepare: the stream says it all."""
+        """Do nothing: the stream holds all state."""
 
     def update(self) -> Setpoint:
         """The latest setpoint."""
@@ -71,7 +71,7 @@ class Offboard:
         return self._limited
 
     def _within_limits(self, setpoint: Setpoint) -> Setpoint:
-        """The setpoint, with bare velocities no greater than the vehicle's maxima."""
+        """Limit a setpoint of bare velocity to the vehicle's maxima."""
         if setpoint.level != ControlLevel.TRAJECTORY:
             return setpoint
         p = self._flight.parameters

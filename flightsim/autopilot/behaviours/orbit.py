@@ -1,4 +1,4 @@
-"""Orbit: circle a centre, facing it."""
+"""Orbit mode: circle a centre, facing it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flightsim.autopilot.vehicle import TICK_S
 
 
 class Orbit:
-    """Fly to the nearest point of a circle, then around it until told otherwise."""
+    """Fly to the nearest point of a circle, then around it until another mode is requested."""
 
     is_landing = False
     may_rest = False
@@ -41,16 +41,16 @@ class Orbit:
         return self._circle.turns if self.is_circling else 0.0
 
     def ready_to_lift(self) -> bool:
-        """At once."""
+        """Take off at once."""
         return True
 
     def start(self) -> None:
-        """Choose where to enter the circle."""
+        """Choose the point where to enter the circle."""
         self._entry_enu_m = self._circle.entry_from(self._flight.path.position_enu_m)
         self.is_circling = False
 
     def update(self) -> Setpoint:
-        """Approach, then circle."""
+        """Approach the circle, then follow it."""
         flight, circle = self._flight, self._circle
         entry = self._entry_enu_m
         assert entry is not None

@@ -1,4 +1,4 @@
-"""Return: climb, fly to home or to the nearest rally point, come down, land."""
+"""Return mode: climb, fly to home or to the nearest rally point, descend, land."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FENCE_MARGIN_M = 1.0
 
 
 class ReturnHome:
-    """The legs of a return, one after the other."""
+    """Flies the legs of a return, one after the other."""
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
@@ -29,20 +29,20 @@ class ReturnHome:
 
     @property
     def is_landing(self) -> bool:
-        """Whether it is in its last, vertical part."""
+        """Whether the return is in its last, vertical part."""
         return self._land is not None and self._land.is_landing
 
     @property
     def may_rest(self) -> bool:
-        """While it lands."""
+        """Rest while it lands."""
         return self.is_landing
 
     def ready_to_lift(self) -> bool:
-        """Landed is where it wants to be."""
+        """Never take off."""
         return False
 
     def start(self) -> None:
-        """Lay out the legs from here."""
+        """Plan the legs from here."""
         flight = self._flight
         self._land = None
         self._waited_s = 0.0
@@ -106,7 +106,7 @@ class ReturnHome:
 
 
 def return_height(flight: Flight, distance_m: float, height_enu_m: float) -> float:
-    """ENU height at which to return from a distance; never below the present one.
+    """ENU height for a return from a distance; never below the present height.
 
     Near home (RTL_MIN_DIST) there is no climb; inside the cone RTL_CONE_ANG the climb is
     proportional to the distance; it stays below a fence's ceiling.

@@ -1,4 +1,4 @@
-"""Takeoff: straight up, then on to hold or to the mission."""
+"""Takeoff mode: straight up, then hold or the mission."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ARRIVED_M = 0.5
 
 
 class Takeoff:
-    """Climb to a height, then go to a place at that height if one is given."""
+    """Climb to a height, then fly to a place at that height if one is given."""
 
     is_landing = False
     may_rest = False
@@ -24,13 +24,13 @@ class Takeoff:
         yaw_rad: float | None = None,
         place_enu_m: tuple[float, float] | None = None,
     ) -> None:
-        """Prepare.
+        """Prepare to take off.
 
         Args:
             flight: Shared state.
-            height_enu_m: ENU height to climb to; None is MIS_TAKEOFF_ALT above here.
-            yaw_rad: Heading to take; None keeps it.
-            place_enu_m: East and north of where to hold in the end; None is above here.
+            height_enu_m: ENU height to climb to; None climbs by MIS_TAKEOFF_ALT.
+            yaw_rad: Heading to turn to; None keeps the present one.
+            place_enu_m: East and north of the final position; None stays above the start.
         """
         self._flight = flight
         self._height_enu_m = height_enu_m
@@ -40,11 +40,11 @@ class Takeoff:
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """At once."""
+        """Take off at once."""
         return True
 
     def start(self) -> None:
-        """Set the goal above here."""
+        """Set the goal above the present position."""
         flight = self._flight
         x, y, _ = flight.path.stopping_point(flight.limits.takeoff)
         here_m = flight.path.position_enu_m[2]
@@ -59,7 +59,7 @@ class Takeoff:
         )
 
     def update(self) -> Setpoint:
-        """Climb."""
+        """Climb to the goal."""
         flight = self._flight
         target = self._target_enu_m
         assert target is not None

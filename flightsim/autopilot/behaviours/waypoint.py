@@ -1,4 +1,4 @@
-"""A leg of a mission: fly to a waypoint, then wait there or go on round the corner."""
+"""Waypoint leg of a mission: fly to it, then wait there or continue around the corner."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MAX_LAG_M = 0.5
 
 
 class WaypointLeg:
-    """One leg; `is_done` once the waypoint has been accepted and the hold time has passed."""
+    """One leg; `is_done` when the waypoint was accepted and the hold time has passed."""
 
     is_landing = False
     may_rest = False
@@ -32,15 +32,15 @@ class WaypointLeg:
         line_start_enu_m: Vector3 | None = None,
         next_goal_enu_m: Vector3 | None = None,
     ) -> None:
-        """Prepare.
+        """Prepare to fly to the waypoint.
 
         Args:
             flight: Shared state.
             goal_enu_m: The waypoint.
             radius_m: Horizontal distance at which it counts as reached.
             hold_s: Time to stay within that distance.
-            yaw_rad: Heading to take; None as MPC_YAW_MODE says.
-            line_start_enu_m: Start of the line to follow; None is where the reference is.
+            yaw_rad: Heading to turn to; None follows MPC_YAW_MODE.
+            line_start_enu_m: Start of the line to follow; None is the present reference.
             next_goal_enu_m: Next waypoint if this one is to be passed without a stop.
         """
         self._flight = flight
@@ -60,17 +60,17 @@ class WaypointLeg:
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """At once."""
+        """Take off at once."""
         return True
 
     def start(self) -> None:
-        """Choose the speed at the waypoint and the heading."""
+        """Choose the speed at the waypoint, and the heading."""
         heading = self._flight.heading
         heading.goal_yaw_rad = heading.yaw_rad if self._yaw_rad is None else self._yaw_rad
         self._plan_exit()
 
     def update(self) -> Setpoint:
-        """Fly."""
+        """Fly the leg."""
         flight = self._flight
         if flight.limits.automatic is not self._limits:
             self._plan_exit()
@@ -104,7 +104,7 @@ class WaypointLeg:
         )
 
     def _passes(self) -> bool:
-        """Whether the reference may turn onto the next line, with the vehicle close behind."""
+        """Whether the reference may turn onto the next line, the vehicle being close behind."""
         flight = self._flight
         if not self._is_near(self._radius_m + _MAX_LAG_M):
             return False

@@ -1,8 +1,8 @@
-"""A MAVLink companion in lockstep with the simulation, over any pipe of bytes.
+"""MAVLink companion client in lockstep with the simulation, over any byte pipe.
 
-It speaks MAVLink 2 with the `common` dialect like any other onboard computer: heartbeats,
-commands that are repeated until acknowledged, setpoints. Its only clock is the simulated time it is
-called with.
+It speaks MAVLink 2 with the `common` dialect like any other onboard computer: it sends heartbeats,
+repeats commands until they are acknowledged, and streams setpoints. Its only clock is the simulated
+time passed to `update`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _ACK_TIMEOUT_US = 500_000
 _PROGRESS_TIMEOUT_US = 5_000_000
 _TRIES = 5
 _AUTOPILOT_COMPONENT = 1
-# PX4's custom modes, sub << 24 | main << 16.
+# PX4's custom modes: sub << 24 | main << 16.
 PX4_OFFBOARD = 6 << 16
 PX4_LAND = 6 << 24 | 4 << 16
 PX4_RETURN = 5 << 24 | 4 << 16
@@ -52,19 +52,19 @@ _NOT_NEEDED = (
 
 
 class BytePipe(Protocol):
-    """Carries MAVLink frames both ways."""
+    """Bidirectional pipe for MAVLink frames."""
 
     def send(self, data: bytes) -> None:
         """Send bytes to the vehicle."""
         ...
 
     def recv(self) -> bytes:
-        """All bytes that came since the last call, possibly none."""
+        """All bytes received since the last call, possibly none."""
         ...
 
 
 class CommandState(Enum):
-    """How far a command got."""
+    """Progress of a command."""
 
     PENDING = "pending"
     ACCEPTED = "accepted"
@@ -74,7 +74,7 @@ class CommandState(Enum):
 
 @dataclass(kw_only=True, slots=True)
 class Command:
-    """A COMMAND_LONG on its way."""
+    """A COMMAND_LONG and the state of its delivery."""
 
     command: int
     params: tuple[float, ...]
@@ -86,12 +86,12 @@ class Command:
 
     @property
     def is_done(self) -> bool:
-        """Whether nothing more will happen to it."""
+        """Whether the command has reached its final state."""
         return self.state is not CommandState.PENDING
 
     @property
     def is_accepted(self) -> bool:
-        """Whether the vehicle agreed."""
+        """Whether the vehicle accepted the command."""
         return self.state is CommandState.ACCEPTED
 
     def outcome(self) -> str:
@@ -102,18 +102,18 @@ class Command:
 
 
 class MavlinkClient:
-    """One companion computer; call `update` once a tick.
+    """One companion computer; call `update` once per tick.
 
     Attributes:
-        telemetry: What the vehicle last told.
+        telemetry: Latest state reported by the vehicle.
     """
 
     def __init__(self, pipe: BytePipe, frame: LocalFrame) -> None:
         """Prepare a connection; nothing is sent before the first `update`.
 
         Args:
-            pipe: To the vehicle.
-            frame: The scene's, in which `telemetry` gives positions and setpoints are taken.
+            pipe: Connection to the vehicle.
+            frame: Local frame of the scene, used by `telemetry` and by setpoints.
         """
         self._pipe = pipe
         self._mav = mavlink.MAVLink(
@@ -129,7 +129,7 @@ class MavlinkClient:
         self._commands: list[Command] = []
 
     def update(self, time_us: int) -> None:
-        """Read what came, answer, repeat what was not acknowledged."""
+        """Read messages, send heartbeats and repeat unacknowledged commands."""
         self._time_us = time_us
         for message in self._mav.parse_buffer(self._pipe.recv()) or ():
             if message.get_type() == "COMMAND_ACK":
@@ -139,21 +139,21 @@ class MavlinkClient:
         if time_us >= self._heartbeat_due_us:
             self._heartbeat_due_us = time_us + _HEARTBEAT_PERIOD_US
             self._send_heartbeat()
-        # Two commands of one number cannot be told apart by their acknowledgements: one at a time.
+        # Acknowledgements identify commands by number only: send one of each number at a time.
         first_of_kind = {command.command: command for command in reversed(self._commands)}
         for command in first_of_kind.values():
             self._press(command)
         self._commands = [command for command in self._commands if not command.is_done]
 
     def command(self, command: int, *params: float) -> Command:
-        """Send a command, and again until the vehicle answers; look at the result's `state`."""
+        """Send a command, repeated until the vehicle answers; the outcome is in the result."""
         padded = (*params, *[math.nan] * (7 - len(params)))
         pending = Command(command=command, params=padded)
         self._commands.append(pending)
         return pending
 
     def request_streams(self) -> list[Command]:
-        """Ask for what a companion steers by, and for silence about the rest."""
+        """Request the messages that a companion steers by, and stop all others."""
         wanted = [(message_id, 1e6 / hz) for message_id, hz in _NEEDED_HZ.items()]
         unwanted = [(message_id, -1.0) for message_id in _NOT_NEEDED]
         return [
@@ -162,13 +162,13 @@ class MavlinkClient:
         ]
 
     def request_origin(self) -> Command:
-        """Ask where MAVLink's local frame begins."""
+        """Request the origin of MAVLink's local frame."""
         return self.command(
             mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
         )
 
     def set_mode(self, custom_mode: int) -> Command:
-        """Change the flight mode; see `PX4_OFFBOARD` and its neighbours."""
+        """Change the flight mode; see `PX4_OFFBOARD` and the other modes."""
         return self.command(
             mavlink.MAV_CMD_DO_SET_MODE,
             mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED,
@@ -185,7 +185,7 @@ class MavlinkClient:
         return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
 
     def send_setpoint(self, reference: FlatReference) -> None:
-        """One offboard setpoint: position, velocity, acceleration and heading."""
+        """Send one offboard setpoint: position, velocity, acceleration and heading."""
         origin = self.telemetry.local_origin_enu_m
         if origin is None:
             return
@@ -222,7 +222,7 @@ class MavlinkClient:
         )
 
     def _press(self, command: Command) -> None:
-        """Send a pending command if it is time to."""
+        """Send a pending command if it is due."""
         if command.is_done or self._time_us < command.due_us or not self.telemetry.system_id:
             return
         if command.tries == _TRIES:

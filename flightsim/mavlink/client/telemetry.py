@@ -1,4 +1,4 @@
-"""What a companion knows of the vehicle from MAVLink: the latest of each message, ENU and FLU."""
+"""Latest vehicle state that a companion received over MAVLink, in ENU and FLU."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ _MAX_TEXTS = 200
 
 @dataclass(kw_only=True, slots=True)
 class Telemetry:
-    """The vehicle as last reported; NaN and 0 for what never came."""
+    """Last reported state of the vehicle; NaN or 0 where nothing was received."""
 
     system_id: int = 0
-    """Of the autopilot, 0 before its first heartbeat."""
+    """System id of the autopilot, 0 before its first heartbeat."""
     is_armed: bool = False
     custom_mode: int = 0
     is_armable: bool = False
     is_navigating: bool = False
-    """Whether the estimator claims attitude, velocity and absolute position."""
+    """Whether the estimator reports valid attitude, velocity and absolute position."""
     horizontal_sigma_m: float = math.nan
-    """How exactly the estimator claims to know the horizontal position."""
+    """Standard deviation that the estimator reports for the horizontal position."""
     landed_state: int = 0
-    """MAV_LANDED_STATE."""
+    """Value of MAV_LANDED_STATE."""
     local_origin_enu_m: Vector3 | None = None
     """Origin of MAVLink's local frame in the scene's, None until it is known."""
     position_time_ms: int = 0
     position_enu_m: Vector3 = NAN3
-    """In the scene's frame."""
+    """Position in the scene's frame."""
     velocity_enu_mps: Vector3 = NAN3
     quat_wxyz: Quaternion = (math.nan, math.nan, math.nan, math.nan)
     angular_rate_flu_radps: Vector3 = NAN3
@@ -71,13 +71,13 @@ class Telemetry:
 
 
 class TelemetryReader:
-    """Fills a `Telemetry` from messages."""
+    """Updates a `Telemetry` from messages."""
 
     def __init__(self, frame: LocalFrame) -> None:
-        """Begin with nothing known.
+        """Start with an empty state.
 
         Args:
-            frame: The scene's, in which positions are wanted.
+            frame: Local frame of the scene, in which positions are reported.
         """
         self._frame = frame
         self.telemetry = Telemetry()
@@ -95,7 +95,7 @@ class TelemetryReader:
         }
 
     def read(self, message: Any) -> None:
-        """Take one message in; unknown types are passed over."""
+        """Process a message; unknown types are ignored."""
         reader = self._readers.get(message.get_type())
         if reader is not None and message.get_srcComponent() == _AUTOPILOT_COMPONENT:
             reader(message)

@@ -1,6 +1,6 @@
-"""Ways for MAVLink bytes to come and go: UDP, TCP and in process.
+"""Transports for MAVLink bytes: UDP, TCP and in-process.
 
-Nothing here blocks, and nothing that a partner does, or stops doing, reaches the flight.
+Links never block, and no partner can delay or stop the flight.
 """
 
 from flightsim.mavlink.links.in_process import InProcessClient, InProcessLink

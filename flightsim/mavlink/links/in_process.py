@@ -1,4 +1,4 @@
-"""A link without sockets, for a client in this process and in lockstep with the simulation."""
+"""In-process link without sockets, for a client in lockstep with the simulation."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ _BACKLOG_LIMIT_BYTES = 4 << 20
 
 
 class InProcessClient:
-    """The client's end: a byte pipe."""
+    """Client end of the link: a byte pipe."""
 
     def __init__(self, deliver: Callable[[bytes], None], incoming: bytearray) -> None:
         self._deliver = deliver
         self._incoming = incoming
         self.is_present = False
-        """Whether the pipe was ever used: nothing is streamed to nobody."""
+        """Whether the pipe has been used; nothing is streamed before that."""
 
     def send(self, data: bytes) -> None:
-        """Send bytes to the vehicle; it reads them in its next tick."""
+        """Send bytes to the vehicle, which reads them in its next tick."""
         self.is_present = True
         self._deliver(data)
 
     def recv(self) -> bytes:
-        """All bytes that came since the last call, possibly none."""
+        """All bytes received since the last call, possibly none."""
         self.is_present = True
         data = bytes(self._incoming)
         self._incoming.clear()
@@ -50,18 +50,18 @@ class InProcessLink:
         self.client = InProcessClient(self._channel.receive, self._to_client)
 
     def _write(self, frames: Sequence[bytes]) -> None:
-        """Frames for the client, dropped while it does not read."""
+        """Queue frames for the client; frames are dropped while it does not read."""
         if len(self._to_client) < _BACKLOG_LIMIT_BYTES:
             self._to_client += b"".join(frames)
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """The one partner, once it has come."""
+        """The one partner, once it has connected."""
         return (self._channel,) if self.client.is_present else ()
 
     def open(self, _: selectors.BaseSelector, simulated_us: Callable[[], int]) -> None:
-        """Take the clock."""
+        """Use the simulated time as clock."""
         self._simulated_us = simulated_us
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Do nothing: there is no port to release."""

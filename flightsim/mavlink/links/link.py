@@ -1,4 +1,4 @@
-"""What every link offers, and how a port that cannot be had is reported."""
+"""Interface of all links, and errors for ports that cannot be opened."""
 
 from __future__ import annotations
 
@@ -11,41 +11,41 @@ from typing import Literal, Protocol
 from flightsim.mavlink.channel import Channel
 
 MAX_PARTNERS = 8
-"""Partners of one link at a time: the price of a tick stays bounded."""
+"""Most partners of one link at a time; this bounds the cost of a tick."""
 
 
 class LinkError(OSError):
-    """A link cannot be opened."""
+    """A link could not be opened."""
 
 
 class PortInUseError(LinkError):
-    """Another program, or another instance, has the port."""
+    """The port is in use by another program or instance."""
 
 
 class Link(Protocol):
-    """A way for bytes to come and go, with a channel for each partner."""
+    """Transport with one channel per partner."""
 
     @property
     def name(self) -> str:
-        """What the link is called in messages to people."""
+        """Name of the link in messages to people."""
         ...
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """Partners at present."""
+        """Present partners."""
         ...
 
     def open(self, selector: selectors.BaseSelector, simulated_us: Callable[[], int], /) -> None:
-        """Take the port; register sockets with their reading functions as data."""
+        """Open the port; register each socket with its reading function as data."""
         ...
 
     def close(self) -> None:
-        """Give the port back. Closing twice is fine."""
+        """Release the port. Closing twice is fine."""
         ...
 
 
 def bind(transport: socket.socket, kind: Literal["UDP", "TCP"], address: str, port: int) -> None:
-    """Bind a socket, or close it and say in one line why that failed and what to do.
+    """Bind a socket, or close it and raise an error that says why and what to do.
 
     Raises:
         PortInUseError: If the port is taken.

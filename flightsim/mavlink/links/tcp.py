@@ -1,4 +1,4 @@
-"""TCP server as ArduPilot's simulator has it on 5760: each connection is a partner."""
+"""TCP server link, like port 5760 of ArduPilot's simulator: each connection is a partner."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _STUCK_LIMIT_S = 30.0
 
 
 class _Connection:
-    """One accepted connection with the bytes that its socket has not taken yet."""
+    """One accepted connection and the bytes that its socket has not accepted yet."""
 
     def __init__(self, tcp: socket.socket, name: str, profile: Profile) -> None:
         self.socket = tcp
@@ -30,7 +30,7 @@ class _Connection:
         )
 
     def read(self) -> None:
-        """Take what has come, unless the partner is ahead of its budget."""
+        """Read received bytes, unless the partner has exceeded its budget."""
         if not self.channel.has_room:
             return
         try:
@@ -45,7 +45,7 @@ class _Connection:
             self.is_broken = True
 
     def write(self, frames: Sequence[bytes]) -> None:
-        """Send what the socket takes; whole frames are dropped while too much waits."""
+        """Send what the socket accepts; whole frames are dropped while too much is queued."""
         if len(self._unsent) < _BACKLOG_LIMIT_BYTES:
             self._unsent += b"".join(frames)
         try:
@@ -82,13 +82,13 @@ class TcpServerLink:
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """Partners connected now; connections that broke are cleared away first."""
+        """Partners connected now; broken connections are removed first."""
         if any(connection.is_broken for connection in self._connections):
             self._clear_broken()
         return tuple(connection.channel for connection in self._connections)
 
     def open(self, selector: selectors.BaseSelector, _: Callable[[], int]) -> None:
-        """Listen.
+        """Listen on the port.
 
         Raises:
             PortInUseError: If the port is taken.
@@ -104,7 +104,7 @@ class TcpServerLink:
         selector.register(listener, selectors.EVENT_READ, self._accept)
 
     def close(self) -> None:
-        """End all connections and give the port back."""
+        """Close all connections and release the port."""
         for connection in self._connections:
             connection.is_broken = True
         self._clear_broken()
@@ -119,7 +119,7 @@ class TcpServerLink:
         try:
             tcp, address = self._listener.accept()
         except OSError:
-            return  # the partner left before it was let in
+            return  # the partner disconnected before it was accepted
         if len(self.channels) >= MAX_PARTNERS:
             tcp.close()
             return

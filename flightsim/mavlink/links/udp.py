@@ -1,4 +1,4 @@
-"""UDP as PX4 uses it: speak first to a known port, answer whoever else speaks."""
+"""UDP link like PX4's: it sends to a known port first and answers any other sender."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from flightsim.mavlink.streams import Profile
 _Address = tuple[str, int]
 
 _MAX_DATAGRAM_BYTES = 1400
-"""Below the Ethernet MTU with IP and UDP headers."""
+"""Largest datagram; below the Ethernet MTU with IP and UDP headers."""
 _DATAGRAMS_PER_TICK = 128
 _SILENCE_LIMIT_S = 60.0
 
 
 class UdpLink:
-    """A UDP port with a default partner, which is spoken to first, and others learnt from it."""
+    """A UDP port with a default partner, addressed first, and partners learnt from traffic."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class UdpLink:
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """The default partner and those learnt."""
+        """The default partner and those learnt from traffic."""
         return tuple(self._partners.values())
 
     def open(self, selector: selectors.BaseSelector, _: Callable[[], int]) -> None:
@@ -56,14 +56,14 @@ class UdpLink:
         udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         bind(udp, "UDP", *self._local)
         udp.setblocking(False)
-        # A scene at full speed sends a second's telemetry within milliseconds.
+        # At full speed the simulation sends a second's telemetry within milliseconds.
         with contextlib.suppress(OSError):
             udp.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 20)
         self._socket, self._selector = udp, selector
         selector.register(udp, selectors.EVENT_READ, self._read)
 
     def close(self) -> None:
-        """Give the port back."""
+        """Release the port."""
         if self._socket is not None and self._selector is not None:
             self._selector.unregister(self._socket)
             self._socket.close()
@@ -84,7 +84,7 @@ class UdpLink:
                 channel.receive(data)
 
     def _learn(self, address: _Address) -> Channel | None:
-        """A channel for a new partner, in the place of a silent one if the link is full."""
+        """Create a channel for a new partner, replacing a silent one if the link is full."""
         if len(self._partners) >= MAX_PARTNERS:
             learnt = [known for known in self._partners if known != self._default]
             silent = min(learnt, key=lambda known: self._last_heard_s.get(known, 0.0))
@@ -111,13 +111,13 @@ class UdpLink:
         if self._socket is None:
             return
         for datagram in join(frames):
-            # A full buffer or an unreachable partner loses the datagram, as the air would.
+            # A full buffer or an unreachable partner loses the datagram, as radio would.
             with contextlib.suppress(OSError):
                 self._socket.sendto(datagram, address)
 
 
 def join(frames: Sequence[bytes]) -> list[bytes]:
-    """As few datagrams as hold the frames, none over the limit, no frame divided."""
+    """Join whole frames into as few datagrams as possible, each below the size limit."""
     if sum(map(len, frames)) <= _MAX_DATAGRAM_BYTES:
         return [b"".join(frames)]
     datagrams: list[bytes] = []

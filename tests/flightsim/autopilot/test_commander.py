@@ -5,9 +5,12 @@ import math
 import pytest
 
 from autonomy.types import ControlLevel
+from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
 from flightsim.environment.wind import WindCfg
+from flightsim.plant import Plant, PlantCfg
+from flightsim.vehicles.catalogue import AIRFRAMES
 from tests.flightsim.autopilot.bench import Bench
 
 REJECTED = CommandResult.TEMPORARILY_REJECTED
@@ -164,3 +167,27 @@ def test_setting_a_speed_changes_the_flight_in_progress():
     assert bench.speed_mps == pytest.approx(2.0, abs=0.3)
     assert bench.pilot.set_speed(math.nan).result is CommandResult.DENIED
     assert bench.pilot.set_speed(-1.0).result is CommandResult.DENIED
+
+
+def test_armed_by_force_before_there_is_an_attitude_it_idles():
+    bench = Bench()
+    plant = Plant(bench.plant.world, PlantCfg(seed=1))
+    pilot = Autopilot(plant, bench.frame, airframe=AIRFRAMES["iris"])
+    levels = set()
+
+    def hold_the_throttle_up(seconds):
+        for _ in range(round(50 * seconds)):
+            pilot.set_manual_control(pitch=0.0, roll=0.0, throttle=0.8, yaw=0.0)
+            plant.advance()
+            pilot.update()
+            levels.add(pilot.setpoint.level)
+
+    plant.set_sensor_enabled("gnss", is_enabled=False)
+    hold_the_throttle_up(0.1)
+    assert pilot.set_mode(Mode.STABILIZED).is_accepted
+    assert pilot.arm(is_forced=True).is_accepted
+    hold_the_throttle_up(3.0)
+    assert levels == {ControlLevel.OFF, ControlLevel.IDLE}
+    plant.set_sensor_enabled("gnss", is_enabled=True)
+    hold_the_throttle_up(2.0)
+    assert ControlLevel.ATTITUDE in levels

@@ -16,7 +16,7 @@ OPEN = np.zeros((0, 8))
 
 def air_of(cfg, seed=0, dt_s=0.004):
     airs = new_air(np.random.default_rng(seed), dt_s=dt_s)
-    set_wind(airs, cfg, has_rooms=True)
+    set_wind(airs[0], cfg, has_rooms=True)
     return airs[0]
 
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flightsim.looks.framing import frame_points
-from flightsim.sensors.camera import look_at
+from flightsim.sensors.cameras import look_at
 
 FOV_RAD = math.radians(40)
 points = st.lists(

@@ -6,6 +6,7 @@ import pytest
 from pymavlink import mavutil
 
 from flightsim.autopilot.modes import Mode
+from flightsim.environment.wind import WindCfg
 from flightsim.frames import Geodetic
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.links import InProcessLink
@@ -84,6 +85,19 @@ def test_the_imu_feels_gravity_upwards_in_frd(flight):
     assert imu.zacc == pytest.approx(-9.8, abs=0.6)
     assert imu.abs_pressure == pytest.approx(955.0, abs=10.0)
     assert imu.zmag > 0.2  # the field points down in the north
+
+
+def test_the_wind_from_ahead_reaches_the_messages_of_the_airspeed_sensor(flight):
+    flight.become_ready()
+    w, x, y, z = flight.plant.truth.quat_wxyz
+    forward = (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z))
+    flight.plant.wind = WindCfg.towards((-8.0 * forward[0], -8.0 * forward[1], 0.0))
+    flight.run(1.1)
+    for message in (flight.last("HIGHRES_IMU"), flight.last("SCALED_PRESSURE")):
+        pressure_hpa = getattr(message, "diff_pressure", None) or message.press_diff
+        assert 100.0 * pressure_hpa == pytest.approx(0.5 * 1.17 * 64.0, abs=5.0)
+    assert flight.last("HIGHRES_IMU").fields_updated == 0x1FFF
+    assert flight.last("SCALED_PRESSURE").temperature_press_diff == pytest.approx(1183, abs=5)
 
 
 def test_health_bits_let_clients_arm(flight):

@@ -10,8 +10,7 @@ BENCH = TestbenchCfg(speed="max", instance=71)
 def test_run_that_nobody_flies_leaves_a_picture(tmp_path):
     cfg = SitlCfg(bench=BENCH, headless_seconds=0.5, pictures=tmp_path / "out")
     with Sitl(cfg) as sitl:
-        sitl.run(lambda: False)
-        sitl.finish()
+        sitl.run()
     assert sitl.pictures == [tmp_path / "out" / "flight.png"]
     assert sitl.pictures[0].stat().st_size > 0
 
@@ -19,9 +18,8 @@ def test_run_that_nobody_flies_leaves_a_picture(tmp_path):
 def test_folder_that_vanished_under_a_file_costs_no_verdict(tmp_path, caplog):
     cfg = SitlCfg(bench=BENCH, headless_seconds=0.1, pictures=tmp_path / "out")
     with Sitl(cfg) as sitl:
-        sitl.run(lambda: False)
         (tmp_path / "out").touch()
-        assert sitl.finish().reason == "ended"
+        assert sitl.run().reason == "ended"
     assert sitl.pictures == []
     assert "cannot be written" in caplog.text
 

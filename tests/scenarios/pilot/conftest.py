@@ -41,7 +41,7 @@ class Demo:
             has_network=False,
             observers=observers,
         )
-        self.cameras = Cameras(self.bench.world, self.bench.plant)
+        self.cameras = Cameras(self.bench.plant)
         mission = plan_mission(known or scene, self.bench.airframe, area=area)
         self.mission = dataclasses.replace(mission, alternates=tuple(alternates))
         client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)

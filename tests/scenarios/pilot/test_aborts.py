@@ -123,8 +123,8 @@ def test_an_estimator_that_loses_its_place_is_held_for_until_the_autopilot_acts(
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
     # Neither satellites nor a camera that tells it how it moves any longer.
-    memory = demo.bench.plant._memory
-    memory.receivers["is_enabled"] = memory.vios["is_enabled"] = 0
+    for sensor in ("gnss", "vio"):
+        demo.bench.plant.set_sensor_enabled(sensor, is_enabled=False)
     demo.fly_to(Phase.HOLD)
     assert pilot.transitions[-1].reason == "the autopilot's estimator does not know the position"
     # Before the pilot's patience is over, the autopilot's own failsafe sees to it.

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
-from flightsim.sensors.camera import open_camera_renderer
+from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.recording import Recorder, RunInfo
 

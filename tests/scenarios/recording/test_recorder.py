@@ -21,25 +21,56 @@ from tests.scenarios.recording.conftest import (
 )
 
 FAST = (
-    ("state/position/true", "position_true_enu_m", 5),
-    ("state/position/estimate", "position_est_enu_m", 5),
-    ("state/position/reference", "reference_position_enu_m", 5),
-    ("state/velocity/true", "velocity_true_enu_mps", 5),
-    ("state/velocity/estimate", "velocity_est_enu_mps", 5),
-    ("state/velocity/reference", "reference_velocity_enu_mps", 5),
-    ("sensors/imu/acceleration", "accel_flu_mps2", 1),
-    ("sensors/imu/angular_rate", "gyro_flu_radps", 1),
-    ("motors/command", "rotor_command_radps", 1),
-    ("motors/speed", "rotor_speed_radps", 1),
+    *(
+        (f"state/{what}/{axis}/{whose}", field, 5, k)
+        for k, axis in enumerate(("east", "north", "up"))
+        for what, whose, field in (
+            ("position", "true", "position_true_enu_m"),
+            ("position", "estimate", "position_est_enu_m"),
+            ("position", "reference", "reference_position_enu_m"),
+            ("velocity", "true", "velocity_true_enu_mps"),
+            ("velocity", "estimate", "velocity_est_enu_mps"),
+            ("velocity", "reference", "reference_velocity_enu_mps"),
+        )
+    ),
+    ("sensors/imu/acceleration", "accel_flu_mps2", 1, None),
+    ("sensors/imu/angular_rate", "gyro_flu_radps", 1, None),
+    ("motors/command", "rotor_command_radps", 1, None),
+    ("motors/speed", "rotor_speed_radps", 1, None),
 )
 
 
-@pytest.mark.parametrize(("entity", "field", "step"), FAST)
-def test_fast_data_comes_back_as_the_plant_logged_it(flight, contents, entity, field, step):
+def _is_known(history, field):
+    """Whether a field means something: after alignment, and once there is a reference."""
+    if "_est_" in field:
+        return history["position_est_enu_m"].any(axis=1)
+    if "reference" in field:
+        return history["reference_position_enu_m"].any(axis=1)
+    return np.ones(len(history), dtype=bool)
+
+
+@pytest.mark.parametrize(("entity", "field", "step", "column"), FAST)
+def test_fast_data_comes_back_as_the_plant_logged_it(flight, contents, entity, field, step, column):
     times_us, rows = contents.column(entity, "Scalars:scalars")
-    expected = flight.history[step - 1 :: step]
-    np.testing.assert_array_equal(times_us, expected["time_us"])
-    np.testing.assert_array_equal(np.array(rows), expected[field])
+    history = flight.history[step - 1 :: step]
+    expected = history[field] if column is None else history[field][:, column : column + 1]
+    np.testing.assert_array_equal(times_us, history["time_us"])
+    is_known = _is_known(history, field)
+    np.testing.assert_array_equal(np.array(rows)[is_known], expected[is_known])
+    assert np.isnan(np.array(rows)[~is_known]).all()
+
+
+def test_nothing_of_the_estimate_is_drawn_before_its_alignment(flight, contents):
+    is_aligned = flight.history["position_est_enu_m"][4::5].any(axis=1)
+    assert not is_aligned[0]
+    assert is_aligned[-1]
+    aligned_us = flight.history["time_us"][4::5][is_aligned]
+    for entity, component in (
+        ("error/position", "Scalars:scalars"),
+        ("error/attitude", "Scalars:scalars"),
+        ("world/estimate", "Transform3D:translation"),
+    ):
+        np.testing.assert_array_equal(contents.column(entity, component)[0], aligned_us)
 
 
 def test_vehicle_pose_is_the_true_one_at_every_control_tick(flight, contents):
@@ -56,6 +87,7 @@ def test_vehicle_pose_is_the_true_one_at_every_control_tick(flight, contents):
 
 def test_errors_are_estimate_against_truth(flight, contents):
     rows = flight.history[4::5]
+    rows = rows[_is_known(rows, "position_est_enu_m")]
     _, position = contents.column("error/position", "Scalars:scalars")
     _, attitude = contents.column("error/attitude", "Scalars:scalars")
     error_m = rows["position_est_enu_m"] - rows["position_true_enu_m"]
@@ -155,7 +187,8 @@ def test_gauges_are_sampled_ten_times_a_second(contents):
         layout.BATTERY_VOLTAGE,
         layout.BATTERY_CURRENT,
         layout.BATTERY_REMAINING,
-        layout.RANGE,
+        layout.sensor("rangefinder"),
+        layout.sensor("airspeed"),
         f"{layout.POSITION_SIGMA}/horizontal",
         f"{layout.POSITION_SIGMA}/vertical",
     ):

@@ -24,7 +24,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
-from flightsim.sensors.camera import RgbdFrame
+from flightsim.sensors.cameras.view import RgbdFrame
 
 
 class DepthNoiseError(ValueError):

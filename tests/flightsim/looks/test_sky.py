@@ -1,7 +1,7 @@
 import numpy as np
 
 from flightsim.looks.light import SUN_DIRECTION
-from flightsim.sensors.sky import painted_sky, sky_rgb
+from flightsim.looks.sky import painted_sky, sky_rgb
 
 TO_SUN = -np.array(SUN_DIRECTION)
 

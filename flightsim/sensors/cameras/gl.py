@@ -14,11 +14,18 @@ import numpy as np
 
 from autonomy.model.quadrotor import Vector3
 from flightsim.geom_groups import GeomGroup
+from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import FAST, FINE
-from flightsim.sensors.camera import NO_OBJECT_ID, PoseCopy, Quality, RgbdFrame, Viewpoint, look_at
-from flightsim.sensors.camera_gl_target import GlTarget, GlUnavailableError, new_gl_context
-from flightsim.sensors.fine_picture import SAMPLES, FineLight, vehicle_triangles
-from flightsim.sensors.sky import sky_rgb
+from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
+from flightsim.sensors.cameras.gl_target import GlTarget, GlUnavailableError, new_gl_context
+from flightsim.sensors.cameras.view import (
+    NO_OBJECT_ID,
+    PoseCopy,
+    Quality,
+    RgbdFrame,
+    Viewpoint,
+    look_at,
+)
 from flightsim.world import World
 
 # Geoms drawn beside the model's own: none today; MuJoCo warns when its buffer is short.

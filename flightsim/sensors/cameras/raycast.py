@@ -20,12 +20,19 @@ from flightsim.looks.drawing import drawn_mesh
 from flightsim.looks.light import light_rgb, surface_light
 from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.rays import RayScene
+from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import FAST, FINE
-from flightsim.sensors.camera import NO_OBJECT_ID, PoseCopy, Quality, RgbdFrame, Viewpoint, look_at
-from flightsim.sensors.fine_picture import SAMPLES, FineLight, vehicle_triangles
-from flightsim.sensors.raycast_mesh import geom_triangles
-from flightsim.sensors.raycast_paint import PaintedMesh
-from flightsim.sensors.sky import sky_rgb
+from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
+from flightsim.sensors.cameras.raycast_mesh import geom_triangles
+from flightsim.sensors.cameras.raycast_paint import PaintedMesh
+from flightsim.sensors.cameras.view import (
+    NO_OBJECT_ID,
+    PoseCopy,
+    Quality,
+    RgbdFrame,
+    Viewpoint,
+    look_at,
+)
 from flightsim.world import World
 
 _MIN_OPACITY = 0.5

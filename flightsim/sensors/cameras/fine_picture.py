@@ -8,10 +8,10 @@ import numpy as np
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.drawing import drawn_mesh
 from flightsim.looks.pixel_light import PixelLight
+from flightsim.looks.sky import HORIZON_RGB, painted_sky
 from flightsim.looks.surfaces import FINE
-from flightsim.sensors.camera import RgbdFrame, Viewpoint
-from flightsim.sensors.raycast_mesh import geom_triangles
-from flightsim.sensors.sky import HORIZON_RGB, painted_sky
+from flightsim.sensors.cameras.raycast_mesh import geom_triangles
+from flightsim.sensors.cameras.view import RgbdFrame, Viewpoint
 from flightsim.world import World
 
 SAMPLES = 2

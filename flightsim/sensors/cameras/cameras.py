@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Self
+
+import numpy as np
 
 from flightsim.plant import Plant
-from flightsim.sensors.camera import RgbdFrame, open_camera_renderer
-from flightsim.sensors.depth_noise import DepthNoise
-from flightsim.world import World
+from flightsim.sensors.cameras.depth_noise import DepthNoise
+from flightsim.sensors.cameras.renderer import open_camera_renderer
+from flightsim.sensors.cameras.view import RgbdFrame
 
 
 class Cameras:
@@ -19,7 +22,6 @@ class Cameras:
 
     def __init__(
         self,
-        world: World,
         plant: Plant,
         *,
         width_px: int = 320,
@@ -29,10 +31,9 @@ class Cameras:
         """Open a renderer.
 
         Args:
-            world: What to render.
-            plant: Whose vehicle carries the cameras.
-            width_px: Of the images.
-            height_px: Of the images.
+            plant: Whose vehicle carries the cameras, in whose world.
+            width_px: Width of the images.
+            height_px: Height of the images.
             depth_noise: Errors of depth; None measures it exactly.
 
         Raises:
@@ -40,7 +41,7 @@ class Cameras:
         """
         self._plant = plant
         self._depth_noise = depth_noise
-        self._renderer = open_camera_renderer(world, width_px, height_px)
+        self._renderer = open_camera_renderer(plant.world, width_px, height_px)
         self.backend = self._renderer.backend
         self._listeners: list[Callable[[RgbdFrame], None]] = []
         self._latest: dict[str, RgbdFrame] = {}
@@ -62,6 +63,19 @@ class Cameras:
             listener(frame)
         return frame
 
+    def render_ids(self, camera: str) -> np.ndarray:
+        """What `render` shows at each pixel: int32 (height, width) of ids of the scene's objects.
+
+        Negative are the vehicle (-1), the bare ground (-2), the sky (-3), movers (-10 and below).
+        """
+        return self._renderer.render_ids(self._plant.data, camera)
+
     def close(self) -> None:
         """Free the rendering context."""
         self._renderer.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

@@ -1,0 +1,131 @@
+"""The sensors of a plant: which there are, in what order they measure, and what they say."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from autonomy.estimation.terrain import fuse_range
+from autonomy.jit import kernel
+from flightsim.plant.mujoco_calls import call_mj_ray
+from flightsim.sensors.airspeed import AIRSPEED, AirspeedReading, sense_airspeed
+from flightsim.sensors.barometer import BAROMETER, BaroReading, sense_barometer
+from flightsim.sensors.gnss import GNSS, GnssReading, sense_gnss
+from flightsim.sensors.imu import IMU, ImuReading, sense_imu
+from flightsim.sensors.magnetometer import MAGNETOMETER, MagReading, sense_magnetometer
+from flightsim.sensors.mocap import MOCAP, MocapReading, sense_mocap
+from flightsim.sensors.rangefinder import RANGEFINDER, aim_ray, sample_rangefinder
+from flightsim.sensors.sensor import Sensor, is_due, noise
+from flightsim.sensors.vio import VIO, VioReading, sense_vio
+
+SENSORS: tuple[Sensor[Any], ...] = (
+    IMU,
+    GNSS,
+    VIO,
+    MOCAP,
+    BAROMETER,
+    MAGNETOMETER,
+    RANGEFINDER,
+    AIRSPEED,
+)
+
+
+@kernel
+def sense(
+    p: np.record, qpos: np.ndarray, qvel: np.ndarray, rooms: np.ndarray, normals: np.ndarray
+) -> None:
+    """Let every sensor measure that is due, and the filter use what it says.
+
+    Args:
+        p: `PLANT_DTYPE`, changed.
+        qpos: True pose (7,): position ENU, attitude wxyz.
+        qvel: True velocity (6,): linear ENU, angular FLU.
+        rooms: Where no satellite is heard (n, 8).
+        normals: Of the present second, of all sensors.
+    """
+    f, tick = p.filter, p.engine.tick
+    sense_imu(p.imu, f, tick, qpos, qvel, p.rotors.speed_radps, normals)
+    sense_gnss(p.gnss, f, tick, qpos, qvel, rooms, normals)
+    sense_vio(p.vio, f, tick, qpos, normals)
+    sense_mocap(p.mocap, f, tick, qpos, normals)
+    sense_barometer(p.baro, f, tick, qpos, normals)
+    sense_magnetometer(p.mag, f, tick, qpos, normals)
+    _sense_range(p.range, f, p.engine, qpos, normals)
+    sense_airspeed(p.airspeed, tick, qpos, qvel, p.rotors.wind_enu_mps, normals)
+
+
+@kernel
+def _sense_range(
+    r: np.record, f: np.record, e: np.record, qpos: np.ndarray, normals: np.ndarray
+) -> None:
+    """Cast the ray in MuJoCo's world."""
+    if not is_due(r, e.tick):
+        return
+    aim_ray(r, qpos[0:3], qpos[3:7])
+    distance_m = call_mj_ray(
+        e.ray_address,
+        e.model_address,
+        e.data_address,
+        r.ray.ctypes.data,
+        r.ray[3:].ctypes.data,
+        e.vehicle_body,
+        r.ray_geom.ctypes.data,
+    )
+    sample_rangefinder(r, e.tick, distance_m, noise(r, e.tick, normals))
+    if f.is_aligned == 1:
+        fuse_range(f, r.range_m, r.period_ticks * f.dt_s)
+
+
+class SensorReadings:
+    """The latest sample of every sensor, read out of the plant's record when asked for."""
+
+    __slots__ = ("_record", "_tick_us")
+
+    def __init__(self, record: np.void, tick_us: int) -> None:
+        self._record = record
+        self._tick_us = tick_us
+
+    def read(self, sensor: Sensor[Any]) -> Any:
+        """The latest sample of a sensor of `SENSORS`."""
+        return sensor.read(self._record[sensor.name], self._tick_us)
+
+    @property
+    def imu(self) -> ImuReading:
+        """Accelerometer and gyroscope."""
+        return self.read(IMU)
+
+    @property
+    def gnss(self) -> GnssReading:
+        """Satellite receiver."""
+        return self.read(GNSS)
+
+    @property
+    def vio(self) -> VioReading:
+        """Visual-inertial odometry."""
+        return self.read(VIO)
+
+    @property
+    def mocap(self) -> MocapReading:
+        """Motion capture."""
+        return self.read(MOCAP)
+
+    @property
+    def baro(self) -> BaroReading:
+        """Barometer."""
+        return self.read(BAROMETER)
+
+    @property
+    def mag(self) -> MagReading:
+        """Magnetometer."""
+        return self.read(MAGNETOMETER)
+
+    @property
+    def range_m(self) -> float:
+        """Along body -z; infinite beyond reach, NaN before the first sample."""
+        return self.read(RANGEFINDER)
+
+    @property
+    def airspeed(self) -> AirspeedReading:
+        """Pitot tube along body x."""
+        return self.read(AIRSPEED)

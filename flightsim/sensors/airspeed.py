@@ -1,0 +1,124 @@
+"""Airspeed: a pitot tube along body x, the pressure at its nose over that of the air around it.
+
+    symbol   name                                          unit
+    v        forward speed through the air (along body x)  m/s
+    rho      density of the air                            kg/m^3
+    q        differential pressure, sign(v) rho v^2 / 2    Pa
+
+A sample has white noise, a zero and a span that are wrong for good. The speed that it is told as
+(indicated) takes the density at sea level, so that it is below v in thin air.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from autonomy.jit import kernel
+from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3, pressure_pa, temperature_k
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
+
+_GAS_CONSTANT_JPKGK = 287.053
+"""Of dry air."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AirspeedCfg:
+    """Errors of a pitot tube and of its pressure sensor."""
+
+    rate_hz: int = 50
+    noise_pa: float = 1.0
+    """RMS of a sample: PX4's gazebo-classic and gz airspeed sensors (0.01 hPa)."""
+    zero_sigma_pa: float = 0.1
+    """Of the reading in still air, drawn once: half of what Sensirion's SDP33 is accurate to."""
+    span_sigma: float = 0.015
+    """Of the reading's scale, drawn once: half of that sensor's 3 %."""
+
+
+def _configure(r: np.void, cfg: AirspeedCfg, start: SensorStart) -> None:
+    r["noise_pa"] = cfg.noise_pa
+    r["zero_pa"] = cfg.zero_sigma_pa * start.rng.standard_normal()
+    r["span"] = 1.0 + cfg.span_sigma * start.rng.standard_normal()
+    r["origin_altitude_m"] = start.altitude_m
+
+
+@kernel
+def sample_airspeed(
+    r: np.record,
+    tick: int,
+    height_enu_m: float,
+    quat_wxyz: np.ndarray,
+    air_velocity_enu_mps: np.ndarray,
+    velocity_enu_mps: np.ndarray,
+    normals: np.ndarray,
+) -> None:
+    """Measure at a true state in moving air."""
+    w, x, y, z = quat_wxyz[0], quat_wxyz[1], quat_wxyz[2], quat_wxyz[3]
+    v, air = velocity_enu_mps, air_velocity_enu_mps
+    speed = (1.0 - 2.0 * (y * y + z * z)) * (v[0] - air[0])
+    speed += 2.0 * (x * y + w * z) * (v[1] - air[1]) + 2.0 * (x * z - w * y) * (v[2] - air[2])
+    altitude_m = r.origin_altitude_m + height_enu_m
+    density = pressure_pa(altitude_m) / (_GAS_CONSTANT_JPKGK * temperature_k(altitude_m))
+    dynamic_pa = 0.5 * density * speed * abs(speed)
+    r.differential_pa = r.span * dynamic_pa + r.zero_pa + r.noise_pa * normals[0]
+    indicated = math.sqrt(2.0 * abs(r.differential_pa) / AIR_DENSITY_KGPM3)
+    r.indicated_mps = math.copysign(indicated, r.differential_pa)
+    r.temperature_degc = temperature_k(altitude_m) - 273.15
+    r.tick = tick
+
+
+@kernel
+def sense_airspeed(
+    r: np.record,
+    tick: int,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    air_velocity_enu_mps: np.ndarray,
+    normals: np.ndarray,
+) -> None:
+    """Measure where a sample is due; the filter estimates the wind without it."""
+    if is_due(r, tick):
+        row = noise(r, tick, normals)
+        sample_airspeed(r, tick, qpos[2], qpos[3:7], air_velocity_enu_mps, qvel[0:3], row)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AirspeedReading:
+    """Differential pressure, and the forward speed through the air that it stands for."""
+
+    time_us: int
+    differential_pa: float
+    indicated_mps: float
+    """Negative when the air comes from behind."""
+    temperature_degc: float
+
+
+def _read(r: np.void, tick_us: int) -> AirspeedReading:
+    return AirspeedReading(
+        time_us=time_us(r, tick_us),
+        differential_pa=float(r["differential_pa"]),
+        indicated_mps=float(r["indicated_mps"]),
+        temperature_degc=float(r["temperature_degc"]),
+    )
+
+
+AIRSPEED = Sensor(
+    name="airspeed",
+    setting="airspeed",
+    fields=(
+        ("differential_pa", "f8"),
+        ("indicated_mps", "f8"),
+        ("temperature_degc", "f8"),
+        ("noise_pa", "f8"),
+        ("zero_pa", "f8"),
+        ("span", "f8"),
+        ("origin_altitude_m", "f8"),
+    ),
+    n_normals=1,
+    stream=12,
+    configure=_configure,
+    read=_read,
+    gauge=("airspeed m/s", lambda reading: reading.indicated_mps),
+)

@@ -1,0 +1,96 @@
+"""Which renderer makes the frames on this machine.
+
+Two renderers give the same frames: OpenGL where a GL library loads, ray casting by Embree where
+none does. On-board cameras do not see their own vehicle (their mounts are taken to be clear of
+it, and its depth would mean nothing to a planner); free views do.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import Literal, Protocol
+
+import mujoco
+import numpy as np
+
+from autonomy.model.quadrotor import Vector3
+from flightsim.sensors.cameras.view import CameraError, Quality, RgbdFrame
+from flightsim.world import World
+
+_log = logging.getLogger(__name__)
+
+Backend = Literal["auto", "gl", "raycast"]
+MAX_EDGE_PIXELS = 4096
+
+
+class CameraRenderer(Protocol):
+    """Makes frames of one size of one world."""
+
+    backend: Literal["gl", "raycast"]
+    reason: str
+    """Why this backend."""
+
+    def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
+        """What an on-board camera sees at the positions in `data`, which stays untouched."""
+        ...
+
+    def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
+        """What `render` shows at each pixel: int32 (height, width) of object ids."""
+        ...
+
+    def render_view(
+        self,
+        data: mujoco.MjData,
+        eye_enu_m: Vector3,
+        target_enu_m: Vector3,
+        vertical_fov_rad: float = math.radians(50.0),
+        quality: Quality = "fast",
+    ) -> RgbdFrame:
+        """A picture from anywhere, vehicle included; "fine" adds shadows and smooth edges."""
+        ...
+
+    def close(self) -> None:
+        """Free what the renderer holds; it renders no more."""
+        ...
+
+
+def open_camera_renderer(
+    world: World, width: int, height: int, backend: Backend = "auto"
+) -> CameraRenderer:
+    """A renderer for a world's cameras.
+
+    Args:
+        world: What to render.
+        width: Of the image, pixels.
+        height: Of the image, pixels.
+        backend: "auto" takes OpenGL and falls back to ray casting where no GL library loads.
+
+    Raises:
+        CameraError: If size or backend are not valid, or "gl" is asked for and does not load.
+    """
+    for name, value in (("width", width), ("height", height)):
+        if not 1 <= value <= MAX_EDGE_PIXELS:
+            raise CameraError(f"{name} {value} is not valid, valid: 1 to {MAX_EDGE_PIXELS} pixels")
+    if backend not in ("auto", "gl", "raycast"):
+        raise CameraError(f"backend {backend!r} is unknown; valid: auto, gl, raycast")
+    if backend == "raycast":
+        return _open_raycast(world, width, height, "asked for")
+    from flightsim.sensors.cameras.gl import GlCameraRenderer  # noqa: PLC0415
+    from flightsim.sensors.cameras.gl_target import GlUnavailableError  # noqa: PLC0415
+
+    try:
+        return GlCameraRenderer(world, width, height)
+    except GlUnavailableError as error:
+        if backend == "gl":
+            raise CameraError(
+                f"backend 'gl' does not load here: {error}; valid: raycast"
+            ) from error
+        _log.info("cameras use ray casting: %s", error)
+        return _open_raycast(world, width, height, f"no OpenGL: {error}")
+
+
+def _open_raycast(world: World, width: int, height: int, reason: str) -> CameraRenderer:
+    from flightsim.sensors.cameras.raycast import RaycastCameraRenderer  # noqa: PLC0415 - loads Embree
+
+    return RaycastCameraRenderer(world, width, height, reason)

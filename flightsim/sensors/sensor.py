@@ -1,0 +1,141 @@
+"""What every sensor has: a record within the plant's, a clock, a stream of noise and a reading.
+
+A sensor is one file that ends in a `Sensor`, which names its parts; `flightsim.plant.sensing` lists
+them all and lets them measure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from autonomy.jit import kernel
+from autonomy.types import LEVEL, ZERO3, Quaternion, Vector3
+from flightsim.environment.magnetic_field import FIELD_ENU_UT
+
+ReadingT = TypeVar("ReadingT")
+
+_CLOCK_FIELDS = (
+    ("tick", "i8"),  # for which the last sample is valid, -1 before the first
+    ("rate_hz", "i8"),
+    ("period_ticks", "i8"),
+    ("is_enabled", "i8"),
+    ("first_normal", "i8"),  # of its block among the plant's normals
+    ("n_normals", "i8"),  # that a sample takes
+)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SensorStart:
+    """Where and how a sensor is switched on."""
+
+    tick_hz: int
+    """Control ticks a second."""
+    rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
+    """For errors that are drawn once."""
+    position_enu_m: Vector3 | np.ndarray = ZERO3
+    velocity_enu_mps: Vector3 | np.ndarray = ZERO3
+    quat_wxyz: Quaternion | np.ndarray = LEVEL
+    altitude_m: float = 0.0
+    """Of the scene's z = 0 above mean sea level."""
+    field_enu_ut: Vector3 = FIELD_ENU_UT
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sensor(Generic[ReadingT]):
+    """The parts of a sensor.
+
+    Attributes:
+        dtype: Of its record: the clock, then `fields`.
+    """
+
+    name: str
+    """In the plant's record, in `plant.sensors` and where it is switched off and on."""
+    setting: str
+    """Field of `PlantCfg` that configures it."""
+    fields: Sequence[tuple[Any, ...]]
+    """Of its record, beside the clock."""
+    n_normals: int
+    """Standard normals that a sample takes."""
+    stream: int
+    """Number of its stream of noise, its own for ever: the next free one for a new sensor."""
+    start_stream: int | None = None
+    """The same of what is drawn once; None for a branch of `stream`."""
+    configure: Callable[[np.void, Any, SensorStart], None]
+    """Fills the fields of a record of zeros from the sensor's configuration."""
+    read: Callable[[np.void, int], ReadingT]
+    """The latest sample, of the record and the length of a control tick in us."""
+    grades: Mapping[str, Any] | None = None
+    """Configurations by name, where the setting is a name."""
+    gauge: tuple[str, Callable[[ReadingT], float]] | None = None
+    """What a recording plots of a reading, with its legend."""
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of its record."""
+        return np.dtype([*_CLOCK_FIELDS, *self.fields], align=True)
+
+    @property
+    def start_streams(self) -> tuple[int, ...]:
+        """Numbers of the stream, and of its branch, of what is drawn once."""
+        return (self.stream, 0) if self.start_stream is None else (self.start_stream,)
+
+    def cfg(self, plant_cfg: Any) -> Any:
+        """Its configuration within a `PlantCfg`."""
+        setting = getattr(plant_cfg, self.setting)
+        return self.grades[setting] if self.grades else setting
+
+    def new(self, cfg: Any, start: SensorStart) -> np.ndarray:
+        """A sensor before its first sample, in an array of shape (1,)."""
+        records = np.zeros(1, self.dtype)
+        r: np.void = records[0]
+        r["rate_hz"] = getattr(cfg, "rate_hz", start.tick_hz)
+        r["period_ticks"] = start.tick_hz // r["rate_hz"]
+        r["n_normals"] = self.n_normals
+        r["is_enabled"] = 1
+        r["tick"] = -1
+        self.configure(r, cfg, start)
+        return records
+
+
+@kernel
+def is_due(r: np.record, tick: int) -> bool:
+    """Whether a sensor measures at this tick."""
+    return r.is_enabled == 1 and tick % r.period_ticks == 0
+
+
+@kernel
+def has_arrived(r: np.record, tick: int) -> bool:
+    """Whether the last sample of a sensor with a delay arrives at this tick."""
+    return r.is_enabled == 1 and r.tick >= 0 and tick == r.tick + r.delay_ticks
+
+
+@kernel
+def noise(r: np.record, tick: int, normals: np.ndarray) -> np.ndarray:
+    """Standard normals for the sample of this tick, out of those of the second."""
+    first = r.first_normal + (tick - 1) // r.period_ticks % r.rate_hz * r.n_normals
+    return normals[first : first + r.n_normals]
+
+
+def time_us(r: np.void, tick_us: int) -> int:
+    """Time for which the last sample is valid, 0 before the first."""
+    return max(0, int(r["tick"])) * tick_us
+
+
+class NormalStream:
+    """Standard normals of one second: drawn in blocks one costs 11 ns, alone in Python far more.
+
+    Every sensor has its own stream, so that another rate or another number of draws in one leaves
+    the errors of the others as they were.
+    """
+
+    def __init__(self, seed: np.random.SeedSequence, block: np.ndarray) -> None:
+        self._generator = np.random.default_rng(seed)
+        self._block = block
+
+    def draw(self) -> None:
+        """Fill the block anew."""
+        self._generator.standard_normal(out=self._block)
