@@ -14,10 +14,10 @@ from jaxtyping import Bool, Float, Int
 from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked
 from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, integrate
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
+from autonomy.types import Vector3
 
 UNSEEN_LACK = 0.25
 """Cells without room that is seen cost as if so much of the comfortable distance were lacking."""

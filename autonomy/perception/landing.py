@@ -25,7 +25,6 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception.elevation import ElevationMap
 from autonomy.perception.needs import LandingNeeds
 from autonomy.perception.windows import (
@@ -37,6 +36,7 @@ from autonomy.perception.windows import (
     moment_m2,
     smoothed,
 )
+from autonomy.types import Vector3
 
 _SIGMAS = 2.5
 """Noise that the extremes under the feet are granted."""

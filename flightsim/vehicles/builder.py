@@ -12,7 +12,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.geom_groups import GeomGroup
 from flightsim.vehicles.airframe import Airframe, CameraMount
 

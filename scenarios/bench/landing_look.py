@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingSite
+from autonomy.types import Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth

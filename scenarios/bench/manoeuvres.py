@@ -9,8 +9,7 @@ import numpy as np
 
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.catalogue import category_id
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
+from autonomy.types import IDLE, OFF, ControlLevel, Setpoint, Vector3
 from flightsim.plant import Plant
 from flightsim.plant.cfg import ADVANCE_HZ
 

@@ -12,7 +12,6 @@ import numpy as np
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.freespace import NoFreeSpaceError
 from autonomy.mapping import SeenMap, SeenMapCfg, plan_towards
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning import (
     NOTHING_MOVES,
@@ -28,7 +27,7 @@ from autonomy.planning import (
     replan,
 )
 from autonomy.planning.openings import Opening, find_openings
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission import legs
 from scenarios.mission.given_map import GivenMap, given_map

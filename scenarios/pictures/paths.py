@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from scenarios.pictures import style
 from scenarios.pictures.backdrop import Backdrop
 

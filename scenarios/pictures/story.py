@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea, Scene
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingMap
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 
 _JOINED_M = 0.05

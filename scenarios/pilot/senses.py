@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import DepthImage
 from autonomy.planning import NOTHING_MOVES, MovingObstacles
 from autonomy.rotation import quat_from_rotation_vector, quat_multiply
-from autonomy.types import FlatReference, Quaternion
+from autonomy.types import FlatReference, Quaternion, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 from scenarios.mission.surroundings import GivenMap, Surroundings
 from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, posed_image

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.geom_groups import GeomGroup
 from flightsim.world import World
 

@@ -14,7 +14,7 @@ import rerun as rr
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout

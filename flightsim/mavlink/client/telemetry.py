@@ -7,8 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import NAN3, Quaternion
+from autonomy.types import NAN3, Quaternion, Vector3
 from flightsim.frames import (
     Geodetic,
     LocalFrame,
