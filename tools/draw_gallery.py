@@ -24,6 +24,7 @@ from drawing.views import choose_view
 from rich.console import Console
 
 from aeroscene.sources import open_scene
+from autonomy.types import quat_about_up
 from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
@@ -149,7 +150,7 @@ def _onboard_strip(number: str) -> np.ndarray:
     yaw = math.atan2(y, x)
     data = world.new_data()
     data.qpos[:3] = view.eye_enu_m
-    data.qpos[3:7] = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+    data.qpos[3:7] = quat_about_up(yaw)
     tiles = []
     for camera in ("forward", "down"):
         frame = renderer.render(data, camera, 0)

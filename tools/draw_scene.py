@@ -23,6 +23,7 @@ from PIL import Image
 
 from aeroscene.scene import Vector3
 from aeroscene.sources import open_scene
+from autonomy.types import quat_about_up
 from flightsim.looks.cutting import cut_at
 from flightsim.sensors.cameras import RgbdFrame, look_at, open_camera_renderer
 from flightsim.sensors.cameras.view import Quality
@@ -117,7 +118,7 @@ def _fly(world: World, data: mujoco.MjData, view: View) -> None:
     yaw = math.atan2(y, x) + _CHASED_YAW_RAD
     # Nose a little down, as in forward flight.
     pitch = math.radians(8.0)
-    turn = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+    turn = quat_about_up(yaw)
     dip = (math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0)
     mujoco.mju_mulQuat(data.qpos[3:7], turn, dip)
     mujoco.mj_forward(world.model, data)

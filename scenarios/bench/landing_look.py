@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
 from autonomy.perception import LandingSite
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth
@@ -189,7 +189,7 @@ class Looker:
         frame = self._rig.frame(true, quat, self._rng)
         believed_quat = _product(_turned(self._turn_error.value), quat)
         telemetry = Telemetry(
-            position_enu_m=_vector3(believed), quat_wxyz=tuple(believed_quat.tolist())
+            position_enu_m=vector3(believed), quat_wxyz=tuple(believed_quat.tolist())
         )
         self._time_us += FRAME_PERIOD_US
         watch.fuse(self._time_us, posed_image(frame, self._mount, telemetry))
@@ -225,8 +225,3 @@ def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.array(
         [a[0] * b[0] - a[1:] @ b[1:], *(a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:]))]
     )
-
-
-def _vector3(values: np.ndarray) -> Vector3:
-    x, y, z = values.tolist()
-    return (x, y, z)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from autonomy.types import vector3
 from flightsim.world import World, build_world
 from scenarios.pictures import style
 from scenarios.pictures.backdrop import Backdrop, open_stage, opened_above, surfaces_m
@@ -47,7 +48,7 @@ def draw_flight(story: FlightStory, path: Path) -> None:
     panels = [figure.add_subplot(grid[place]) for place in ((0, 0), (0, 1))]
     view = View(panels[0], above)
     _draw_view(view, story, flown)
-    view.scale(_point(flown.true_enu_m[0]))
+    view.scale(vector3(flown.true_enu_m[0]))
     _explain(panels[0], story, view.emptiest_corner(_framed_paths(story, flown)))
     lines = _draw_view(View(panels[1], aside), story, flown)
     bar = figure.colorbar(lines, ax=panels[1], fraction=0.03, pad=0.01, aspect=50)
@@ -117,7 +118,7 @@ def _draw_view(view: View, story: FlightStory, flown: Track) -> LineCollection:
     for leg, is_superseded in legs:
         if not is_superseded:
             view.path(leg.points_enu_m, style.PLANNED, 1.2, "dashed")
-    view.mark(_point(flown.true_enu_m[0]), "o", "white", 7)
+    view.mark(vector3(flown.true_enu_m[0]), "o", "white", 7)
     if story.touchdown_enu_m is not None:
         view.mark(story.touchdown_enu_m, "*", style.TOUCHDOWN, 15)
     return lines
@@ -154,8 +155,3 @@ def _explain(axes: Axes, story: FlightStory, corner: Corner) -> None:
             )
         )
     axes.legend(handles=shown, loc=corner, fontsize=9, framealpha=0.85, edgecolor=style.RULE)
-
-
-def _point(values: np.ndarray) -> tuple[float, float, float]:
-    x, y, z = values.tolist()
-    return (x, y, z)
