@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from autonomy.jit import kernel
-from flightsim.environment.movers import MOVER_KINDS, MovingObstacle, ObstacleStates
+from flightsim.environment.movers import MOVER_KINDS, MoverName, MovingObstacle, ObstacleStates
 from flightsim.environment.paths import smooth_path
 
 MAX_RATE = 5.0
@@ -102,7 +102,7 @@ def start_poses(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.nda
 
 def obstacle_states(obstacles: Sequence[MovingObstacle], movers: np.ndarray) -> ObstacleStates:
     """Where obstacles are, by the records of their movers."""
-    kinds = tuple(obstacle.kind for obstacle in obstacles)
+    kinds: tuple[MoverName, ...] = tuple(obstacle.kind for obstacle in obstacles)
     size_m = np.array([MOVER_KINDS[kind].size_m for kind in kinds]).reshape(-1, 3)
     return ObstacleStates(
         kinds=kinds,
