@@ -17,6 +17,7 @@ from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning import (
     NOTHING_MOVES,
+    Craft,
     DistanceField,
     FlightLimits,
     MovingObstacles,
@@ -99,6 +100,11 @@ class Surroundings:
         """How plans are made for the vehicle."""
         return PlannerCfg(vehicle_radius_m=self.radius_m, method=self.method)
 
+    @property
+    def craft(self) -> Craft:
+        """What plans are made for."""
+        return Craft(self.limits, self.airframe.quadrotor, self.planner)
+
     def plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:
         """A certified trajectory through free space.
 
@@ -108,7 +114,7 @@ class Surroundings:
         Raises:
             PlanningError: Saying why there is none.
         """
-        return self.map.plan(start, goal_enu_m, self.limits, self.airframe.quadrotor, self.planner)
+        return self.map.plan(start, goal_enu_m, self.craft)
 
     def replan(
         self,
@@ -133,9 +139,7 @@ class Surroundings:
             previous,
             at_time_s,
             self.obstacles,
-            self.limits,
-            self.airframe.quadrotor,
-            self.planner,
+            self.craft,
             moving=moving,
             start=start,
         )
@@ -181,9 +185,7 @@ class Surroundings:
             functools.partial(self.leg, yaw_rad=yaw_rad, speed_mps=speed_mps),
             (start_enu_m, goal_enu_m),
             self.obstacles,
-            self.limits,
-            self.airframe.quadrotor,
-            self.planner,
+            self.craft,
             moving=moving,
             exempt_m=exempt_m,
         )
@@ -211,9 +213,7 @@ class Surroundings:
             previous,
             at_time_s,
             self.obstacles,
-            self.limits,
-            self.airframe.quadrotor,
-            self.planner,
+            self.craft,
             moving=moving,
             start=start,
         )

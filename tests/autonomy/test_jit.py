@@ -83,7 +83,7 @@ def test_making_a_kernel_leaves_numbas_setting_as_it_was(fresh_tree):
 
     double.__module__ = "craft"
     compiled = jit.kernel(double)
-    assert jit.config.CACHE_DIR == before
+    assert before == jit.config.CACHE_DIR
     assert jit.cache_directory("craft") in Path(compiled._cache._cache_path).parents
 
 
