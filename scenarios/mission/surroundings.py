@@ -126,11 +126,7 @@ class Surroundings:
     ) -> Trajectory:
         """A certified trajectory for the rest of a plan, past what moves.
 
-        Args:
-            previous: A plan by `plan` or by this.
-            at_time_s: Time of that plan from which the new one takes over.
-            moving: What moves, predicted from then on.
-            start: Where the vehicle is then; None for where the plan has it.
+        See `autonomy.planning.replan` for the arguments.
 
         Raises:
             PlanningError: Saying why there is none.
@@ -200,11 +196,7 @@ class Surroundings:
     ) -> Trajectory:
         """A certified trajectory to rest as soon as possible, aside where something comes along.
 
-        Args:
-            previous: Any trajectory.
-            at_time_s: Time of it from which the new one takes over.
-            moving: What moves, predicted from then on.
-            start: Where the vehicle is then; None for where the trajectory has it.
+        See `autonomy.planning.brake` for the arguments.
 
         Raises:
             PlanningError: If no stop can be proved.
