@@ -31,11 +31,8 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
-<<<<<<< HEAD
-    from scenarios.run.companion import Aboard, Companion
-=======
     from scenarios.recording.viewer import Viewer
->>>>>>> 19daf26 (Make one command of both, name what is valid in every error line, keep viewers open)
+    from scenarios.run.companion import Aboard, Companion
 
 _LOG = logging.getLogger(__name__)
 
@@ -257,33 +254,22 @@ class Sitl:
         return result
 
     def _simulate(self, should_stop: Callable[[], bool]) -> None:
-        simulator, plant, pilot = self.bench.simulator, self.bench.plant, self.pilot
-        end_us = None
+        simulator, plant = self.bench.simulator, self.bench.plant
+        companion, end_us = self.companion, None
         if self.cfg.headless_seconds is not None:
-<<<<<<< HEAD
-            until_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        companion = self.companion
-        if companion is None:
-            simulator.run(until_us=until_us, stop=should_stop)
-            return
-        deadline_us = plant.time_us + round(MAX_TRIAL_S * 1e6)
-        simulator.run(
-            until_us=min(deadline_us, until_us or deadline_us),
-            stop=lambda: companion.is_done or should_stop(),
-        )
-        simulator.run(until_us=plant.time_us + round(SETTLE_S * 1e6), stop=should_stop)
-=======
             end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        if pilot is None:
+        if companion is None:
             simulator.run(until_us=end_us, stop=should_stop)
             return
-        for seconds, is_done in ((MAX_TRIAL_S, lambda: pilot.is_done), (SETTLE_S, lambda: False)):
+        for seconds, is_done in (
+            (MAX_TRIAL_S, lambda: companion.is_done),
+            (SETTLE_S, lambda: False),
+        ):
             until_us = plant.time_us + round(seconds * 1e6)
             simulator.run(
                 until_us=min(until_us, end_us or until_us),
                 stop=lambda is_done=is_done: is_done() or should_stop(),
             )
->>>>>>> 19daf26 (Make one command of both, name what is valid in every error line, keep viewers open)
 
     def _write(self, result: TrialResult) -> None:
         if self.recorder is not None:
