@@ -9,7 +9,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
 
 from scenarios.cli.command_line import EXIT_DONE, EXIT_INTERRUPTED, fail, print_json
 from scenarios.cli.progress import progress_bar

@@ -203,7 +203,7 @@ def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
         (["show", "{corpus}", "--columns", "0"], "columns 0 is out of range, valid: 1 to 50"),
         (
             ["show", "{corpus}", "--viewer", "vr"],
-            "viewer 'vr' is not valid; valid: auto, native, web",
+            "viewer 'vr' is not valid; valid: ",
         ),
         (["frobnicate"], "frobnicate"),
         ([], "no command; valid: build, stats, validate, show, unpack"),
