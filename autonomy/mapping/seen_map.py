@@ -22,7 +22,7 @@ from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import Opening
 from autonomy.planning.trajectory import Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 
 UNSEEN_LACK = 0.25
 """Cells without room that is seen cost as if so much of the comfortable distance were lacking."""

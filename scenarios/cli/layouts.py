@@ -35,7 +35,7 @@ class LayoutsCfg:
 
     file: tyro.conf.Positional[Path]
     """The file of layouts."""
-    out: Path | None = None
+    out: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
     """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
     skip_invalid: bool = False
     """Leave out objects and scenes that break a rule, name and count them, and go on."""

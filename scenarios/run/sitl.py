@@ -251,8 +251,8 @@ class Sitl:
         return result
 
     def _simulate(self, should_stop: Callable[[], bool]) -> None:
-        simulator, plant, companion = self.bench.simulator, self.bench.plant, self.companion
-        end_us = None
+        simulator, plant = self.bench.simulator, self.bench.plant
+        companion, end_us = self.companion, None
         if self.cfg.headless_seconds is not None:
             end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
         if companion is None:
