@@ -251,17 +251,15 @@ class Sitl:
         return result
 
     def _simulate(self, should_stop: Callable[[], bool]) -> None:
-        simulator, plant = self.bench.simulator, self.bench.plant
-        companion, end_us = self.companion, None
+        simulator, plant, companion = self.bench.simulator, self.bench.plant, self.companion
+        end_us = None
         if self.cfg.headless_seconds is not None:
             end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
         if companion is None:
             simulator.run(until_us=end_us, stop=should_stop)
             return
-        for seconds, is_done in (
-            (MAX_TRIAL_S, lambda: companion.is_done),
-            (SETTLE_S, lambda: False),
-        ):
+        parts = ((MAX_TRIAL_S, lambda: companion.is_done), (SETTLE_S, lambda: False))
+        for seconds, is_done in parts:
             until_us = plant.time_us + round(seconds * 1e6)
             simulator.run(
                 until_us=min(until_us, end_us or until_us),
