@@ -36,16 +36,20 @@ def kernel(function: _F) -> _F:
     that one, cannot be called from Python and needs no cache of its own.
     """
     is_part = function.__name__.startswith("_")
+    compiler: Any = numba.njit  # its annotations lack options
+    inherited = _config.CACHE_DIR
     if not is_part:
         _config.CACHE_DIR = str(cache_directory(function.__module__))
-    compiler: Any = numba.njit  # its annotations lack options
-    return compiler(
-        cache=not is_part,
-        error_model="numpy",
-        fastmath=False,
-        no_cfunc_wrapper=True,
-        no_cpython_wrapper=is_part,
-    )(function)
+    try:
+        return compiler(
+            cache=not is_part,
+            error_model="numpy",
+            fastmath=False,
+            no_cfunc_wrapper=True,
+            no_cpython_wrapper=is_part,
+        )(function)
+    finally:
+        _config.CACHE_DIR = inherited  # nobody else's kernels belong under this digest
 
 
 @functools.cache

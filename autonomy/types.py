@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
+import numpy as np
+
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -17,6 +19,23 @@ NAN3: Vector3 = (math.nan, math.nan, math.nan)
 ZERO3: Vector3 = (0.0, 0.0, 0.0)
 LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 """No rotation at all."""
+
+
+def vector3(values: np.ndarray) -> Vector3:
+    """An array (3,) as a tuple."""
+    x, y, z = values.tolist()
+    return (x, y, z)
+
+
+def quat_about_up(yaw_rad: float) -> Quaternion:
+    """Upright attitude with a heading."""
+    return (math.cos(0.5 * yaw_rad), 0.0, 0.0, math.sin(0.5 * yaw_rad))
+
+
+def yaw_of(quat_wxyz: Quaternion) -> float:
+    """Heading of an attitude: where body x points, counter-clockwise from east."""
+    w, x, y, z = quat_wxyz
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -21,7 +21,13 @@ if TYPE_CHECKING:
         MavlinkClient,
         Telemetry,
     )
-    from flightsim.plant import PhysicsDivergedError, Plant, PlantCfg, PlantError
+    from flightsim.plant import (
+        NotAlignedError,
+        PhysicsDivergedError,
+        Plant,
+        PlantCfg,
+        PlantError,
+    )
     from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
     from flightsim.simulator import Controller, Simulator
     from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError
@@ -42,7 +48,7 @@ else:
             "flightsim.environment.wind": "WindCfg",
             "flightsim.mavlink.client": "PX4_HOLD PX4_LAND PX4_OFFBOARD PX4_RETURN BytePipe "
             "Command MavlinkClient Telemetry",
-            "flightsim.plant": "PhysicsDivergedError Plant PlantCfg PlantError",
+            "flightsim.plant": "NotAlignedError PhysicsDivergedError Plant PlantCfg PlantError",
             "flightsim.sensors.cameras": "CameraError Cameras RgbdFrame depth_noise",
             "flightsim.simulator": "Controller Simulator",
             "flightsim.testbench": "Testbench TestbenchCfg TestbenchError",
@@ -69,6 +75,7 @@ __all__ = [
     "Controller",
     "FlatReference",
     "MavlinkClient",
+    "NotAlignedError",
     "PhysicsDivergedError",
     "Plant",
     "PlantCfg",

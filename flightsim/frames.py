@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import Quaternion
+from autonomy.types import Quaternion, Vector3
 
 # WGS 84, NGA.STND.0036.
 _SEMI_MAJOR_AXIS_M = 6378137.0

@@ -102,7 +102,9 @@ class Testbench:
     """Builds every part of a run and owns what must be closed.
 
     Attributes:
+        simulator: The loop; its `run` and `step` let time pass.
         pilot_link: Lockstep MAVLink for a companion inside this process.
+        observers: Called in this order at the end of each tick; append what should look on.
     """
 
     def __init__(
@@ -114,7 +116,6 @@ class Testbench:
         traffic: Sequence[MovingObstacle] | None = None,
         has_network: bool = True,
         extra_links: Sequence[Link] = (),
-        observers: Sequence[Callable[[], None]] = (),
     ) -> None:
         """Build the world of a scene and open the links.
 
@@ -125,7 +126,6 @@ class Testbench:
             traffic: Movers on paths of their own instead of those of the configuration.
             has_network: Whether clients outside this process can connect.
             extra_links: MAVLink links besides the in-process one and the network's.
-            observers: Called in this order at the end of each tick; a list may grow later.
 
         Raises:
             WorldError: If the vehicle cannot start there.
@@ -160,13 +160,18 @@ class Testbench:
         self.server = MavlinkServer(
             self.autopilot, self.plant, self.frame, links, system_id=system_id
         )
+        self.observers: list[Callable[[], None]] = []
         self.simulator = Simulator(
-            self.plant, self.autopilot, self.server, observers=observers, speed=cfg.speed
+            self.plant, self.autopilot, self.server, observers=self.observers, speed=cfg.speed
         )
 
     def connect(self) -> MavlinkClient:
         """A companion on `pilot_link`; call its `update` with `plant.time_us` after each tick."""
         return MavlinkClient(self.pilot_link.client, self.frame)
+
+    def run(self, seconds: float, until: Callable[[], bool] | None = None) -> None:
+        """Let simulated time pass at the configured speed, until `until()` holds if it is given."""
+        self.simulator.run(until_us=self.plant.time_us + round(seconds * 1e6), stop=until)
 
     def close(self) -> None:
         """Close every link."""

@@ -12,22 +12,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import cv2
 import numpy as np
 import tyro
 from draw_scene import DrawCfg, picture, save
 from drawing.category_chart import category_chart
 from drawing.gallery_page import Shown, write_page
-from drawing.gallery_scenes import KINDS, choose_scenes
-from drawing.labels import label
+from drawing.gallery_scenes import PLACES, Place
 from drawing.views import choose_view
+from matplotlib import colormaps
 from rich.console import Console
 
 from aeroscene.sources import open_scene
+from autonomy.types import quat_about_up
 from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
+from scenarios.pictures.lettering import label
 
 _PLACE_PX = (832, 468)
 _ONBOARD_PX = (320, 240)
@@ -36,8 +37,14 @@ _GENERATED = (36, 48)
 """Numbers of the scenes that show what the model makes; 42 is among them."""
 _COLUMNS = 3
 _CUT_M = 2.6
-_MOST_BYTES = 2_500_000
+_MOST_BYTES = 3_000_000
 _FAR_M = 40.0
+_ONBOARD = {
+    "urban": "Cars under a solar roof; below, a helipad beside a parking space.",
+    "waterfront": "The office and the square beyond the street; below, a landing mat on the lawn.",
+    "office": "A landing mat before a glazed room; below, a landing pad on tiles.",
+}
+"""Of which places, and what is seen."""
 
 Section = Literal["generated", "places", "onboard", "areas", "categories"]
 
@@ -52,8 +59,6 @@ class GalleryCfg:
     """The page that shows them; written when all sections are drawn."""
     only: tuple[Section, ...] = ()
     """Sections to draw; all of them when none is named."""
-    scenes: tuple[int, int] = (0, 90)
-    """Range of corpus scenes to choose places from."""
     quality: Quality = "fine"
     """"fast" draws a draft."""
 
@@ -62,10 +67,8 @@ def draw(cfg: GalleryCfg) -> None:
     """Draw and write the pictures, and the page if they are all there."""
     console = Console(stderr=True)
     sections = cfg.only or ("generated", "places", "onboard", "areas", "categories")
-    needs_scenes = bool(set(sections) - {"categories", "generated"})
-    chosen = choose_scenes(range(*cfg.scenes)) if needs_scenes else {}
     shown: list[Shown] = []
-    makers: dict[Section, Callable[[GalleryCfg, dict[str, str]], list[Shown]]] = {
+    makers: dict[Section, Callable[[GalleryCfg], list[Shown]]] = {
         "generated": _generated,
         "places": _places,
         "onboard": _onboard,
@@ -74,7 +77,7 @@ def draw(cfg: GalleryCfg) -> None:
     }
     for section in sections:
         console.print(f"drawing {section}")
-        shown += makers[section](cfg, chosen)
+        shown += makers[section](cfg)
     n_bytes = sum((cfg.out / item.file).stat().st_size for item in shown)
     console.print(f"{len(shown)} pictures, {n_bytes / 1e6:.2f} MB")
     if n_bytes > _MOST_BYTES:
@@ -83,9 +86,8 @@ def draw(cfg: GalleryCfg) -> None:
         write_page(cfg.page, cfg.out, shown)
 
 
-def _generated(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+def _generated(cfg: GalleryCfg) -> list[Shown]:
     """Shipped scenes side by side, roofs taken off indoors."""
-    del chosen
     rows = []
     for start in range(*_GENERATED, _COLUMNS):
         tiles = [_tile(cfg, number) for number in range(start, start + _COLUMNS)]
@@ -111,32 +113,44 @@ def _tile(cfg: GalleryCfg, number: int) -> np.ndarray:
     return label(rgb, str(number), size_px=16)
 
 
-def _places(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+def _places(cfg: GalleryCfg) -> list[Shown]:
     shown = []
-    for kind in KINDS:
-        file = f"{kind.name}.jpg"
-        _, rgb = picture(
-            DrawCfg(
-                out=cfg.out / file,
-                scene=chosen[kind.name],
-                view=kind.view,
-                cut_height_m=kind.cut_height_m,
-                size_px=_PLACE_PX,
-                quality=cfg.quality,
-            )
+    for place in PLACES:
+        beside = None
+        if place.generated is not None:
+            beside = f"{place.name}-generated.jpg"
+            _draw_place(cfg, place, place.generated, beside)
+        file = f"{place.name}.jpg"
+        _draw_place(cfg, place, place.scene, file)
+        shown.append(
+            Shown("places", file, place.title, place.text, place.scene, beside, place.generated)
         )
-        save(rgb, cfg.out / file)
-        shown.append(Shown("places", file, kind.title, kind.text, chosen[kind.name]))
     return shown
 
 
-def _onboard(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+def _draw_place(cfg: GalleryCfg, place: Place, scene: str, file: str) -> None:
+    draw_cfg = DrawCfg(
+        out=cfg.out / file,
+        scene=scene,
+        view=place.view,
+        cut_height_m=place.cut_height_m,
+        size_px=_PLACE_PX,
+        quality=cfg.quality,
+    )
+    save(picture(draw_cfg)[1], draw_cfg.out)
+
+
+def _scene_of(name: str) -> str:
+    return next(place.scene for place in PLACES if place.name == name)
+
+
+def _onboard(cfg: GalleryCfg) -> list[Shown]:
     """What the cameras of an Iris give: colour and depth, forward and down, at 320 x 240."""
     shown = []
-    for name in ("urban", "waterfront", "office"):
+    for name, text in _ONBOARD.items():
         file = f"onboard-{name}.jpg"
-        save(_onboard_strip(chosen[name]), cfg.out / file)
-        shown.append(Shown("onboard", file, f"On board, {name}", "", chosen[name]))
+        save(_onboard_strip(_scene_of(name)), cfg.out / file)
+        shown.append(Shown("onboard", file, f"On board, {name}", text, _scene_of(name)))
     return shown
 
 
@@ -149,7 +163,7 @@ def _onboard_strip(number: str) -> np.ndarray:
     yaw = math.atan2(y, x)
     data = world.new_data()
     data.qpos[:3] = view.eye_enu_m
-    data.qpos[3:7] = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+    data.qpos[3:7] = quat_about_up(yaw)
     tiles = []
     for camera in ("forward", "down"):
         frame = renderer.render(data, camera, 0)
@@ -163,19 +177,19 @@ def _depth_rgb(frame: RgbdFrame) -> np.ndarray:
     far_m = min(_FAR_M, float(np.quantile(frame.depth_m[np.isfinite(frame.depth_m)], 0.97)))
     low, high = math.log(float(frame.depth_m.min())), math.log(far_m)
     near = np.clip((high - np.log(frame.depth_m)) / max(0.05, high - low), 0.0, 1.0)
-    bgr = cv2.applyColorMap((255 * near).astype(np.uint8), cv2.COLORMAP_TURBO)
-    bgr[~np.isfinite(frame.depth_m)] = 0
-    return np.ascontiguousarray(bgr[..., ::-1])
+    rgb = (255 * colormaps["turbo"](near)[..., :3]).astype(np.uint8)
+    rgb[~np.isfinite(frame.depth_m)] = 0
+    return rgb
 
 
-def _areas(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
+def _areas(cfg: GalleryCfg) -> list[Shown]:
     shown = []
-    for name, cut_height_m in (("urban", None), ("apartments", 2.5)):
+    for name, cut_height_m in (("urban", None), ("store", 2.5)):
         file = f"areas-{name}.jpg"
         _, rgb = picture(
             DrawCfg(
                 out=cfg.out / file,
-                scene=chosen[name],
+                scene=_scene_of(name),
                 view="overview",
                 cut_height_m=cut_height_m,
                 areas=True,
@@ -184,12 +198,11 @@ def _areas(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
             )
         )
         save(rgb, cfg.out / file)
-        shown.append(Shown("areas", file, f"Areas, {name}", "", chosen[name]))
+        shown.append(Shown("areas", file, f"Areas, {name}", "", _scene_of(name)))
     return shown
 
 
-def _categories(cfg: GalleryCfg, chosen: dict[str, str]) -> list[Shown]:
-    del chosen
+def _categories(cfg: GalleryCfg) -> list[Shown]:
     save(category_chart(cfg.quality), cfg.out / "categories.jpg")
     return [Shown("categories", "categories.jpg", "All 70 categories", "", None)]
 

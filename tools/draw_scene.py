@@ -3,9 +3,9 @@
 python tools/draw_scene.py --scene 42 --view overview --out scene-42.png
 python tools/draw_scene.py --scene 44 --view overview --cut-height-m 2.6 --areas --out plan.png
 
-The picture of the README, which shows a vehicle in flight:
+With a vehicle in flight:
 
-python tools/draw_scene.py --scene 42 --view chase --size-px 1120 560 --out docs/images/scene-42.png
+python tools/draw_scene.py --scene 42 --view chase --size-px 1120 560 --out chase.png
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from PIL import Image
 
 from aeroscene.scene import Vector3
 from aeroscene.sources import open_scene
+from autonomy.types import quat_about_up
 from flightsim.looks.cutting import cut_at
 from flightsim.sensors.cameras import RgbdFrame, look_at, open_camera_renderer
 from flightsim.sensors.cameras.view import Quality
@@ -117,7 +118,7 @@ def _fly(world: World, data: mujoco.MjData, view: View) -> None:
     yaw = math.atan2(y, x) + _CHASED_YAW_RAD
     # Nose a little down, as in forward flight.
     pitch = math.radians(8.0)
-    turn = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+    turn = quat_about_up(yaw)
     dip = (math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0)
     mujoco.mju_mulQuat(data.qpos[3:7], turn, dip)
     mujoco.mj_forward(world.model, data)

@@ -1,4 +1,4 @@
-"""Fly the demo in many scenes with every vehicle and print the figures of docs/results.md.
+"""Fly the demo in many scenes with every vehicle and print the figures of docs/notebook.md.
 
 python tools/fly_demos.py --scenes 40:50
 """

@@ -4,7 +4,7 @@
     e_x, e_v      position and velocity error    reference minus estimate (Lee: the opposite)
     R, Omega      attitude, body rates           c.R, x.angular_rate_flu_radps
     R_d, Omega_d  commanded attitude and rates   c.R_cmd, c.rate_cmd_flu_radps
-    e_R, e_W      attitude and rate error
+    e_R, e_W      attitude and rate error        c.attitude_error
 
 Sources: Lee, Leok and McClamroch 2010, "Geometric tracking control of a quadrotor UAV on SE(3)",
 eqs. (10), (11), (15), (16); integral action after Goodarzi, Lee and Lee 2013; body rates from jerk
@@ -36,7 +36,7 @@ def demand_force(c: np.record, x: np.record) -> None:
     Feedback, integral, tilt and thrust are limited; the vertical part has a floor, so that a fast
     descent never demands a steep tilt.
     """
-    force, e_x = c.force_enu_mps2, c.target
+    force, e_x = c.force_enu_mps2, c.position_error_enu_m
     estimate_acceleration(c, x)
     for i in range(3):
         e_x[i] = c.reference_position_enu_m[i] - x.position_enu_m[i]
@@ -170,8 +170,8 @@ def command_attitude(c: np.record, x: np.record) -> None:
     _demand_jerk(c, x, _MAX_FEEDBACK_RATE_RADPS * norm)
     along_x, along_y = 0.0, 0.0
     for i in range(3):
-        along_x += Rd[i, 0] * c.target[i]
-        along_y += Rd[i, 1] * c.target[i]
+        along_x += Rd[i, 0] * c.demanded_jerk_enu_mps3[i]
+        along_y += Rd[i, 1] * c.demanded_jerk_enu_mps3[i]
     rate = c.rate_cmd_flu_radps
     rate[0] = -along_y / norm
     rate[1] = along_x / norm
@@ -183,7 +183,7 @@ def command_attitude(c: np.record, x: np.record) -> None:
 
 @kernel
 def _demand_jerk(c: np.record, x: np.record, max_feedback_mps3: float) -> None:
-    """Derivative of the demanded force, written to `c.target`.
+    """Derivative of the demanded force, written to `c.demanded_jerk_enu_mps3`.
 
     Without the feedback's part, the attitude lags behind it by 2 zeta / wR and the position loop
     rings.
@@ -197,7 +197,7 @@ def _demand_jerk(c: np.record, x: np.record, max_feedback_mps3: float) -> None:
             jerk = c.position_gain * e_v + c.velocity_gain * e_a
             jerk = min(max(jerk, -max_feedback_mps3), max_feedback_mps3)
         drag_jerk = drag * c.reference_acceleration_enu_mps2[i]
-        c.target[i] = c.reference_jerk_enu_mps3[i] + drag_jerk + jerk
+        c.demanded_jerk_enu_mps3[i] = c.reference_jerk_enu_mps3[i] + drag_jerk + jerk
 
 
 @kernel
@@ -208,7 +208,7 @@ def attitude_torque(c: np.record, rate_flu_radps: np.ndarray) -> None:
     for i in range(3):
         for j in range(3):
             Q[i, j] = R[0, i] * Rd[0, j] + R[1, i] * Rd[1, j] + R[2, i] * Rd[2, j]
-    wd, e_R = c.rate_cmd_flu_radps, c.target
+    wd, e_R = c.rate_cmd_flu_radps, c.attitude_error
     _attitude_error(Q, rate_flu_radps, e_R)
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3

@@ -115,7 +115,10 @@ CONTROLLER_DTYPE = np.dtype(
         # Scratch.
         ("R", "f8", (3, 3)),
         ("R_error", "f8", (3, 3)),
-        ("target", "f8", 3),
+        ("target_velocity_enu_mps", "f8", 3),  # of the reference's model
+        ("position_error_enu_m", "f8", 3),
+        ("demanded_jerk_enu_mps3", "f8", 3),  # derivative of the demanded force
+        ("attitude_error", "f8", 3),
     ],
     align=True,
 )

@@ -111,8 +111,8 @@ def _approach_speed(distance_m: float, gain: float, deceleration: float) -> floa
 
 @kernel
 def _aim(c: np.record, s: np.record) -> None:
-    """Target velocity of the model in `c.target`: towards positions, or from the setpoint."""
-    target, gain = c.target, c.approach_gain_radps
+    """Target velocity of the model: towards positions, or from the setpoint."""
+    target, gain = c.target_velocity_enu_mps, c.approach_gain_radps
     square = 0.0
     for i in range(2):
         left = s.position_enu_m[i] - c.reference_position_enu_m[i]
@@ -141,7 +141,7 @@ def _add_velocity(c: np.record, s: np.record) -> None:
     The way to a far setpoint has priority: otherwise a vehicle left behind by a fast setpoint would
     fly beside it for ever.
     """
-    target, limit = c.target, c.max_speed_mps
+    target, limit = c.target_velocity_enu_mps, c.max_speed_mps
     vx, vy = _finite(s.velocity_enu_mps[0]), _finite(s.velocity_enu_mps[1])
     square = vx * vx + vy * vy
     if square > 0.0 and math.hypot(target[0] + vx, target[1] + vy) > limit:
@@ -219,7 +219,9 @@ def _is_acceleration_only(s: np.record, i: int) -> bool:
 @kernel
 def _model_acceleration(c: np.record, s: np.record, i: int) -> float:
     """Acceleration towards the target velocity, with the setpoint's as feed-forward."""
-    wanted = c.velocity_response_radps * (c.target[i] - c.reference_velocity_enu_mps[i])
+    wanted = c.velocity_response_radps * (
+        c.target_velocity_enu_mps[i] - c.reference_velocity_enu_mps[i]
+    )
     forward = s.acceleration_enu_mps2[i]
     return wanted + forward if math.isfinite(forward) else wanted
 

@@ -27,7 +27,7 @@ from __future__ import annotations
 import numpy as np
 
 from autonomy.estimation.cfg import DragModel, EstimatorCfg
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 N_STATES = 25
 POSITION, VELOCITY, ATTITUDE, GYRO_BIAS, ACCEL_BIAS, BARO_OFFSET = 0, 3, 6, 9, 12, 15

@@ -1,6 +1,7 @@
 """Mapping: from depth images to what is known to be free, and ways through it."""
 
 from autonomy.mapping.exploring import plan_towards
+from autonomy.mapping.map import GivenMap, Map
 from autonomy.mapping.seen_map import SeenMap, SeenMapCfg
 
-__all__ = ["SeenMap", "SeenMapCfg", "plan_towards"]
+__all__ = ["GivenMap", "Map", "SeenMap", "SeenMapCfg", "plan_towards"]

@@ -187,3 +187,9 @@ def distance_to_cells(
                         best = min(best, dx * dx + dy * dy + dz * dz)
         distance[n] = math.sqrt(best) * resolution
     return distance
+
+
+def slices(block: Int[np.ndarray, "2 3"]) -> tuple[slice, slice, slice]:
+    """Of an array of cells, a block given by its first cell and the cell beyond its last."""
+    (i, j, k), (u, v, w) = block.tolist()
+    return slice(i, u), slice(j, v), slice(k, w)

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Int
 
 from autonomy.mapping.agenda import Errand
+from autonomy.mapping.distances import slices
 from autonomy.mapping.gestures import NOD_RAD, nod, turn
 from autonomy.mapping.rays import FREE_AT, OCCUPIED_AT
-from autonomy.mapping.seen_map import SeenMap, slices
 from autonomy.mapping.task import Task, in_words
 from autonomy.mapping.views import Sight, best_viewpoint, visible
 from autonomy.planning.errors import PlanningError
 from autonomy.planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from autonomy.mapping.seen_map import SeenMap
 
 LOOK_IMAGES = 4
 """After so many images of cells that are still unknown, no more is expected."""

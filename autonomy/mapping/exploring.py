@@ -15,22 +15,25 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Int
 
 from autonomy.mapping.errands import pursue, set_out
 from autonomy.mapping.rays import HIT
-from autonomy.mapping.seen_map import SeenMap
 from autonomy.mapping.task import Task, in_words
-from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.errors import BlockedError, PlanningError, UnreachableError
 from autonomy.planning.legs import plan_leg
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.planner import PlannerCfg
 from autonomy.planning.search import shortest_path
 from autonomy.planning.trajectory import Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
+
+if TYPE_CHECKING:
+    from autonomy.mapping.seen_map import SeenMap
 
 WORTHWHILE_M = 0.5
 """Shorter ways are not flown: the vehicle rather looks where the way goes on."""

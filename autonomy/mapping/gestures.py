@@ -12,12 +12,11 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.mapping.task import Task
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning.errors import PlanningError
 from autonomy.planning.planner import as_node
 from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
 from autonomy.planning.yaw import STEP_S
-from autonomy.types import ZERO3
+from autonomy.types import ZERO3, Vector3
 
 NOD_RAD = math.radians(11.0)
 """How much higher a nod sees, at least for half a second."""

@@ -6,18 +6,25 @@ Whatever was not seen free is an obstacle to the proof of a plan.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from autonomy.mapping.agenda import Agenda
-from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked
+from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked, slices
+from autonomy.mapping.exploring import plan_towards
 from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, integrate
-from autonomy.model.quadrotor import Vector3
+from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.field import DistanceField
+from autonomy.planning.limits import FlightLimits
 from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.openings import Opening
+from autonomy.planning.planner import PlannerCfg
+from autonomy.planning.trajectory import Trajectory
+from autonomy.types import FlatReference, Vector3
 
 UNSEEN_LACK = 0.25
 """Cells without room that is seen cost as if so much of the comfortable distance were lacking."""
@@ -47,9 +54,12 @@ class SeenMap:
     Attributes:
         evidence: Of each cell: free up to `FREE_AT`, occupied from `OCCUPIED_AT` on, else unknown.
         n_images: Images taken in so far.
+        is_given: All of it is seen, nothing was given.
         agenda: What the vehicle that looks about in it is up to.
         eye_enu_m: Where the last of them was taken from; the start before.
     """
+
+    is_given = False
 
     def __init__(
         self, low_enu_m: Vector3, high_enu_m: Vector3, cfg: SeenMapCfg | None = None
@@ -156,6 +166,32 @@ class SeenMap:
     ) -> Float[np.ndarray, " k"]:
         """Distance to the nearest cell that was occupied in several images: not by what moves."""
         return self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
+
+    def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """The same, but 0 where nothing was seen free yet: what comes into view need not move."""
+        is_known_free = self.obstacles.signed_distance(points_enu_m)[0] > 0.0
+        is_new = ~is_known_free & (self.distance_to_seen_m(points_enu_m) > 0.0)
+        return np.where(is_new, 0.0, self.distance_to_standing_m(points_enu_m))
+
+    def find_openings(self) -> Sequence[Opening]:
+        """None are told."""
+        return ()
+
+    def may_be_reached(self, point_enu_m: Vector3) -> bool:
+        """Nobody knows."""
+        del point_enu_m
+        return True
+
+    def plan(
+        self,
+        start: FlatReference,
+        goal_enu_m: Vector3,
+        limits: FlightLimits,
+        quadrotor: QuadrotorParams,
+        cfg: PlannerCfg,
+    ) -> Trajectory:
+        """See `plan_towards`."""
+        return plan_towards(self, start, goal_enu_m, limits, quadrotor, cfg)
 
     @property
     def field(self) -> DistanceField:
@@ -268,9 +304,3 @@ class SeenMap:
 
 def _distances(marked: Bool[np.ndarray, "nx ny nz"], cfg: SeenMapCfg) -> np.ndarray:
     return distance_to_marked(np.ascontiguousarray(marked), cfg.resolution_m, cfg.cap_m)
-
-
-def slices(block: Int[np.ndarray, "2 3"]) -> tuple[slice, slice, slice]:
-    """Of an array of cells, a block given by its first cell and the cell beyond its last."""
-    (i, j, k), (u, v, w) = block.tolist()
-    return slice(i, u), slice(j, v), slice(k, w)

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from autonomy.mapping.seen_map import SeenMap
-from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.certificate import certify
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.limits import MIN_ACCELERATION_MPS2, FlightLimits
 from autonomy.planning.planner import PlannerCfg, plan_trajectory
 from autonomy.planning.trajectory import Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
+
+if TYPE_CHECKING:
+    from autonomy.mapping.seen_map import SeenMap
 
 _AROUND_M = 2.0
 """Beyond the way to fly, what the plan may use."""

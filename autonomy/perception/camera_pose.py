@@ -7,9 +7,8 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.rotation import matrix_from_quat
-from autonomy.types import Quaternion
+from autonomy.types import Quaternion, Vector3
 
 
 def camera_pose(

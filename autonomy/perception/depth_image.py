@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 # Pixels farther apart than the windows of stereo matching, whose errors are alike.
 _APART = 6

@@ -27,9 +27,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from autonomy.jit import kernel
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage, bound_hidden, steepest_sight
 from autonomy.perception.rasterise import OUTLYING_SIGMAS, rasterise
+from autonomy.types import Vector3
 
 MEMORY_FRAMES = 12
 """A new frame of the same quality weighs at least one in so many."""

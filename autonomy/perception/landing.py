@@ -25,7 +25,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.perception.criteria import Ground, first_lack, is_safe
 from autonomy.perception.elevation import ElevationMap
 from autonomy.perception.needs import LandingNeeds
 from autonomy.perception.windows import (
@@ -37,10 +37,10 @@ from autonomy.perception.windows import (
     moment_m2,
     smoothed,
 )
+from autonomy.types import Vector3
 
 _SIGMAS = 2.5
 """Noise that the extremes under the feet are granted."""
-_SLOPE_SIGMAS = 2.0
 _SAME_SURFACE = 1.6
 """Neighbours whose heights differ by less than this times the noise lie on one surface."""
 _DISTANCE_PRICE = 0.1
@@ -63,7 +63,7 @@ class LandingSite:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LandingMap:
+class LandingMap(Ground):
     """What is known about every cell; rows along north, columns along east."""
 
     surface_m: Float[np.ndarray, "n n"]
@@ -71,15 +71,6 @@ class LandingMap:
     under the feet was observed."""
     gradient: Float[np.ndarray, "2 n n"]
     """Rise of the plane per metre to the east and to the north."""
-    slope_rad: Float[np.ndarray, "n n"]
-    slope_sigma_rad: Float[np.ndarray, "n n"]
-    """How uncertain the noise of depth makes it."""
-    roughness_m: Float[np.ndarray, "n n"]
-    """Height range about the plane under the feet, beyond what noise may do."""
-    sigma_m: Float[np.ndarray, "n n"]
-    """How uncertain the heights of the cells under the feet are, root mean square."""
-    rise_m: Float[np.ndarray, "n n"]
-    """How far anything within the body's radius may rise above the plane; inf: it is unknown."""
     height_m: Float[np.ndarray, "n n"]
     """Of the surface; without meaning where nothing was seen."""
     is_observed: Bool[np.ndarray, "n n"]
@@ -121,47 +112,26 @@ def assess(
     observed = elevation.is_observed
     # Heights about their mean, so that single precision keeps every digit that matters.
     level = float(np.mean(elevation.height_m[observed], dtype=float)) if observed.any() else 0.0
-    ground = _ground(elevation, needs, level)
-    body, step = disc(needs.body_radius_m, elevation.resolution_m), elevation.resolution_m
-    noise = np.where(observed, np.float32(_SIGMAS) * np.sqrt(elevation.variance_m2), np.float32(0))
-    rise = highest(elevation.ceiling_m - level - noise, ground.plane, body, step)
-    is_safe = (
-        (ground.slope_rad + _SLOPE_SIGMAS * ground.slope_sigma_rad <= needs.max_slope_rad)
-        & (ground.roughness_m <= needs.max_roughness_m)
-        & (ground.sigma_m <= needs.max_sigma_m)
-        & (rise <= needs.max_rise_m)
-    )
-    usable = is_safe if is_allowed is None else is_safe & is_allowed
+    plane, ground = _ground(elevation, needs, level)
+    safe = is_safe(ground, needs)
+    usable = safe if is_allowed is None else safe & is_allowed
     return LandingMap(
-        surface_m=ground.plane[0].astype(float) + level,
-        gradient=ground.plane[1:],
-        slope_rad=ground.slope_rad,
-        slope_sigma_rad=ground.slope_sigma_rad,
-        roughness_m=ground.roughness_m,
-        sigma_m=ground.sigma_m,
-        rise_m=rise,
+        **vars(ground),
+        surface_m=plane[0].astype(float) + level,
+        gradient=plane[1:],
         height_m=elevation.height_m.copy(),
         is_observed=observed,
-        is_safe=is_safe,
-        clearance_m=clearance(usable, step),
+        is_safe=safe,
+        clearance_m=clearance(usable, elevation.resolution_m),
         enough_clearance_m=needs.enough_clearance_m,
         axes_enu_m=elevation.cell_centres(),
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Ground:
-    """What is under the feet of a vehicle at each cell; NaN where it is not known."""
-
-    plane: Float[np.ndarray, "3 n n"]
-    """Height there, rise to the east and to the north."""
-    slope_rad: Float[np.ndarray, "n n"]
-    slope_sigma_rad: Float[np.ndarray, "n n"]
-    roughness_m: Float[np.ndarray, "n n"]
-    sigma_m: Float[np.ndarray, "n n"]
-
-
-def _ground(elevation: ElevationMap, needs: LandingNeeds, level_m: float) -> _Ground:
+def _ground(
+    elevation: ElevationMap, needs: LandingNeeds, level_m: float
+) -> tuple[Float[np.ndarray, "3 n n"], Ground]:
+    """Planes under the feet, height and rise to the east and to the north, and all about them."""
     step = elevation.resolution_m
     known = elevation.n_frames >= needs.min_frames
     foot = disc(needs.footprint_radius_m, step)
@@ -174,12 +144,16 @@ def _ground(elevation: ElevationMap, needs: LandingNeeds, level_m: float) -> _Gr
     top = np.maximum(elevation.top_m - level_m - noise, mean - noise / 3)
     bottom = np.minimum(elevation.bottom_m - level_m + noise, mean + noise / 3)
     above, below = extremes(top, bottom, plane, foot, step)
-    return _Ground(
-        plane=plane,
+    seen_noise = np.float32(_SIGMAS) * np.sqrt(elevation.variance_m2)
+    ceiling = (
+        elevation.ceiling_m - level_m - np.where(elevation.is_observed, seen_noise, np.float32(0))
+    )
+    return plane, Ground(
         slope_rad=np.arctan(np.hypot(plane[1], plane[2])),
         slope_sigma_rad=sigma / math.sqrt(moment_m2(foot, step)),
         roughness_m=np.maximum(above + below, 0.0) + 0.0 * plane[0],
         sigma_m=sigma,
+        rise_m=highest(ceiling, plane, disc(needs.body_radius_m, step), step),
     )
 
 
@@ -229,20 +203,7 @@ def objection(
     cell = elevation.cell(*place_enu_m[:2])
     if not _is_known(landing, cell):
         return f"not all of the ground under the feet was observed in {needs.min_frames} frames"
-    layers = (landing.slope_rad, landing.slope_sigma_rad, landing.roughness_m, landing.rise_m)
-    slope, slope_sigma, roughness, rise = (float(layer[cell]) for layer in layers)
-    if not slope + _SLOPE_SIGMAS * slope_sigma <= needs.max_slope_rad:
-        most, doubt = math.degrees(needs.max_slope_rad), math.degrees(_SLOPE_SIGMAS * slope_sigma)
-        return f"slope {math.degrees(slope):.1f} deg, up to {doubt:.1f} more, at most {most:.1f}"
-    if landing.sigma_m[cell] > needs.max_sigma_m:
-        return f"heights known to {landing.sigma_m[cell]:.3f} m, needed {needs.max_sigma_m} m"
-    if roughness > needs.max_roughness_m:
-        return f"height range {roughness:.2f} m under the feet, at most {needs.max_roughness_m} m"
-    if math.isinf(rise):
-        return f"not everything within {needs.body_radius_m:.2f} m was observed"
-    if rise > needs.max_rise_m:
-        return f"something rises {rise:.2f} m beside the vehicle, at most {needs.max_rise_m} m"
-    return None
+    return first_lack(landing.at(cell), needs)
 
 
 def _is_known(landing: LandingMap, cell: tuple[int, int]) -> bool:

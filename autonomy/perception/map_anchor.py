@@ -25,13 +25,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.map_anchor_cfg import MapAnchorCfg
 from autonomy.perception.map_match import MapMatcher, Match
 from autonomy.planning.obstacles import Obstacles
 from autonomy.rotation import wrap_angle
-from autonomy.types import FlatReference, Quaternion
+from autonomy.types import FlatReference, Quaternion, Vector3
 
 _BARE_RECEIVER = MapAnchorCfg()
 _LONGEST_PAUSE_S = 60.0

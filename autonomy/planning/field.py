@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams, Vector3
+from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.planner import bounds_for
 from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
 from autonomy.planning.yaw import STEP_S
-from autonomy.types import ZERO3, FlatReference
+from autonomy.types import ZERO3, FlatReference, Vector3
 
 _MIN_LEG_S = 0.5
 

@@ -15,9 +15,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from autonomy.jit import kernel
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
+from autonomy.types import Vector3
 
 MAX_WIDTH_M = 3.5
 LEAST_WIDTH_M, LEAST_HEIGHT_M = 0.5, 0.8

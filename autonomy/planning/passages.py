@@ -13,11 +13,11 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float, Int
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import Opening, opening_at
+from autonomy.types import Vector3
 
 BEFORE_M = (0.5, 0.75, 1.0, 1.25)
 """So far before and behind an opening a way through it begins and ends, where there is room."""

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.certificate import certify
 from autonomy.planning.corridor import build_corridor, refine, straighten
 from autonomy.planning.demand import excess
@@ -25,7 +25,7 @@ from autonomy.planning.program import pieces_to_fill
 from autonomy.planning.search import shortest_path
 from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_from_nodes
 from autonomy.planning.yaw import STEP_S, yaw_along_path
-from autonomy.types import ZERO3, FlatReference
+from autonomy.types import ZERO3, FlatReference, Vector3
 
 _START_TOLERANCE = 5e-3
 """Share by which a plan's own states may be beyond its limits, after many replans; the proof

@@ -10,9 +10,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning.corridor import Corridor
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 
 DEGREE = 5
 

@@ -28,6 +28,7 @@ def yaw_along_path(
 
     A critically damped second-order filter with bounded rate and acceleration follows the
     direction to where the vehicle will be `LOOK_AHEAD_S` later, so the camera sees what comes.
+    It begins to turn to its way at once, also where it climbs or rests first.
     """
     wanted = _wanted_yaw(positions_enu_m, start_yaw_rad)
     rate = min(max(start_rate_radps, -max_rate_radps), max_rate_radps)
@@ -62,7 +63,8 @@ def _wanted_yaw(positions_enu_m: np.ndarray, start_yaw_rad: float) -> list[float
     travel = later - positions_enu_m
     is_moving = np.hypot(travel[:, 0], travel[:, 1]) >= _MIN_TRAVEL_M
     direction = np.arctan2(travel[:, 1], travel[:, 0])
-    wanted, latest = [], start_yaw_rad
+    # It turns to the way before it departs.
+    wanted, latest = [], float(direction[is_moving][0]) if is_moving.any() else start_yaw_rad
     for moves, angle in zip(is_moving.tolist(), direction.tolist(), strict=True):
         latest = angle if moves else latest
         wanted.append(latest)

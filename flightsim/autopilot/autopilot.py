@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isfinite
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
+from autonomy.types import IDLE, OFF, ControlLevel, Setpoint, Vector3
 from flightsim.autopilot.arming import ArmingChecks
 from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.behaviours.mission import MissionFlight

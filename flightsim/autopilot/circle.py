@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import atan2, cos, pi, sin, sqrt
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.axis import AxisMotion
 from flightsim.autopilot.limits import MotionLimits
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.mission_check import check_horizontal_place
 from flightsim.autopilot.mission_item import (
     Cmd,

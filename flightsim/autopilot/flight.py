@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from math import atan2, hypot, radians
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import NAN3, ZERO3, ControlLevel, Setpoint
+from autonomy.types import NAN3, ZERO3, ControlLevel, Setpoint, Vector3
 from flightsim.autopilot.events import EventLog
 from flightsim.autopilot.fence import FenceStore, RallyStore
 from flightsim.autopilot.flight_limits import FlightLimits

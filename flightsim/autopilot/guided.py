@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import hypot, isfinite, isnan
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.behaviours.hold import Hold
 from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.behaviours.orbit import Orbit

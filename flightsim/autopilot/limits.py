@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot, inf, sqrt
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 _ROOM_SHARE = 0.6
 """Fraction of a corner's room that is used; the rest is for the deceleration fading in the turn.

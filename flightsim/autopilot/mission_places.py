@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import hypot, isnan, radians
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.mission_item import (
     FRAME_GLOBAL,

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import Setpoint, State
+from autonomy.types import Setpoint, State, Vector3
 
 
 class EstimatorLike(Protocol):

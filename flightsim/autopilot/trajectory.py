@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from math import hypot, sqrt
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import ZERO3
+from autonomy.types import ZERO3, Vector3
 from flightsim.autopilot.axis import AxisMotion, braking_distance
 from flightsim.autopilot.limits import MotionLimits
 

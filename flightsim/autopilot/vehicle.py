@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import atan2, hypot, isfinite
+from math import hypot, isfinite
 
-from autonomy.types import ZERO3
+from autonomy.types import LEVEL, ZERO3, yaw_of
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.plant_like import PlantLike
 
@@ -44,7 +44,7 @@ class Vehicle:
         """Last reading of the rangefinder on the ground."""
         self.time_us = 0
         self.position_enu_m = self.velocity_enu_mps = self.angular_rate_flu_radps = ZERO3
-        self.quat_wxyz = (1.0, 0.0, 0.0, 0.0)
+        self.quat_wxyz = LEVEL
         self.is_attitude_ok = self.is_position_ok = False
         self.yaw_rad = self.thrust_fraction = 0.0
         self.range_m = float("nan")
@@ -57,8 +57,8 @@ class Vehicle:
         self.position_enu_m = state.position_enu_m
         self.velocity_enu_mps = state.velocity_enu_mps
         self.angular_rate_flu_radps = state.angular_rate_flu_radps
-        self.quat_wxyz = w, x, y, z = state.quat_wxyz
-        self.yaw_rad = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        self.quat_wxyz = state.quat_wxyz
+        self.yaw_rad = yaw_of(state.quat_wxyz)
         self.thrust_fraction = plant.collective_thrust_fraction
 
     def read_range(self) -> None:

@@ -6,7 +6,7 @@ the World Magnetic Model with its place.
 
 from __future__ import annotations
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 FIELD_ENU_UT: Vector3 = (0.815, 21.493, -42.795)
 """North 21.493, east 0.815, down 42.795 uT: PX4's default place, Zurich (RotorS)."""

@@ -16,7 +16,7 @@ from aeroscene.scene.catalogue import by_name
 from aeroscene.solids.shapes import Part, Primitive, object_primitives
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
 from aeroscene.solids.shapes.primitive import block, cylinder, ellipsoid
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 MoverName = Literal["person", "car", "drone"]
 MAX_MOVER_SPEED_MPS = 20.0

@@ -6,7 +6,7 @@ and SIM_WIND_TURB are what ground stations and scripts know.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from flightsim.autopilot.parameters import Parameters, ParameterSpec
 from flightsim.environment.wind import WindCfg
@@ -14,10 +14,7 @@ from flightsim.plant import Plant
 
 _TRAFFIC_SPEED = "SIM_TRAFFIC_SPD"
 _WIND_FIELDS = {
-    "SIM_WIND_SPD": "speed_mps",
-    "SIM_WIND_DIR": "from_deg",
-    "SIM_WIND_TURB": "turbulence_mps",
-    "SIM_WIND_GUST": "gust_mps",
+    field.metadata["parameter"]: field.name for field in fields(WindCfg) if field.metadata
 }
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 _SPACING_M = 0.5
 

@@ -10,6 +10,7 @@ from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
 from flightsim.frames import Geodetic, swap_yaw_enu_ned
 from flightsim.mavlink.commands import UNSUPPORTED, Command, Executor, choice, given
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.personality import Personality
 from flightsim.mavlink.view import VehicleView
@@ -37,26 +38,26 @@ class FlightCommands:
         self._autopilot: Autopilot = view.autopilot
         self._personality = personality
         self.executors: Mapping[int, Executor] = {
-            17: self._loiter,
-            20: lambda _: self._autopilot.return_to_launch(),
-            21: self._land,
-            22: self._takeoff,
-            34: self._orbit,
-            92: self._guided_enable,
-            115: self._condition_yaw,
-            176: self._set_mode,
-            178: self._change_speed,
-            179: self._set_home,
-            185: self._terminate,
-            186: self._change_altitude,
-            192: self._reposition,
-            193: self._pause_continue,
-            224: self._set_mission_current,
-            245: self._preflight_storage,
-            262: self._set_standard_mode,
-            300: self._start_mission,
-            400: self._arm,
-            401: self._run_prearm_checks,
+            mav.MAV_CMD_NAV_LOITER_UNLIM: self._loiter,
+            mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: self._autopilot.return_to_launch(),
+            mav.MAV_CMD_NAV_LAND: self._land,
+            mav.MAV_CMD_NAV_TAKEOFF: self._takeoff,
+            mav.MAV_CMD_DO_ORBIT: self._orbit,
+            mav.MAV_CMD_NAV_GUIDED_ENABLE: self._guided_enable,
+            mav.MAV_CMD_CONDITION_YAW: self._condition_yaw,
+            mav.MAV_CMD_DO_SET_MODE: self._set_mode,
+            mav.MAV_CMD_DO_CHANGE_SPEED: self._change_speed,
+            mav.MAV_CMD_DO_SET_HOME: self._set_home,
+            mav.MAV_CMD_DO_FLIGHTTERMINATION: self._terminate,
+            mav.MAV_CMD_DO_CHANGE_ALTITUDE: self._change_altitude,
+            mav.MAV_CMD_DO_REPOSITION: self._reposition,
+            mav.MAV_CMD_DO_PAUSE_CONTINUE: self._pause_continue,
+            mav.MAV_CMD_DO_SET_MISSION_CURRENT: self._set_mission_current,
+            mav.MAV_CMD_PREFLIGHT_STORAGE: self._preflight_storage,
+            mav.MAV_CMD_DO_SET_STANDARD_MODE: self._set_standard_mode,
+            mav.MAV_CMD_MISSION_START: self._start_mission,
+            mav.MAV_CMD_COMPONENT_ARM_DISARM: self._arm,
+            mav.MAV_CMD_RUN_PREARM_CHECKS: self._run_prearm_checks,
         }
 
     def on_set_mode(self, message: Message) -> None:

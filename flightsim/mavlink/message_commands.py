@@ -10,6 +10,7 @@ from flightsim.autopilot.results import ACCEPTED, CommandResult, Reply, rejected
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import Command, Executor, choice
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.personality import ModeEntry, Personality
 from flightsim.mavlink.service import send
 from flightsim.mavlink.telemetry import TelemetryService
@@ -33,12 +34,16 @@ class MessageCommands:
         self._telemetry = telemetry
         self._modes = _distinct(personality.modes)
         self.executors: Mapping[int, Executor] = {
-            410: lambda c: self._send_once(c.channel, _HOME_POSITION),
-            510: self._get_interval,
-            511: self._set_interval,
-            512: self._request_message,
-            519: lambda c: self._send_once(c.channel, _PROTOCOL_VERSION),
-            520: lambda c: self._send_once(c.channel, _AUTOPILOT_VERSION),
+            mav.MAV_CMD_GET_HOME_POSITION: lambda c: self._send_once(c.channel, _HOME_POSITION),
+            mav.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
+            mav.MAV_CMD_SET_MESSAGE_INTERVAL: self._set_interval,
+            mav.MAV_CMD_REQUEST_MESSAGE: self._request_message,
+            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: lambda c: self._send_once(
+                c.channel, _PROTOCOL_VERSION
+            ),
+            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda c: self._send_once(
+                c.channel, _AUTOPILOT_VERSION
+            ),
         }
 
     def _request_message(self, c: Command) -> Reply:

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import NAN3, ControlLevel, Quaternion, Setpoint
+from autonomy.types import NAN3, ControlLevel, Quaternion, Setpoint, Vector3
 from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
 from flightsim.frames import (
     Geodetic,

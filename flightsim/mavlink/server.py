@@ -10,7 +10,7 @@ import contextlib
 import selectors
 from collections.abc import Sequence
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.events import MissionItemReached
 from flightsim.frames import LocalFrame

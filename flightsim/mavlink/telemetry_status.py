@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 
+from autonomy.types import quat_about_up
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.frames import swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import PROTOCOL_VERSION, layout
@@ -119,7 +119,6 @@ class StatusTelemetry:
         if home is None:
             return None
         x, y, z = v.ned_from_enu(home.position_enu_m)
-        heading = (math.cos(0.5 * home.yaw_rad), 0.0, 0.0, math.sin(0.5 * home.yaw_rad))
         return _HOME_POSITION.encode(
             latitude=round(home.geodetic.latitude_deg * 1e7),
             longitude=round(home.geodetic.longitude_deg * 1e7),
@@ -127,7 +126,7 @@ class StatusTelemetry:
             x=x,
             y=y,
             z=z,
-            q=swap_quat_enu_flu_ned_frd(heading),
+            q=swap_quat_enu_flu_ned_frd(quat_about_up(home.yaw_rad)),
             time_usec=v.time_us,
         )
 

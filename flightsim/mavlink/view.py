@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import State
+from autonomy.types import State, Vector3
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.frames import (
     LocalFrame,

@@ -10,8 +10,8 @@ import numpy as np
 from autonomy.control.controller import control
 from autonomy.estimation.alignment import align_when_ready
 from autonomy.jit import kernel
-from flightsim.environment.air import AIR_NORMALS, move_air
 from flightsim.environment.motion import move_traffic
+from flightsim.environment.wind import AIR_NORMALS, move_air
 from flightsim.plant.mujoco_calls import call_mj_step, doubles, integers
 from flightsim.plant.sensing import sense
 from flightsim.vehicles.rotor_model import step_rotors

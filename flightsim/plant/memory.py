@@ -9,11 +9,10 @@ from autonomy.control import new_controller
 from autonomy.control.cfg import controller_cfg_for
 from autonomy.estimation import new_filter
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from flightsim.environment.air import AIR_NORMALS, new_air, set_wind
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.motion import MOVER_DTYPE, new_movers, new_traffic, place_mover
 from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms
-from flightsim.environment.wind import WindCfg
+from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import ADVANCE_HZ, PlantCfg, estimator_cfg_for
 from flightsim.plant.mujoco_calls import function_addresses

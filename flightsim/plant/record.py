@@ -6,8 +6,8 @@ import numpy as np
 
 from autonomy.control import CONTROLLER_DTYPE, SETPOINT_DTYPE, STATE_DTYPE
 from autonomy.estimation.error_state import FILTER_DTYPE, N_STATES
-from flightsim.environment.air import AIR_DTYPE
 from flightsim.environment.motion import TRAFFIC_DTYPE
+from flightsim.environment.wind import AIR_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.vehicles.rotor_model import ROTORS_DTYPE
 

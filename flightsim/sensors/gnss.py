@@ -15,7 +15,7 @@ import numpy as np
 from autonomy.estimation.alignment import collect_fix
 from autonomy.estimation.fusion import fuse_gnss
 from autonomy.jit import kernel
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
@@ -187,8 +187,8 @@ def _read(r: np.void, tick_us: int) -> GnssReading:
     horizontal, vertical = r["reported_accuracy_m"].tolist()
     return GnssReading(
         time_us=time_us(r, tick_us),
-        position_enu_m=tuple(r["position_enu_m"].tolist()),
-        velocity_enu_mps=tuple(r["velocity_enu_mps"].tolist()),
+        position_enu_m=vector3(r["position_enu_m"]),
+        velocity_enu_mps=vector3(r["velocity_enu_mps"]),
         fix_type=int(r["fix_type"]) if is_fixed else 1,
         eph_m=math.hypot(horizontal, settling) if is_fixed else math.inf,
         epv_m=math.hypot(vertical, settling) if is_fixed else math.inf,

@@ -23,7 +23,7 @@ from autonomy.rotation import (
     quat_multiply,
     rotation_vector_from_quat,
 )
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
 from flightsim.sensors.sensor import Sensor, SensorStart, noise, time_us
 
@@ -155,8 +155,8 @@ class ImuReading:
 def _read(r: np.void, tick_us: int) -> ImuReading:
     return ImuReading(
         time_us=time_us(r, tick_us),
-        accel_flu_mps2=tuple(r["accel_flu_mps2"].tolist()),
-        gyro_flu_radps=tuple(r["gyro_flu_radps"].tolist()),
+        accel_flu_mps2=vector3(r["accel_flu_mps2"]),
+        gyro_flu_radps=vector3(r["gyro_flu_radps"]),
     )
 
 

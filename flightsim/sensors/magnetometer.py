@@ -11,7 +11,7 @@ from autonomy.estimation.alignment import collect_vector
 from autonomy.estimation.fusion import fuse_magnetometer
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
 
@@ -73,7 +73,7 @@ class MagReading:
 
 
 def _read(r: np.void, tick_us: int) -> MagReading:
-    return MagReading(time_us=time_us(r, tick_us), field_flu_ut=tuple(r["field_flu_ut"].tolist()))
+    return MagReading(time_us=time_us(r, tick_us), field_flu_ut=vector3(r["field_flu_ut"]))
 
 
 MAGNETOMETER = Sensor(

@@ -9,7 +9,7 @@ import numpy as np
 from autonomy.estimation.motion_capture import fuse_mocap
 from autonomy.jit import kernel
 from autonomy.rotation import yaw_from_quat
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise, time_us
 
 
@@ -70,7 +70,7 @@ class MocapReading:
 def _read(r: np.void, tick_us: int) -> MocapReading:
     return MocapReading(
         time_us=time_us(r, tick_us),
-        position_enu_m=tuple(r["position_enu_m"].tolist()),
+        position_enu_m=vector3(r["position_enu_m"]),
         yaw_rad=float(r["yaw_rad"]),
     )
 

@@ -22,7 +22,7 @@ import numpy as np
 from autonomy.estimation.odometry import fuse_vio
 from autonomy.jit import kernel
 from autonomy.rotation import yaw_from_quat
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise, time_us
 
 
@@ -102,7 +102,7 @@ class VioReading:
 def _read(r: np.void, tick_us: int) -> VioReading:
     return VioReading(
         time_us=time_us(r, tick_us),
-        position_vio_m=tuple(r["position_vio_m"].tolist()),
+        position_vio_m=vector3(r["position_vio_m"]),
         yaw_vio_rad=float(r["yaw_vio_rad"]),
     )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from autonomy.model import QuadrotorParams
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -12,7 +12,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3, quat_about_up
 from flightsim.geom_groups import GeomGroup
 from flightsim.vehicles.airframe import Airframe, CameraMount
 
@@ -67,7 +67,7 @@ def add_vehicle(
     body = spec.worldbody.add_body(
         name=VEHICLE_BODY,
         pos=position_enu_m,
-        quat=(math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2)),
+        quat=quat_about_up(yaw_rad),
         explicitinertial=True,
         mass=airframe.quadrotor.mass_kg,
         ipos=(0.0, 0.0, 0.0),

@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from autonomy.model import QuadrotorParams, RotorParams
-from autonomy.model.quadrotor import GRAVITY_MPS2, Vector3
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe, BatteryParams, CameraMount
 
 # ISA at sea level, kg/m^3.

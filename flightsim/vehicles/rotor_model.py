@@ -24,8 +24,9 @@ import numpy as np
 
 from autonomy.estimation import DragModel
 from autonomy.jit import kernel
-from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.rotation import matrix_from_quat
+from autonomy.types import Vector3
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
 
 # Drag coefficient of a box across the wind (Hoerner 1965, Fluid-Dynamic Drag, chapter 3).

@@ -42,8 +42,7 @@ def fly_landing(scene: Scene, cfg: TestbenchCfg) -> Landing:
         MissionError: If the scene has no mission for the vehicle.
     """
     history: list[np.ndarray] = []
-    observers = []
-    with Testbench(scene, cfg, has_network=False, observers=observers) as bench:
+    with Testbench(scene, cfg, has_network=False) as bench:
         plant, leg_m = bench.plant, bench.airframe.leg_length_m
         mission = plan_mission(scene, bench.airframe, seed=cfg.seed)
         noise = depth_noise(cfg.depth_camera, cfg.seed)
@@ -51,8 +50,8 @@ def fly_landing(scene: Scene, cfg: TestbenchCfg) -> Landing:
             client = MavlinkClient(bench.pilot_link.client, bench.frame)
             pilot_cfg = PilotCfg(expects_traffic=cfg.traffic_cfg.has_any)
             pilot = Pilot(client, mission, cameras.render, pilot_cfg)
-            observers.append(lambda: history.append(plant.history.copy()))
-            observers.append(lambda: pilot.update(plant.time_us))
+            bench.observers.append(lambda: history.append(plant.history.copy()))
+            bench.observers.append(lambda: pilot.update(plant.time_us))
             run = bench.simulator.run
             run(until_us=round(MAX_TRIAL_S * 1e6), stop=lambda: pilot.is_done)
             run(until_us=plant.time_us + round(SETTLE_S * 1e6))

@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingSite
+from autonomy.types import Vector3, vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth
@@ -35,7 +35,7 @@ from scenarios.pilot.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
 WIDTH_PX, HEIGHT_PX = 320, 240
 N_CELLS = 80
 """Number of random cells of an area that are judged."""
-# The worst of 20 flights with RTK, docs/results.md: 0.15 m and 0.34 degrees in three axes.
+# The worst of 20 flights with RTK, docs/notebook.md: 0.15 m and 0.34 degrees in three axes.
 _POSITION_ERROR_M, _TILT_ERROR_RAD = 0.09, math.radians(0.2)
 _ERROR_CORRELATION_S = 10.0
 _WOBBLE_M, _WOBBLE_RAD, _WOBBLE_CORRELATION_S = 0.04, math.radians(1.5), 0.7
@@ -189,7 +189,7 @@ class Looker:
         frame = self._rig.frame(true, quat, self._rng)
         believed_quat = _product(_turned(self._turn_error.value), quat)
         telemetry = Telemetry(
-            position_enu_m=_vector3(believed), quat_wxyz=tuple(believed_quat.tolist())
+            position_enu_m=vector3(believed), quat_wxyz=tuple(believed_quat.tolist())
         )
         self._time_us += FRAME_PERIOD_US
         watch.fuse(self._time_us, posed_image(frame, self._mount, telemetry))
@@ -225,8 +225,3 @@ def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.array(
         [a[0] * b[0] - a[1:] @ b[1:], *(a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:]))]
     )
-
-
-def _vector3(values: np.ndarray) -> Vector3:
-    x, y, z = values.tolist()
-    return (x, y, z)

@@ -9,8 +9,7 @@ import numpy as np
 
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.catalogue import category_id
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
+from autonomy.types import IDLE, OFF, ControlLevel, Setpoint, Vector3, vector3
 from flightsim.plant import Plant
 from flightsim.plant.cfg import ADVANCE_HZ
 
@@ -72,9 +71,9 @@ def curves(rng: np.random.Generator) -> Path:
         acceleration = reach * pace * (cosines * dds - pace * sines * ds**2)
         return Setpoint(
             level=ControlLevel.TRAJECTORY,
-            position_enu_m=_tuple(position),
-            velocity_enu_mps=_tuple(velocity),
-            acceleration_enu_mps2=_tuple(acceleration),
+            position_enu_m=vector3(position),
+            velocity_enu_mps=vector3(velocity),
+            acceleration_enu_mps2=vector3(acceleration),
             yaw_rad=yaw + swing * math.sin(0.5 * s),
         )
 
@@ -118,8 +117,3 @@ def fly(plant: Plant, path: Path, seconds: float, on_advance: Callable[[float], 
         plant.apply(path(k / ADVANCE_HZ))
         plant.advance()
         on_advance((k + 1) / ADVANCE_HZ)
-
-
-def _tuple(vector: np.ndarray) -> Vector3:
-    x, y, z = vector.tolist()
-    return (x, y, z)

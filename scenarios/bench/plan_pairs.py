@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from aeroscene.solids.freespace import VoxelField, reachable
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from scenarios.mission.surroundings import Surroundings
 
 SHIPPED_SCENES = 1016

@@ -126,7 +126,6 @@ def _fly(
     equip: Callable[[Testbench, ExitStack], Iterable[Observer]] | None = None,
 ) -> _Flight:
     """Take off and fly a square with two clients listening; only the flight is timed."""
-    observers: list[Observer] = []
     bench_cfg = TestbenchCfg(vehicle=cfg.vehicle, speed="max")
     with Clients(2) as clients, ExitStack() as stack:
         gcs, sdk = (
@@ -139,12 +138,11 @@ def _fly(
                 bench_cfg,
                 has_network=False,
                 extra_links=(gcs, sdk),
-                observers=observers,
             )
         )
         _take_off(bench)
         if equip is not None:
-            observers += equip(bench, stack)
+            bench.observers += equip(bench, stack)
         before, start_us = bench.simulator.timing, bench.plant.time_us
         cpu_s, wall_s = time.process_time(), time.perf_counter()
         _fly_square(bench, seconds)

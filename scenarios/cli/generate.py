@@ -227,7 +227,7 @@ def _generate_with_pictures(
     cfg: GenerateCfg, generator: Generator, request: Request, tally: _Tally
 ) -> None:
     from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
-    from scenarios.pictures.generation.recorder import Recorder  # noqa: PLC0415 - OpenCV, the renderer
+    from scenarios.pictures.generation.recorder import Recorder  # noqa: PLC0415 - the renderer
 
     assert cfg.progress is not None
     for attempt in range(MOST_ATTEMPTS):

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
 import tyro
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail
+from scenarios.cli.command_line import EXIT_DONE, fail, print_json
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from scenarios.pictures import PictureFormat
     from scenarios.recording.summary import RecordingSummary
 
 _PROG = "aeroscene replay"
@@ -35,9 +37,17 @@ class ReplayCfg:
     pictures: Path | None = None
     """Draw what was planned and flown, and the landing map, into this folder instead of opening the
     viewer; needs no display."""
+    formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (
+        "png",
+    )
+    """What the pictures are; several may be named."""
+    video: Path | None = None
+    """Film the flight into this file instead of opening the viewer, from behind and by the
+    vehicle's cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display, and no
+    camera that ran in the flight."""
     summary: bool = False
     """Print what is in the recording instead of opening it; needs no display."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print the summary as one JSON object."""
 
 
@@ -52,7 +62,9 @@ def run(cfg: ReplayCfg) -> int:
         if cfg.json or cfg.summary:
             _print_summary(summarise(cfg.recording), is_json=cfg.json)
         elif cfg.pictures is not None:
-            _draw(cfg.recording, cfg.pictures)
+            _draw(cfg.recording, cfg.pictures, cfg.formats)
+        elif cfg.video is not None:
+            _film(cfg.recording, cfg.video)
         else:
             _show(cfg)
     except (UnreadableRecordingError, ViewerError, RerunMissingError) as error:
@@ -60,16 +72,32 @@ def run(cfg: ReplayCfg) -> int:
     return EXIT_DONE
 
 
-def _draw(recording: Path, folder: Path) -> None:
+def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> None:
     # The renderer and matplotlib: only where pictures are drawn.
     from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415
     from scenarios.pictures.recorded import read_story  # noqa: PLC0415
 
     try:
-        for picture in draw_pictures(read_story(recording), folder):
+        for picture in draw_pictures(read_story(recording), folder, formats):
             print(picture)
     except PictureError as error:
         fail(_PROG, str(error))
+
+
+def _film(recording: Path, video: Path) -> None:
+    # The renderer and the encoder: only where a film is made.
+    from rich.progress import Progress  # noqa: PLC0415
+
+    from scenarios.pictures import PictureError  # noqa: PLC0415
+    from scenarios.pictures.film import draw_film  # noqa: PLC0415
+
+    try:
+        with Progress(console=Console(stderr=True), transient=True) as progress:
+            task = progress.add_task("filming", total=None)
+            draw_film(recording, video, lambda n, of: progress.update(task, completed=n, total=of))
+    except PictureError as error:
+        fail(_PROG, str(error))
+    print(video)
 
 
 def _show(cfg: ReplayCfg) -> None:
@@ -92,7 +120,7 @@ def _show(cfg: ReplayCfg) -> None:
 
 def _print_summary(summary: RecordingSummary, *, is_json: bool) -> None:
     if is_json:
-        print(json.dumps(summary.to_json()))
+        print_json(summary.to_json())
         return
     console = Console()
     head = Table(show_header=False, box=None)

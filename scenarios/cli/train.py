@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 import threading
@@ -10,11 +9,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import tyro
-
-from scenarios.cli.command_line import EXIT_DONE, EXIT_INTERRUPTED, fail
+from scenarios.cli.command_line import EXIT_DONE, EXIT_INTERRUPTED, fail, print_json
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar
 
@@ -61,7 +58,7 @@ class TrainCfg:
     """Checkpoint whose other parts are taken over; it must be of the same data."""
     save_minutes: float = 5.0
     """Minutes between two saves."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: folder, checkpoint, preset, device, done, and figures of the
     training."""
 
@@ -241,7 +238,7 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
             "device": str(plan.device),
             "done": is_done,
         }
-        print(json.dumps(facts | figures))
+        print_json(facts | figures)
         return
     losses = ", ".join(
         f"{name.replace('_', ' ')} {figures[name]:.4f}"

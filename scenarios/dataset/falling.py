@@ -10,6 +10,7 @@ import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.scene.polygon import distance_inside
+from autonomy.types import quat_about_up
 from flightsim.vehicles.airframe import Airframe
 from flightsim.world import build_world
 
@@ -54,7 +55,7 @@ class FallingVehicle:
         mujoco.mj_resetData(self._model, data)
         data.qpos[:3] = area.centroid
         data.qpos[2] += HEIGHT_M + self._airframe.leg_length_m
-        data.qpos[3:7] = (math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2))
+        data.qpos[3:7] = quat_about_up(yaw_rad)
         rested = self._wait_for_rest()
         east, north, up = data.qpos[:3].tolist()
         plane_up, slope_rad = _plane_at(area, east, north)

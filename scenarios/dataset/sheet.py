@@ -9,9 +9,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import cv2
 import numpy as np
-from jaxtyping import UInt8
+from PIL import Image
 
 from aeroscene.corpus.dataset import Entry, SceneSet, SceneSummary
 from aeroscene.files import replacing
@@ -22,8 +21,7 @@ from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 from scenarios.dataset.pool import run_all
-
-Picture = UInt8[np.ndarray, "height width 3"]
+from scenarios.pictures.lettering import INK_RGB, PALE_RGB, PAPER_RGB, Picture, write
 
 ASPECT = 4 / 3
 _FOV_RAD = math.radians(40.0)
@@ -35,10 +33,8 @@ _OVER = 2
 _CUT_M = 2.6
 """Indoors, what begins above this height is left out: ceilings, roofs, upper storeys."""
 
-_PAPER_RGB, _INK_RGB, _PALE_RGB = (250, 250, 248), (28, 32, 38), (112, 118, 126)
 _GAP_PX = 10
 _CAPTION_PX = 46
-_FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
 def draw_sheet(
@@ -69,10 +65,8 @@ def draw_sheet(
         for cell in results:
             cells.append(cell)
             on_scene()
-    is_encoded, png = cv2.imencode(".png", cv2.cvtColor(_tile(cells, columns), cv2.COLOR_RGB2BGR))
-    assert is_encoded
     with replacing(out) as file:
-        file.write(png.tobytes())
+        Image.fromarray(tile(cells, columns)).save(file, format="png")
 
 
 def _draw_cell(reader: SceneSet[Entry], width: int, entry: Entry) -> Picture:
@@ -80,9 +74,9 @@ def _draw_cell(reader: SceneSet[Entry], width: int, entry: Entry) -> Picture:
     return np.vstack([draw_scene(scene, width), _caption(entry, width)])
 
 
-def draw_scene(scene: Scene, width: int) -> Picture:
+def draw_scene(scene: Scene, width: int, aspect: float = ASPECT) -> Picture:
     """A scene from above one corner; indoors without what is overhead."""
-    height = round(width / ASPECT)
+    height = round(width / aspect)
     world = build_world(scene, airframe_by_name("iris"), vehicle=False)
     is_indoor = scene.domain == "indoor"
     if is_indoor:
@@ -93,11 +87,11 @@ def draw_scene(scene: Scene, width: int) -> Picture:
         azimuth_rad=_AZIMUTH_RAD,
         elevation_rad=_INDOOR_ELEVATION_RAD if is_indoor else _ELEVATION_RAD,
         vertical_fov_rad=_FOV_RAD,
-        aspect=ASPECT,
+        aspect=aspect,
     )
     with closing(open_camera_renderer(world, _OVER * width, _OVER * height)) as renderer:
         large = renderer.render_view(world.new_data(), eye, target, _FOV_RAD).rgb
-    return cv2.resize(large, (width, height), interpolation=cv2.INTER_AREA)
+    return np.array(Image.fromarray(large).reduce(_OVER))
 
 
 def _outline(scene: Scene, height_m: float) -> np.ndarray:
@@ -108,26 +102,20 @@ def _outline(scene: Scene, height_m: float) -> np.ndarray:
 
 
 def _caption(entry: SceneSummary, width: int) -> Picture:
-    strip = np.full((_CAPTION_PX, width, 3), _PAPER_RGB, dtype=np.uint8)
+    strip = np.full((_CAPTION_PX, width, 3), PAPER_RGB, dtype=np.uint8)
     areas = f"{entry.n_small} small, {entry.n_medium} medium, {entry.n_large} large areas"
-    _write(strip, f"{entry.index:04d} {entry.domain}", 18, 0.52, _INK_RGB)
-    _write(strip, f"{entry.n_coarse} + {entry.n_fine} objects, {areas}", 37, 0.40, _PALE_RGB)
+    write(strip, f"{entry.index:04d} {entry.domain}", (2, 3), 15, INK_RGB)
+    write(strip, f"{entry.n_coarse} + {entry.n_fine} objects, {areas}", (2, 24), 12, PALE_RGB)
     return strip
 
 
-def _write(
-    picture: Picture, text: str, baseline: int, scale: float, rgb: tuple[int, int, int]
-) -> None:
-    cv2.putText(picture, text, (2, baseline), _FONT, scale, rgb, 1, cv2.LINE_AA)
-
-
-def _tile(cells: Sequence[Picture], columns: int) -> Picture:
+def tile(cells: Sequence[Picture], columns: int) -> Picture:
     """Pictures of equal size row by row, gaps between them."""
     height, width, _ = cells[0].shape
     columns = min(columns, len(cells))
     rows = -(-len(cells) // columns)
     size = (rows * (height + _GAP_PX) + _GAP_PX, columns * (width + _GAP_PX) + _GAP_PX, 3)
-    sheet = np.full(size, _PAPER_RGB, dtype=np.uint8)
+    sheet = np.full(size, PAPER_RGB, dtype=np.uint8)
     for number, cell in enumerate(cells):
         row, column = divmod(number, columns)
         top, left = _GAP_PX + row * (height + _GAP_PX), _GAP_PX + column * (width + _GAP_PX)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6, 1.2)
 """Heights of hover points above an area; the first free one is used."""

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from autonomy.model.quadrotor import QuadrotorParams, Vector3
+from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning import (
     FlightLimits,
     MovingObstacles,
@@ -16,6 +16,7 @@ from autonomy.planning import (
     Trajectory,
     certify,
 )
+from autonomy.types import Vector3
 
 _STEP_M = 0.05
 NOTHING_STANDS = Obstacles.boxes(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)))

@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning import PlanningError, Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.surroundings import (
     DESCENT_MARGIN_M,

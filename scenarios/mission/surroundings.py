@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -11,8 +12,7 @@ import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.freespace import NoFreeSpaceError
-from autonomy.mapping import SeenMap, SeenMapCfg, plan_towards
-from autonomy.model.quadrotor import Vector3
+from autonomy.mapping import Map
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning import (
     NOTHING_MOVES,
@@ -24,15 +24,14 @@ from autonomy.planning import (
     Trajectory,
     brake,
     plan_leg,
-    plan_trajectory,
     replan,
 )
-from autonomy.planning.openings import Opening, find_openings
-from autonomy.types import FlatReference
+from autonomy.planning.openings import Opening
+from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission import legs
-from scenarios.mission.given_map import GivenMap, given_map
 from scenarios.mission.hovering import hover_columns
+from scenarios.mission.maps import given_map, unseen_map
 
 FIELD_RESOLUTION_M = 0.25
 HOVER_MARGIN_M = 0.4
@@ -51,7 +50,7 @@ class Surroundings:
 
     scene: Scene
     airframe: Airframe
-    map: GivenMap | SeenMap
+    map: Map
     """Where the obstacles are: given, or growing with what the vehicle sees."""
     limits: FlightLimits
     method: Literal["optimise", "primitives"] = "optimise"
@@ -60,7 +59,7 @@ class Surroundings:
     @property
     def is_known(self) -> bool:
         """Whether the whole map was given; else it grows with each image."""
-        return isinstance(self.map, GivenMap)
+        return self.map.is_given
 
     @property
     def obstacles(self) -> Obstacles:
@@ -77,18 +76,12 @@ class Surroundings:
 
         A cell counts as free from the second image on that shows it so.
         """
-        if isinstance(self.map, SeenMap):
-            self.map.observe(image)
+        self.map.observe(image)
 
     @functools.cached_property
-    def openings(self) -> tuple[Opening, ...]:
-        """Doors, windows and other narrow ways of a map that was given, the widest first.
-
-        Found when first asked for: 1 to 5 s. Of a map that grows none are told.
-        """
-        if isinstance(self.map, SeenMap):
-            return ()
-        return tuple(find_openings(self.field, self.obstacles))
+    def openings(self) -> Sequence[Opening]:
+        """Doors, windows and other narrow ways of a map that was given, found when asked for."""
+        return self.map.find_openings()
 
     @property
     def radius_m(self) -> float:
@@ -97,10 +90,7 @@ class Surroundings:
 
     def clearance_m(self, points_enu_m: np.ndarray) -> np.ndarray:
         """Distance between the vehicle's sphere at some points and the nearest obstacle."""
-        known = self.map
-        about = (
-            known.obstacles_about(points_enu_m) if isinstance(known, SeenMap) else known.obstacles
-        )
+        about = self.map.obstacles_about(points_enu_m)
         return about.signed_distance(points_enu_m)[0] - self.radius_m
 
     @property
@@ -117,19 +107,7 @@ class Surroundings:
         Raises:
             PlanningError: Saying why there is none.
         """
-        if isinstance(self.map, SeenMap):
-            return plan_towards(
-                self.map, start, goal_enu_m, self.limits, self.airframe.quadrotor, self.planner
-            )
-        return plan_trajectory(
-            start,
-            goal_enu_m,
-            self.field,
-            self.obstacles,
-            self.limits,
-            self.airframe.quadrotor,
-            self.planner,
-        )
+        return self.map.plan(start, goal_enu_m, self.limits, self.airframe.quadrotor, self.planner)
 
     def replan(
         self,
@@ -248,24 +226,12 @@ class Surroundings:
         lift_m = 0.0 if self.is_known else FIELD_RESOLUTION_M
         for column in hover_columns(area.centroid, self.radius_m + 2 * DESCENT_MARGIN_M + lift_m):
             x, y, z = column[-1].tolist()
-            if not self.field.contains(column[-1]) or not self._may_be_reached((x, y, z)):
+            if not self.field.contains(column[-1]) or not self.map.may_be_reached((x, y, z)):
                 continue
-            room_m = self._room_as_known_m(column)
+            room_m = self.map.distance_to_seen_m(column) - self.radius_m
             if room_m[-1] >= HOVER_MARGIN_M and np.all(room_m >= DESCENT_MARGIN_M):
                 return (x, y, z)
         return None
-
-    def _may_be_reached(self, point_enu_m: Vector3) -> bool:
-        """Whether free cells join a point to the start; of a growing map nobody knows."""
-        if isinstance(self.map, SeenMap):
-            return True
-        return bool(self.map.is_reachable[tuple(self.field.cells(np.array(point_enu_m)))])
-
-    def _room_as_known_m(self, points_enu_m: np.ndarray) -> np.ndarray:
-        """Clearance of what is known to be there, the unseen taken as free."""
-        if isinstance(self.map, SeenMap):
-            return self.map.distance_to_seen_m(points_enu_m) - self.radius_m
-        return self.clearance_m(points_enu_m)
 
 
 def survey(
@@ -290,7 +256,10 @@ def survey(
     limits = FlightLimits() if limits is None else limits
     if map_source == "onboard":
         return Surroundings(
-            scene=scene, airframe=airframe, map=_unseen(scene, airframe), limits=limits
+            scene=scene,
+            airframe=airframe,
+            map=unseen_map(scene, airframe, FIELD_RESOLUTION_M),
+            limits=limits,
         )
     try:
         given = given_map(scene, _radius_m(airframe), FIELD_RESOLUTION_M)
@@ -302,16 +271,3 @@ def survey(
 def _radius_m(airframe: Airframe) -> float:
     legs_m = math.hypot(airframe.leg_spread_m, airframe.leg_length_m)
     return max(airframe.collision_radius_m, legs_m)
-
-
-def _unseen(scene: Scene, airframe: Airframe) -> SeenMap:
-    """A map of a flight volume in which nothing was seen; the air above the start is free."""
-    camera = next(mount for mount in airframe.cameras if mount.name == "forward")
-    cfg = SeenMapCfg(
-        resolution_m=FIELD_RESOLUTION_M,
-        camera_pitch_down_rad=camera.pitch_down_rad,
-        camera_vertical_fov_rad=camera.vertical_fov_rad,
-    )
-    growing = SeenMap(scene.extent_min_enu_m, scene.extent_max_enu_m, cfg)
-    growing.assume_free_column(scene.start_position_enu_m)
-    return growing

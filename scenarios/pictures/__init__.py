@@ -4,7 +4,7 @@ Of a flight that just ended (`tape.FlightTape`) or of a recording (`recorded.rea
 a `FlightStory`, and `draw_pictures` draws it. Only this package knows matplotlib.
 """
 
-from scenarios.pictures.draw import draw_pictures
+from scenarios.pictures.draw import PictureFormat, draw_pictures
 from scenarios.pictures.story import FlightStory, PictureError
 
-__all__ = ["FlightStory", "PictureError", "draw_pictures"]
+__all__ = ["FlightStory", "PictureError", "PictureFormat", "draw_pictures"]

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Bool, Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.looks.cutting import cut_at
 from flightsim.looks.framing import frame_points
 from flightsim.sensors.cameras import CameraRenderer, RgbdFrame, open_camera_renderer

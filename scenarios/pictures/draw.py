@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 from scenarios.pictures.flight import draw_flight
 from scenarios.pictures.landing import draw_landing
 from scenarios.pictures.story import FlightStory, PictureError
 
-FLIGHT, LANDING = "flight.png", "landing.png"
+PictureFormat = Literal["png", "svg", "pdf"]
+_NAMES = ("flight", "landing")
 
 
-def draw_pictures(story: FlightStory, folder: Path) -> list[Path]:
-    """Draw `flight.png`, and `landing.png` if the pilot looked at a place to land.
+def draw_pictures(
+    story: FlightStory, folder: Path, formats: Sequence[PictureFormat] = ("png",)
+) -> list[Path]:
+    """Draw `flight`, and `landing` if the pilot looked at a place to land.
 
     Args:
         story: What to draw.
         folder: Where to; it is made if it does not exist.
+        formats: What the files are: pixels, or lines around renderings.
 
     Returns:
         The files that were written.
@@ -24,15 +30,16 @@ def draw_pictures(story: FlightStory, folder: Path) -> list[Path]:
     Raises:
         PictureError: If they cannot be written.
     """
+    flight, landing = ([folder / f"{name}.{kind}" for kind in formats] for name in _NAMES)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        draw_flight(story, folder / FLIGHT)
+        draw_flight(story, flight)
         if story.landing is None:
-            return [folder / FLIGHT]
-        draw_landing(story, folder / LANDING)
+            return flight
+        draw_landing(story, landing)
     except OSError as error:
         raise PictureError(
             f"pictures {str(folder)!r} cannot be written ({error.strerror}); "
             "valid: a folder you may write to"
         ) from None
-    return [folder / FLIGHT, folder / LANDING]
+    return [*flight, *landing]

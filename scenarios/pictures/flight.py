@@ -1,13 +1,15 @@
-"""`flight.png`: what was planned and flown, from above, from aside, along the way and over time."""
+"""`flight.png`: what was planned and flown, from above and from aside, and over time."""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from autonomy.types import vector3
 from flightsim.world import World, build_world
 from scenarios.pictures import style
 from scenarios.pictures.backdrop import Backdrop, open_stage, opened_above, surfaces_m
@@ -26,15 +28,16 @@ _ROOM_M = 3.0
 _MARGIN = 1.08
 _MUCH_HIDDEN = 0.25
 """Of a path hidden from above, from which on roofs are taken away."""
+_PLANNED_PT, _FLOWN_PT = 7.5, 2.2
 _STRIDE = 5
 """Ticks of 20 ms from one drawn point to the next."""
 
 
-def draw_flight(story: FlightStory, path: Path) -> None:
-    """Draw the flight into a PNG file.
+def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
+    """Draw the flight into files, each in the format of its name.
 
     Raises:
-        OSError: If it cannot be written.
+        OSError: If one cannot be written.
     """
     world = build_world(story.scene, story.airframe, vehicle=False)
     flown = thinned(story.track)
@@ -47,7 +50,7 @@ def draw_flight(story: FlightStory, path: Path) -> None:
     panels = [figure.add_subplot(grid[place]) for place in ((0, 0), (0, 1))]
     view = View(panels[0], above)
     _draw_view(view, story, flown)
-    view.scale(_point(flown.true_enu_m[0]))
+    view.scale(vector3(flown.true_enu_m[0]))
     _explain(panels[0], story, view.emptiest_corner(_framed_paths(story, flown)))
     lines = _draw_view(View(panels[1], aside), story, flown)
     bar = figure.colorbar(lines, ax=panels[1], fraction=0.03, pad=0.01, aspect=50)
@@ -57,7 +60,8 @@ def draw_flight(story: FlightStory, path: Path) -> None:
     style.heading(panels[1], "from aside; pale where something is in front")
     draw_profile(figure.add_subplot(grid[1, 0]), story, *surfaces_m(world, flown.true_enu_m), flown)
     draw_errors(figure.add_subplot(grid[1, 1]), story)
-    style.save(figure, path)
+    for path in paths:
+        style.save(figure, path)
 
 
 def thinned(track: Track) -> Track:
@@ -113,11 +117,12 @@ def _draw_view(view: View, story: FlightStory, flown: Track) -> LineCollection:
     for leg, is_superseded in legs:
         if is_superseded:
             view.path(leg.points_enu_m, style.SUPERSEDED, 1.4)
-    lines = view.speed_path(flown.true_enu_m, flown.speed_mps, _top_speed_mps(flown), 2.6)
+    # Broad below and narrow above: both are seen where one follows the other.
     for leg, is_superseded in legs:
         if not is_superseded:
-            view.path(leg.points_enu_m, style.PLANNED, 1.2, "dashed")
-    view.mark(_point(flown.true_enu_m[0]), "o", "white", 7)
+            view.path(leg.points_enu_m, style.PLANNED, _PLANNED_PT)
+    lines = view.speed_path(flown.true_enu_m, flown.speed_mps, _top_speed_mps(flown), _FLOWN_PT)
+    view.mark(vector3(flown.true_enu_m[0]), "o", "white", 7)
     if story.touchdown_enu_m is not None:
         view.mark(story.touchdown_enu_m, "*", style.TOUCHDOWN, 15)
     return lines
@@ -130,9 +135,9 @@ def _top_speed_mps(flown: Track) -> float:
 def _explain(axes: Axes, story: FlightStory, corner: Corner) -> None:
     from matplotlib.lines import Line2D  # noqa: PLC0415 - only where pictures are drawn
 
-    shown = [Line2D([], [], color="#b5367a", linewidth=3.0, label="flown, coloured by speed")]
+    shown = [Line2D([], [], color=style.FLOWN, linewidth=3.0, label="flown, coloured by speed")]
     if story.plans:
-        shown.append(Line2D([], [], color=style.PLANNED, linestyle="dashed", label="planned"))
+        shown.append(Line2D([], [], color=style.PLANNED, linewidth=_PLANNED_PT, label="planned"))
     if any(story.superseded()):
         shown.append(Line2D([], [], color=style.SUPERSEDED, label="planned, then replaced"))
     if story.area is not None:
@@ -154,8 +159,3 @@ def _explain(axes: Axes, story: FlightStory, corner: Corner) -> None:
             )
         )
     axes.legend(handles=shown, loc=corner, fontsize=9, framealpha=0.85, edgecolor=style.RULE)
-
-
-def _point(values: np.ndarray) -> tuple[float, float, float]:
-    x, y, z = values.tolist()
-    return (x, y, z)

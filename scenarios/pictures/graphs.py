@@ -1,4 +1,4 @@
-"""Graphs of a flight: heights along the way, and errors over time with the pilot's phases."""
+"""Graphs of a flight over time: heights, and errors, with the pilot's phases behind."""
 
 from __future__ import annotations
 
@@ -29,33 +29,23 @@ def draw_profile(
     above_m: Float[np.ndarray, " n"],
     flown: Track,
 ) -> None:
-    """Height over the distance flown, between what was below and what was above."""
+    """Height over time, between what was below and what was above."""
     style.plain(axes)
-    style.heading(axes, "height along the way, between what is below and what is overhead")
-    along_m, height_m = flown.distance_m, flown.true_enu_m[:, 2]
+    style.heading(axes, "height, between what is below and what is overhead")
+    time_s, height_m = flown.time_s, flown.true_enu_m[:, 2]
     low = min(float(np.nanmin(np.append(below_m, height_m))), float(height_m.min())) - 0.5
     high = float(height_m.max()) + _HEADROOM_M
-    axes.fill_between(along_m, low, below_m, color="#a39382", linewidth=0, step="mid")
-    axes.fill_between(along_m, above_m, high, color="#c9ced4", linewidth=0, step="mid")
+    axes.fill_between(time_s, low, below_m, color="#a39382", linewidth=0, step="mid")
+    axes.fill_between(time_s, above_m, high, color="#c9ced4", linewidth=0, step="mid")
     for begin_s, end_s, points in _legs(story):
-        share = np.linspace(begin_s, end_s, len(points))
-        at_m = np.interp(share, flown.time_s, along_m)
-        axes.plot(at_m, points[:, 2], color=style.PLANNED, linestyle="dashed", linewidth=1.4)
-    axes.plot(along_m, height_m, color=style.TRUE, linewidth=2.0)
+        at_s = np.linspace(begin_s, end_s, len(points))
+        axes.plot(at_s, points[:, 2], color=style.PLANNED, linewidth=6.0, solid_capstyle="butt")
+    axes.plot(time_s, height_m, color=style.INK, linewidth=1.6)
     if story.touchdown_enu_m is not None:
-        axes.plot(
-            along_m[-1],
-            story.touchdown_enu_m[2],
-            "*",
-            color="white",
-            markersize=13,
-            markeredgecolor=style.INK,
-            clip_on=False,
-            zorder=5,
-        )
+        axes.axhline(story.touchdown_enu_m[2], color=style.AREA, linewidth=1.2, linestyle="dotted")
     axes.set_ylim(low, high)
-    axes.set_xlim(0.0, max(1.0, float(along_m[-1])))
-    axes.set_xlabel("distance flown, m", color=style.INK)
+    axes.set_xlim(*_span(story.track.time_s, np.isfinite(story.track.ref_enu_m[:, 0])))
+    axes.set_xlabel("simulated time, s", color=style.INK)
     axes.set_ylabel("height, m", color=style.INK)
 
 

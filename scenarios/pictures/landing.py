@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,15 +50,15 @@ class _Layer:
     limit: float | None = None
 
 
-def draw_landing(story: FlightStory, path: Path) -> None:
-    """Draw the landing map of a flight into a PNG file.
+def draw_landing(story: FlightStory, paths: Sequence[Path]) -> None:
+    """Draw the landing map of a flight into files, each in the format of its name.
 
     Args:
         story: Of a flight that looked at an area; `story.landing` is not None.
-        path: File to write.
+        paths: Files to write.
 
     Raises:
-        OSError: If it cannot be written.
+        OSError: If one cannot be written.
     """
     assert story.landing is not None
     landing, needs = story.landing, _needs(story)
@@ -72,7 +73,8 @@ def draw_landing(story: FlightStory, path: Path) -> None:
     for axes in panels:
         _draw_marks(axes, story, needs)
         _frame(axes, landing)
-    style.save(figure, path)
+    for path in paths:
+        style.save(figure, path)
 
 
 def _needs(story: FlightStory) -> LandingNeeds:

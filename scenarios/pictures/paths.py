@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from scenarios.pictures import style
 from scenarios.pictures.backdrop import Backdrop
 
@@ -43,12 +43,11 @@ class View:
         points_enu_m: Float[np.ndarray, "n 3"],
         colour: str,
         width: float,
-        pattern: str = "solid",
     ) -> None:
         """A line of one colour."""
         segments, is_hidden = self._segments(points_enu_m)
         for part, alpha in ((~is_hidden, 1.0), (is_hidden, _HIDDEN_ALPHA)):
-            self._add(segments[part], width, colors=colour, linestyles=pattern, alpha=alpha)
+            self._add(segments[part], width, colors=colour, alpha=alpha, capstyle="round")
 
     def speed_path(
         self,
@@ -62,7 +61,7 @@ class View:
 
         segments, is_hidden = self._segments(points_enu_m)
         shown = segments[~is_hidden]
-        self._add(shown, width + 2.0, colors=style.INK, capstyle="round")
+        self._add(shown, width + 1.4, colors=style.INK, capstyle="round")
         scale = Normalize(0.0, top_mps)
         options = {"cmap": style.SPEED_MAP, "norm": scale, "capstyle": "round"}
         self._add(

@@ -47,7 +47,7 @@ def read_story(path: Path) -> FlightStory:
     """
     with readable(path) as source:
         rows = RecordedRows(source, _WANTED)
-    scene, airframe = _scene(rows, path), _airframe(rows, path)
+    scene, airframe = read_scene(rows, path), read_airframe(rows, path)
     verdict = json.loads(rows.properties.get(layout.VERDICT_PROPERTY, {}).get("figures", "{}"))
     track = _track(rows)
     if len(track.time_s) == 0:
@@ -66,7 +66,12 @@ def read_story(path: Path) -> FlightStory:
     )
 
 
-def _scene(rows: RecordedRows, path: Path) -> Scene:
+def read_scene(rows: RecordedRows, path: Path) -> Scene:
+    """The scene that was flown in.
+
+    Raises:
+        PictureError: If the recording holds none.
+    """
     found = rows.rows(layout.SCENE_DOCUMENT, "json")
     if not found:
         raise PictureError(
@@ -75,7 +80,12 @@ def _scene(rows: RecordedRows, path: Path) -> Scene:
     return scene_from_json(found[-1][1][0], source=str(path))
 
 
-def _airframe(rows: RecordedRows, path: Path) -> Airframe:
+def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
+    """What flew.
+
+    Raises:
+        PictureError: If the recording does not say.
+    """
     name = rows.properties.get(layout.RUN_PROPERTY, {}).get("vehicle")
     if name is None:
         raise PictureError(f"recording {str(path)!r} names no vehicle; valid: one of a flight")

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea, Scene
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingMap
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 
 _JOINED_M = 0.05
@@ -37,12 +37,6 @@ class Track:
         if len(self.time_s) < 2:
             return np.zeros(len(self.time_s))
         return np.linalg.norm(np.gradient(self.true_enu_m, self.time_s, axis=0), axis=1)
-
-    @property
-    def distance_m(self) -> Float[np.ndarray, " n"]:
-        """Flown so far."""
-        steps_m = np.linalg.norm(np.diff(self.true_enu_m, axis=0), axis=1)
-        return np.concatenate([[0.0], np.cumsum(steps_m)])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

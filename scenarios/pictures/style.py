@@ -19,8 +19,9 @@ PLANNED, SUPERSEDED = "#ff4fc3", "#f4c9e6"
 TRUE, ESTIMATE = "#1f77b4", "#d1495b"
 AREA, TOUCHDOWN = "#2fbf5f", "#ffffff"
 MOVERS = ("#ff9f1c", "#2ec4b6", "#a06cff", "#e4572e", "#76b041", "#3a86ff")
-SPEED_MAP = "plasma"
-DPI = 100
+SPEED_MAP, FLOWN = "plasma", "#ed7953"
+DPI, VECTOR_DPI = 100, 200
+"""Of pictures, and of the renderings within those that are made of lines."""
 
 
 def new_figure(width_in: float, height_in: float) -> Figure:
@@ -31,16 +32,19 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a PNG file whole or not at all.
+    """Write a file, whole or not at all, in the format of its name: .png, .svg or .pdf.
 
     Raises:
         OSError: If it cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 - as above
+    from matplotlib import rc_context  # noqa: PLC0415 - as above
 
-    data = io.BytesIO()
-    # Without the name and version of the library: the same flight gives the same bytes.
-    FigureCanvasAgg(figure).print_png(data, metadata={"Software": None})
+    data, kind = io.BytesIO(), path.suffix[1:]
+    # Without names, versions and dates: the same flight gives the same bytes.
+    unsaid = {"png": ("Software",), "svg": ("Date",), "pdf": ("CreationDate", "Producer")}
+    dpi = DPI if kind == "png" else VECTOR_DPI
+    with rc_context({"svg.hashsalt": "aeroscene"}):
+        figure.savefig(data, format=kind, dpi=dpi, metadata=dict.fromkeys(unsaid[kind]))
     with replacing(path) as file:
         file.write(data.getvalue())
 

@@ -103,8 +103,10 @@ class FlightTape:
             time_s=np.array(self._times_us) * 1e-6,
             true_enu_m=true_m,
             # All zero until the estimator is aligned, and until something is to be flown.
-            est_enu_m=np.where(est_m.any(axis=1)[:, None], est_m, np.nan),
-            ref_enu_m=np.where((is_armed & ref_m.any(axis=1))[:, None], ref_m, np.nan),
+            est_enu_m=np.where(np.any(est_m, axis=1, keepdims=True), est_m, np.nan),
+            ref_enu_m=np.where(
+                is_armed[:, None] & np.any(ref_m, axis=1, keepdims=True), ref_m, np.nan
+            ),
         )
 
     def _mover_paths(self) -> tuple[MoverPath, ...]:

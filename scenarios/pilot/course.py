@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning import Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 
 TOUCHDOWN_SPEED_MPS = 0.4

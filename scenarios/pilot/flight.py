@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass, field, replace
 
 from aeroscene.scene import InteractionArea
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingSite
 from autonomy.planning import MovingObstacles, PlanningError, Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import Command, MavlinkClient
 from flightsim.mavlink.client.telemetry import Telemetry
 from scenarios.mission.mission import Mission

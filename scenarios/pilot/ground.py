@@ -25,8 +25,7 @@ class Ground:
         """Wait until the vehicle answers and sends the telemetry needed."""
         flight = self._flight
         if flight.telemetry.system_id and not flight.commands:
-            client = flight.client
-            flight.commands = [client.request_origin(), *client.request_streams()]
+            flight.commands = flight.client.request_streams()
         if flight.commands and all(command.is_done for command in flight.commands):
             return Phase.PREPARE, f"system {flight.telemetry.system_id} answers"
         return None
@@ -93,6 +92,6 @@ class Ground:
         error_m = math.dist(rest_enu_m[:2], flight.chosen.position_enu_m[:2])
         return PilotVerdict(
             success=True,
-            reason=f"landed {error_m:.2f} m from the chosen point and disarmed",
+            reason="landed and disarmed",
             touchdown_error_m=error_m,
         )

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning import PlanningError, Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import PX4_OFFBOARD
 from scenarios.pilot.area import Area
 from scenarios.pilot.flight import Flight

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from aeroscene.scene import InteractionArea
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import (
     DepthImage,
     ElevationMap,
@@ -19,6 +18,7 @@ from autonomy.perception import (
     objection,
     site_at,
 )
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.surroundings import Surroundings
 

@@ -13,10 +13,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from aeroscene.scene import InteractionArea
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import LandingMap, LandingSite
 from autonomy.planning import MovingObstacles, Trajectory
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import MavlinkClient
 from scenarios.mission.mission import Mission
 from scenarios.pilot.area import Area

@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.perception import DepthImage
 from autonomy.planning import NOTHING_MOVES, MovingObstacles
 from autonomy.rotation import quat_from_rotation_vector, quat_multiply
-from autonomy.types import FlatReference, Quaternion
+from autonomy.types import FlatReference, Quaternion, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
-from scenarios.mission.surroundings import GivenMap, Surroundings
+from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, posed_image
 
 if TYPE_CHECKING:
@@ -132,7 +131,7 @@ class Senses:
             self._anchor.update(time_s, image)
             image = self._anchor.image_to_map(image)
         if self._tracker is not None and (self._anchor is None or self._anchor.sigma_m < SURE_M):
-            self._tracker.update(time_s, image, self._static_distance)
+            self._tracker.update(time_s, image, self._world.map.static_distance_m)
         self._world.observe(image)
         return image
 
@@ -165,15 +164,6 @@ class Senses:
             self.take(camera)
         except NoDepthError:
             return
-
-    def _static_distance(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-        """Distance to known static obstacles; 0 where a growing map knows nothing yet."""
-        known = self._world.map
-        distance_m = self._world.obstacles.signed_distance(points_enu_m)[0]
-        if isinstance(known, GivenMap):
-            return distance_m
-        is_new = (distance_m <= 0.0) & (known.distance_to_seen_m(points_enu_m) > 0.0)
-        return np.where(is_new, 0.0, known.distance_to_standing_m(points_enu_m))
 
 
 def _turned(quat_wxyz: Quaternion, turn_flu_rad: Float[np.ndarray, " 3"]) -> list[float]:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from autonomy.model.quadrotor import Vector3
 from autonomy.planning import BlockedError, PlanningError, UnreachableError
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import PX4_RETURN
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.area import COMMIT_HEIGHT_M, DESCENT_SPEED_MPS, Area

@@ -10,7 +10,7 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from aeroscene.scene import Scene
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.looks.framing import frame_points
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout

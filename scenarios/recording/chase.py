@@ -8,13 +8,13 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.geom_groups import GeomGroup
 from flightsim.world import World
 
 FOV_RAD = math.radians(55.0)
 """Vertical angle of view that the distance is made for."""
-_BEHIND_M, _ABOVE_M = 3.4, 1.3
+_BEHIND_M, _ABOVE_M = 2.9, 1.6
 _LEAST_M = 0.7
 """The eye comes no nearer, whatever is behind the vehicle."""
 _CLEAR_OF_WALLS = 0.85

@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 from jaxtyping import Float, UInt8
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from scenarios.recording import layout
 from scenarios.recording.columns import set_sim_time
 

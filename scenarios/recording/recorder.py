@@ -14,7 +14,7 @@ import rerun as rr
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
@@ -160,8 +160,8 @@ class Recorder:
         self._stream.log(layout.EXECUTED, style, static=True)
         self._stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
 
-    def on_tick(self, plant: Plant, autopilot: Autopilot) -> None:
-        """Take in the last 20 ms."""
+    def on_tick(self, plant: Plant, autopilot: Autopilot | None = None) -> None:
+        """Take in the last 20 ms; without an autopilot there are no modes to show."""
         # Bytes: numpy copies and joins records of many fields one field at a time.
         self._history.append(plant.history.tobytes())
         self._dtype = plant.history.dtype
@@ -198,18 +198,23 @@ class Recorder:
         set_sim_time(self._stream, time_us)
         self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
 
-    def close(self, verdict: Mapping[str, Any] | None = None) -> None:
-        """Write what waits and the verdict, and finish the file; a second call does nothing.
+    def conclude(self, verdict: Mapping[str, Any]) -> None:
+        """Write what waits and the verdict; the file is finished too where nobody watches live.
 
         Args:
             verdict: The figures of the run, as plain data.
         """
+        self.flush()
+        log_verdict(self._stream, self._info, verdict)
+        if self.url is None:
+            self.close()
+
+    def close(self) -> None:
+        """Write what waits, finish the file and leave live viewers; a second call does nothing."""
         if not self._is_open:
             return
         self._is_open = False
         self.flush()
-        if verdict is not None:
-            log_verdict(self._stream, self._info, verdict)
         try:
             self._stream.flush(timeout_sec=_CLOSING_TIMEOUT_S)
         except (RuntimeError, TimeoutError) as error:

@@ -77,18 +77,22 @@ class StatusLog:
             static=True,
         )
 
-    def on_tick(self, plant: Plant, autopilot: Autopilot) -> None:
+    def on_tick(self, plant: Plant, autopilot: Autopilot | None) -> None:
         """Look at the vehicle after a tick."""
         time_us = plant.time_us
+        if autopilot is not None:
+            self._set_states(time_us, autopilot)
+        if self._ticks % SAMPLE_TICKS == 0:
+            self._times_us.append(time_us)
+            self._samples.append(tuple(read(plant) for _, _, _, read in self._gauges))
+        self._ticks += 1
+
+    def _set_states(self, time_us: int, autopilot: Autopilot) -> None:
         self._set_state(time_us, layout.MODE, autopilot.mode.value)
         self._set_state(time_us, layout.ARMED, "armed" if autopilot.is_armed else "disarmed")
         self._set_state(time_us, layout.LANDED, autopilot.landed_state.value)
         failsafe = autopilot.failsafe
         self._set_state(time_us, layout.FAILSAFE, "none" if failsafe is None else failsafe.value)
-        if self._ticks % SAMPLE_TICKS == 0:
-            self._times_us.append(time_us)
-            self._samples.append(tuple(read(plant) for _, _, _, read in self._gauges))
-        self._ticks += 1
 
     def flush(self) -> None:
         """Write the samples that wait."""

@@ -10,8 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import ControlLevel
+from autonomy.types import ControlLevel, Vector3
 from flightsim.plant import Plant
 
 CONTACT_GAP_S = 0.2

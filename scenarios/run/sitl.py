@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
+    from scenarios.recording.viewer import Viewer
     from scenarios.run.companion import Aboard, Companion
 
 _LOG = logging.getLogger(__name__)
@@ -55,9 +56,8 @@ class Sitl:
         bench: The simulated world and its autopilot.
         pilot: Our own pilot, in a demo.
         companion: Whoever flies, our pilot or the caller's; None in a run for clients alone.
-        observers: Called at the end of each tick; append to it what should look on.
         recorder: Where the run is recorded or watched.
-        viewer_url: The page to watch, if a web viewer serves one.
+        viewer: What shows the run live, if it is watched.
         pictures: What was drawn when the run ended.
     """
 
@@ -84,10 +84,9 @@ class Sitl:
         """
         self.cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
-        self.viewer_url: str | None = None
+        self.viewer: Viewer | None = None
         self.pictures: list[Path] = []
         self._cameras: Cameras | None = None
-        self.observers: list[Callable[[], None]] = []
         with ExitStack() as stack:
             self._stack = stack
             self.bench = stack.enter_context(
@@ -96,11 +95,10 @@ class Sitl:
                     cfg.bench,
                     airframe=airframe,
                     has_network=has_network,
-                    observers=self.observers,
                 )
             )
             self.log = FlightLog(self.bench.plant)
-            self.observers.append(self.log.on_tick)
+            self.bench.observers.append(self.log.on_tick)
             self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
             self.companion = self.pilot if pilot is None else pilot(self._aboard())
             if self.companion is not None:
@@ -136,7 +134,7 @@ class Sitl:
 
     def _let_fly(self, companion: Companion) -> None:
         plant = self.bench.plant
-        self.observers.append(lambda: companion.update(plant.time_us))
+        self.bench.observers.append(lambda: companion.update(plant.time_us))
 
     def _our_pilot(self) -> Pilot:
         # casadi and the kernels of planning and perception: only where our pilot flies.
@@ -184,29 +182,29 @@ class Sitl:
             )
             stack.enter_context(recorder)
             if cfg.viewer != "off" and recorder.url is not None:
-                self.viewer_url = stack.enter_context(Viewer(cfg.viewer, recorder.url)).url
+                self.viewer = stack.enter_context(Viewer(cfg.viewer, recorder.url))
         except (RecordingError, ViewerError) as error:
             raise TestbenchError(str(error)) from error
         if cfg.camera_hz > 0:
             cameras = self.cameras
             cameras.listen(recorder.log_frame)
-            self.observers.append(self._shutter(cameras))
+            self.bench.observers.append(self._shutter(cameras))
         if self.pilot is not None:
             from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415
 
             pilot_log = PilotLog(self.pilot, recorder)
-            self.observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
+            self.bench.observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
         bench.server.statustext.listeners.append(
             lambda severity, text: recorder.log_statustext(bench.plant.time_us, severity, text)
         )
-        self.observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
+        self.bench.observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
         self.recorder = recorder
 
     def _open_tape(self) -> FlightTape:
         from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
 
         tape = FlightTape(self.bench.plant, self.bench.autopilot, self.pilot)
-        self.observers.append(tape.on_tick)
+        self.bench.observers.append(tape.on_tick)
         return tape
 
     def _draw(self, ending: str) -> list[Path]:
@@ -253,24 +251,26 @@ class Sitl:
         return result
 
     def _simulate(self, should_stop: Callable[[], bool]) -> None:
-        simulator, plant = self.bench.simulator, self.bench.plant
-        until_us = None
+        simulator, plant, companion = self.bench.simulator, self.bench.plant, self.companion
+        end_us = None
         if self.cfg.headless_seconds is not None:
-            until_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        companion = self.companion
+            end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
         if companion is None:
-            simulator.run(until_us=until_us, stop=should_stop)
+            simulator.run(until_us=end_us, stop=should_stop)
             return
-        deadline_us = plant.time_us + round(MAX_TRIAL_S * 1e6)
-        simulator.run(
-            until_us=min(deadline_us, until_us or deadline_us),
-            stop=lambda: companion.is_done or should_stop(),
-        )
-        simulator.run(until_us=plant.time_us + round(SETTLE_S * 1e6), stop=should_stop)
+        for seconds, is_done in (
+            (MAX_TRIAL_S, lambda: companion.is_done),
+            (SETTLE_S, lambda: False),
+        ):
+            until_us = plant.time_us + round(seconds * 1e6)
+            simulator.run(
+                until_us=min(until_us, end_us or until_us),
+                stop=lambda is_done=is_done: is_done() or should_stop(),
+            )
 
     def _write(self, result: TrialResult) -> None:
         if self.recorder is not None:
-            self.recorder.close(verdict=result.to_plain())
+            self.recorder.conclude(result.to_plain())
         if self.cfg.record is not None:
             summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
             if self.pilot is not None:

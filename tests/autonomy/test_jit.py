@@ -3,6 +3,7 @@
 import importlib
 import logging
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -71,3 +72,24 @@ def test_compilation_is_announced_once_and_gives_the_kernel(fresh_tree, monkeypa
     ]
     assert double(np.pi) == 2.0 * np.pi
     assert double.stats.cache_hits  # the second time it came from the disk
+
+
+def test_making_a_kernel_leaves_numbas_setting_as_it_was(fresh_tree):
+    (fresh_tree / "craft.py").write_text("x = 1\n")
+    before = jit.config.CACHE_DIR
+
+    def double(x):
+        return 2 * x
+
+    double.__module__ = "craft"
+    compiled = jit.kernel(double)
+    assert before == jit.config.CACHE_DIR
+    assert jit.cache_directory("craft") in Path(compiled._cache._cache_path).parents
+
+
+@pytest.mark.parametrize("package", ["autonomy", "flightsim", "scenarios"])
+def test_every_kernel_is_kept_under_a_digest_of_its_own(package):
+    root = Path(jit.__file__).parents[1] / package
+    own = Path(jit.__file__)
+    bare = [path for path in root.rglob("*.py") if path != own and "njit" in path.read_text()]
+    assert bare == []

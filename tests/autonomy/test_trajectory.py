@@ -126,6 +126,14 @@ def test_yaw_keeps_its_limits_and_begins_where_it_is(seed):
     assert np.abs(np.diff(rate, prepend=0.0)).max() <= 2.0 * STEP_S + 1e-9
 
 
+def test_yaw_turns_to_the_way_before_the_vehicle_departs():
+    along_m = np.concatenate([np.zeros(60), 2.0 * STEP_S * np.arange(100)])
+    positions = np.column_stack([along_m, np.zeros(160), np.full(160, 5.0)])
+    yaw = yaw_along_path(positions, 2.0, max_rate_radps=1.5, max_acceleration_radps2=3.0)
+    assert yaw.yaw_rad[0] == pytest.approx(2.0)
+    assert np.abs(yaw.yaw_rad[60:]).max() < 0.1
+
+
 def test_yaw_stays_while_climbing_straight_up():
     positions = np.column_stack([np.zeros(100), np.zeros(100), np.linspace(0, 10, 100)])
     yaw = yaw_along_path(positions, 0.7, max_rate_radps=1.0, max_acceleration_radps2=2.0)

@@ -12,8 +12,7 @@ from tests.scenarios.landing_scenes import ON_CONTAINER, yard
 
 
 def test_a_container_that_nobody_told_of_is_seen_and_landed_on():
-    observers = []
-    bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False, observers=observers)
+    bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False)
     with bench:
         cameras = Cameras(bench.plant)
         mission = plan_mission(yard(), bench.airframe, area=ON_CONTAINER, map_source="onboard")
@@ -23,7 +22,7 @@ def test_a_container_that_nobody_told_of_is_seen_and_landed_on():
         client = MavlinkClient(bench.pilot_link.client, bench.frame)
         pilot = Pilot(client, mission, cameras.render, PilotCfg())
         log = FlightLog(bench.plant)
-        observers += [log.on_tick, lambda: pilot.update(bench.plant.time_us)]
+        bench.observers += [log.on_tick, lambda: pilot.update(bench.plant.time_us)]
         bench.simulator.run(until_us=round(90e6), stop=lambda: pilot.is_done)
         score = log.score(pilot.area, pilot.touchdown_enu_m, bench.airframe.leg_length_m)
         cameras.close()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import cv2
 import numpy as np
+from PIL import Image, ImageDraw
 
 from aeroscene.scene import InteractionArea
 from flightsim.sensors.cameras import RgbdFrame
@@ -13,6 +13,8 @@ from flightsim.sensors.cameras import RgbdFrame
 _RGB = {"small": (64, 150, 255), "medium": (60, 214, 110), "large": (255, 168, 40)}
 _PERCHING_RGB = (226, 90, 226)
 _FILL = 0.45
+_OVER = 4
+"""Masks are drawn larger by this and shrunk: smooth edges."""
 _IN_FRONT_M = 0.25
 """An area that lies this far behind what the picture shows is still drawn: grass, thin decor."""
 _NEAR_M = 0.1
@@ -47,12 +49,13 @@ def _draw(
     colour: tuple[int, int, int],
 ) -> None:
     height, width = frame.depth_m.shape
-    inside, edge = (np.zeros((height, width), np.uint8) for _ in range(2))
     if np.abs(corners_px).max() > 1e5:
         return
-    ring = np.round(corners_px * 16).astype(np.int32)
-    cv2.fillPoly(inside, [ring], 255, cv2.LINE_AA, shift=4)
-    cv2.polylines(edge, [ring], True, 255, 2, cv2.LINE_AA, shift=4)
+    masks = [Image.new("L", (_OVER * width, _OVER * height)) for _ in range(2)]
+    ring = [(x, y) for x, y in ((corners_px + 0.5) * _OVER).tolist()]
+    ImageDraw.Draw(masks[0]).polygon(ring, fill=255)
+    ImageDraw.Draw(masks[1]).line([*ring, *ring[:2]], fill=255, width=2 * _OVER, joint="curve")
+    inside, edge = (np.asarray(mask.reduce(_OVER)) for mask in masks)
     visible = _is_visible(frame, polygon_enu_m)
     for mask, share in ((inside, _FILL), (edge, 1.0)):
         blend = (mask / 255 * share * visible)[..., None]

@@ -17,10 +17,11 @@ _SECTIONS = {
 
 Scenes of the AeroScene dataset: skeleton, places and sizes are the model's.
 """,
-    "places": """## Places of the corpus
+    "places": """## Places of the corpus, and generated ones beside them
 
-What the model learns from, as it comes out of `aeroscene/corpus/curation/`. Fine pictures: each
-pixel is lit by rays to the sun and the sky, so shadows are soft and corners dark.
+Curated scenes are what the model learns from, as they come out of `aeroscene/corpus/curation/`; on
+the right of some, a scene of the kind that the model made. Fine pictures: each pixel is lit by rays
+to the sun and the sky, so shadows are soft and corners dark.
 """,
     "onboard": """## On board
 
@@ -51,6 +52,9 @@ class Shown:
     text: str
     scene: str | None
     """Which scene, as `--scene` takes it."""
+    beside: str | None = None
+    """File of a generated scene of the kind."""
+    beside_scene: str | None = None
 
 
 def write_page(page: Path, folder: Path, shown: list[Shown]) -> None:
@@ -66,4 +70,8 @@ def write_page(page: Path, folder: Path, shown: list[Shown]) -> None:
 def _entry(item: Shown, where: str) -> str:
     title = f"**{item.title}**" + (f" (scene {item.scene})" if item.scene else "")
     text = f"{title}. {item.text}".rstrip()
-    return f"{text}\n\n![{item.title}]({where}/{item.file})\n"
+    if item.beside is None:
+        return f"{text}\n\n![{item.title}]({where}/{item.file})\n"
+    head = f"| curated | generated (scene {item.beside_scene}) |\n|---|---|"
+    pictures = [f"![{item.title}]({where}/{file})" for file in (item.file, item.beside)]
+    return f"{text}\n\n{head}\n| {' | '.join(pictures)} |\n"

@@ -20,7 +20,7 @@ from aeroscene.learning.tokens.kinds import Vocabulary
 class GuidanceCfg:
     """Parts of the guidance of our model, in the order in which they act; None is without.
 
-    docs/results.md says what each of them brings.
+    docs/notebook.md says what each of them brings.
     """
 
     borders: BordersCfg | None = field(default_factory=BordersCfg)

@@ -1,7 +1,7 @@
 """What the channels of a token stand for: each choice a switch.
 
 The default is the table of `aeroscene.learning.tokens.channels`. The other choices are there to be
-measured, see docs/results.md: guidance, and the borders that the network sees, read the default's
+measured, see docs/notebook.md: guidance, and the borders that the network sees, read the default's
 channels.
 """
 

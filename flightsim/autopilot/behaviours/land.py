@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from math import hypot
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import Setpoint
+from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.modes import Mode
 

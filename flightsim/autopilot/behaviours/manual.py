@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import cos, hypot, pi, radians, sin, tan
 
-from autonomy.model.quadrotor import GRAVITY_MPS2, Vector3
-from autonomy.types import IDLE, NAN3, ControlLevel, Quaternion, Setpoint
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.types import IDLE, NAN3, ControlLevel, Quaternion, Setpoint, Vector3
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.streams import Sticks, with_dead_zone

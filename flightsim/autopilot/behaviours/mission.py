@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import IDLE, Setpoint
+from autonomy.types import IDLE, Setpoint, Vector3
 from flightsim.autopilot.behaviours.mission_legs import (
     LEG_COMMANDS,
     WAITS,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import copysign, inf, isnan, radians
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.autopilot.behaviours import Behaviour
 from flightsim.autopilot.behaviours.hold import Hold
 from flightsim.autopilot.behaviours.land import Land

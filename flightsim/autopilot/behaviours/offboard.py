@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import hypot, isfinite, isnan
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import IDLE, ControlLevel, Setpoint
+from autonomy.types import IDLE, ControlLevel, Setpoint, Vector3
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.modes import Mode
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from math import atan2
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import Setpoint
+from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.circle import CircleMotion
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.heading import wrap_angle

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import hypot, radians, tan
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import Setpoint
+from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight import Flight

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import Setpoint
+from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.modes import Mode

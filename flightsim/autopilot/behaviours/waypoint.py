@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from math import hypot, radians
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import Setpoint
+from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.flight import Flight
 from flightsim.autopilot.limits import corner_speed
 from flightsim.autopilot.modes import Mode

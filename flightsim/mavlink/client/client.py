@@ -153,19 +153,19 @@ class MavlinkClient:
         return pending
 
     def request_streams(self) -> list[Command]:
-        """Request the messages that a companion steers by, and stop all others."""
+        """Request the local frame's origin and what a companion steers by, and stop all others."""
+        origin = self.command(
+            mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
+        )
         wanted = [(message_id, 1e6 / hz) for message_id, hz in _NEEDED_HZ.items()]
         unwanted = [(message_id, -1.0) for message_id in _NOT_NEEDED]
         return [
-            self.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, interval_us)
-            for message_id, interval_us in (*wanted, *unwanted)
+            origin,
+            *(
+                self.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, interval_us)
+                for message_id, interval_us in (*wanted, *unwanted)
+            ),
         ]
-
-    def request_origin(self) -> Command:
-        """Request the origin of MAVLink's local frame."""
-        return self.command(
-            mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
-        )
 
     def set_mode(self, custom_mode: int) -> Command:
         """Change the flight mode; see `PX4_OFFBOARD` and the other modes."""

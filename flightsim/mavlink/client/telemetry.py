@@ -9,8 +9,7 @@ from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
 
-from autonomy.model.quadrotor import Vector3
-from autonomy.types import NAN3, Quaternion
+from autonomy.types import NAN3, Quaternion, Vector3, yaw_of
 from flightsim.frames import (
     Geodetic,
     LocalFrame,
@@ -63,8 +62,7 @@ class Telemetry:
     @property
     def yaw_rad(self) -> float:
         """Heading of the body's x axis, counter-clockwise from east."""
-        w, x, y, z = self.quat_wxyz
-        return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return yaw_of(self.quat_wxyz)
 
     @property
     def has_state(self) -> bool:

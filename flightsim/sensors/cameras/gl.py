@@ -12,7 +12,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import FAST, FINE

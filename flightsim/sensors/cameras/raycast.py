@@ -13,7 +13,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.bake import lit
 from flightsim.looks.drawing import drawn_mesh

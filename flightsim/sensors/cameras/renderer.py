@@ -14,7 +14,7 @@ from typing import Literal, Protocol
 import mujoco
 import numpy as np
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 from flightsim.sensors.cameras.view import CameraError, Quality, RgbdFrame
 from flightsim.world import World
 

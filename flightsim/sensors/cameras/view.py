@@ -9,7 +9,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from autonomy.model.quadrotor import Vector3
+from autonomy.types import Vector3
 
 Quality = Literal["fast", "fine"]
 NO_OBJECT_ID = -3

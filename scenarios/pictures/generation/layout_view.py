@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
-from jaxtyping import Bool, Float, UInt8
+from jaxtyping import Bool, Float
+from PIL import Image, ImageDraw
 
-Picture = UInt8[np.ndarray, "height width 3"]
+from scenarios.pictures.lettering import PAPER_RGB, Picture
 
-PAPER_RGB, INK_RGB, PALE_RGB = (250, 250, 248), (28, 32, 38), (112, 118, 126)
 _COARSE_RGB, _FINE_RGB = (148, 172, 200), (226, 110, 54)
-_COARSE_FILL, _FINE_FILL = 0.30, 0.62
-_OVER = 2
+_COARSE_ALPHA, _FINE_ALPHA = 76, 158
+_EDGE_SHADE = 0.72
+_OVER = 4
 """Drawn larger by this and shrunk: smooth edges."""
-_SHIFT = 4
-"""Bits of a pixel that OpenCV is given."""
 _FAR_PX = 1e5
-"""Corners farther off are noise and would not fit OpenCV's integers."""
+"""Corners farther off are noise."""
 
 
 @dataclass(frozen=True)
@@ -41,15 +39,16 @@ def draw_layout(layout: Layout, width: int, half_span_m: float) -> Picture:
         half_span_m: From the middle of the picture to its border.
     """
     side = width * _OVER
-    picture = np.full((side, side, 3), PAPER_RGB, dtype=np.uint8)
+    picture = Image.new("RGB", (side, side), PAPER_RGB)
+    draw = ImageDraw.Draw(picture, "RGBA")
     scale = side / (2 * half_span_m)
     corners_px = _footprints(layout) * [scale, -scale] + side / 2
     top_m = layout.center_enu_m[:, 2] + layout.size_m[:, 2] / 2
     # Coarse ones below; among each, what is on top is seen.
     for i in np.lexsort((top_m, ~layout.is_coarse)):
         if np.abs(corners_px[i]).max() < _FAR_PX:
-            _draw_box(picture, corners_px[i], is_coarse=bool(layout.is_coarse[i]))
-    return cv2.resize(picture, (width, width), interpolation=cv2.INTER_AREA)
+            _draw_box(draw, corners_px[i], is_coarse=bool(layout.is_coarse[i]))
+    return np.array(picture.reduce(_OVER))
 
 
 def _footprints(layout: Layout) -> Float[np.ndarray, "n 4 2"]:
@@ -60,18 +59,11 @@ def _footprints(layout: Layout) -> Float[np.ndarray, "n 4 2"]:
     return np.stack(turned, axis=-1) + layout.center_enu_m[:, None, :2]
 
 
-def _draw_box(picture: Picture, corners_px: Float[np.ndarray, "4 2"], *, is_coarse: bool) -> None:
-    rgb = np.array(_COARSE_RGB if is_coarse else _FINE_RGB)
-    ring = np.round(corners_px * 2**_SHIFT).astype(np.int32)
-    low = np.clip(np.floor(corners_px.min(axis=0)).astype(int) - 2, 0, len(picture))
-    high = np.clip(np.ceil(corners_px.max(axis=0)).astype(int) + 3, 0, len(picture))
-    part = picture[low[1] : high[1], low[0] : high[0]]
-    if part.size == 0:
-        return
-    mask = np.zeros(part.shape[:2], np.uint8)
-    ring = ring - low * 2**_SHIFT
-    cv2.fillPoly(mask, [ring], 255, cv2.LINE_AA, shift=_SHIFT)
-    share = (mask / 255 * (_COARSE_FILL if is_coarse else _FINE_FILL))[..., None]
-    part[:] = (part * (1 - share) + rgb * share + 0.5).astype(np.uint8)
-    edge = tuple(int(v) for v in rgb * 0.72)
-    cv2.polylines(part, [ring], True, edge, 1, cv2.LINE_AA, shift=_SHIFT)
+def _draw_box(
+    draw: ImageDraw.ImageDraw, corners_px: Float[np.ndarray, "4 2"], *, is_coarse: bool
+) -> None:
+    rgb, alpha = (_COARSE_RGB, _COARSE_ALPHA) if is_coarse else (_FINE_RGB, _FINE_ALPHA)
+    ring = [(x, y) for x, y in corners_px.tolist()]
+    edge = tuple(round(_EDGE_SHADE * value) for value in rgb)
+    draw.polygon(ring, fill=(*rgb, alpha))
+    draw.line([*ring, *ring[:2]], fill=edge, width=_OVER // 2, joint="curve")

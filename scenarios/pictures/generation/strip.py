@@ -1,4 +1,4 @@
-"""How a scene came about, as a strip of pictures: noise, layouts, the scene.
+"""How a scene came about, as two rows of pictures: noise, layouts, the scene.
 
 The paper's figure of the generation sequence.
 """
@@ -8,26 +8,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import cv2
 import numpy as np
+from PIL import Image
 
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
-from scenarios.dataset.sheet import ASPECT, draw_scene
-from scenarios.pictures.generation.layout_view import (
-    INK_RGB,
-    PAPER_RGB,
-    Layout,
-    Picture,
-    draw_layout,
-)
+from scenarios.dataset.sheet import draw_scene, tile
+from scenarios.pictures.generation.layout_view import Layout, draw_layout
+from scenarios.pictures.lettering import INK_RGB, PAPER_RGB, Picture, write
 
 N_MOMENTS = 5
 """Pictures of the denoising."""
+_COLUMNS = 4
 _WIDTH = 300
-_GAP_PX = 10
-_TITLE_PX = 30
-_FONT = cv2.FONT_HERSHEY_SIMPLEX
+_TITLE_PX, _LETTERS_PX = 32, 20
 
 
 def chosen_steps(n_steps: int) -> tuple[int, ...]:
@@ -51,7 +45,7 @@ def layout_of(scene: Scene) -> Layout:
 def draw_strip(
     moments: Sequence[tuple[str, Layout]], half_span_m: float, scene: Scene | None, out: Path
 ) -> None:
-    """Draw layouts beside each other, and then the scene that came of them.
+    """Draw layouts one after the other, and then the scene that came of them.
 
     Args:
         moments: Titles and layouts, the noise first.
@@ -65,17 +59,12 @@ def draw_strip(
     cells = [_titled(t, draw_layout(layout, _WIDTH, half_span_m)) for t, layout in moments]
     if scene is not None:
         cells.append(_titled("feasible", draw_layout(layout_of(scene), _WIDTH, half_span_m)))
-        cells.append(_titled("scene", draw_scene(scene, round(_WIDTH * ASPECT))))
-    gap = np.full((cells[0].shape[0], _GAP_PX, 3), PAPER_RGB, np.uint8)
-    row = np.hstack([part for cell in cells for part in (gap, cell)] + [gap])
-    is_encoded, png = cv2.imencode(".png", cv2.cvtColor(row, cv2.COLOR_RGB2BGR))
-    assert is_encoded
+        cells.append(_titled("scene", draw_scene(scene, _WIDTH, aspect=1.0)))
     with replacing(out) as file:
-        file.write(png.tobytes())
+        Image.fromarray(tile(cells, _COLUMNS)).save(file, format="png", optimize=True)
 
 
 def _titled(title: str, picture: Picture) -> Picture:
-    strip = np.full((_TITLE_PX, picture.shape[1], 3), PAPER_RGB, np.uint8)
-    cv2.putText(strip, title, (2, 20), _FONT, 0.5, INK_RGB, 1, cv2.LINE_AA)
-    foot = np.full((_GAP_PX, picture.shape[1], 3), PAPER_RGB, np.uint8)
-    return np.vstack([strip, picture, foot])
+    head = np.full((_TITLE_PX, picture.shape[1], 3), PAPER_RGB, np.uint8)
+    write(head, title, (2, (_TITLE_PX - _LETTERS_PX) // 2), _LETTERS_PX, INK_RGB)
+    return np.vstack([head, picture])

@@ -7,8 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flightsim.environment.air import move_air, new_air, set_wind
-from flightsim.environment.wind import TURBULENCE_MPS, WindCfg, WindError, turbulence_mps
+from flightsim.environment.wind import (
+    TURBULENCE_MPS,
+    WindCfg,
+    WindError,
+    move_air,
+    new_air,
+    set_wind,
+    turbulence_mps,
+)
 
 STILL = np.zeros(3)
 OPEN = np.zeros((0, 8))

@@ -32,9 +32,8 @@ class Flight:
     """A testbench and a client in lockstep."""
 
     def __init__(self, loses=frozenset()):
-        self.bench = Testbench(
-            yard(), TestbenchCfg(speed="max"), has_network=False, observers=[self._on_tick]
-        )
+        self.bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False)
+        self.bench.observers.append(self._on_tick)
         self.pipe = LossyPipe(self.bench.pilot_link.client, loses)
         self.client = MavlinkClient(self.pipe, self.bench.frame)
         self.reference = None
@@ -45,8 +44,7 @@ class Flight:
             self.client.send_setpoint(self.reference)
 
     def run(self, seconds, until=lambda: False):
-        end_us = self.bench.plant.time_us + round(seconds * 1e6)
-        self.bench.simulator.run(until_us=end_us, stop=until)
+        self.bench.run(seconds, until)
 
     def do(self, command):
         self.run(10.0, lambda: command.is_done)
@@ -67,7 +65,6 @@ def flight():
 
 
 def connected(flight):
-    assert flight.do(flight.client.request_origin()).is_accepted
     for command in flight.client.request_streams():
         assert flight.do(command).is_accepted
     flight.run(20.0, lambda: flight.client.telemetry.is_armable)
@@ -121,7 +118,7 @@ def test_setpoints_arrive_as_they_were_meant(flight):
 
 def test_commands_that_get_lost_are_repeated_until_acknowledged(flight):
     flight = flight(loses=[n for n in range(100) if n % 4])
-    command = flight.do(flight.client.request_origin())
+    command = flight.do(flight.client.request_streams()[0])
     assert command.is_accepted
     assert command.tries > 1
     assert flight.client.telemetry.local_origin_enu_m == pytest.approx((0, 0, 0.11), abs=0.02)

@@ -63,3 +63,12 @@ def test_native_viewer_without_display_ends_with_status_2(tmp_path, monkeypatch,
         replay.run(replay.ReplayCfg(recording=path, viewer="native"))
     assert end.value.code == 2
     assert "needs a display" in capsys.readouterr().err
+
+
+def test_a_film_of_an_unknown_format_ends_with_status_2_and_one_line(tmp_path):
+    result = _main(tmp_path / "x.rrd", "--video", tmp_path / "x.avi")
+    assert result.returncode == 2
+    assert result.stdout == ""
+    (line,) = result.stderr.strip().splitlines()
+    assert line.startswith("aeroscene replay: error: video ")
+    assert line.endswith("valid: .mp4, .webm, .webp, .gif")

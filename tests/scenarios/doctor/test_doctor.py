@@ -22,7 +22,7 @@ def test_json_is_one_object_and_this_machine_can_fly():
     problems = [check for check in diagnosis["checks"] if check["status"] == "problem"]
     assert result.returncode == 0, problems
     assert diagnosis["can_fly"] is True
-    assert {"python", "mujoco", "take-off", "renderer", "viewer", "TCP 5760"} <= checks.keys()
+    assert {"python", "mujoco-core", "take-off", "renderer", "viewer", "TCP 5760"} <= checks.keys()
     assert checks["take-off"]["value"].startswith("climbed ")
     assert checks["renderer"]["value"].split()[0] in {"gl", "raycast"}
 

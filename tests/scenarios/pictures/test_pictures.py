@@ -93,8 +93,24 @@ def test_landing_map_shows_safe_and_unsafe_ground(pictures):
 
 
 def test_same_flight_gives_the_same_picture(story, pictures, tmp_path):
-    draw_landing(story, tmp_path / "again.png")
+    draw_landing(story, [tmp_path / "again.png"])
     assert (tmp_path / "again.png").read_bytes() == pictures[1].read_bytes()
+
+
+def test_lines_stay_lines_where_that_is_asked_for(story, tmp_path):
+    files = draw_pictures(story, tmp_path, ("svg", "pdf"))
+    assert [file.name for file in files] == [
+        *("flight.svg", "flight.pdf"),
+        *("landing.svg", "landing.pdf"),
+    ]
+    assert files[0].read_bytes().count(b"<path") > 50
+    assert files[1].read_bytes().startswith(b"%PDF")
+    before = [file.read_bytes() for file in files]
+    assert [f.read_bytes() for f in draw_pictures(story, tmp_path, ("svg", "pdf"))] == before
+
+
+def test_planned_and_flown_are_both_seen_where_one_follows_the_other(story, pictures):
+    assert n_pixels(pictures[0], style.PLANNED) > 2000
 
 
 def test_vehicle_without_a_pilot_that_never_left_the_ground_is_drawn(story, tmp_path):

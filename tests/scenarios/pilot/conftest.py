@@ -33,13 +33,11 @@ class Demo:
         expects_traffic=None,
     ):
         """The pilot's map is `known`, if that is not the scene itself."""
-        observers = []
         self.bench = Testbench(
             scene,
             TestbenchCfg(speed="max", vehicle=vehicle),
             traffic=traffic,
             has_network=False,
-            observers=observers,
         )
         self.cameras = Cameras(self.bench.plant)
         mission = plan_mission(known or scene, self.bench.airframe, area=area)
@@ -52,7 +50,7 @@ class Demo:
         self.pilot = Pilot(client, self.mission, self._frame, brief)
         self.log = FlightLog(self.bench.plant)
         self.gap_m = np.inf
-        observers += [self.log.on_tick, self.on_tick]
+        self.bench.observers += [self.log.on_tick, self.on_tick]
 
     def _frame(self, camera):
         """By what `see` is at the time."""

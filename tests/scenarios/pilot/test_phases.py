@@ -62,3 +62,8 @@ def test_a_change_that_is_not_in_the_table_is_refused_with_what_would_be():
         TransitionError, match="phase touch down does not follow connect; valid: failed, wait for"
     ):
         Transition(time_us=0, source=Phase.CONNECT, target=Phase.TOUCHDOWN, reason="because")
+
+
+@pytest.mark.parametrize("phase", [Phase.SEARCH, Phase.ALIGN, Phase.CLIMB, Phase.HOLD])
+def test_an_area_that_is_given_up_is_left_for_the_next(phase):
+    assert Phase.NAVIGATE in TRANSITIONS[phase]

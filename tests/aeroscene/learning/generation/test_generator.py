@@ -125,7 +125,7 @@ def test_onlooker_sees_every_step_from_noise_to_layout(generator: Generator) -> 
 
 
 def test_the_papers_model_lays_out_as_many_objects_within_its_training() -> None:
-    """How good it is on so little training, docs/results.md says."""
+    """How good it is on so little training, docs/notebook.md says."""
     paper = Generator.load(preset="paper", device="cpu", n_steps=25)
     made = next(paper.generate([Request(seed=1, n_objects=60)]))
     assert len(made.raw.objects) == 60

@@ -1,0 +1,128 @@
+"""What a pilot asks of a map, whether it was given before the flight or grows with what is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.perception.depth_image import DepthImage
+from autonomy.planning.field import DistanceField
+from autonomy.planning.limits import FlightLimits
+from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.openings import Opening, find_openings
+from autonomy.planning.planner import PlannerCfg, plan_trajectory
+from autonomy.planning.trajectory import Trajectory
+from autonomy.types import FlatReference, Vector3
+
+
+class Map(Protocol):
+    """Where obstacles are, as far as it is known."""
+
+    @property
+    def is_given(self) -> bool:
+        """Whether all of it was known before the flight; else it grows with each image."""
+        ...
+
+    @property
+    def obstacles(self) -> Obstacles:
+        """What the vehicle must not touch; of a growing map all that was not seen free nearby."""
+        ...
+
+    @property
+    def field(self) -> DistanceField:
+        """Distances to these obstacles."""
+        ...
+
+    def find_openings(self) -> Sequence[Opening]:
+        """Doors, windows and other narrow ways of a map that was given, the widest first."""
+        ...
+
+    def observe(self, image: DepthImage) -> None:
+        """Take in a depth image of any camera."""
+        ...
+
+    def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
+        """What the vehicle must not touch near some points."""
+        ...
+
+    def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Distance to what is known to be there; what was not seen counts as free."""
+        ...
+
+    def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Distance to what is known to stand there, and not to move; 0 where nothing is known."""
+        ...
+
+    def may_be_reached(self, point_enu_m: Vector3) -> bool:
+        """Whether free cells may join a point of the field to the start."""
+        ...
+
+    def plan(
+        self,
+        start: FlatReference,
+        goal_enu_m: Vector3,
+        limits: FlightLimits,
+        quadrotor: QuadrotorParams,
+        cfg: PlannerCfg,
+    ) -> Trajectory:
+        """A certified trajectory to a goal, or towards it as far as is known.
+
+        Raises:
+            PlanningError: Saying why there is none.
+        """
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GivenMap:
+    """A map that was given before the flight."""
+
+    obstacles: Obstacles
+    field: DistanceField
+    is_reachable: Bool[np.ndarray, "nx ny nz"]
+    """Cells of the field that the vehicle can fly to from the start."""
+    is_given: bool = True
+
+    def find_openings(self) -> Sequence[Opening]:
+        """Takes 1 to 5 s."""
+        return tuple(find_openings(self.field, self.obstacles))
+
+    def observe(self, image: DepthImage) -> None:
+        """Learn nothing from an image."""
+
+    def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
+        """All of them."""
+        del points_enu_m
+        return self.obstacles
+
+    def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Exact distances."""
+        return self.obstacles.signed_distance(points_enu_m)[0]
+
+    static_distance_m = distance_to_seen_m
+
+    def may_be_reached(self, point_enu_m: Vector3) -> bool:
+        """Whether free cells join a point to the start."""
+        return bool(self.is_reachable[tuple(self.field.cells(np.array(point_enu_m)))])
+
+    def plan(
+        self,
+        start: FlatReference,
+        goal_enu_m: Vector3,
+        limits: FlightLimits,
+        quadrotor: QuadrotorParams,
+        cfg: PlannerCfg,
+    ) -> Trajectory:
+        """A certified trajectory to a goal.
+
+        Raises:
+            PlanningError: Saying why there is none.
+        """
+        return plan_trajectory(
+            start, goal_enu_m, self.field, self.obstacles, limits, quadrotor, cfg
+        )

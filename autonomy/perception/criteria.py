@@ -1,0 +1,89 @@
+"""What a place to stand is judged by: each criterion once, for all cells of a map and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from autonomy.perception.needs import LandingNeeds
+
+_SLOPE_SIGMAS = 2.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ground:
+    """What is under and about a vehicle centred on each cell, or on one; NaN if unknown."""
+
+    slope_rad: Float[np.ndarray, "*b"]
+    """Of the plane under the feet."""
+    slope_sigma_rad: Float[np.ndarray, "*b"]
+    """How uncertain the noise of depth makes it."""
+    roughness_m: Float[np.ndarray, "*b"]
+    """Height range about the plane under the feet, beyond what noise may do."""
+    sigma_m: Float[np.ndarray, "*b"]
+    """How uncertain the heights of the cells under the feet are, root mean square."""
+    rise_m: Float[np.ndarray, "*b"]
+    """How far anything within the body's radius may rise above the plane; inf: it is unknown."""
+
+    def at(self, cell: tuple[int, int]) -> Ground:
+        """The same of one cell."""
+        return Ground(**{field.name: getattr(self, field.name)[cell] for field in fields(Ground)})
+
+
+@dataclass(frozen=True, slots=True)
+class Criterion:
+    """One thing that a place needs."""
+
+    is_met: Callable[[Ground, LandingNeeds], Any]
+    """For each cell; False where it is unknown."""
+    lack: Callable[[Ground, LandingNeeds], str]
+    """What is wrong with the one cell that does not meet it."""
+
+
+def _slope(ground: Ground, needs: LandingNeeds) -> str:
+    slope, doubt = math.degrees(ground.slope_rad), math.degrees(ground.slope_sigma_rad)
+    most = math.degrees(needs.max_slope_rad)
+    return f"slope {slope:.1f} deg, up to {_SLOPE_SIGMAS * doubt:.1f} more, at most {most:.1f}"
+
+
+def _rise(ground: Ground, needs: LandingNeeds) -> str:
+    if math.isinf(ground.rise_m):
+        return f"not everything within {needs.body_radius_m:.2f} m was observed"
+    rise, most = float(ground.rise_m), needs.max_rise_m
+    return f"something rises {rise:.2f} m beside the vehicle, at most {most} m"
+
+
+CRITERIA = (
+    Criterion(
+        lambda g, needs: g.slope_rad + _SLOPE_SIGMAS * g.slope_sigma_rad <= needs.max_slope_rad,
+        _slope,
+    ),
+    Criterion(
+        lambda g, needs: g.sigma_m <= needs.max_sigma_m,
+        lambda g, needs: f"heights known to {g.sigma_m:.3f} m, needed {needs.max_sigma_m} m",
+    ),
+    Criterion(
+        lambda g, needs: g.roughness_m <= needs.max_roughness_m,
+        lambda g, needs: (
+            f"height range {g.roughness_m:.2f} m under the feet, at most {needs.max_roughness_m} m"
+        ),
+    ),
+    Criterion(lambda g, needs: g.rise_m <= needs.max_rise_m, _rise),
+)
+"""In the order in which they are told."""
+
+
+def is_safe(ground: Ground, needs: LandingNeeds) -> Bool[np.ndarray, "*b"]:
+    """Whether a vehicle may stand on each cell."""
+    return np.logical_and.reduce([criterion.is_met(ground, needs) for criterion in CRITERIA])
+
+
+def first_lack(ground: Ground, needs: LandingNeeds) -> str | None:
+    """What is wrong with one cell first of all; None if it is safe."""
+    lacks = (each.lack(ground, needs) for each in CRITERIA if not each.is_met(ground, needs))
+    return next(lacks, None)

@@ -1,0 +1,5 @@
+"""A flight as a film: the vehicle from behind, and what its cameras see, rendered anew."""
+
+from scenarios.pictures.film.film import SUFFIXES, draw_film
+
+__all__ = ["SUFFIXES", "draw_film"]

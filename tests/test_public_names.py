@@ -1,0 +1,83 @@
+"""The flat packages promise names that exist, cost nothing until used, and agree in all places."""
+
+import ast
+import importlib
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("aeroscene", "autonomy", "flightsim", "scenarios")
+LAZY = ("aeroscene", "flightsim", "scenarios")
+NEED_TORCH = {"Generator", "Request", "generate_scene"}
+HEAVY = ("casadi", "llvmlite", "mujoco", "numba", "numpy", "rerun", "scipy", "shapely", "torch")
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_public_name_is_there_and_says_what_it_is(package):
+    module = importlib.import_module(package)
+    assert list(module.__all__) == sorted(set(module.__all__), key=module.__all__.index)
+    for name in module.__all__:
+        if name in NEED_TORCH and find_spec("torch") is None:
+            continue
+        value = getattr(module, name)
+        assert name in dir(module)
+        assert not callable(value) or value.__doc__, name
+
+
+@pytest.mark.parametrize("package", LAZY)
+def test_type_checkers_readers_and_the_interpreter_are_told_the_same(package):
+    tree = ast.parse((ROOT / package / "__init__.py").read_text())
+    (branch,) = (node for node in tree.body if isinstance(node, ast.If))
+    imported = {
+        (node.module, alias.name)
+        for node in branch.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    (homes,) = (node for node in ast.walk(branch) if isinstance(node, ast.Dict))
+    table = ast.literal_eval(homes)
+    assert imported == {(home, name) for home, names in table.items() for name in names.split()}
+    assert {name for _, name in imported} == set(importlib.import_module(package).__all__)
+
+
+def test_importing_the_packages_loads_nothing_heavy():
+    code = (
+        f"import sys, {', '.join(PACKAGES)};"
+        f"print(*sorted(set(sys.modules) & set({HEAVY!r})), end='')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == ""
+
+
+def test_a_name_that_is_not_public_is_named():
+    with pytest.raises(AttributeError, match="'flightsim' has no attribute 'plnt'"):
+        importlib.import_module("flightsim").plnt  # noqa: B018
+
+
+def test_the_snippets_of_the_python_page_run_from_top_to_bottom(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "python.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len(blocks) > 8
+    names = {"__name__": "page"}
+    for block in blocks:
+        if "generate_scene" in block and find_spec("torch") is None:
+            continue
+        exec(compile(block, "docs/python.md", "exec"), names)
+    assert names["armed"].is_accepted
+    assert names["result"].success, names["result"].reason
+    assert len(names["track"]) * 0.02 == pytest.approx(names["result"].sim_seconds)
+    assert names["hop"].success, names["hop"].reason
+    assert names["plant"].truth.position_enu_m[2] > 2.0
+    assert names["categories"]
+
+
+def test_the_page_links_every_example():
+    page = (ROOT / "docs" / "python.md").read_text() + (ROOT / "examples" / "README.md").read_text()
+    for path in (ROOT / "examples").glob("*.py"):
+        assert path.name in page, path.name
