@@ -12,7 +12,7 @@ from flightsim.autopilot.behaviours.mission import MissionFlight
 from flightsim.autopilot.commander import Commander
 from flightsim.autopilot.events import Event, EventLog, Severity
 from flightsim.autopilot.failsafes import Failsafes
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.guided import Guided
 from flightsim.autopilot.modes import (
     BatteryWarning,
@@ -81,7 +81,7 @@ class Autopilot:
         self._plant = plant
         self._events = EventLog()
         self._vehicle = Vehicle(plant, self.parameters, hover)
-        self._flight = Flight(self._vehicle, self.parameters, self._events, frame)
+        self._flight = FlightContext(self._vehicle, self.parameters, self._events, frame)
         self._battery = BatteryMonitor(self.parameters, self._events, airframe.battery.cells)
         self._datalink = DatalinkWatch(self.parameters)
         self._checks = ArmingChecks(plant, self._flight, self._battery)

@@ -11,7 +11,7 @@ from flightsim.autopilot.behaviours.manual import Manual
 from flightsim.autopilot.behaviours.offboard import Offboard
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.failsafes import BATTERY_REASONS, Action, Failsafes
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.flight_limits import Speeds
 from flightsim.autopilot.mode_entry import behaviour_of, may_enter
 from flightsim.autopilot.modes import POSITION_MODES, STICK_MODES, FailsafeReason, Mode
@@ -48,7 +48,7 @@ class Commander:
         failsafe: Reason of the failsafe that chose the present mode, if one did.
     """
 
-    def __init__(self, flight: Flight, checks: ArmingChecks, failsafes: Failsafes) -> None:
+    def __init__(self, flight: FlightContext, checks: ArmingChecks, failsafes: Failsafes) -> None:
         self._flight = flight
         self._checks = checks
         self._failsafes = failsafes

@@ -12,7 +12,7 @@ from flightsim.autopilot.behaviours.orbit import Orbit
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.commander import Commander
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.flight_limits import Speeds
 from flightsim.autopilot.mission_places import fence_breach
 from flightsim.autopilot.modes import Mode
@@ -26,7 +26,7 @@ _LEAST_CLIMB_M = 0.3
 class Guided:
     """Converts geodetic requests into behaviours, and refuses those that make no sense."""
 
-    def __init__(self, flight: Flight, commander: Commander) -> None:
+    def __init__(self, flight: FlightContext, commander: Commander) -> None:
         self._flight = flight
         self._commander = commander
 

@@ -22,14 +22,14 @@ from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth
 from flightsim.world import World
 from scenarios.mission.surroundings import Surroundings
-from scenarios.pilot.area import (
+from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.landing_phases import (
     COMMIT_HEIGHT_M,
     DESCENT_SPEED_MPS,
     MAX_LOOKS,
     MAX_SEARCH_FRAMES,
     SEARCH_FRAMES,
 )
-from scenarios.pilot.eyes import camera_mount, posed_image
 from scenarios.pilot.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
 
 WIDTH_PX, HEIGHT_PX = 320, 240

@@ -15,7 +15,7 @@ from flightsim.autopilot.behaviours.mission_legs import (
     seconds,
 )
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_item import Cmd, MissionItem
 from flightsim.autopilot.mission_places import place_of
 from flightsim.autopilot.modes import Mode
@@ -29,7 +29,7 @@ _DEFAULT_SPEED = -2.0
 class MissionFlight:
     """Executes `flight.mission` from its current item."""
 
-    def __init__(self, flight: Flight, *, last_index: int | None = None) -> None:
+    def __init__(self, flight: FlightContext, *, last_index: int | None = None) -> None:
         """Prepare to fly the mission.
 
         Args:

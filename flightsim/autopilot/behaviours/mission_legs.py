@@ -13,7 +13,7 @@ from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.behaviours.orbit import Orbit
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.behaviours.waypoint import WaypointLeg
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.heading import wrap_angle
 from flightsim.autopilot.mission_item import PLACE_COMMANDS, Cmd, MissionItem
 from flightsim.autopilot.mission_places import place_after, place_of, yaw_of
@@ -41,12 +41,12 @@ def seconds(value: float) -> float:
     return 0.0 if isnan(value) else max(value, 0.0)
 
 
-def loiter_leg(flight: Flight) -> Leg:
+def loiter_leg(flight: FlightContext) -> Leg:
     """Leg that stays here when the mission is complete."""
     return Leg(Hold(flight), _never)
 
 
-def climb_leg(flight: Flight, item: MissionItem) -> Leg:
+def climb_leg(flight: FlightContext, item: MissionItem) -> Leg:
     """Leg that climbs from the ground to an item's height, for missions without a takeoff."""
     least_m = flight.path.position_enu_m[2] + flight.parameters["MIS_TAKEOFF_ALT"]
     return _takeoff_leg(Takeoff(flight, max(least_m, place_of(item, flight)[2])))
@@ -55,7 +55,7 @@ def climb_leg(flight: Flight, item: MissionItem) -> Leg:
 def leg_of(
     index: int,
     item: MissionItem,
-    flight: Flight,
+    flight: FlightContext,
     *,
     line_start_enu_m: Vector3 | None,
     may_pass: bool,
@@ -112,7 +112,7 @@ def _takeoff_leg(takeoff: Takeoff) -> Leg:
     return Leg(takeoff, lambda: takeoff.next_mode is not None)
 
 
-def _circle_leg(item: MissionItem, flight: Flight) -> Leg:
+def _circle_leg(item: MissionItem, flight: FlightContext) -> Leg:
     radius_m = 0.0 if isnan(item.param3) else abs(item.param3)
     orbit = Orbit(
         flight,
@@ -124,7 +124,7 @@ def _circle_leg(item: MissionItem, flight: Flight) -> Leg:
     return Leg(orbit, lambda: orbit.turns >= item.param1)
 
 
-def _pause_leg(item: MissionItem, flight: Flight) -> Leg:
+def _pause_leg(item: MissionItem, flight: FlightContext) -> Leg:
     leg = WaypointLeg(
         flight,
         flight.path.stopping_point(flight.limits.automatic),
@@ -135,7 +135,7 @@ def _pause_leg(item: MissionItem, flight: Flight) -> Leg:
     return Leg(leg, lambda: leg.is_done)
 
 
-def _turn_of(item: MissionItem, flight: Flight) -> float | None:
+def _turn_of(item: MissionItem, flight: FlightContext) -> float | None:
     """ENU heading of a yaw item: absolute by compass, or relative to the present heading."""
     if item.command != Cmd.CONDITION_YAW:
         return None
