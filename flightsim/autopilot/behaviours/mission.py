@@ -8,7 +8,7 @@ from autonomy.types import IDLE, Setpoint, Vector3
 from flightsim.autopilot.behaviours.mission_legs import (
     LEG_COMMANDS,
     WAITS,
-    Leg,
+    MissionLeg,
     climb_leg,
     leg_of,
     loiter_leg,
@@ -40,7 +40,7 @@ class MissionFlight:
         self._last_index = last_index
         self._followed = (-1, -1)
         self._index: int | None = None
-        self._leg: Leg | None = None
+        self._leg: MissionLeg | None = None
         self._is_climbing_first = False
         self._passed_enu_m: Vector3 | None = None
         self._waited_s = 0.0
