@@ -36,7 +36,7 @@ def kernel(function: _F) -> _F:
     that one, cannot be called from Python and needs no cache of its own.
     """
     is_part = function.__name__.startswith("_")
-    compiler: Any = numba.njit  # its annotations leave options out
+    compiler: Any = numba.njit  # its annotations lack options
     inherited = _config.CACHE_DIR
     if not is_part:
         _config.CACHE_DIR = str(cache_directory(function.__module__))

@@ -183,7 +183,7 @@ def command_attitude(c: np.record, x: np.record) -> None:
 
 @kernel
 def _demand_jerk(c: np.record, x: np.record, max_feedback_mps3: float) -> None:
-    """Derivative of the demanded force, into `c.demanded_jerk_enu_mps3`.
+    """Derivative of the demanded force, written to `c.demanded_jerk_enu_mps3`.
 
     Without the feedback's part, the attitude lags behind it by 2 zeta / wR and the position loop
     rings.

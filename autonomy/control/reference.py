@@ -111,7 +111,7 @@ def _approach_speed(distance_m: float, gain: float, deceleration: float) -> floa
 
 @kernel
 def _aim(c: np.record, s: np.record) -> None:
-    """Target velocity of the model: towards positions, or as the setpoint says."""
+    """Target velocity of the model: towards positions, or from the setpoint."""
     target, gain = c.target_velocity_enu_mps, c.approach_gain_radps
     square = 0.0
     for i in range(2):

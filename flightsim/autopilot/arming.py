@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isnan
 
 from flightsim.autopilot.battery_monitor import BatteryMonitor
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_places import fence_breach, mission_obstacle
 from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, BatteryWarning, Mode
 from flightsim.autopilot.plant_like import PlantLike
@@ -21,7 +21,7 @@ _GNSS_FIX_3D = 3
 class ArmingChecks:
     """Health and arming report, updated by `refresh`."""
 
-    def __init__(self, plant: PlantLike, flight: Flight, battery: BatteryMonitor) -> None:
+    def __init__(self, plant: PlantLike, flight: FlightContext, battery: BatteryMonitor) -> None:
         self._plant = plant
         self._flight = flight
         self._battery = battery

@@ -12,8 +12,8 @@ from flightsim.autopilot.behaviours.mission import MissionFlight
 from flightsim.autopilot.commander import Commander
 from flightsim.autopilot.events import Event, EventLog, Severity
 from flightsim.autopilot.failsafes import Failsafes
-from flightsim.autopilot.flight import Flight
-from flightsim.autopilot.guided import Guided
+from flightsim.autopilot.flight_context import FlightContext
+from flightsim.autopilot.guided import GuidedRequests
 from flightsim.autopilot.modes import (
     BatteryWarning,
     FailsafeReason,
@@ -47,7 +47,7 @@ class Autopilot:
         setpoint: Setpoint applied last.
 
     The requests `takeoff`, `land`, `goto`, `orbit`, `set_yaw`, `set_speed` and `set_home` are those
-    of `flightsim.autopilot.guided.Guided`.
+    of `flightsim.autopilot.guided.GuidedRequests`.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class Autopilot:
         self._plant = plant
         self._events = EventLog()
         self._vehicle = Vehicle(plant, self.parameters, hover)
-        self._flight = Flight(self._vehicle, self.parameters, self._events, frame)
+        self._flight = FlightContext(self._vehicle, self.parameters, self._events, frame)
         self._battery = BatteryMonitor(self.parameters, self._events, airframe.battery.cells)
         self._datalink = DatalinkWatch(self.parameters)
         self._checks = ArmingChecks(plant, self._flight, self._battery)
@@ -90,7 +90,7 @@ class Autopilot:
         self.mission = self._flight.mission
         self.fence = self._flight.fence
         self.rally = self._flight.rally
-        guided = Guided(self._flight, self._commander)
+        guided = GuidedRequests(self._flight, self._commander)
         self.takeoff = guided.takeoff
         self.land = guided.land
         self.goto = guided.goto

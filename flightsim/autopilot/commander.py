@@ -11,8 +11,8 @@ from flightsim.autopilot.behaviours.manual import Manual
 from flightsim.autopilot.behaviours.offboard import Offboard
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.failsafes import BATTERY_REASONS, Action, Failsafes
-from flightsim.autopilot.flight import Flight
-from flightsim.autopilot.flight_limits import Speeds
+from flightsim.autopilot.flight_context import FlightContext
+from flightsim.autopilot.flight_limits import SpeedRequests
 from flightsim.autopilot.mode_entry import behaviour_of, may_enter
 from flightsim.autopilot.modes import POSITION_MODES, STICK_MODES, FailsafeReason, Mode
 from flightsim.autopilot.results import ACCEPTED, Reply, rejected
@@ -48,7 +48,7 @@ class Commander:
         failsafe: Reason of the failsafe that chose the present mode, if one did.
     """
 
-    def __init__(self, flight: Flight, checks: ArmingChecks, failsafes: Failsafes) -> None:
+    def __init__(self, flight: FlightContext, checks: ArmingChecks, failsafes: Failsafes) -> None:
         self._flight = flight
         self._checks = checks
         self._failsafes = failsafes
@@ -105,7 +105,7 @@ class Commander:
         self.armed_at_us = None
         self._forget_failsafes()
         self._flight.target_enu_m = None
-        self._flight.limits.speeds = Speeds()
+        self._flight.limits.speeds = SpeedRequests()
         mission = self._flight.mission
         is_over = self.mode is Mode.MISSION and mission.is_finished
         if mission.is_finished:
@@ -177,7 +177,7 @@ class Commander:
     def _enter(self, mode: Mode, behaviour: Behaviour | None) -> None:
         flight = self._flight
         if mode is not self.mode:
-            flight.limits.speeds = Speeds()
+            flight.limits.speeds = SpeedRequests()
             flight.heading.rate_limit_radps = None
         has_references = not isinstance(self.behaviour, _WITHOUT_REFERENCES)
         self.mode = mode

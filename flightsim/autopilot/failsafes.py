@@ -13,7 +13,7 @@ from math import cos, radians
 from autonomy.types import ControlLevel
 from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_places import fence_breach
 from flightsim.autopilot.modes import (
     POSITION_MODES,
@@ -82,7 +82,9 @@ _SHORTEST_GAP_S = 0.1
 class Failsafes:
     """Present conditions and the actions that new ones demand."""
 
-    def __init__(self, flight: Flight, battery: BatteryMonitor, datalink: DatalinkWatch) -> None:
+    def __init__(
+        self, flight: FlightContext, battery: BatteryMonitor, datalink: DatalinkWatch
+    ) -> None:
         self._flight = flight
         self._battery = battery
         self._datalink = datalink

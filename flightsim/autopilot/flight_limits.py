@@ -9,7 +9,7 @@ from flightsim.autopilot.parameters import Parameters
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Speeds:
+class SpeedRequests:
     """Requested speeds of automatic flight; None uses the parameter."""
 
     cruise_mps: float | None = None
@@ -28,17 +28,17 @@ class FlightLimits:
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        self._speeds = Speeds()
+        self._speeds = SpeedRequests()
         self._build()
         parameters.add_listener(lambda _spec, _value: self._build())
 
     @property
-    def speeds(self) -> Speeds:
+    def speeds(self) -> SpeedRequests:
         """Requested speeds; setting them takes effect at once."""
         return self._speeds
 
     @speeds.setter
-    def speeds(self, speeds: Speeds) -> None:
+    def speeds(self, speeds: SpeedRequests) -> None:
         if speeds != self._speeds:
             self._speeds = speeds
             self._build()

@@ -12,8 +12,8 @@ from flightsim.autopilot.behaviours.orbit import Orbit
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.commander import Commander
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.flight import Flight
-from flightsim.autopilot.flight_limits import Speeds
+from flightsim.autopilot.flight_context import FlightContext
+from flightsim.autopilot.flight_limits import SpeedRequests
 from flightsim.autopilot.mission_places import fence_breach
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
@@ -23,10 +23,10 @@ _FARTHEST_M = 1e5
 _LEAST_CLIMB_M = 0.3
 
 
-class Guided:
+class GuidedRequests:
     """Converts geodetic requests into behaviours, and refuses those that make no sense."""
 
-    def __init__(self, flight: Flight, commander: Commander) -> None:
+    def __init__(self, flight: FlightContext, commander: Commander) -> None:
         self._flight = flight
         self._commander = commander
 
@@ -116,7 +116,7 @@ class Guided:
         """Set the speed of automatic flight; None restores MPC_XY_CRUISE."""
         if speed_mps is not None and not 0.0 < speed_mps <= 100.0:
             return denied(f"speed {speed_mps} m/s is out of range; valid are 0 to 100")
-        self._flight.limits.speeds = Speeds(cruise_mps=speed_mps)
+        self._flight.limits.speeds = SpeedRequests(cruise_mps=speed_mps)
         return ACCEPTED
 
     def set_home(self, place: Geodetic | None) -> Reply:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot, isnan, radians
 
 from autonomy.types import Vector3
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_item import (
     FRAME_GLOBAL,
     FRAME_LOCAL_NED,
@@ -19,7 +19,7 @@ from flightsim.frames import Geodetic, swap_enu_ned, swap_yaw_enu_ned
 _PASSED_OVER = IGNORED_COMMANDS | {Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOME}
 
 
-def place_of(item: MissionItem, flight: Flight) -> Vector3:
+def place_of(item: MissionItem, flight: FlightContext) -> Vector3:
     """ENU position of an item that flies somewhere; missing coordinates are the path's."""
     here = flight.path.position_enu_m
     home_m = 0.0 if flight.home is None else flight.home.position_enu_m[2]
@@ -41,7 +41,7 @@ def yaw_of(compass_deg: float) -> float | None:
     return None if isnan(compass_deg) else swap_yaw_enu_ned(radians(compass_deg))
 
 
-def place_after(index: int, flight: Flight, height_enu_m: float) -> Vector3 | None:
+def place_after(index: int, flight: FlightContext, height_enu_m: float) -> Vector3 | None:
     """Next position after an item at a height; None if the mission must stop there first."""
     for item in flight.mission.items[index + 1 :]:
         if item.command in _PASSED_OVER:
@@ -56,7 +56,7 @@ def place_after(index: int, flight: Flight, height_enu_m: float) -> Vector3 | No
     return None
 
 
-def mission_obstacle(flight: Flight) -> str | None:
+def mission_obstacle(flight: FlightContext) -> str | None:
     """Reason why the mission cannot be flown from here, or None if it can."""
     if not flight.mission.items:
         return "no valid mission uploaded"
@@ -76,7 +76,7 @@ def mission_obstacle(flight: Flight) -> str | None:
     return None
 
 
-def fence_breach(flight: Flight, position_enu_m: Vector3) -> str | None:
+def fence_breach(flight: FlightContext, position_enu_m: Vector3) -> str | None:
     """Description of a position outside the geofence, or None if it is inside."""
     p = flight.parameters
     farthest_m, highest_m = p["GF_MAX_HOR_DIST"], p["GF_MAX_VER_DIST"]

@@ -13,12 +13,12 @@ from flightsim.autopilot.behaviours.mission import MissionFlight
 from flightsim.autopilot.behaviours.offboard import Offboard
 from flightsim.autopilot.behaviours.return_home import ReturnHome
 from flightsim.autopilot.behaviours.takeoff import Takeoff
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_places import mission_obstacle
 from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, Mode
 from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
 
-_BEHAVIOURS: dict[Mode, Callable[[Flight], Behaviour]] = {
+_BEHAVIOURS: dict[Mode, Callable[[FlightContext], Behaviour]] = {
     Mode.TAKEOFF: Takeoff,
     Mode.LAND: Land,
     Mode.RETURN: ReturnHome,
@@ -35,12 +35,12 @@ _BEHAVIOURS: dict[Mode, Callable[[Flight], Behaviour]] = {
 """Behaviour of each mode unless a request demands another; hold for the rest."""
 
 
-def behaviour_of(mode: Mode, flight: Flight) -> Behaviour:
+def behaviour_of(mode: Mode, flight: FlightContext) -> Behaviour:
     """Create the behaviour of a mode."""
     return _BEHAVIOURS.get(mode, Hold)(flight)
 
 
-def may_enter(mode: Mode, flight: Flight, *, is_armed: bool, is_bare: bool) -> Reply:
+def may_enter(mode: Mode, flight: FlightContext, *, is_armed: bool, is_bare: bool) -> Reply:
     """Whether a client may change to a mode now.
 
     Args:

@@ -1,9 +1,9 @@
-"""The wind: steady, turbulent, in gusts; what of it makes no sense, and how the air moves by it.
+"""Wind: steady, turbulent and in gusts, with checks of its settings and the air's motion.
 
 A gust is a "one minus cosine" bump, v(t) = A / 2 (1 - cos(2 pi t / D)) for 0 <= t <= D
 (CS-25.341, there over the distance flown), along the wind.
 
-No wind blows in a room; within a metre of its walls and doors it grows to what blows outside.
+No wind blows in a room; within a metre of its walls and doors it grows to the outside wind.
 """
 
 from __future__ import annotations
@@ -42,18 +42,18 @@ class WindError(ValueError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class WindCfg:
-    """The air's motion over the scene; `parameter` names what changes a field in flight."""
+    """Motion of the air over the scene; `parameter` names the parameter that sets a field."""
 
     speed_mps: float = field(default=0.0, metadata={"parameter": "SIM_WIND_SPD"})
     """Steady horizontal wind."""
     from_deg: float = field(default=0.0, metadata={"parameter": "SIM_WIND_DIR"})
-    """Where it comes from, clockwise from north; gusts and turbulence have it as their axis."""
+    """Direction of origin, clockwise from north; the axis of gusts and turbulence."""
     up_mps: float = 0.0
     """Steady upward wind."""
     turbulence_mps: float = field(default=0.0, metadata={"parameter": "SIM_WIND_TURB"})
     """Standard deviation of vertical turbulence; the horizontal ones follow from the height."""
     gust_mps: float = field(default=0.0, metadata={"parameter": "SIM_WIND_GUST"})
-    """Peak of what a gust adds along the wind."""
+    """Peak speed that a gust adds along the wind."""
     gust_s: float = 3.0
     """Duration of a gust."""
     gust_period_s: float = 15.0
@@ -159,8 +159,8 @@ def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
     """Calm air, in an array of shape (1,).
 
     Args:
-        generator: Of the turbulence's first state.
-        dt_s: Control tick.
+        generator: Random stream for the initial turbulence.
+        dt_s: Length of a control tick.
     """
     airs = np.zeros(1, AIR_DTYPE)
     airs["dt_s"] = dt_s
@@ -170,12 +170,12 @@ def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
 
 
 def set_wind(air: np.void, cfg: WindCfg, *, has_rooms: bool = False) -> None:
-    """Let another wind blow from the next tick on; the clock of the gusts starts anew.
+    """Change the wind from the next tick on; the clock of the gusts restarts.
 
     Args:
-        air: `AIR_DTYPE`, changed.
-        cfg: The wind under the open sky.
-        has_rooms: Whether there is anywhere that it does not blow.
+        air: Record of `AIR_DTYPE`, changed.
+        cfg: Wind under the open sky.
+        has_rooms: Whether there are rooms without wind.
     """
     is_steady = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
     is_still = cfg.steady_enu_mps == ZERO3
@@ -199,12 +199,12 @@ def move_air(
     """Advance by one control tick.
 
     Args:
-        air: Changed.
+        air: Record of the air, changed.
         position_enu_m: True position of the vehicle; its height is above the ground plane.
         velocity_enu_mps: True velocity.
-        rooms: Where no wind blows (n, 8), `flightsim.environment.rooms`.
+        rooms: Rooms without wind (n, 8), see `flightsim.environment.rooms`.
         normals: Standard normals (5,).
-        wind_enu_mps: Result (3,), velocity of the air.
+        wind_enu_mps: Velocity of the air (3,), written.
     """
     if air.is_steady == 1:
         return
@@ -236,7 +236,7 @@ def move_air(
 
 @kernel
 def _gust(air: np.record) -> float:
-    """What the present gust adds along the wind."""
+    """Speed that the present gust adds along the wind."""
     since = air.gust_clock_s % air.gust_period_s
     if air.gust_clock_s < air.gust_period_s or since > air.gust_s:
         return 0.0

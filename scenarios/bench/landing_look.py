@@ -22,19 +22,19 @@ from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth
 from flightsim.world import World
 from scenarios.mission.surroundings import Surroundings
-from scenarios.pilot.area import (
+from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.landing_phases import (
     COMMIT_HEIGHT_M,
     DESCENT_SPEED_MPS,
     MAX_LOOKS,
     MAX_SEARCH_FRAMES,
     SEARCH_FRAMES,
 )
-from scenarios.pilot.eyes import camera_mount, posed_image
 from scenarios.pilot.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 N_CELLS = 80
-"""Cells of an area that are judged, drawn at random."""
+"""Number of random cells of an area that are judged."""
 # The worst of 20 flights with RTK, docs/notebook.md: 0.15 m and 0.34 degrees in three axes.
 _POSITION_ERROR_M, _TILT_ERROR_RAD = 0.09, math.radians(0.2)
 _ERROR_CORRELATION_S = 10.0

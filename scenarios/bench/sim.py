@@ -125,7 +125,7 @@ def _fly(
     seconds: float,
     equip: Callable[[Testbench, ExitStack], Iterable[Observer]] | None = None,
 ) -> _Flight:
-    """Take off and fly round a square with two clients listening; only the flight is timed."""
+    """Take off and fly a square with two clients listening; only the flight is timed."""
     bench_cfg = TestbenchCfg(vehicle=cfg.vehicle, speed="max")
     with Clients(2) as clients, ExitStack() as stack:
         gcs, sdk = (

@@ -20,7 +20,7 @@ _STEP_M = 0.05
 NOTHING_STANDS = Obstacles.boxes(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)))
 
 
-class Leg(Protocol):
+class LegMaker(Protocol):
     """Makes a straight leg from rest to rest."""
 
     def __call__(self, start_enu_m: Vector3, goal_enu_m: Vector3) -> Trajectory:
@@ -29,7 +29,7 @@ class Leg(Protocol):
 
 
 def certified(
-    leg: Leg,
+    leg: LegMaker,
     ends_enu_m: tuple[Vector3, Vector3],
     obstacles: Obstacles,
     craft: Craft,

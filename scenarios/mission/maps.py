@@ -1,4 +1,4 @@
-"""The maps of a scene that a flight may begin with: all of it, or nothing but the start."""
+"""Maps with which a flight may begin: the whole scene, or only the air above the start."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scenarios.mission.obstacles import distance_field, scene_obstacles
 
 
 def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap:
-    """Obstacles and free space of a scene.
+    """Build the map of a scene that is given before the flight.
 
     Args:
         scene: Scene to fly in.
@@ -32,7 +32,7 @@ def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap:
 
 
 def unseen_map(scene: Scene, airframe: Airframe, resolution_m: float) -> SeenMap:
-    """A map of a flight volume in which nothing was seen; the air above the start is free."""
+    """Build an empty map of a flight volume, with free air above the start."""
     camera = next(mount for mount in airframe.cameras if mount.name == "forward")
     cfg = SeenMapCfg(
         resolution_m=resolution_m,

@@ -1,4 +1,4 @@
-"""What is known of the place that a vehicle flies in: solids, free space, plans through it."""
+"""Surroundings of a vehicle as planning knows them: obstacles, free space and plans through it."""
 
 from __future__ import annotations
 
@@ -38,65 +38,65 @@ FIELD_RESOLUTION_M = 0.25
 HOVER_MARGIN_M = 0.4
 DESCENT_MARGIN_M = 0.1
 MapSource = Literal["truth", "onboard"]
-"""Where the map of a flight comes from."""
+"""Source of the map of a flight."""
 
 
 class MissionError(ValueError):
-    """A scene in which the vehicle has no mission; says why."""
+    """The vehicle has no mission in a scene; the message says why."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Surroundings:
-    """What planning needs to know of a scene and a vehicle."""
+    """Knowledge of a scene and a vehicle for planning."""
 
     scene: Scene
     airframe: Airframe
     map: Map
-    """Where the obstacles are: given, or growing with what the vehicle sees."""
+    """Map of the obstacles: given, or growing with what the vehicle sees."""
     limits: FlightLimits
     method: Literal["optimise", "primitives"] = "optimise"
-    """How plans are made: see `PlannerCfg`."""
+    """Planning method, see `PlannerCfg`."""
 
     @property
     def is_known(self) -> bool:
-        """Whether the whole map was given; else it grows with each image."""
+        """Whether the whole map is given; else it grows with each image."""
         return self.map.is_given
 
     @property
     def obstacles(self) -> Obstacles:
-        """What the vehicle must not touch: of a growing map all that was not seen free nearby."""
+        """Obstacles to avoid; in a growing map everything nearby that was not seen free."""
         return self.map.obstacles
 
     @property
     def field(self) -> DistanceField:
-        """Distances to these obstacles."""
+        """Distances to the obstacles."""
         return self.map.field
 
     def observe(self, image: DepthImage) -> None:
-        """Take a depth image into the map, of any camera; nothing where the map is known.
+        """Add a depth image of any camera to a growing map; a given map ignores it.
 
-        A cell counts as free from the second image on that shows it so.
+        A cell counts as free from the second image that shows it free.
         """
         self.map.observe(image)
 
     @functools.cached_property
     def openings(self) -> Sequence[Opening]:
-        """Doors, windows and other narrow ways of a map that was given, found when asked for."""
+        """Doors, windows and other narrow passages of a given map, found on first use."""
         return self.map.find_openings()
 
     @property
     def radius_m(self) -> float:
-        """Of a sphere about the centre of mass that holds rotors and soles."""
+        """Radius of the sphere around the centre of mass that contains rotors and soles."""
         return _radius_m(self.airframe)
 
     def clearance_m(self, points_enu_m: np.ndarray) -> np.ndarray:
-        """Distance between the vehicle's sphere at some points and the nearest obstacle."""
+        """Distance from the vehicle's sphere at several positions to the nearest obstacle."""
         about = self.map.obstacles_about(points_enu_m)
         return about.signed_distance(points_enu_m)[0] - self.radius_m
 
     @property
     def planner(self) -> PlannerCfg:
-        """How plans are made for the vehicle."""
+        """Planner settings for the vehicle."""
         return PlannerCfg(vehicle_radius_m=self.radius_m, method=self.method)
 
     @property
@@ -105,13 +105,13 @@ class Surroundings:
         return Craft(self.limits, self.airframe.quadrotor, self.planner)
 
     def plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:
-        """A certified trajectory through free space.
+        """Plan a certified trajectory through free space.
 
-        Where the map grows, it may end short of the goal, at rest within what was seen free, or
-        be a turn on the spot to look there: plan again from on the way, when more was seen.
+        In a growing map it may end short of the goal, at rest within the known free space, or be a
+        turn on the spot to look there: replan on the way, when more was seen.
 
         Raises:
-            PlanningError: Saying why there is none.
+            PlanningError: If there is none, with the reason.
         """
         return self.map.plan(start, goal_enu_m, self.craft)
 
@@ -123,12 +123,12 @@ class Surroundings:
         moving: MovingObstacles = NOTHING_MOVES,
         start: FlatReference | None = None,
     ) -> Trajectory:
-        """A certified trajectory for the rest of a plan, past what moves.
+        """Plan a certified trajectory for the rest of a plan, around movers.
 
         See `autonomy.planning.replan` for the arguments.
 
         Raises:
-            PlanningError: Saying why there is none.
+            PlanningError: If there is none, with the reason.
         """
         return replan(
             previous,
@@ -146,7 +146,7 @@ class Surroundings:
         yaw_rad: float,
         speed_mps: float | None = None,
     ) -> Trajectory:
-        """A straight line from rest to rest, not certified, up or down at `speed_mps` at most."""
+        """Straight line from rest to rest, not certified, vertically at `speed_mps` at most."""
         limits = self.limits
         if speed_mps is not None:
             limits = replace(limits, speed_vertical_mps=speed_mps)
@@ -162,19 +162,19 @@ class Surroundings:
         moving: MovingObstacles = NOTHING_MOVES,
         exempt_m: float = 0.0,
     ) -> Trajectory:
-        """A straight line from rest to rest that is proved as any other plan.
+        """Straight line from rest to rest, certified like any other plan.
 
         Args:
-            start_enu_m: Where the vehicle rests.
-            goal_enu_m: Where it shall rest.
-            yaw_rad: Where it looks.
-            speed_mps: Up or down at most; None for the limit.
-            moving: What moves, predicted from now on.
-            exempt_m: Up to so much of the way the map is not asked about, for the way up from a
-                surface that the vehicle stands on; no more of it than needed is left out.
+            start_enu_m: Position at rest before.
+            goal_enu_m: Position at rest after.
+            yaw_rad: Heading of the vehicle.
+            speed_mps: Greatest vertical speed; None for the limit.
+            moving: Movers, predicted from now on.
+            exempt_m: Length of the way that may be exempt from the map, for leaving a surface that
+                the vehicle stands on; no more than necessary is exempt.
 
         Raises:
-            PlanningError: If the line is not free or a limit is broken.
+            PlanningError: If the line is not free or breaks a limit.
         """
         return legs.certified(
             functools.partial(self.leg, yaw_rad=yaw_rad, speed_mps=speed_mps),
@@ -193,12 +193,12 @@ class Surroundings:
         moving: MovingObstacles = NOTHING_MOVES,
         start: FlatReference | None = None,
     ) -> Trajectory:
-        """A certified trajectory to rest as soon as possible, aside where something comes along.
+        """Certified trajectory to rest as soon as possible, stepping aside for approaching movers.
 
         See `autonomy.planning.brake` for the arguments.
 
         Raises:
-            PlanningError: If no stop can be proved.
+            PlanningError: If no stop can be certified.
         """
         return brake(
             previous,
@@ -210,11 +210,11 @@ class Surroundings:
         )
 
     def hover_point(self, area: InteractionArea) -> Vector3 | None:
-        """Where to look at an area from: above it, free all the way down; None if nowhere.
+        """Hover point above an area, with free air all the way down; None if there is none.
 
-        Where the map grows, what was not seen yet counts as free: ask again when nearer.
+        In a growing map, unseen space counts as free: ask again when nearer.
         """
-        # A cell that was seen occupied reaches above the surface in it.
+        # A cell seen as occupied may extend above the surface in it.
         lift_m = 0.0 if self.is_known else FIELD_RESOLUTION_M
         for column in hover_columns(area.centroid, self.radius_m + 2 * DESCENT_MARGIN_M + lift_m):
             x, y, z = column[-1].tolist()
@@ -233,12 +233,12 @@ def survey(
     *,
     map_source: MapSource = "truth",
 ) -> Surroundings:
-    """Obstacles and free space of a scene, for a vehicle.
+    """Build the surroundings of a vehicle in a scene.
 
     Args:
-        scene: Where to fly.
-        airframe: What flies.
-        limits: Of the motion; None for the usual ones.
+        scene: Scene to fly in.
+        airframe: Vehicle that flies.
+        limits: Limits of the motion; None for the usual ones.
         map_source: "truth" gives the scene's own map, "onboard" one that knows the flight volume
             and the air above the start, and grows with what the vehicle sees.
 

@@ -7,8 +7,9 @@ import math
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import PX4_OFFBOARD
-from scenarios.pilot.area import Area
-from scenarios.pilot.flight import Flight
+from scenarios.pilot.en_route_phases import EnRoutePhases
+from scenarios.pilot.flight_state import FlightState
+from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import (
     IN_THE_AIR,
@@ -17,7 +18,6 @@ from scenarios.pilot.phases import (
     Phase,
     Step,
 )
-from scenarios.pilot.way import Way
 
 SILENCE_S = 0.5
 """Time without a new position after which the position is unknown."""
@@ -37,7 +37,7 @@ _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAN
 class Guard:
     """Checks the conditions of every phase in the air."""
 
-    def __init__(self, flight: Flight, way: Way, area: Area) -> None:
+    def __init__(self, flight: FlightState, way: EnRoutePhases, area: LandingPhases) -> None:
         self._flight, self._way, self._area = flight, way, area
         self._lookout = Lookout(flight, way)
         self._position_ms = -1

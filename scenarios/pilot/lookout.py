@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from autonomy.planning import PlanningError
-from scenarios.pilot.flight import Flight
+from scenarios.pilot.en_route_phases import EnRoutePhases
+from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.movers import KEEP_FROM_MOVERS_M, first_to_come
 from scenarios.pilot.phases import ON_THE_WAY, Phase, Step
-from scenarios.pilot.way import Way
 
 UNSEEN_AHEAD_S = 4.0
 """Remaining flight time at which a plan that ends short of the goal is replaced."""
@@ -22,7 +22,7 @@ _STEP_S = 0.1
 class Lookout:
     """Looks ahead, and changes the course where necessary."""
 
-    def __init__(self, flight: Flight, way: Way) -> None:
+    def __init__(self, flight: FlightState, way: EnRoutePhases) -> None:
         self._flight, self._way = flight, way
 
     def check(self, phase: Phase) -> Step:

@@ -2,8 +2,8 @@
 
 The task of the paper, section "AeroScene for Navigation and Interaction Tasks": navigate along a
 planned trajectory, then land by onboard depth. The pilot knows the given map, the telemetry and
-the frames of its cameras, but never the true state. Phases and transitions are in `phases`, the
-actions of each phase in `ground`, `way` and `area`, conditions that end any of them in `guard`.
+the frames of its cameras, but never the true state. The phases are in `phases`, their actions in
+`ground_phases`, `en_route_phases` and `landing_phases`, conditions that end any of them in `guard`.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from autonomy.planning import MovingObstacles, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import MavlinkClient
 from scenarios.mission.mission import Mission
-from scenarios.pilot.area import Area
 from scenarios.pilot.course import Course
+from scenarios.pilot.en_route_phases import EnRoutePhases
 from scenarios.pilot.eyes import Frames
-from scenarios.pilot.flight import Flight
+from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
-from scenarios.pilot.ground import Ground
+from scenarios.pilot.ground_phases import GroundPhases
 from scenarios.pilot.guard import Guard
+from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.phases import LOOKS_AROUND, Phase, PilotVerdict, Replan, Step, Transition
 from scenarios.pilot.senses import Senses
-from scenarios.pilot.way import Way
 
 _LOG = logging.getLogger(__name__)
 
@@ -75,7 +75,7 @@ class Pilot:
             cfg: Settings of the pilot.
         """
         senses = Senses(mission.surroundings, frames, expects_traffic=cfg.expects_traffic)
-        self._flight = flight = Flight(
+        self._flight = flight = FlightState(
             client=client,
             mission=mission,
             senses=senses,
@@ -85,8 +85,8 @@ class Pilot:
             alternates=list(mission.alternates),
             gaze=_gaze(mission, cfg),
         )
-        self._ground, area = Ground(flight), Area(flight)
-        way = Way(flight, area)
+        self._ground, area = GroundPhases(flight), LandingPhases(flight)
+        way = EnRoutePhases(flight, area)
         area.ways_out = way
         self._guard = Guard(flight, way, area)
         self.phase = Phase.CONNECT

@@ -1,4 +1,4 @@
-"""Depth images of a plane and boxes, by exact intersection: a world whose truth is known."""
+"""Depth images of a plane and boxes by exact intersection, with known truth."""
 
 import math
 
@@ -19,7 +19,7 @@ def quat_of(rotation_vector):
 
 
 def box(center, size):
-    """An upright box: its lower and upper corner."""
+    """Upright box as its lower and upper corner."""
     return np.array(center) - np.array(size) / 2, np.array(center) + np.array(size) / 2
 
 
@@ -34,10 +34,10 @@ def look_down(
     shape=(HEIGHT, WIDTH),
     pitch_down=DOWN,
 ):
-    """What a camera at `eye` sees of the plane z = ground + gradient . (x, y) and of boxes.
+    """View of a camera at `eye` of the plane z = ground + gradient . (x, y) and of boxes.
 
-    `believed` is the pose (position, quaternion) that the vehicle thinks it has; the true one
-    where it is None. A smaller `pitch_down` than straight down looks ahead, east.
+    `believed` is the pose (position, quaternion) that the vehicle estimates, by default the true
+    one. A `pitch_down` smaller than straight down looks ahead, east.
     """
     focal = shape[0] / 2 / math.tan(VERTICAL_FOV_RAD / 2)
     cx, cy = (shape[1] - 1) / 2, (shape[0] - 1) / 2

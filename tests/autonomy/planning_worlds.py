@@ -16,7 +16,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def quadrotor():
-    """About an Iris: hovers at 40% of its thrust."""
+    """Quadrotor similar to an Iris: hovers at 40% of its thrust."""
     rotor = RotorParams(
         position_flu_m=(0.2, 0.2, 0.0),
         spin=1,
@@ -59,7 +59,7 @@ def town(rng, n=8, half_extent=14.0):
 
 
 def field_of(obstacles, half_extent=14.0, height=12.0, resolution=0.5):
-    """Distances of a world, by voxels that the solids touch."""
+    """Distance field of a world, from voxels that the solids touch."""
     axes = [np.arange(-half_extent, half_extent, resolution)] * 2
     axes.append(np.arange(0.0, height, resolution))
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -74,7 +74,7 @@ def field_of(obstacles, half_extent=14.0, height=12.0, resolution=0.5):
 
 
 def points_in_boxes(rng, boxes, n):
-    """Points spread over the boxes, with their surfaces and corners."""
+    """Random points on and in the boxes, including surfaces and corners."""
     which = rng.integers(0, len(boxes), n)
     share = np.clip(rng.uniform(-0.7, 0.7, (n, 3)), -0.5, 0.5)
     rotation = rotation_matrices(boxes.quat_wxyz)[which]

@@ -1,4 +1,4 @@
-"""Filters in known states, and errors on their manifold."""
+"""Filters in known states, with errors on their manifold."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -64,7 +64,7 @@ def error_between(g, f):
 def moving_filter(velocity, sigma=1.0, **cfg):
     """Level flight at constant velocity with an exact estimate and a wide covariance.
 
-    Of the receiver it knows that it hardly wanders.
+    The filter knows that its receiver hardly wanders.
     """
     f = filter_at(np.random.default_rng(0), **{"gnss_wander_sigma_m": (1e-3, 1e-3)} | cfg)
     for name in ("position_enu_m", "gyro_bias_flu_radps", "accel_bias_flu_mps2", "wind_enu_mps"):

@@ -1,4 +1,4 @@
-"""Quadrotors to control, and a controller in perfect hover."""
+"""Quadrotors for control tests, and a controller in perfect hover."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ def quadrotor(hubs, spins, kf=5.84e-6, c=0.06, max_speed=1100.0):
     return QuadrotorParams(mass_kg=1.535, inertia_flu_kgm2=(0.029, 0.029, 0.055), rotors=rotors)
 
 
-# notes/simulation.md: the Iris's layout is asymmetric, the Hummingbird's is a plus
+# notes/simulation.md: the Iris's layout is asymmetric, the Hummingbird's is a plus.
 IRIS = quadrotor(
     ((0.13, -0.22, 0.023), (-0.13, 0.20, 0.023), (0.13, 0.22, 0.023), (-0.13, -0.20, 0.023)),
     (1, 1, -1, -1),

@@ -19,7 +19,7 @@ RADIUS_M = 0.35
 CFG = PlannerCfg(vehicle_radius_m=RADIUS_M, min_margin_m=0.02)
 LIMITS = FlightLimits()
 OFFSETS_M = (0.0, 0.06, 0.125, 0.19)
-"""Of the door's middle against the cells, whose edge is .25 m."""
+"""Offsets of the door's centre from the cells, whose edge is 0.25 m."""
 
 
 def plan(world, at):

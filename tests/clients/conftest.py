@@ -1,4 +1,4 @@
-"""A real testbench process on real ports, a free set of them for each xdist worker."""
+"""Real testbench process on real ports, a free set of them for each xdist worker."""
 
 import os
 import re
@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 
 SPEED = 4
-"""Simulated seconds a wall second: clients keep time by the wall."""
+"""Simulated seconds per wall second: clients use wall time."""
 
 
 @dataclass
 class Testbench:
-    """A running `aeroscene-sitl` and where it listens."""
+    """A running `aeroscene-sitl` with its ports."""
 
     instance: int
     process: subprocess.Popen
@@ -32,7 +32,7 @@ class Testbench:
         return 5760 + 10 * self.instance
 
     def wait_until_open(self) -> None:
-        """Return once the TCP port accepts connections."""
+        """Wait until the TCP port accepts connections."""
         deadline = time.monotonic() + 60.0
         while time.monotonic() < deadline:
             assert self.process.poll() is None, "the testbench ended by itself"
@@ -44,14 +44,14 @@ class Testbench:
         raise AssertionError("the testbench did not open its ports within 60 s")
 
     def stop(self) -> str:
-        """Interrupt it as Ctrl-C does; its standard error."""
+        """Interrupt it as Ctrl-C does and return its standard error."""
         self.process.send_signal(signal.SIGINT)
         _, errors = self.process.communicate(timeout=20)
         return errors
 
 
 def _instance() -> int:
-    # Ports of instances that differ by less than 10 never meet.
+    # Ports of instances that differ by less than 10 never overlap.
     worker = re.sub(r"\D", "", os.environ.get("PYTEST_XDIST_WORKER", "0"))
     return 60 + int(worker or 0) % 10
 
@@ -82,7 +82,7 @@ def testbench(tmp_path):
 
 @pytest.fixture
 def run_script(testbench):
-    """Run a client script to its end as a process of its own."""
+    """Run a client script to its end in its own process."""
 
     def run(name: str, *arguments: str, timeout_s: float = 60.0) -> None:
         script = Path(__file__).parent / "scripts" / name

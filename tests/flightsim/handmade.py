@@ -1,4 +1,4 @@
-"""Small scenes made by hand, for tests that need to know exactly what stands where."""
+"""Handmade small scenes, for tests that need to know every solid."""
 
 import math
 

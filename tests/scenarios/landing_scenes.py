@@ -1,4 +1,4 @@
-"""A small yard made by hand: a container to land on, crates in the way, a lawn to fall back on."""
+"""Handmade small yard: a container to land on, crates in the way and a lawn as alternative."""
 
 import dataclasses
 import math
@@ -43,7 +43,7 @@ UNDER_THE_START = rectangle(2, (0.0, 0.0, 0.0), (1.0, 1.0), None, "small", "gras
 
 
 def yard(*, has_crates_on_top=False, areas=(ON_CONTAINER, ON_LAWN, UNDER_THE_START)):
-    """Container 9 m to the east of the start, a hedge of crates between, perhaps more on top."""
+    """Container 9 m east of the start, behind a row of crates, optionally with more on top."""
     objects = [thing(CONTAINER, "container", (9.0, 0.0, TOP_M / 2), (6.0, 2.4, TOP_M))]
     objects += [
         thing(CRATE + n, "crate", (4.0, y, 0.5), (1.0, 1.0, 1.0))
@@ -75,7 +75,7 @@ FAR_LAWN = rectangle(0, (45.0, 0.0, 0.0), (2.0, 2.0), None, surface="grass")
 
 
 def field():
-    """Open ground with a lawn 45 m to the east of the start."""
+    """Open ground with a lawn 45 m east of the start."""
     crate = thing(CRATE, "crate", (20.0, 12.0, 0.5), (1.0, 1.0, 1.0))
     crate = dataclasses.replace(crate, scene_id="field")
     return Scene(

@@ -1,4 +1,4 @@
-"""A corpus of a few scenes in a folder, each of them several times."""
+"""Corpus of a few scenes in a folder, each stored several times."""
 
 from itertools import count, islice
 
@@ -10,7 +10,7 @@ from tests.aeroscene.corpus.shipped.scenes import renamed
 
 
 def write_corpus(folder, n_train=N_FOLDS, n_test=N_FOLDS):
-    """Store so many scenes of each split."""
+    """Store the given number of scenes of each split."""
     (folder / "scenes").mkdir(parents=True)
     numbers = [
         number

@@ -1,4 +1,4 @@
-"""Scripts for maintainers are no package: their folder is put on the path, as Python does."""
+"""Path setup for maintainers' scripts, which are no package."""
 
 import sys
 from pathlib import Path

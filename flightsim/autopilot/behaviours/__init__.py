@@ -29,7 +29,7 @@ class Behaviour(Protocol):
         ...
 
     def start(self) -> None:
-        """Begin to fly, from the references in `Flight`."""
+        """Begin to fly, from the references in `FlightContext`."""
         ...
 
     def update(self) -> Setpoint:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isnan
 
 from autonomy.types import Setpoint, Vector3
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 
 _TAKEOFF_MARGIN_M = 0.5
@@ -19,7 +19,10 @@ class Hold:
     may_rest = False
 
     def __init__(
-        self, flight: Flight, target_enu_m: Vector3 | None = None, yaw_rad: float | None = None
+        self,
+        flight: FlightContext,
+        target_enu_m: Vector3 | None = None,
+        yaw_rad: float | None = None,
     ) -> None:
         """Prepare to hold.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 
 from autonomy.types import Setpoint, Vector3
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 
 _FAR_BELOW_M = 500.0
@@ -17,7 +17,7 @@ class Land:
 
     def __init__(
         self,
-        flight: Flight,
+        flight: FlightContext,
         place_enu_m: tuple[float, float] | None = None,
         yaw_rad: float | None = None,
     ) -> None:
@@ -80,7 +80,7 @@ class Descend:
     is_landing = True
     may_rest = True
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: FlightContext) -> None:
         self._flight = flight
         self.next_mode: Mode | None = None
 
@@ -100,7 +100,7 @@ class Descend:
         return flight.sink(landing_speed(flight))
 
 
-def landing_speed(flight: Flight) -> float:
+def landing_speed(flight: FlightContext) -> float:
     """Descent speed at the present height: MPC_Z_V_AUTO_DN far up, MPC_LAND_CRWL at the end."""
     p = flight.parameters
     slow_mps = p["MPC_LAND_SPEED"]

@@ -6,7 +6,7 @@ from math import cos, hypot, pi, radians, sin, tan
 
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.types import IDLE, NAN3, ControlLevel, Quaternion, Setpoint, Vector3
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.streams import Sticks, with_dead_zone
 from flightsim.autopilot.trajectory import VelocityMotion
@@ -24,7 +24,7 @@ class Manual:
     is_landing = False
     may_rest = False
 
-    def __init__(self, flight: Flight, *, is_acro: bool) -> None:
+    def __init__(self, flight: FlightContext, *, is_acro: bool) -> None:
         self._flight = flight
         self._is_acro = is_acro
         self.next_mode: Mode | None = None
@@ -80,7 +80,7 @@ class StickGuided:
 
     is_landing = False
 
-    def __init__(self, flight: Flight, *, holds_position: bool) -> None:
+    def __init__(self, flight: FlightContext, *, holds_position: bool) -> None:
         self._flight = flight
         self._holds_position = holds_position
         self._motion = VelocityMotion()
@@ -167,7 +167,7 @@ def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: floa
     return (c * w, c * x - s * y, c * y + s * x, s * w)
 
 
-def _yaw_rate(flight: Flight, sticks: Sticks) -> float:
+def _yaw_rate(flight: FlightContext, sticks: Sticks) -> float:
     p = flight.parameters
     return -with_dead_zone(sticks.yaw, p["MPC_HOLD_DZ"]) * radians(p["MPC_MAN_Y_MAX"])
 

@@ -8,14 +8,14 @@ from autonomy.types import IDLE, Setpoint, Vector3
 from flightsim.autopilot.behaviours.mission_legs import (
     LEG_COMMANDS,
     WAITS,
-    Leg,
+    MissionLeg,
     climb_leg,
     leg_of,
     loiter_leg,
     seconds,
 )
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_item import Cmd, MissionItem
 from flightsim.autopilot.mission_places import place_of
 from flightsim.autopilot.modes import Mode
@@ -29,7 +29,7 @@ _DEFAULT_SPEED = -2.0
 class MissionFlight:
     """Executes `flight.mission` from its current item."""
 
-    def __init__(self, flight: Flight, *, last_index: int | None = None) -> None:
+    def __init__(self, flight: FlightContext, *, last_index: int | None = None) -> None:
         """Prepare to fly the mission.
 
         Args:
@@ -40,7 +40,7 @@ class MissionFlight:
         self._last_index = last_index
         self._followed = (-1, -1)
         self._index: int | None = None
-        self._leg: Leg | None = None
+        self._leg: MissionLeg | None = None
         self._is_climbing_first = False
         self._passed_enu_m: Vector3 | None = None
         self._waited_s = 0.0

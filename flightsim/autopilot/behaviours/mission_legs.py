@@ -13,7 +13,7 @@ from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.behaviours.orbit import Orbit
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.behaviours.waypoint import WaypointLeg
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.heading import wrap_angle
 from flightsim.autopilot.mission_item import PLACE_COMMANDS, Cmd, MissionItem
 from flightsim.autopilot.mission_places import place_after, place_of, yaw_of
@@ -27,7 +27,7 @@ _LEAST_TURN_RADIUS_M = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class MissionLeg:
     """A behaviour that flies an item."""
 
     behaviour: Behaviour
@@ -41,12 +41,12 @@ def seconds(value: float) -> float:
     return 0.0 if isnan(value) else max(value, 0.0)
 
 
-def loiter_leg(flight: Flight) -> Leg:
+def loiter_leg(flight: FlightContext) -> MissionLeg:
     """Leg that stays here when the mission is complete."""
-    return Leg(Hold(flight), _never)
+    return MissionLeg(Hold(flight), _never)
 
 
-def climb_leg(flight: Flight, item: MissionItem) -> Leg:
+def climb_leg(flight: FlightContext, item: MissionItem) -> MissionLeg:
     """Leg that climbs from the ground to an item's height, for missions without a takeoff."""
     least_m = flight.path.position_enu_m[2] + flight.parameters["MIS_TAKEOFF_ALT"]
     return _takeoff_leg(Takeoff(flight, max(least_m, place_of(item, flight)[2])))
@@ -55,11 +55,11 @@ def climb_leg(flight: Flight, item: MissionItem) -> Leg:
 def leg_of(
     index: int,
     item: MissionItem,
-    flight: Flight,
+    flight: FlightContext,
     *,
     line_start_enu_m: Vector3 | None,
     may_pass: bool,
-) -> Leg:
+) -> MissionLeg:
     """The leg that flies an item.
 
     Args:
@@ -75,7 +75,7 @@ def leg_of(
             return _takeoff_leg(Takeoff(flight, place_of(item, flight)[2], yaw_rad))
         case Cmd.LAND:
             x, y, _ = place_of(item, flight)
-            return Leg(Land(flight, None if item.is_here else (x, y), yaw_rad), _never)
+            return MissionLeg(Land(flight, None if item.is_here else (x, y), yaw_rad), _never)
         case Cmd.LOITER_TURNS:
             return _circle_leg(item, flight)
         case Cmd.DELAY | Cmd.CONDITION_DELAY | Cmd.CONDITION_YAW:
@@ -101,18 +101,18 @@ def leg_of(
         line_start_enu_m=line_start_enu_m,
         next_goal_enu_m=next_goal,
     )
-    return Leg(leg, lambda: leg.is_done, None if next_goal is None else goal)
+    return MissionLeg(leg, lambda: leg.is_done, None if next_goal is None else goal)
 
 
 def _never() -> bool:
     return False
 
 
-def _takeoff_leg(takeoff: Takeoff) -> Leg:
-    return Leg(takeoff, lambda: takeoff.next_mode is not None)
+def _takeoff_leg(takeoff: Takeoff) -> MissionLeg:
+    return MissionLeg(takeoff, lambda: takeoff.next_mode is not None)
 
 
-def _circle_leg(item: MissionItem, flight: Flight) -> Leg:
+def _circle_leg(item: MissionItem, flight: FlightContext) -> MissionLeg:
     radius_m = 0.0 if isnan(item.param3) else abs(item.param3)
     orbit = Orbit(
         flight,
@@ -121,10 +121,10 @@ def _circle_leg(item: MissionItem, flight: Flight) -> Leg:
         inf,
         is_clockwise=copysign(1.0, item.param3) > 0.0,
     )
-    return Leg(orbit, lambda: orbit.turns >= item.param1)
+    return MissionLeg(orbit, lambda: orbit.turns >= item.param1)
 
 
-def _pause_leg(item: MissionItem, flight: Flight) -> Leg:
+def _pause_leg(item: MissionItem, flight: FlightContext) -> MissionLeg:
     leg = WaypointLeg(
         flight,
         flight.path.stopping_point(flight.limits.automatic),
@@ -132,10 +132,10 @@ def _pause_leg(item: MissionItem, flight: Flight) -> Leg:
         hold_s=seconds(item.param1) if item.command in WAITS else 0.0,
         yaw_rad=_turn_of(item, flight),
     )
-    return Leg(leg, lambda: leg.is_done)
+    return MissionLeg(leg, lambda: leg.is_done)
 
 
-def _turn_of(item: MissionItem, flight: Flight) -> float | None:
+def _turn_of(item: MissionItem, flight: FlightContext) -> float | None:
     """ENU heading of a yaw item: absolute by compass, or relative to the present heading."""
     if item.command != Cmd.CONDITION_YAW:
         return None

@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import hypot, isfinite, isnan
 
 from autonomy.types import IDLE, ControlLevel, Setpoint, Vector3
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 
 _CLIMB_MARGIN_M = 0.15
@@ -18,7 +18,7 @@ class Offboard:
 
     is_landing = False
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: FlightContext) -> None:
         self._flight = flight
         self._seen: Setpoint | None = None
         self._limited: Setpoint = IDLE

@@ -6,7 +6,7 @@ from math import atan2
 
 from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.circle import CircleMotion
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.heading import wrap_angle
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
@@ -20,7 +20,7 @@ class Orbit:
 
     def __init__(
         self,
-        flight: Flight,
+        flight: FlightContext,
         centre_enu_m: Vector3,
         radius_m: float,
         speed_mps: float,

@@ -8,7 +8,7 @@ from math import hypot, radians, tan
 from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
 
@@ -18,7 +18,7 @@ _FENCE_MARGIN_M = 1.0
 class ReturnHome:
     """Flies the legs of a return, one after the other."""
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: FlightContext) -> None:
         self._flight = flight
         self._land: Land | None = None
         self._legs: list[tuple[Vector3, Callable[[], None]]] = []
@@ -104,7 +104,7 @@ class ReturnHome:
         return min(places, key=lambda place: hypot(place[0] - x, place[1] - y))
 
 
-def return_height(flight: Flight, distance_m: float, height_enu_m: float) -> float:
+def return_height(flight: FlightContext, distance_m: float, height_enu_m: float) -> float:
     """ENU height for a return from a distance; never below the present height.
 
     Near home (RTL_MIN_DIST) there is no climb; inside the cone RTL_CONE_ANG the climb is

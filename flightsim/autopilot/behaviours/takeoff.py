@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 
 _ARRIVED_M = 0.5
@@ -18,7 +18,7 @@ class Takeoff:
 
     def __init__(
         self,
-        flight: Flight,
+        flight: FlightContext,
         height_enu_m: float | None = None,
         yaw_rad: float | None = None,
         place_enu_m: tuple[float, float] | None = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot, radians
 
 from autonomy.types import Setpoint, Vector3
-from flightsim.autopilot.flight import Flight
+from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.limits import corner_speed
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.trajectory import direction_between
@@ -22,7 +22,7 @@ class WaypointLeg:
 
     def __init__(
         self,
-        flight: Flight,
+        flight: FlightContext,
         goal_enu_m: Vector3,
         *,
         radius_m: float,

@@ -1,4 +1,4 @@
-"""The autopilot on the real plant above empty ground, with what tests want to ask of it."""
+"""Autopilot on the real plant above empty ground, with the queries that tests need."""
 
 import math
 from functools import cache
@@ -24,7 +24,7 @@ def world_with(vehicle, start=(0.0, 0.0, 0.0), extra=()):
 
 
 class Bench:
-    """A vehicle at (0, 0), facing east, ready to arm; `plant` configures the plant."""
+    """Vehicle at (0, 0), facing east, ready to arm; `plant` configures the plant."""
 
     def __init__(
         self,
@@ -62,7 +62,7 @@ class Bench:
         self.positions.append(self.plant.truth.position_enu_m)
 
     def run(self, seconds, until=None, *, each=None):
-        """Run for a while or until a condition; whether it was met."""
+        """Run for a time or until a condition; return whether it was met."""
         for _ in range(round(seconds * 50)):
             if each is not None:
                 each()
@@ -85,7 +85,7 @@ class Bench:
         )
 
     def take_off(self, height_m=3.0):
-        """Arm, climb, hold."""
+        """Arm, climb and hold."""
         assert self.pilot.arm().is_accepted
         assert self.pilot.takeoff(GROUND_AMSL_M + height_m).is_accepted
         assert self.run(20.0, lambda: self.pilot.mode is Mode.HOLD)
@@ -95,7 +95,7 @@ class Bench:
         return self.frame.geodetic_from_enu((east_m, north_m, up_m))
 
     def item(self, command, east_m=0.0, north_m=0.0, up_m=0.0, **fields):
-        """A mission item in the frame "global, relative to home"."""
+        """Create a mission item in the frame "global, relative to home"."""
         place = self.geodetic(east_m, north_m, 0.0)
         return MissionItem(
             command=command,

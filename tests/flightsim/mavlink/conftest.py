@@ -1,4 +1,4 @@
-"""A vehicle with its real plant and autopilot on an empty field, and a client in its process."""
+"""Vehicle with its real plant and autopilot on an empty field, and an in-process client."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Flight:
         self.link.client.send(self.wire.encode(name, *values, **named_values))
 
     def step(self, count: int = 1) -> list[Any]:
-        """Run some ticks; the messages that came meanwhile."""
+        """Run some ticks and return the messages received."""
         came = []
         for _ in range(count):
             self.simulator.step()
@@ -49,7 +49,7 @@ class Flight:
         return came
 
     def skip(self, seconds: float) -> None:
-        """Run without listening, which is most of the work."""
+        """Run without receiving, which is most of the work."""
         for _ in range(round(50 * seconds)):
             self.simulator.step()
             self.link.client.recv()
@@ -65,13 +65,13 @@ class Flight:
         raise AssertionError(f"not reached within {limit_s} simulated seconds")
 
     def command(self, number: int, *params: float, **fields: Any) -> int:
-        """Send a COMMAND_LONG; the result of its acknowledgement."""
+        """Send a COMMAND_LONG and return the result of its acknowledgement."""
         params = (*params, *(0.0,) * (7 - len(params)))
         self.send("COMMAND_LONG", fields.get("system", 1), 1, number, 0, *params)
         return self.result_of(number)
 
     def command_int(self, number: int, frame: int, *params: Any) -> int:
-        """Send a COMMAND_INT; the result of its acknowledgement."""
+        """Send a COMMAND_INT and return the result of its acknowledgement."""
         self.send("COMMAND_INT", 1, 1, frame, number, 0, 0, *params)
         return self.result_of(number)
 
@@ -81,7 +81,7 @@ class Flight:
         return ack.result
 
     def last(self, name: str) -> Any:
-        """The latest message of a type."""
+        """Latest message of a type."""
         return named(self.heard, name)[-1]
 
     def become_ready(self) -> None:
@@ -99,7 +99,7 @@ class Flight:
 
 @pytest.fixture(scope="session")
 def field() -> World:
-    """An empty field, the vehicle away from the scene's origin."""
+    """Empty field, with the vehicle away from the scene's origin."""
     scene = Scene(
         scene_id="field",
         domain="outdoor",
@@ -118,7 +118,7 @@ def field() -> World:
 
 @pytest.fixture
 def flight(field: World) -> Iterator[Flight]:
-    """A fresh vehicle on the field whose client has said hello."""
+    """Fresh vehicle on the field whose client has already sent data."""
     flight = Flight(field)
     flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
     flight.step()

@@ -1,4 +1,4 @@
-"""A client's end of MAVLink in tests: pymavlink's own encoder and decoder."""
+"""Client end of MAVLink in tests: pymavlink's own encoder and decoder."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flightsim.mavlink.dialect import dialect
 
 
 class Wire:
-    """Encodes messages as a ground station sends them, decodes what a vehicle sends."""
+    """Encodes messages as a ground station does, and decodes those of a vehicle."""
 
     def __init__(self, system_id: int = 255, component_id: int = 190, *, is_version_1=False):
         self._encoder = dialect.MAVLink(None, system_id, component_id)
@@ -19,7 +19,7 @@ class Wire:
         self.is_version_1 = is_version_1
 
     def encode(self, name: str, *values: Any, **named: Any) -> bytes:
-        """A frame of the message with this name."""
+        """Frame of the message with this name."""
         message = getattr(dialect, f"MAVLink_{name.lower()}_message")(*values, **named)
         frame = message.pack(self._encoder, force_mavlink1=self.is_version_1)
         self._encoder.seq = (self._encoder.seq + 1) % 256
@@ -31,7 +31,7 @@ class Wire:
 
 
 class Loop:
-    """A channel without a socket, with what was written to it and a clock to turn by hand."""
+    """Channel without a socket, with a record of what was written and a manual clock."""
 
     def __init__(self, *, is_version_1: bool = False):
         self.now_s = 0.0
@@ -46,12 +46,12 @@ class Loop:
         )
 
     def deliver(self, name: str, *values: Any, **named: Any) -> list[Any]:
-        """Send a message to the vehicle; what its channel then holds for the services."""
+        """Send a message to the vehicle and return what its channel holds for the services."""
         self.channel.receive(self.wire.encode(name, *values, **named))
         return self.channel.take_messages()
 
     def answers(self) -> list[Any]:
-        """What the vehicle sent since the last call."""
+        """Messages that the vehicle sent since the last call."""
         self.channel.flush()
         data = bytes(self.sent)
         self.sent.clear()
@@ -59,5 +59,5 @@ class Loop:
 
 
 def named(messages: Iterable[Any], name: str) -> list[Any]:
-    """The messages of one type."""
+    """Messages of one type."""
     return [message for message in messages if message.get_type() == name]

@@ -1,4 +1,4 @@
-"""A pilot in the whole stack, ready to fly."""
+"""Pilot in the whole stack, ready to fly."""
 
 import dataclasses
 
@@ -18,7 +18,7 @@ class Demo:
     """Testbench, cameras and pilot.
 
     Attributes:
-        gap_m: Least distance of the vehicle's centre to the box of anything that moves.
+        gap_m: Least distance of the vehicle's centre from any mover's box.
     """
 
     def __init__(
@@ -32,7 +32,7 @@ class Demo:
         traffic=None,
         expects_traffic=None,
     ):
-        """The pilot's map is `known`, if that is not the scene itself."""
+        """Set up a flight; `known` is the pilot's map if that is not the scene itself."""
         self.bench = Testbench(
             scene,
             TestbenchCfg(speed="max", vehicle=vehicle),
@@ -53,7 +53,7 @@ class Demo:
         self.bench.observers += [self.log.on_tick, self.on_tick]
 
     def _frame(self, camera):
-        """By what `see` is at the time."""
+        """Render with the present `see`."""
         return self.see(camera)
 
     def on_tick(self):
@@ -75,7 +75,7 @@ class Demo:
         return self.pilot
 
     def fly_to(self, phase):
-        """Until a phase begins."""
+        """Fly until a phase begins."""
         self.fly(until=lambda: self.pilot.phase is phase)
         assert self.pilot.phase is phase, self.pilot.transitions[-1].reason
         return self.pilot
@@ -84,7 +84,7 @@ class Demo:
         return [change.target for change in self.pilot.transitions]
 
     def reason(self, phase):
-        """Why a phase was last entered."""
+        """Reason of the latest entry into a phase."""
         return next(c.reason for c in reversed(self.pilot.transitions) if c.target is phase)
 
     def score(self):

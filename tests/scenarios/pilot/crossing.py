@@ -1,4 +1,4 @@
-"""Somebody whose path meets the pilot's plan where the vehicle would be at that time."""
+"""Crossing traffic: a mover that meets the vehicle on its plan."""
 
 import math
 
@@ -11,15 +11,15 @@ REACH_M = 9.0
 
 
 def crosser(plan, begun_s, share, speed_mps, *, kind="drone", angle_deg=90.0):
-    """A mover that is where a plan has the vehicle, at a share of its duration.
+    """Mover that is at the vehicle's place at a share of its plan's duration.
 
     Args:
-        plan: The trajectory that would be flown.
-        begun_s: When it is begun.
-        share: Where along it they would meet, by time.
-        speed_mps: Of the mover.
-        kind: Of mover.
-        angle_deg: Between both motions; 180 is head on.
+        plan: Trajectory to be flown.
+        begun_s: Start time of the plan.
+        share: Share of its duration at which they meet.
+        speed_mps: Speed of the mover.
+        kind: Kind of the mover.
+        angle_deg: Angle between both motions; 180 is head on.
     """
     meet_s = share * plan.duration_s
     at = plan.positions(np.array([meet_s]))[0]
@@ -34,7 +34,7 @@ def crosser(plan, begun_s, share, speed_mps, *, kind="drone", angle_deg=90.0):
     )
     for mover in movers:
         place_mover(mover, points, begun_s + meet_s, 1.0)
-    # Twice in a round it is there; the one on the way out.
+    # It is there twice per round: use the time on the way out.
     off = np.linalg.norm(movers["position_enu_m"] - at, axis=1)
     is_outward = movers["velocity_enu_mps"] @ way > 0
     best = int(np.argmin(np.where(is_outward, off, np.inf)))

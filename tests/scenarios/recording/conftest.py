@@ -1,4 +1,4 @@
-"""One recorded flight of the real stack, which the tests of this folder read back."""
+"""One recorded flight of the real stack, read back by the tests of this folder."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ FRAME_PERIOD_US = 500_000
 
 
 def _landing_map() -> LandingMap:
-    """A few cells of flat ground, the last of them not seen, the first unsafe."""
+    """A few cells of flat ground, the last unseen, the first unsafe."""
     n = 3
     flat = np.zeros((n, n), dtype=np.float32)
     is_observed, is_safe = np.ones((n, n), dtype=bool), np.ones((n, n), dtype=bool)
@@ -65,7 +65,7 @@ LANDING = _landing_map()
 
 @dataclass(frozen=True)
 class RecordedFlight:
-    """A recording and what should be in it."""
+    """A recording and its expected content."""
 
     path: Path
     scene: Scene
@@ -74,12 +74,12 @@ class RecordedFlight:
     history: np.ndarray
     frames: tuple[RgbdFrame, ...]
     story: FlightStory
-    """As told without the recording."""
+    """Story of the flight, told without the recording."""
 
 
 @pytest.fixture(autouse=True)
 def strict() -> Iterator[None]:
-    """Let rerun raise where it would only warn."""
+    """Make rerun raise where it would only warn."""
     before = rr.strict_mode()
     rr.set_strict_mode(True)
     yield
@@ -141,7 +141,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
 
 
 class Contents:
-    """A recording in memory, by entity and component, through rerun's own reader."""
+    """A recording in memory, by entity and component, read by rerun's own reader."""
 
     def __init__(self, path: Path) -> None:
         self.reader = RrdReader(path)

@@ -1,4 +1,4 @@
-"""Records a flight until it is killed; says every simulated second that it has handed over."""
+"""Records a flight until killed; prints each simulated second that it has handed over."""
 
 import sys
 from pathlib import Path

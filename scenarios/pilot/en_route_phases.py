@@ -8,9 +8,9 @@ from autonomy.planning import BlockedError, PlanningError, UnreachableError
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import PX4_RETURN
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
-from scenarios.pilot.area import COMMIT_HEIGHT_M, DESCENT_SPEED_MPS, Area
-from scenarios.pilot.flight import Flight
+from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
+from scenarios.pilot.landing_phases import COMMIT_HEIGHT_M, DESCENT_SPEED_MPS, LandingPhases
 from scenarios.pilot.phases import Phase, Replan, Step
 
 MAX_HOLDS = 6
@@ -22,10 +22,10 @@ RETRY_PERIOD_S = 1.0
 """Time between two attempts to continue from a hold."""
 
 
-class Way:
+class EnRoutePhases:
     """Flies the phases between the start and the area, and back."""
 
-    def __init__(self, flight: Flight, area: Area) -> None:
+    def __init__(self, flight: FlightState, area: LandingPhases) -> None:
         self._flight = flight
         self._area = area
         self._retry_us = 0

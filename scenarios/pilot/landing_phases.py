@@ -10,7 +10,7 @@ from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.eyes import NoDepthError
-from scenarios.pilot.flight import Flight
+from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 from scenarios.pilot.phases import Phase, Step
 
@@ -43,7 +43,7 @@ class WaysOut(Protocol):
         ...
 
 
-class Area:
+class LandingPhases:
     """Flies the phases above and on the area.
 
     Attributes:
@@ -52,7 +52,7 @@ class Area:
 
     ways_out: WaysOut
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: FlightState) -> None:
         self._flight = flight
 
     def look(self, reason: str) -> Step:

@@ -37,7 +37,7 @@ _PLANNING_TIME_US = round(1e6 * PLANNING_TIME_S)
 
 
 @dataclass(kw_only=True, eq=False)
-class Flight:
+class FlightState:
     """State of one flight; all positions are in the map's frame."""
 
     client: MavlinkClient

@@ -24,7 +24,7 @@ _LAG_RESET_M = 5.0
 _MIN_BEARING_DISTANCE_M = 1.0
 
 
-class Flight:
+class FlightContext:
     """State and means of flight that outlive a single behaviour.
 
     Attributes:

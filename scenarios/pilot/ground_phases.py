@@ -6,7 +6,7 @@ import math
 
 from autonomy.planning import PlanningError, prepare
 from flightsim.mavlink.client.client import PX4_OFFBOARD
-from scenarios.pilot.flight import Flight
+from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.phases import Phase, PilotVerdict, Step
 
 MAX_ARMING_TRIES = 10
@@ -15,10 +15,10 @@ LIFT_OFF_M = 1.0
 _STREAM_BEFORE_ARMING_S = 0.2
 
 
-class Ground:
+class GroundPhases:
     """Flies the phases before take-off and after landing."""
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: FlightState) -> None:
         self._flight = flight
 
     def connect(self) -> Step:
