@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from aeroscene.scene.io import read_scene, write_scene
     from aeroscene.sources import open_scene
     from aeroscene.validation import Finding, validate
+    from aeroscene.version import __version__
 else:
     __getattr__, __dir__ = public_names(
         __name__,
@@ -26,6 +27,7 @@ else:
             "aeroscene.scene.io": "read_scene write_scene",
             "aeroscene.sources": "open_scene",
             "aeroscene.validation": "Finding validate",
+            "aeroscene.version": "__version__",
         },
     )
 
@@ -40,6 +42,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneObject",
+    "__version__",
     "category_id",
     "derive_interaction_areas",
     "generate_scene",

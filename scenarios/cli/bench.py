@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,7 +25,7 @@ from scenarios.bench.configs import (
     SimBenchCfg,
 )
 from scenarios.bench.row import Row
-from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 
 _PROG = "aeroscene bench"
 
@@ -80,7 +79,7 @@ def run(cfg: BenchCfg) -> int:
     except (SceneError, AirframeError, BenchError, LaunchError) as error:
         fail(_PROG, str(error))
     if cfg.bench.json:
-        print(json.dumps(_to_plain(cfg.bench, rows)))
+        print_json(_to_plain(cfg.bench, rows))
     else:
         _print_table(cfg.bench, rows)
     return EXIT_DONE if all(row.is_met for row in rows) else EXIT_NEGATIVE

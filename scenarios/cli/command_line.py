@@ -4,25 +4,69 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
+import logging
+import math
 import re
+import signal
 import sys
+from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
 import tyro
 
+from scenarios.cli.entry import EXIT_INTERRUPTED
+
 EXIT_DONE = 0
 EXIT_NEGATIVE = 1
 EXIT_BAD_INPUT = 2
-EXIT_INTERRUPTED = 130
 
+_CONFIG = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
 # tyro frames its errors with lines or, where the terminal knows none, with ASCII.
 _SIDES = " │|"
 _RULE = re.compile(r"^[─-]{3,}$")
-# Where a configuration refuses itself, tyro names the dataclass, which tells a user nothing.
-_DATACLASS = re.compile(r"^Error parsing \w+: ")
+_IN_OUR_WORDS = (
+    (r"Error parsing (?:--)?(\S+): no type matching (\S+) .* from \[(.*?)\].*", r"\1 \3", r"\2"),
+    (r"Error parsing (?:--)?(\S+): could not convert .*: (.*)", r"\1 \2", "FLOAT"),
+    (r"Error parsing (?:--)?(\S+): invalid literal for int.*: (.*)", r"\1 \2", "INT"),
+    (r"invalid choice (.*) for argument '(?:--)?(\S+)'\. .* \((.*)\)", r"\2 \1", r"\3"),
+    (r"Missing value for argument '(--\S+)'.*", r"\1 has no value", ""),
+    (r"Missing from [\w -]+: (\S+) .*", r"\1 is missing", ""),
+    (r"Unrecognized(?: or misplaced)? options: (\S+?)(?:,| \(| |$).*", r"\1 is unknown", ""),
+    (r"Expected one of \{(.*)\}", r"no command; valid: \1", ""),
+    # Where a configuration refuses itself, tyro names the dataclass, which tells a user nothing.
+    (r"Error parsing \w+: (.*)", r"\1", ""),
+)
+"""What tyro says, what we say, and what would be valid."""
+_KINDS = {"FLOAT": "a number", "INT": "a whole number"}
 
 
-def parse(command: Any, prog: str, args: list[str] | None = None) -> Any:
+def execute(
+    command: Any, run: Callable[[Any], int], prog: str, args: list[str] | None = None
+) -> int:
+    """Parse a command line and run the command.
+
+    Returns:
+        The exit status; input that cannot be used ends the process with one line and status 2.
+    """
+    logging.basicConfig(level=logging.WARNING, format=f"{prog}: %(message)s", stream=sys.stderr)
+    cfg = parse(command, prog, args)
+    # From here on there may be files and ports to close.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return run(cfg)
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+    except Exception as error:
+        # The whole simulator: a second that a command without it does not spend.
+        from scenarios.run.sitl import INPUT_ERRORS  # noqa: PLC0415
+
+        if isinstance(error, INPUT_ERRORS):
+            fail(prog, str(error))
+        raise
+
+
+def parse(command: Any, prog: str, args: list[str] | None = None, description: str = "") -> Any:
     """Parse a command line into the dataclass `command`, or into one of a union of them.
 
     Prints one line and exits with status 2 where the command line is malformed.
@@ -31,14 +75,11 @@ def parse(command: Any, prog: str, args: list[str] | None = None) -> Any:
     try:
         with contextlib.redirect_stderr(errors):
             return tyro.cli(
-                command,
-                prog=prog,
-                args=args,
-                config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
+                command, prog=prog, args=args, description=description or None, config=_CONFIG
             )
     except SystemExit as stop:
         if stop.code == EXIT_BAD_INPUT:
-            fail(prog, f"{_one_line(errors.getvalue())}; see {prog} --help")
+            fail(prog, _one_line(errors.getvalue(), prog))
         raise
 
 
@@ -48,10 +89,48 @@ def fail(prog: str, message: str) -> NoReturn:
     sys.exit(EXIT_BAD_INPUT)
 
 
-def _one_line(tyro_box: str) -> str:
-    """What tyro says inside the first compartment of its error box, on one line."""
-    lines = [line.strip(_SIDES) for line in tyro_box.splitlines()[1:-1]]
-    if lines and _RULE.match(lines[0]):
-        del lines[0]
-    end = next((i for i, line in enumerate(lines) if _RULE.match(line)), len(lines))
-    return _DATACLASS.sub("", " ".join(lines[:end]).strip().rstrip("."))
+def print_json(facts: Mapping[str, Any]) -> None:
+    """Print one object on standard output, its figures rounded to four places that count."""
+    print(json.dumps(_rounded(facts)), flush=True)
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _rounded(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_rounded(item) for item in value]
+    if isinstance(value, float) and math.isfinite(value) and value:
+        return round(value, max(0, 3 - math.floor(math.log10(abs(value)))))
+    return value
+
+
+def _one_line(tyro_box: str, prog: str) -> str:
+    """What tyro says in its error box: what is wrong, what may have been meant, where help is."""
+    compartments: list[list[str]] = [[]]
+    for line in tyro_box.splitlines()[1:-1]:
+        text = line.strip(_SIDES)
+        if _RULE.match(text):
+            compartments.append([])
+        elif text:
+            compartments[-1].append(text)
+    first, *others = (" ".join(lines) for lines in compartments if lines)
+    said = _in_our_words(first.rstrip("."))
+    for other in others:
+        if match := re.match(r"Available subcommands: (.*)", other):
+            said += f"; valid: {match[1]}"
+        elif match := re.match(r"(?:Perhaps you meant|Arguments similar to \S+): (--\S+)", other):
+            said += f"; perhaps {match[1]}"
+        elif match := re.search(r"(?:run|see) (.* --help)", other):
+            prog = match[1].removesuffix(" --help")
+    return f"{said}; see {prog} --help"
+
+
+def _in_our_words(said: str) -> str:
+    for pattern, words, valid in _IN_OUR_WORDS:
+        if match := re.fullmatch(pattern, said):
+            choices = re.findall(r"[^{}|,' ]+", match.expand(valid))
+            named = ", ".join(
+                str(_KINDS.get(choice, choice)) for choice in choices if choice != "None"
+            )
+            return match.expand(words) + (f" is not valid; valid: {named}" if named else "")
+    return said

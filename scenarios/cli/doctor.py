@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from typing import Annotated
 
-import tyro
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.doctor.diagnosis import Diagnosis, diagnose
 
 _STYLES = {"ok": "green", "note": "yellow", "problem": "bold red"}
@@ -24,7 +21,7 @@ class DoctorCfg:
     Exit status 0 if it can fly, 1 if something essential is missing.
     """
 
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: can_fly, and checks with name, status, value and remedy."""
 
 
@@ -36,7 +33,7 @@ def run(cfg: DoctorCfg) -> int:
             lambda title, share: progress.update(task, description=title, completed=share)
         )
     if cfg.json:
-        print(json.dumps(diagnosis.to_json()))
+        print_json(diagnosis.to_json())
     else:
         _print_table(diagnosis)
     return EXIT_DONE if diagnosis.can_fly else EXIT_NEGATIVE

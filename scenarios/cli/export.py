@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-import tyro
 from rich.console import Console
 
-from scenarios.cli.command_line import EXIT_DONE, fail
+from scenarios.cli.command_line import EXIT_DONE, fail, print_json
 
 _PROG = "aeroscene export"
 _NO_VEHICLE = "none"
@@ -33,7 +31,7 @@ class ExportCfg:
     """Scene of the dataset by number, or a scene file."""
     vehicle: str = "iris"
     """Airframe at the start: iris, iris-rotors, hummingbird, or none. A GLB has none."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: file, format, scene, objects, areas, bytes, seconds."""
 
 
@@ -67,7 +65,7 @@ def run(cfg: ExportCfg) -> int:
         "seconds": round(time.perf_counter() - began_s, 3),
     }
     if cfg.json:
-        print(json.dumps(facts))
+        print_json(facts)
     else:
         Console().print(
             f"[bold]{path}[/]  {facts['objects']} objects, {facts['areas']} areas, "

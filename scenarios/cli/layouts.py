@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +20,7 @@ from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.reading import read_layouts
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import write_scene
-from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 
 _SHOWN = 20
 """Lines of a list that the table shows."""
@@ -37,11 +36,11 @@ class LayoutsCfg:
 
     file: tyro.conf.Positional[Path]
     """The file of layouts."""
-    out: Path | None = None
+    out: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
     """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
     skip_invalid: bool = False
     """Leave out objects and scenes that break a rule, name and count them, and go on."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: scenes, objects, mapped, unmapped, dropped, invalid, written."""
 
 
@@ -67,7 +66,7 @@ def run(cfg: LayoutsCfg) -> int:
         total += report
     total += MappingReport(invalid=tuple(faults))
     if cfg.json:
-        print(json.dumps(total.to_plain() | {"written": written}))
+        print_json(total.to_plain() | {"written": written})
     else:
         _print_report(total, written, cfg)
     return EXIT_NEGATIVE if total.invalid else EXIT_DONE

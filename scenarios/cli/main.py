@@ -1,69 +1,56 @@
-"""`aeroscene`: everything but the testbench itself."""
+"""`aeroscene`: every command."""
 
 from __future__ import annotations
 
-import logging
+import functools
+import importlib
+import operator
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import tyro
 
-from scenarios.cli import (
-    bench,
-    compile,  # noqa: A004 - the command's name
-    dataset,
-    doctor,
-    export,
-    generate,
-    layouts,
-    replay,
-    train,
-)
-from scenarios.cli.command_line import EXIT_INTERRUPTED, fail, parse
+from scenarios.cli.command_line import execute, parse
 
 PROG = "aeroscene"
-
-Command = (
-    Annotated[replay.ReplayCfg, tyro.conf.subcommand("replay")]
-    | Annotated[doctor.DoctorCfg, tyro.conf.subcommand("doctor")]
-    | Annotated[dataset.DatasetCfg, tyro.conf.subcommand("dataset")]
-    | Annotated[bench.BenchCfg, tyro.conf.subcommand("bench")]
-    | Annotated[compile.CompileCfg, tyro.conf.subcommand("compile")]
-    | Annotated[export.ExportCfg, tyro.conf.subcommand("export")]
-    | Annotated[layouts.LayoutsCfg, tyro.conf.subcommand("layouts")]
-    | Annotated[generate.GenerateCfg, tyro.conf.subcommand("generate")]
-    | Annotated[train.TrainCfg, tyro.conf.subcommand("train")]
-)
-
-_RUN: Mapping[type, Callable[[Any], int]] = {
-    replay.ReplayCfg: replay.run,
-    doctor.DoctorCfg: doctor.run,
-    dataset.DatasetCfg: dataset.run,
-    bench.BenchCfg: bench.run,
-    compile.CompileCfg: compile.run,
-    export.ExportCfg: export.run,
-    layouts.LayoutsCfg: layouts.run,
-    generate.GenerateCfg: generate.run,
-    train.TrainCfg: train.run,
+_COMMANDS: Mapping[str, str] = {
+    "sitl": "SitlCommand",
+    "replay": "ReplayCfg",
+    "doctor": "DoctorCfg",
+    "dataset": "DatasetCfg",
+    "bench": "BenchCfg",
+    "compile": "CompileCfg",
+    "export": "ExportCfg",
+    "layouts": "LayoutsCfg",
+    "generate": "GenerateCfg",
+    "train": "TrainCfg",
 }
+"""What a command's own module, which is imported only where it is asked for, calls its options."""
 
 
 def main(args: list[str] | None = None) -> int:
     """Run the command; returns the exit status."""
-    logging.basicConfig(level=logging.WARNING, format=f"{PROG}: %(message)s", stream=sys.stderr)
-    command = parse(Command, PROG, args)
-    try:
-        return _RUN[type(command)](command)
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
-    except Exception as error:
-        # The whole simulator: a second that a command without it does not spend.
-        from scenarios.run.sitl import INPUT_ERRORS  # noqa: PLC0415
+    args = sys.argv[1:] if args is None else args
+    name = args[0] if args else ""
+    if name in _COMMANDS:
+        module = _module(name)
+        return execute(getattr(module, _COMMANDS[name]), module.run, f"{PROG} {name}", args[1:])
+    parse(_any_command(), PROG, args, "A drone flight-stack testbench; --version says which.")
+    return 0
 
-        if isinstance(error, INPUT_ERRORS):
-            fail(PROG, str(error))
-        raise
+
+def _module(name: str) -> Any:
+    return importlib.import_module(f"scenarios.cli.{name}")
+
+
+def _any_command() -> Any:
+    """All of them, to list and to suggest."""
+    commands = (
+        Annotated[Any, tyro.conf.subcommand(name, constructor=getattr(_module(name), options))]
+        for name, options in _COMMANDS.items()
+    )
+    return functools.reduce(operator.or_, commands)
 
 
 if __name__ == "__main__":

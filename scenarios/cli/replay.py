@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail
+from scenarios.cli.command_line import EXIT_DONE, fail, print_json
 
 if TYPE_CHECKING:
     from scenarios.recording.summary import RecordingSummary
@@ -32,12 +31,12 @@ class ReplayCfg:
     """The .rrd file."""
     viewer: Literal["auto", "native", "web"] = "auto"
     """native opens a window, web serves a page on loopback; auto takes native if it can."""
-    pictures: Path | None = None
+    pictures: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
     """Draw what was planned and flown, and the landing map, into this folder instead of opening the
     viewer; needs no display."""
     summary: bool = False
     """Print what is in the recording instead of opening it; needs no display."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print the summary as one JSON object."""
 
 
@@ -92,7 +91,7 @@ def _show(cfg: ReplayCfg) -> None:
 
 def _print_summary(summary: RecordingSummary, *, is_json: bool) -> None:
     if is_json:
-        print(json.dumps(summary.to_json()))
+        print_json(summary.to_json())
         return
     console = Console()
     head = Table(show_header=False, box=None)

@@ -1,44 +1,70 @@
-"""`aeroscene-sitl`: start the testbench."""
+"""`aeroscene-sitl`, also `aeroscene sitl`: start the testbench."""
 
 from __future__ import annotations
 
-import json
-import logging
+import contextlib
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Any
 
+import tyro
 from rich.console import Console
 
-from scenarios.cli.command_line import (
-    EXIT_DONE,
-    EXIT_INTERRUPTED,
-    EXIT_NEGATIVE,
-    fail,
-    parse,
-)
+from flightsim.testbench import TestbenchError
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, execute, print_json
 from scenarios.cli.status_line import StatusLine
 from scenarios.run.cfg import SitlCfg
-from scenarios.run.sitl import INPUT_ERRORS, Sitl
+from scenarios.run.sitl import Sitl
 from scenarios.run.trial import TrialResult
+
+if TYPE_CHECKING:
+    from scenarios.recording.viewer import Viewer
 
 PROG = "aeroscene-sitl"
 
 
+@dataclass(frozen=True, kw_only=True)
+class SitlCommand(SitlCfg):
+    """Start the testbench: a scene, a quadrotor in it, an autopilot that speaks MAVLink.
+
+    Ground stations connect at UDP 14550, SDKs at UDP 14540 (udpin://0.0.0.0:14540), scripts also at
+    TCP 5760. Ctrl-C ends the run and closes the recording.
+    """
+
+    place: tyro.conf.Positional[
+        Annotated[str, tyro.conf.arg(metavar="[SCENE]", help_behavior_hint="")]
+    ] = ""
+    """The scene: the same as --scene."""
+    scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
+    """Scene of the dataset by number, a scene file (.json, .json.gz), or one of a file of layouts
+    (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be run, and two scenes."""
+        SitlCfg.__post_init__(self)
+        if self.place and self.scene:
+            raise TestbenchError(
+                f"scene {self.scene!r} is a second one beside {self.place!r}; valid: one"
+            )
+
+    @property
+    def cfg(self) -> SitlCfg:
+        """The run that is asked for."""
+        values: dict[str, Any] = {name.name: getattr(self, name.name) for name in fields(SitlCfg)}
+        values["scene"] = str(self.place or self.scene or SitlCfg.scene)
+        return SitlCfg(**values)
+
+
 def main(args: list[str] | None = None) -> int:
-    """Run the command; returns the exit status."""
-    logging.basicConfig(level=logging.WARNING, format=f"{PROG}: %(message)s", stream=sys.stderr)
-    try:
-        return run(parse(SitlCfg, PROG, args))
-    except INPUT_ERRORS as error:
-        fail(PROG, str(error))
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
+    """Run `aeroscene-sitl`; returns the exit status."""
+    return execute(SitlCommand, run, PROG, args)
 
 
-def run(cfg: SitlCfg) -> int:
+def run(command: SitlCommand) -> int:
     """Run the testbench until it is done or told to stop.
 
     Raises:
@@ -46,17 +72,31 @@ def run(cfg: SitlCfg) -> int:
     """
     # Standard output belongs to the result.
     console = Console(stderr=True)
+    # An end from outside must close ports, viewers and the recording too.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    cfg = command.cfg
+    made = [path for path in _folders(cfg) if not path.exists()]
     with Sitl(cfg) as sitl:
+        _announce(console, sitl)
+        for folder in made:
+            console.print(f"Folder {folder} was missing and is made.", soft_wrap=True)
         with _stop_on_signals() as should_stop, StatusLine(console, sitl) as status:
-            _announce(console, sitl)
             result = sitl.run(lambda: status.refresh() or should_stop())
-    if cfg.json:
-        print(json.dumps(result.to_plain()))
-    else:
-        _print_result(Console(), result)
-        for picture in sitl.pictures:
-            print(f"Picture: {picture}")
+        if command.json:
+            print_json(result.to_plain())
+        else:
+            _print_result(Console(), result)
+            for picture in sitl.pictures:
+                print(f"Picture: {picture}")
+        if sitl.viewer is not None and not should_stop():
+            _keep_open(console, sitl.viewer)
     return EXIT_NEGATIVE if result.success is False else EXIT_DONE
+
+
+def _folders(cfg: SitlCfg) -> list[Path]:
+    """Where the run writes to."""
+    folders = (cfg.record and cfg.record.parent, cfg.pictures)
+    return [folder for folder in folders if folder is not None]
 
 
 def _announce(console: Console, sitl: Sitl) -> None:
@@ -65,20 +105,22 @@ def _announce(console: Console, sitl: Sitl) -> None:
         f"[bold]Scene {scene.scene_id}[/]: {scene.domain}, {len(scene.objects)} objects, "
         f"{len(scene.landing_areas)} landing areas, "
         f"{len(scene.perching_areas)} to perch on. [bold]{sitl.bench.airframe.title}[/], "
-        f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}."
+        f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
+        soft_wrap=True,
     )
     console.print(
         f"MAVLink: UDP {14550 + cfg.instance} (ground stations), "
         f"UDP {14540 + cfg.instance} (SDKs), TCP {cfg.bind}:{5760 + 10 * cfg.instance}. "
-        "Ctrl-C ends."
+        "Ctrl-C ends.",
+        soft_wrap=True,
     )
-    if sitl.viewer_url is not None:
-        console.print(f"Watch at {sitl.viewer_url}", soft_wrap=True)
+    if sitl.viewer is not None and sitl.viewer.url is not None:
+        console.print(f"Watch at {sitl.viewer.url}", soft_wrap=True)
 
 
 def _print_result(console: Console, result: TrialResult) -> None:
     if result.success is not None:
-        word = "[bold green]Landed[/]" if result.success else "[bold red]Failed[/]"
+        word = "[bold green]Done[/]" if result.success else "[bold red]Failed[/]"
         console.print(f"{word}: {result.reason}")
         console.print(f"  landing area                  {result.area}")
         console.print(f"  contacts before touchdown     {result.contacts_before_touchdown}")
@@ -98,7 +140,15 @@ def _print_result(console: Console, result: TrialResult) -> None:
         console.print(f"Replay it with: aeroscene replay {result.recording}", soft_wrap=True)
 
 
-@contextmanager
+def _keep_open(console: Console, viewer: Viewer) -> None:
+    """What was watched stays, until its user has seen enough."""
+    page = "window" if viewer.url is None else "page"
+    console.print(f"The flight has ended. The {page} stays until it is closed, or Ctrl-C.")
+    with contextlib.suppress(KeyboardInterrupt):
+        viewer.wait()
+
+
+@contextlib.contextmanager
 def _stop_on_signals() -> Iterator[Callable[[], bool]]:
     """Turn Ctrl-C and termination into a request; a second Ctrl-C interrupts at once."""
     requested: list[int] = []

@@ -93,6 +93,6 @@ class Ground:
         error_m = math.dist(rest_enu_m[:2], flight.chosen.position_enu_m[:2])
         return PilotVerdict(
             success=True,
-            reason=f"landed {error_m:.2f} m from the chosen point and disarmed",
+            reason="landed and disarmed",
             touchdown_error_m=error_m,
         )

@@ -198,18 +198,23 @@ class Recorder:
         set_sim_time(self._stream, time_us)
         self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
 
-    def close(self, verdict: Mapping[str, Any] | None = None) -> None:
-        """Write what waits and the verdict, and finish the file; a second call does nothing.
+    def conclude(self, verdict: Mapping[str, Any]) -> None:
+        """Write what waits and the verdict; the file is finished too where nobody watches live.
 
         Args:
             verdict: The figures of the run, as plain data.
         """
+        self.flush()
+        log_verdict(self._stream, self._info, verdict)
+        if self.url is None:
+            self.close()
+
+    def close(self) -> None:
+        """Write what waits, finish the file and leave live viewers; a second call does nothing."""
         if not self._is_open:
             return
         self._is_open = False
         self.flush()
-        if verdict is not None:
-            log_verdict(self._stream, self._info, verdict)
         try:
             self._stream.flush(timeout_sec=_CLOSING_TIMEOUT_S)
         except (RuntimeError, TimeoutError) as error:

@@ -29,6 +29,7 @@ DATA_PORT = 9876
 """Where viewers fetch the recording, unless something else is there."""
 _START_TIMEOUT_S = 20.0
 _END_TIMEOUT_S = 3.0
+_LOOK_S = 0.2
 
 
 class ViewerError(RuntimeError):
@@ -53,6 +54,7 @@ class Viewer:
             ViewerError: If there is no display for a window, or the viewer does not start.
         """
         self.url: str | None = None
+        self._page: PageServer | None = None
         with ExitStack() as stack:
             if kind == "native":
                 self._open_window(stack, source)
@@ -82,13 +84,15 @@ class Viewer:
         self._process = _RerunProcess([*arguments, str(source)])
         stack.callback(self._process.close)
         self._process.wait_for_port(upstream_port)
-        page = stack.enter_context(PageServer(free_port(PAGE_PORT), upstream_port, data_port))
+        self._page = page = PageServer(free_port(PAGE_PORT), upstream_port, data_port)
+        stack.callback(page.close)
         self.url = f"http://{LOOPBACK}:{page.port}/?url={quote(data_url, safe='')}"
         _log.info("watch at %s", self.url)
 
     def wait(self) -> None:
-        """Block until the viewer is closed by its user, or for ever."""
-        self._process.wait()
+        """Block until the user closes the window, or the page that somebody had open."""
+        while not self._process.has_ended(_LOOK_S) and not (self._page and self._page.is_left):
+            pass
 
     def close(self) -> None:
         """End the viewer."""
@@ -127,9 +131,13 @@ class _RerunProcess:
                 raise ViewerError(f"viewer did not start: {self._last_words()}")
             time.sleep(0.05)
 
-    def wait(self) -> None:
-        """Block until it ends."""
-        self._process.wait()
+    def has_ended(self, timeout_s: float) -> bool:
+        """Wait for its end for a while; whether it came."""
+        try:
+            self._process.wait(timeout_s)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
 
     def close(self) -> None:
         """End the whole group."""

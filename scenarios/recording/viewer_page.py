@@ -3,19 +3,29 @@
 rerun's page fetches fonts, looks for new versions and reports its use to servers elsewhere, and
 has no switch against it. A content security policy in the response makes the browser refuse: the
 page reaches this machine only.
+
+A line in the page keeps a connection open for as long as the page is, so that it is known when its
+reader has left.
 """
 
 from __future__ import annotations
 
 import http.client
-import shutil
 import threading
+import time
+from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from io import BufferedIOBase
 from typing import Self
 
 LOOPBACK = "127.0.0.1"
 _UPSTREAM_TIMEOUT_S = 10.0
-_PASSED_HEADERS = ("Content-Type", "Content-Encoding", "Content-Length", "rerun-final-length")
+_PASSED_HEADERS = ("Content-Type", "Content-Encoding", "rerun-final-length")
+_READER_PATH = "/reader"
+_READER_SCRIPT = f"<script>new EventSource('{_READER_PATH}')</script>".encode()
+_PULSE_S = 0.5
+_RELOAD_S = 3.0
+"""A page that is back within this time was loaded anew, not left."""
 
 
 def content_policy(data_port: int) -> str:
@@ -48,11 +58,32 @@ class PageServer:
         Raises:
             OSError: If the port is taken.
         """
-        handler = _handler(upstream_port, content_policy(data_port))
+        self._readers: set[object] = set()
+        self._last_left_s: float | None = None
+        handler = _handler(upstream_port, content_policy(data_port), self._stay)
         self._server = ThreadingHTTPServer((LOOPBACK, port), handler)
         self.port: int = self._server.server_address[1]
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
         self._thread.start()
+
+    @property
+    def is_left(self) -> bool:
+        """Whether somebody has had the page open and nobody has it open any more."""
+        left_s = self._last_left_s
+        return not self._readers and left_s is not None and time.monotonic() > left_s + _RELOAD_S
+
+    def _stay(self, page: BufferedIOBase) -> None:
+        """Write to an open page until it is closed."""
+        reader = object()
+        self._readers.add(reader)
+        try:
+            while True:
+                page.write(b": still here\n\n")
+                time.sleep(_PULSE_S)
+        except OSError:
+            self._last_left_s = time.monotonic()
+        finally:
+            self._readers.discard(reader)
 
     def close(self) -> None:
         """Stop serving and give the port back."""
@@ -67,25 +98,38 @@ class PageServer:
         self.close()
 
 
-def _handler(upstream_port: int, policy: str) -> type[BaseHTTPRequestHandler]:
+def _handler(
+    upstream_port: int, policy: str, stay: Callable[[BufferedIOBase], None]
+) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
+            path = self.path.partition("?")[0]
+            if path == _READER_PATH:
+                self.send_response(200)
+                self.send_header("Content-Type", "text/event-stream")
+                self.end_headers()
+                stay(self.wfile)
+                return
             upstream = http.client.HTTPConnection(
                 LOOPBACK, upstream_port, timeout=_UPSTREAM_TIMEOUT_S
             )
             try:
-                upstream.request("GET", self.path.partition("?")[0])
+                upstream.request("GET", path)
                 response = upstream.getresponse()
+                content = response.read()
             except OSError:
                 self.send_error(502, "the viewer has ended")
                 return
+            if path == "/":
+                content = content.replace(b"</body>", _READER_SCRIPT + b"</body>")
             self.send_response(response.status)
             for name in _PASSED_HEADERS:
                 if (value := response.headers.get(name)) is not None:
                     self.send_header(name, value)
+            self.send_header("Content-Length", str(len(content)))
             self.send_header("Content-Security-Policy", policy)
             self.end_headers()
-            shutil.copyfileobj(response, self.wfile)
+            self.wfile.write(content)
             upstream.close()
 
         def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - its base's name

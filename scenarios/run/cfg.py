@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+import tyro
 
 from flightsim.testbench import TestbenchCfg, TestbenchError
 
 MAX_CAMERA_HZ = 50.0
 """A frame for every tick of the loop."""
+_UNSET = tyro.conf.arg(help_behavior_hint="")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SitlCfg:
-    """A flight-stack testbench: a scene, a quadrotor in it, an autopilot that speaks MAVLink.
-
-    Ground stations connect at UDP 14550, SDKs at UDP 14540 (udpin://0.0.0.0:14540), scripts also at
-    TCP 5760. Ctrl-C ends the run and closes the recording.
-    """
+    """A scene, the testbench in it, who flies, and what is kept of the flight."""
 
     scene: str = "42"
     """Scene of the dataset by number, a scene file (.json, .json.gz), or one of a file of layouts
@@ -32,16 +32,18 @@ class SitlCfg:
     flight volume and the areas, and the map grows from depth."""
     target: Literal["landing", "perching", "any"] = "landing"
     """What our mission lands on: a landing area, a place to perch on, or the best of both."""
-    record: Path | None = None
-    """Write a rerun recording to this .rrd file."""
-    pictures: Path | None = None
-    """Draw what was planned and flown, and the landing map, into this folder when the run ends."""
+    record: Annotated[Path | None, _UNSET] = None
+    """Write a rerun recording to this .rrd file; its folder is made if only that is missing."""
+    pictures: Annotated[Path | None, _UNSET] = None
+    """Draw what was planned and flown, and the landing map, into this folder when the run ends; it
+    is made if only that is missing."""
     viewer: Literal["off", "web", "native"] = "off"
-    """Watch live: web serves on loopback, native opens the rerun viewer."""
+    """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
+    the flight, until it is closed or Ctrl-C."""
     camera_hz: float = 5.0
-    """Frames a simulated second of each camera while recording or watching; 0 turns them off."""
-    headless_seconds: float | None = None
-    """End after this many simulated seconds."""
+    """Frames of each camera in a simulated second, 0 to 50, while recording or watching."""
+    headless_seconds: Annotated[float | None, _UNSET] = None
+    """End after this many simulated seconds, whatever goes on."""
     json: bool = False
     """Print one JSON object on standard output when the run ends, and nothing else there."""
 
@@ -57,11 +59,23 @@ class SitlCfg:
             )
         if self.record is not None and self.record.suffix != ".rrd":
             raise TestbenchError(f"record {str(self.record)!r} is no .rrd file; valid: NAME.rrd")
-        if self.pictures is not None and self.pictures.exists() and not self.pictures.is_dir():
-            raise TestbenchError(f"pictures {str(self.pictures)!r} is a file; valid: a folder")
+        if self.record is not None:
+            _require_folder("record", self.record.parent)
+        if self.pictures is not None:
+            _require_folder("pictures", self.pictures)
 
     def to_plain(self) -> dict[str, Any]:
         """The resolved configuration as plain data."""
         plain = asdict(self)
         paths = {"record": self.record, "pictures": self.pictures}
         return plain | {name: None if path is None else str(path) for name, path in paths.items()}
+
+
+def _require_folder(name: str, folder: Path) -> None:
+    """Refuse a folder that cannot be written to, nor be made in one that can."""
+    there = folder if folder.exists() else folder.parent
+    if not there.is_dir():
+        what = "is a file" if there.exists() else "is not there"
+        raise TestbenchError(f"{name}: {str(there)!r} {what}; valid: a folder that exists")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise TestbenchError(f"{name}: {str(there)!r} may not be written to")

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
+    from scenarios.recording.viewer import Viewer
     from scenarios.run.companion import Aboard, Companion
 
 _LOG = logging.getLogger(__name__)
@@ -57,7 +58,7 @@ class Sitl:
         companion: Whoever flies, our pilot or the caller's; None in a run for clients alone.
         observers: Called at the end of each tick; append to it what should look on.
         recorder: Where the run is recorded or watched.
-        viewer_url: The page to watch, if a web viewer serves one.
+        viewer: What shows the run live, if it is watched.
         pictures: What was drawn when the run ended.
     """
 
@@ -84,7 +85,7 @@ class Sitl:
         """
         self.cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
-        self.viewer_url: str | None = None
+        self.viewer: Viewer | None = None
         self.pictures: list[Path] = []
         self._cameras: Cameras | None = None
         self.observers: list[Callable[[], None]] = []
@@ -184,7 +185,7 @@ class Sitl:
             )
             stack.enter_context(recorder)
             if cfg.viewer != "off" and recorder.url is not None:
-                self.viewer_url = stack.enter_context(Viewer(cfg.viewer, recorder.url)).url
+                self.viewer = stack.enter_context(Viewer(cfg.viewer, recorder.url))
         except (RecordingError, ViewerError) as error:
             raise TestbenchError(str(error)) from error
         if cfg.camera_hz > 0:
@@ -254,23 +255,25 @@ class Sitl:
 
     def _simulate(self, should_stop: Callable[[], bool]) -> None:
         simulator, plant = self.bench.simulator, self.bench.plant
-        until_us = None
+        companion, end_us = self.companion, None
         if self.cfg.headless_seconds is not None:
-            until_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        companion = self.companion
+            end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
         if companion is None:
-            simulator.run(until_us=until_us, stop=should_stop)
+            simulator.run(until_us=end_us, stop=should_stop)
             return
-        deadline_us = plant.time_us + round(MAX_TRIAL_S * 1e6)
-        simulator.run(
-            until_us=min(deadline_us, until_us or deadline_us),
-            stop=lambda: companion.is_done or should_stop(),
-        )
-        simulator.run(until_us=plant.time_us + round(SETTLE_S * 1e6), stop=should_stop)
+        for seconds, is_done in (
+            (MAX_TRIAL_S, lambda: companion.is_done),
+            (SETTLE_S, lambda: False),
+        ):
+            until_us = plant.time_us + round(seconds * 1e6)
+            simulator.run(
+                until_us=min(until_us, end_us or until_us),
+                stop=lambda is_done=is_done: is_done() or should_stop(),
+            )
 
     def _write(self, result: TrialResult) -> None:
         if self.recorder is not None:
-            self.recorder.close(verdict=result.to_plain())
+            self.recorder.conclude(result.to_plain())
         if self.cfg.record is not None:
             summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
             if self.pilot is not None:

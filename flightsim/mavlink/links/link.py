@@ -58,6 +58,6 @@ def bind(transport: socket.socket, kind: Literal["UDP", "TCP"], address: str, po
         if getattr(error, "errno", None) == errno.EADDRINUSE:
             raise PortInUseError(
                 f"{kind} port {port} on {address} is in use: stop the program that has it,"
-                " or choose other ports with --instance N (N = 1 to 9)"
+                " or choose other ports with another --instance"
             ) from error
         raise LinkError(f"cannot open {kind} port {port} on {address}: {error}") from error

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
-
-import tyro
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.provenance import curation_digest
-from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.command_line import EXIT_DONE, print_json
 from scenarios.cli.dataset.options import check_jobs
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import scene_numbers
@@ -38,7 +34,7 @@ class BuildCfg:
     """Numbers of scenes: A:B without B, single ones, joined by commas."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: folder, scenes, made, kept, bytes, seconds, sources."""
 
 
@@ -86,7 +82,7 @@ def _report(cfg: BuildCfg, plan: BuildPlan, n_bytes: int, seconds: float) -> Non
             "seconds": round(seconds, 3),
             "sources": curation_digest(),
         }
-        print(json.dumps(report))
+        print_json(report)
         return
     rate = f", {n_made / seconds:.1f} a second" if n_made else ""
     print(

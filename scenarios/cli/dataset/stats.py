@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-import tyro
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -17,7 +14,7 @@ from rich.table import Table
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
-from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.command_line import EXIT_DONE, print_json
 from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
@@ -43,7 +40,7 @@ class StatsCfg:
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: a key for each row of the table with value, paper, deviation, train
     and test; then domains, categories, missing_categories, diversity, paper_inconsistencies."""
 
@@ -55,7 +52,7 @@ def run(cfg: StatsCfg) -> int:
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
     found = statistics(dataset, beside, cfg.jobs, progress_bar)
     if cfg.json:
-        print(json.dumps(found.to_plain()))
+        print_json(found.to_plain())
     else:
         _print(Console(), dataset.title, found)
     return EXIT_DONE

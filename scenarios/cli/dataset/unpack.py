@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
 
-import tyro
-
-from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.command_line import EXIT_DONE, print_json
 from scenarios.cli.dataset.options import SHIPPED_NAME, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
@@ -31,7 +27,7 @@ class UnpackCfg:
     """Compress them: .json.gz, a fifth of the size."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: folder, scenes, bytes."""
 
 
@@ -44,7 +40,7 @@ def run(cfg: UnpackCfg) -> int:
     with progress_bar("unpacking", n_scenes) as advance:
         n_bytes = unpack_all(dataset, cfg.out, suffix, cfg.jobs, advance)
     if cfg.json:
-        print(json.dumps({"folder": str(cfg.out), "scenes": n_scenes, "bytes": n_bytes}))
+        print_json({"folder": str(cfg.out), "scenes": n_scenes, "bytes": n_bytes})
     else:
         print(f"{cfg.out}: {n_scenes} scenes, {n_bytes / 1e6:.1f} MB")
     return EXIT_DONE

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Any
 
-import tyro
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from aeroscene.corpus.dataset import DatasetError, SceneSet
-from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
@@ -49,7 +47,7 @@ class ValidateCfg:
     """Go on after a file that cannot be read, name it and count it."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
-    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    json: bool = False
     """Print one JSON object: scenes, findings by kind, details, invalid, and drops if asked for."""
 
 
@@ -65,7 +63,7 @@ def run(cfg: ValidateCfg) -> int:
     drops = _drop(cfg, report.readable) if cfg.drops else None
     if cfg.json:
         extra = {} if drops is None else {"drops": drops.to_plain()}
-        print(json.dumps({**report.to_plain(), **extra}))
+        print_json({**report.to_plain(), **extra})
     else:
         _print(Console(), report, drops)
     is_good = not report.findings and (drops is None or drops.share >= LEAST_SHARE)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from scenarios.cli.main import main as commands
 from scenarios.cli.sitl import main
 
 
@@ -35,7 +36,7 @@ def fails_with(capsys, *args):
         (["--instance", "100"], "instance 100 is out of range; valid: 0 to 99"),
         (
             ["--instance", "one"],
-            "Error parsing --instance: invalid literal for int() with base 10: 'one'",
+            "instance 'one' is not valid; valid: a whole number; see aeroscene-sitl --help",
         ),
         (["--camera-hz", "51"], "camera-hz 51.0 is out of range; valid: 0 to 50 Hz"),
         (
@@ -43,14 +44,58 @@ def fails_with(capsys, *args):
             "headless-seconds 0.0 is not positive; valid: seconds above 0",
         ),
         (["--record", "flight.mp4"], "record 'flight.mp4' is no .rrd file; valid: NAME.rrd"),
-        (["--altitude", "3"], "Unrecognized options: --altitude, 3"),
-        (["--vehicle"], "Missing value for argument '--vehicle'. Expected 1 values"),
+        (["--altitude", "3"], "--altitude is unknown; see aeroscene-sitl --help"),
+        (["--speed", "fast"], "speed 'fast' is not valid; valid: a number, max"),
+        (["--viewer", "vr"], "viewer 'vr' is not valid; valid: off, web, native"),
+        (["--headless-seconds", "x"], "headless-seconds 'x' is not valid; valid: a number;"),
+        (["--sceen", "4"], "--sceen is unknown; perhaps --scene; see aeroscene-sitl --help"),
+        (["41", "--scene", "42"], "scene '42' is a second one beside '41'; valid: one"),
+        (["1016"], "scene '1016' is unknown, valid: a number from 0 to 1015"),
+        (["--record", "a/b/c.rrd"], "record: 'a' is not there; valid: a folder that exists"),
+        (["--pictures", "pyproject.toml"], "pictures: 'pyproject.toml' is a file; valid: a folder"),
+        (["--vehicle"], "--vehicle has no value"),
     ],
 )
 def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
     error = fails_with(capsys, *args)
     assert error.startswith(f"aeroscene-sitl: error: {line}")
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("args", "line"),
+    [
+        ([], "aeroscene: error: no command; valid: sitl, replay, doctor, "),
+        (["fligh"], "aeroscene: error: fligh is unknown; valid: sitl, replay, doctor, "),
+        (["replay"], "aeroscene replay: error: PATH is missing; see aeroscene replay --help"),
+        (
+            ["export", "--out", "x"],
+            "aeroscene export: error: --to is missing; see aeroscene export",
+        ),
+        (["train", "--preset", "x"], "aeroscene train: error: preset 'x' is not valid; valid: "),
+        (
+            ["train", "--steps", "x"],
+            "aeroscene train: error: steps 'x' is not valid; valid: a whole",
+        ),
+        (
+            ["sitl", "--speed", "x"],
+            "aeroscene sitl: error: speed 'x' is not valid; valid: a number",
+        ),
+        (["dataset", "x"], "aeroscene dataset: error: x is unknown; valid: build, stats, "),
+        (
+            ["dataset", "stats", "--jbs", "1"],
+            "aeroscene dataset: error: --jbs is unknown; perhaps -",
+        ),
+    ],
+)
+def test_every_command_says_in_one_line_what_is_valid(capsys, args, line):
+    with pytest.raises(SystemExit) as stop:
+        commands(args)
+    assert stop.value.code == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.startswith(line)
+    assert output.err.count("\n") == 1
 
 
 def test_a_malformed_scene_file_is_named_with_its_fault(capsys, tmp_path):

@@ -128,7 +128,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
         recorder.landing.log(plant.time_us - 200_000, LANDING, FIRST_CHOICE_ENU_M)
         recorder.landing.log(plant.time_us, LANDING, CHOICE_ENU_M)
         renderer.close()
-        recorder.close(VERDICT)
+        recorder.conclude(VERDICT)
         return RecordedFlight(
             path=path,
             scene=bench.scene,

@@ -278,7 +278,7 @@ def test_closing_twice_is_fine_and_two_recordings_are_two(flight, tmp_path):
     for name in ("a.rrd", "b.rrd"):
         recorder = _open(flight, tmp_path / name)
         recorder.close()
-        recorder.close({"success": True})
+        recorder.close()
         (entry,) = RrdReader(tmp_path / name).recordings()
         ids.add(entry.recording_id)
     assert len(ids) == 2

@@ -1,0 +1,7 @@
+"""`python -m aeroscene`: the command line, which is of a package that depends on this one."""
+
+import sys
+
+from scenarios.cli.entry import aeroscene
+
+sys.exit(aeroscene())

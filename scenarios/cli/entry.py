@@ -1,0 +1,42 @@
+"""Where the console scripts start: Ctrl-C ends them without a word, from the first moment on."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import signal
+import sys
+from types import FrameType
+
+EXIT_INTERRUPTED = 130
+
+
+def aeroscene() -> int:
+    """The command `aeroscene`."""
+    return _start("main")
+
+
+def aeroscene_sitl() -> int:
+    """The command `aeroscene-sitl`."""
+    return _start("sitl")
+
+
+def _start(module: str) -> int:
+    if sys.argv[1:] == ["--version"]:
+        print(f"aeroscene {importlib.import_module('aeroscene').__version__}")
+        return 0
+    # Else MuJoCo's import has a process look for a window library that we never open.
+    os.environ.setdefault("MUJOCO_GL", "disable")
+    # An import cannot be interrupted in order: libraries turn the exception into others of theirs.
+    signal.signal(signal.SIGINT, _leave)
+    try:
+        return importlib.import_module(f"scenarios.cli.{module}").main()
+    except BrokenPipeError:
+        os._exit(0)  # Who reads our output has seen enough.
+    finally:
+        signal.signal(signal.SIGINT, _leave)
+
+
+def _leave(_number: int, _frame: FrameType | None) -> None:
+    """End at once; nothing is open before a command runs, nor after it."""
+    os._exit(EXIT_INTERRUPTED)
