@@ -1,4 +1,4 @@
-"""The version of the installed package."""
+"""Which version of the package is installed."""
 
 from importlib.metadata import version
 

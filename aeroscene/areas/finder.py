@@ -12,10 +12,11 @@ from shapely.geometry.base import BaseGeometry
 from aeroscene.areas.faces import Face
 from aeroscene.areas.needs import LEGS_M, NEEDS, PERCH_NEEDS, STEP_M, AreaNeeds, needs_of
 from aeroscene.areas.obstacles import Obstacles, Obstructions
-from aeroscene.areas.reach import Reach
+from aeroscene.areas.reach import is_reached
 from aeroscene.areas.spots import FreeOutline, Spot
 from aeroscene.scene import AreaKind, DroneClass, InteractionArea, Scene, Vector3
 from aeroscene.scene.catalogue import by_name
+from aeroscene.solids.freespace import VoxelField
 
 SPACING_M = 2.5
 """Between the circles of one face."""
@@ -54,10 +55,10 @@ class Candidate:
 class AreaFinder:
     """Looks at one face at a time."""
 
-    def __init__(self, scene: Scene, obstacles: Obstacles, reach: Reach) -> None:
+    def __init__(self, scene: Scene, obstacles: Obstacles, field: VoxelField) -> None:
         self._scene = scene
         self._obstacles = obstacles
-        self._reach = reach
+        self._field = field
         low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
         # Indoors the border is the outer walls, which are obstacles like any other.
         border_m = 0.0 if scene.domain == "indoor" else BORDER_M
@@ -104,8 +105,9 @@ class AreaFinder:
         spot = spot.cut(PERCH_CUT_M)
         if near.distance_m(spot.centre, LEGS_M) < needs.body_radius_m:
             return None
-        is_reached = self._reach.includes(_place(face, spot), needs)
-        return Candidate(face, spot, "perching", "small") if is_reached else None
+        if not self._is_reached(_place(face, spot), needs):
+            return None
+        return Candidate(face, spot, "perching", "small")
 
     def area(self, candidate: Candidate, number: int) -> InteractionArea:
         """The area that a candidate makes."""
@@ -175,8 +177,11 @@ class AreaFinder:
             for name, needs in NEEDS.items()
             if spot.radius_m >= needs.surface_radius_m + _INNER_M
             and room_m >= needs.body_radius_m
-            and self._reach.includes(place, needs)
+            and self._is_reached(place, needs)
         ]
+
+    def _is_reached(self, place_enu_m: Vector3, needs: AreaNeeds) -> bool:
+        return is_reached(self._field, self._scene.start_position_enu_m, place_enu_m, needs)
 
     def _surface(self, object_id: int) -> str:
         obj = self._scene.object_by_id[object_id]

@@ -16,7 +16,7 @@ from aeroscene.areas.faces import Face, upward_faces
 from aeroscene.areas.finder import AreaFinder, Candidate, is_wide
 from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.obstacles import Obstacles
-from aeroscene.areas.reach import FIELD_CAP_M, Reach
+from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.areas.spread import spread
 from aeroscene.scene import DroneClass, InteractionArea, Scene
 from aeroscene.scene.catalogue import by_name
@@ -57,7 +57,7 @@ def derive_interaction_areas(
     if field is None:
         field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
     solids = colliding(primitives)
-    finder = AreaFinder(scene, Obstacles(solids), Reach(field, scene.start_position_enu_m))
+    finder = AreaFinder(scene, Obstacles(solids), field)
     faces = upward_faces(solids, lambda object_id: _may_bear(scene, object_id))
     bearers = [face for face in faces if is_wide(face) and _is_landable(scene, face)]
     landing = _landing(scene, finder, bearers, limits)

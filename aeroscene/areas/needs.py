@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from math import radians
 from types import MappingProxyType
 
+import numpy as np
+
 from aeroscene.scene import AreaKind, DroneClass, InteractionArea
 
 
@@ -22,6 +24,15 @@ class AreaNeeds:
     """Free ball all the way from the start."""
     clearance_m: float
     """Free height above the surface."""
+
+    def is_entered(self, reached: np.ndarray, cell: tuple[int, int, int], edge_m: float) -> bool:
+        """Whether a flood of cells of an edge enters the clear column above a cell."""
+        i, j, k = cell
+        return bool(reached[i, j, k : k + int(self.rise_m(edge_m) / edge_m) + 1].any())
+
+    def rise_m(self, edge_m: float) -> float:
+        """Height of the lowest ball above the surface, rounding to cells of an edge included."""
+        return max(self.clearance_m, self.flight_radius_m + 2 * edge_m)
 
 
 # A Hummingbird reaches 0.4 m from its centre and an Iris 0.45 m.

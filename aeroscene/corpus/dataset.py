@@ -10,19 +10,18 @@ Nothing in the folder depends on when, where or in which order it was made.
 from __future__ import annotations
 
 import hashlib
-from collections import Counter
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, Protocol, TypeVar
+from typing import Annotated
 
 import msgspec
 
-from aeroscene.corpus.corpus import scene_split
 from aeroscene.corpus.provenance import curation_digest
+from aeroscene.corpus.summary import SceneSummary, Split, summarise
 from aeroscene.files import replacing
-from aeroscene.scene import Scene, SceneDomain, SceneError
+from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import read_scene, write_scene
 
 FORMAT = "aeroscene-dataset"
@@ -31,34 +30,9 @@ MANIFEST = "manifest.json"
 JOURNAL = "journal.jsonl"
 SCENES = "scenes"
 
-Split = Literal["train", "test"]
-
 
 class DatasetError(SceneError):
     """A dataset that cannot be read or made; one line saying where, what and what is valid."""
-
-
-class SceneSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """What there is to know of a scene without opening it."""
-
-    index: int
-    """Number of the scene in its set."""
-    scene_id: str
-    split: Split
-    domain: SceneDomain
-    n_objects: int
-    n_coarse: int
-    n_fine: int
-    n_small: int
-    """Landing areas by the largest class of drone that fits."""
-    n_medium: int
-    n_large: int
-    n_perching: int
-
-    @property
-    def n_landing(self) -> int:
-        """Landing areas of all classes."""
-        return self.n_small + self.n_medium + self.n_large
 
 
 class SceneEntry(
@@ -74,40 +48,6 @@ class SceneEntry(
     """Digest of what made it: the code, see `aeroscene.corpus.provenance`, or model and code."""
     attempt: int = 0
     """Draws of the scene before this one that were rejected."""
-
-
-Entry = TypeVar("Entry", bound=SceneSummary)
-
-
-class SceneSet(Protocol[Entry]):
-    """Scenes that are read one by one: a dataset in a folder, or the scenes that ship."""
-
-    @property
-    def title(self) -> str:
-        """What to call the set in a sentence."""
-        ...
-
-    @property
-    def place(self) -> Path:
-        """Folder or file that holds it."""
-        ...
-
-    @property
-    def entries(self) -> Sequence[Entry]:
-        """In the order of their numbers."""
-        ...
-
-    def select(self, indices: Container[int]) -> SceneSet[Entry]:
-        """The scenes whose numbers are among these; with none, what a process needs to read."""
-        ...
-
-    def read(self, entry: Entry) -> Scene:
-        """Read and validate one scene.
-
-        Raises:
-            SceneError: If it cannot be read.
-        """
-        ...
 
 
 class _Manifest(msgspec.Struct, forbid_unknown_fields=True):
@@ -288,25 +228,6 @@ def store_scene(
         sha256=_sha256(folder / file),
         sources=curation_digest() if sources is None else sources,
         attempt=attempt,
-    )
-
-
-def summarise(scene: Scene, index: int) -> SceneSummary:
-    """What there is to know of a scene that has this number in its set."""
-    n_coarse = sum(obj.is_coarse for obj in scene.objects)
-    n_landing = Counter(area.drone_class for area in scene.landing_areas)
-    return SceneSummary(
-        index=index,
-        scene_id=scene.scene_id,
-        split=scene_split(index),
-        domain=scene.domain,
-        n_objects=len(scene.objects),
-        n_coarse=n_coarse,
-        n_fine=len(scene.objects) - n_coarse,
-        n_small=n_landing["small"],
-        n_medium=n_landing["medium"],
-        n_large=n_landing["large"],
-        n_perching=len(scene.perching_areas),
     )
 
 

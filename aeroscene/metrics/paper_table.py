@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any, Literal
 
-from aeroscene.corpus.dataset import SceneSummary
+from aeroscene.corpus.summary import SceneSummary
 from aeroscene.scene.catalogue import CATALOGUE, Level, by_name
 
 Column = Literal["train", "test", "total"]

@@ -34,10 +34,6 @@ CORNER_SIGNS = np.array([[1 if i >> axis & 1 else -1 for axis in range(3)] for i
 """Sign of each corner along x, y, z: bit 0, 1, 2 of the corner's number."""
 
 
-class NotUprightError(ValueError):
-    """A box that tilts where only boxes turned about the vertical are defined."""
-
-
 @dataclass(frozen=True, slots=True)
 class OrientedBox:
     """A box by centre, attitude and full extents: the paper's (p, q, s)."""
@@ -121,14 +117,3 @@ def box_corners(p: ArrayLike, q: ArrayLike, s: ArrayLike) -> Float[np.ndarray, "
     half = 0.5 * np.asarray(s, dtype=float)[..., None, :] * CORNER_SIGNS
     rotated = half @ np.swapaxes(rotation_matrix(q), -1, -2)
     return np.asarray(p, dtype=float)[..., None, :] + rotated
-
-
-def footprint_rectangle(box: OrientedBox) -> Float[np.ndarray, "4 2"]:
-    """Outline from above of an upright box, counter-clockwise, m.
-
-    Raises:
-        NotUprightError: If the box tilts.
-    """
-    if not box.is_upright:
-        raise NotUprightError(f"bbox.q is {box.q}, valid: a turn about z only (x = y = 0)")
-    return box.corners()[[0, 1, 3, 2], :2]

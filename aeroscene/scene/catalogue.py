@@ -17,7 +17,6 @@ Level = Literal["coarse", "fine"]
 Support = Literal["ground", "building", "roof", "floor", "furniture", "room", "water"]
 
 COARSE_COUNT = 23
-FINE_COUNT = 47
 
 Range = tuple[float, float]
 

@@ -1,4 +1,4 @@
-"""Oriented boxes to each other: penetration depth, signed distance, layers of what they hold.
+"""Oriented boxes to each other: penetration depth, layers of what they hold.
 
 | symbol | name | unit |
 |---|---|---|
@@ -78,14 +78,3 @@ def penetration_depth(
 
 def _extent_along(axes: np.ndarray, rotation: np.ndarray, s: ArrayLike) -> np.ndarray:
     return np.einsum("...ij,...j->...i", np.abs(axes @ rotation), np.asarray(s, dtype=float))
-
-
-def signed_distance(
-    points_enu_m: ArrayLike, p: ArrayLike, q: ArrayLike, s: ArrayLike
-) -> Float[np.ndarray, "*batch"]:
-    """Distance from points to the surface of boxes, negative inside, m; broadcasts."""
-    offset = np.asarray(points_enu_m, dtype=float) - np.asarray(p, dtype=float)
-    local = np.einsum("...ji,...j->...i", rotation_matrix(q), offset)
-    excess = np.abs(local) - 0.5 * np.asarray(s, dtype=float)
-    outside = np.linalg.norm(np.maximum(excess, 0.0), axis=-1)
-    return outside + np.minimum(excess.max(axis=-1), 0.0)

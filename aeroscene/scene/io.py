@@ -247,12 +247,8 @@ def _check_corners(records: tuple[_Object, ...]) -> None:
     if not records:
         return
     written = np.array([record.bbox_corners for record in records])
-    boxes = [record.bbox for record in records]
-    expected = box_corners(
-        np.array([box.p for box in boxes]),
-        np.array([box.q for box in boxes]),
-        np.array([box.s for box in boxes]),
-    )
+    p, q, s = (np.array([getattr(record.bbox, name) for record in records]) for name in "pqs")
+    expected = box_corners(p, q, s)
     deviation_m = np.abs(written - expected).max(axis=(1, 2))
     worst = int(np.argmax(~(deviation_m <= CORNER_TOLERANCE_M)))
     if not deviation_m[worst] <= CORNER_TOLERANCE_M:

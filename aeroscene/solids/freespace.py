@@ -7,8 +7,9 @@ so a path along which it stays above a drone's radius is free of contact.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import ceil
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -36,6 +37,10 @@ class VoxelField:
     resolution_m: float
     distance_m: Float[np.ndarray, "nx ny nz"]
     """From a cell's centre to the nearest occupied cell, 0 inside one, at most the cap."""
+    reached: dict[tuple[tuple[int, int, int], float], np.ndarray] = field(
+        default_factory=dict, init=False, repr=False
+    )
+    """What `reachable` found, by its first cell and radius."""
 
     def cell(self, position_enu_m: Vector3) -> tuple[int, int, int] | None:
         """Index of the cell that holds a point, or None outside the grid."""
@@ -130,98 +135,40 @@ def _spread(squared: np.ndarray, costs: np.ndarray, n_max: int) -> Int[np.ndarra
     return np.minimum(best, limit, out=best)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Flood:
-    """What a ball can reach, as upright runs of free cells: fewer than cells by a hundred times."""
-
-    shape: tuple[int, int, int]
-    run_start: Int[np.ndarray, " runs"]
-    """Number of a run's first cell, columns counted one after another with a gap of one cell."""
-    run_end: Int[np.ndarray, " runs"]
-    """Number of the cell after a run's last."""
-
-    def reaches(self, cell: tuple[int, int, int], n_up: int) -> bool:
-        """Whether a cell or one of the `n_up` above it is reached."""
-        i, j, k = cell
-        _, ny, nz = self.shape
-        column = (i * ny + j) * (nz + 1)
-        low, high = column + k, column + min(k + n_up + 1, nz)
-        run = int(np.searchsorted(self.run_end, low, side="right"))
-        return run < len(self.run_start) and int(self.run_start[run]) < high
-
-    def cells(self) -> Bool[np.ndarray, "nx ny nz"]:
-        """Every cell that is reached."""
-        nx, ny, nz = self.shape
-        change = np.zeros(nx * ny * (nz + 1), dtype=np.int8)
-        change[self.run_start] = 1
-        change[self.run_end] = -1
-        is_reached = np.cumsum(change, dtype=np.int8, out=change).view(bool)
-        return is_reached.reshape(nx, ny, nz + 1)[:, :, :nz]
-
-
-def flood(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> Flood:
-    """Where a ball can move from above a start without touching anything.
+def reachable(
+    field: VoxelField, start_enu_m: Vector3, radius_m: float
+) -> Bool[np.ndarray, "nx ny nz"]:
+    """Cells to which a ball can move from above a start without touching anything.
 
     Args:
-        field: Distances.
+        field: Distances; it keeps what was found, not to be written to, for who asks again.
         start_enu_m: A point on or above a surface; the ball rises from it to the first free cell.
         radius_m: Radius of the ball.
 
     Raises:
         NoFreeSpaceError: If no cell within 4 m above the start has that much space.
     """
-    seed = start_cell(field, start_enu_m, radius_m)
-    nx, ny, nz = shape = field.distance_m.shape
-    free = field.distance_m >= radius_m
-    is_edge = np.empty((nx, ny, nz + 1), dtype=bool)
-    is_edge[:, :, 0], is_edge[:, :, nz] = free[:, :, 0], free[:, :, -1]
-    np.not_equal(free[:, :, 1:], free[:, :, :-1], out=is_edge[:, :, 1:nz])
-    edges = np.flatnonzero(is_edge)
-    start, end = edges[::2], edges[1::2]
-    # Under open sky the runs that end in the top layer are one from the outset: most of them.
-    is_top = end % (nz + 1) == nz if free[:, :, -1].all() else np.zeros(len(end), dtype=bool)
-    labels = _connected(start, end, is_top, (nx, ny, nz + 1))
-    run = np.searchsorted(end, (seed[0] * ny + seed[1]) * (nz + 1) + seed[2], side="right")
-    is_reached = labels == labels[run]
-    return Flood(shape=shape, run_start=start[is_reached], run_end=end[is_reached])
+    key = (start_cell(field, start_enu_m, radius_m), radius_m)
+    if key not in field.reached:
+        field.reached[key] = _component(field.distance_m >= radius_m, key[0])
+    return field.reached[key]
 
 
-def _connected(
-    start: np.ndarray, end: np.ndarray, is_top: np.ndarray, shape: tuple[int, int, int]
-) -> Int[np.ndarray, " n"]:
-    """Labels of runs that hang together: runs of neighbouring columns at a common height."""
-    # Start-up time: floods are rare.
-    from scipy.sparse import coo_array  # noqa: PLC0415
-    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
-
-    nx, ny, stride = shape
-    lower = np.flatnonzero(~is_top)
-    node = np.zeros(len(start), dtype=np.intp)
-    node[lower] = np.arange(1, len(lower) + 1)
-    column = start[lower] // stride
-    i, j = column // ny, column % ny
-    runs, others = [], []
-    for is_inner, step in ((j < ny - 1, 1), (j > 0, -1), (i < nx - 1, ny), (i > 0, -ny)):
-        run, shift = lower[is_inner], step * stride
-        first = np.searchsorted(end, start[run] + shift, side="right")
-        count = np.maximum(np.searchsorted(start, end[run] + shift, side="left") - first, 0)
-        runs.append(np.repeat(run, count))
-        offset = np.repeat(first - np.cumsum(count) + count, count)
-        others.append(np.arange(len(offset)) + offset)
-    pairs = (node[np.concatenate(runs)], node[np.concatenate(others)])
-    graph = coo_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=(len(lower) + 1,) * 2)
-    return connected_components(graph.tocsr(), directed=False)[1][node]
-
-
-def reachable(
-    field: VoxelField, start_enu_m: Vector3, radius_m: float
+def _component(
+    free: Bool[np.ndarray, "nx ny nz"], seed: tuple[int, int, int]
 ) -> Bool[np.ndarray, "nx ny nz"]:
-    """Cells of `flood`.
+    """Free cells that hang together with one of them; the open sky counts as one layer."""
+    # Start-up time: floods are rare.
+    from scipy import ndimage  # noqa: PLC0415
 
-    Raises:
-        NoFreeSpaceError: As `flood`.
-    """
-    return flood(field, start_enu_m, radius_m).cells()
+    blocked = np.flatnonzero(~free.all(axis=(0, 1)))
+    sky = int(blocked[-1]) + 1 if len(blocked) else 0
+    labelled: Any = ndimage.label(free[:, :, : sky + 1])
+    labels = labelled[0]
+    found = np.empty_like(free)
+    np.equal(labels, labels[(*seed[:2], min(seed[2], sky))], out=found[:, :, : sky + 1])
+    found[:, :, sky + 1 :] = found[:, :, sky : sky + 1]
+    return found
 
 
 def start_cell(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> tuple[int, int, int]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from aeroscene.areas.needs import area_needs
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.scene import Scene
-from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, build_distance_field, flood
+from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, build_distance_field, reachable
 from aeroscene.solids.shapes import Primitive
 from aeroscene.validation.findings import Finding
 
@@ -29,19 +29,17 @@ def unreachable(
     if field is None:
         field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
     for radius_m in sorted(radii):
-        areas = [a for a in scene.interaction_areas if area_needs(a).flight_radius_m == radius_m]
         try:
-            reach = flood(field, scene.start_position_enu_m, radius_m)
+            reached = reachable(field, scene.start_position_enu_m, radius_m)
         except NoFreeSpaceError as error:
             yield Finding(kind="unreachable", scene_id=scene.scene_id, detail=str(error))
             continue
-        for area in areas:
-            cell = field.cell(area.centroid)
-            needs = area_needs(area)
-            # The lowest ball above the surface, rounding to cells included.
-            rise_m = max(needs.clearance_m, radius_m + 2 * field.resolution_m)
-            steps = int(rise_m / field.resolution_m)
-            if cell is None or not reach.reaches(cell, steps):
+        for area in scene.interaction_areas:
+            needs, cell = area_needs(area), field.cell(area.centroid)
+            if needs.flight_radius_m != radius_m:
+                continue
+            if cell is None or not needs.is_entered(reached, cell, field.resolution_m):
+                rise_m = needs.rise_m(field.resolution_m)
                 yield Finding(
                     kind="unreachable",
                     scene_id=scene.scene_id,

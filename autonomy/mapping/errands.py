@@ -166,9 +166,9 @@ def _sight(seen: SeenMap, tilt_rad: float) -> Sight:
     cfg = seen.cfg
     half = cfg.camera_vertical_fov_rad / 2 - _EDGE_RAD
     most = (cfg.max_range_m - 1.0) / cfg.resolution_m
-    return (
-        math.tan(-cfg.camera_pitch_down_rad - half),
-        math.tan(-cfg.camera_pitch_down_rad + half + tilt_rad),
-        1.5,
-        most,
+    return Sight(
+        least_rise=math.tan(-cfg.camera_pitch_down_rad - half),
+        most_rise=math.tan(-cfg.camera_pitch_down_rad + half + tilt_rad),
+        least_length=1.5,
+        most_length=most,
     )

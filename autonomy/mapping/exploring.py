@@ -23,14 +23,15 @@ from jaxtyping import Int
 from autonomy.mapping.errands import pursue, set_out
 from autonomy.mapping.rays import HIT
 from autonomy.mapping.task import Task, in_words
-from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.planning.craft import Craft
 from autonomy.planning.errors import BlockedError, PlanningError, UnreachableError
 from autonomy.planning.legs import plan_leg
-from autonomy.planning.limits import FlightLimits
-from autonomy.planning.planner import PlannerCfg
 from autonomy.planning.search import shortest_path
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
+
+if TYPE_CHECKING:
+    from autonomy.mapping.seen_map import SeenMap
 
 if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
@@ -51,9 +52,7 @@ def plan_towards(
     seen: SeenMap,
     start: FlatReference,
     goal_enu_m: Vector3,
-    limits: FlightLimits,
-    quadrotor: QuadrotorParams,
-    cfg: PlannerCfg,
+    craft: Craft,
 ) -> Trajectory:
     """A certified trajectory within what was seen free: to the goal, or towards it, or a look.
 
@@ -61,9 +60,7 @@ def plan_towards(
         seen: What was seen so far; what stays unseen though looked at is taken for occupied.
         start: Where the vehicle is and how it moves.
         goal_enu_m: Where it shall go.
-        limits: Of the motion.
-        quadrotor: Mass, thrust and drag of the vehicle.
-        cfg: Vehicle's size, margins and method.
+        craft: What flies.
 
     Returns:
         A plan that ends at rest; at the goal, if that is within what was seen free.
@@ -73,8 +70,9 @@ def plan_towards(
         UnreachableError: If no way is left that may lead to the goal.
         PlanningError: If nothing better can be planned while the vehicle moves, or proved.
     """
-    cfg = dataclasses.replace(cfg, comfortable_m=seen.cfg.cap_m - cfg.vehicle_radius_m)
-    task = Task(seen, start, goal_enu_m, limits, quadrotor, cfg)
+    comfortable_m = seen.cfg.cap_m - craft.cfg.vehicle_radius_m
+    cfg = dataclasses.replace(craft.cfg, comfortable_m=comfortable_m)
+    task = Task(seen, start, goal_enu_m, dataclasses.replace(craft, cfg=cfg))
     _require_place(task)
     plan = _next_plan(task)
     seen.agenda.plan = plan
@@ -114,7 +112,7 @@ def _has_plan(task: Task) -> bool:
         return False
     points = plan.positions(np.linspace(0.0, plan.duration_s, _N_SAMPLES))
     room_m = task.seen.field.distance_m[tuple(task.seen.cells(points).T)]
-    return bool(np.all(room_m >= task.cfg.vehicle_radius_m))
+    return bool(np.all(room_m >= task.craft.cfg.vehicle_radius_m))
 
 
 def _require_news(task: Task) -> None:
@@ -142,7 +140,7 @@ def _require_place(task: Task) -> None:
             )
     goal = np.array([task.goal_enu_m])
     room_m = float(task.seen.distance_to_seen_m(goal, HIT)[0])
-    least_m = task.cfg.vehicle_radius_m + task.cfg.min_margin_m
+    least_m = task.craft.cfg.vehicle_radius_m + task.craft.cfg.min_margin_m
     if room_m <= least_m:
         raise BlockedError(
             f"goal {in_words(task.goal_enu_m)} is {room_m:.2f} m from what was seen; "
@@ -172,7 +170,7 @@ def _n_open(task: Task, path: np.ndarray) -> int:
     # Where the start itself has less room, the way out of there may have as little.
     needed = np.full(len(path), task.needed_m)
     away = np.linalg.norm(path - path[0], axis=1) * task.seen.cfg.resolution_m
-    needed[away < 2 * task.cfg.vehicle_radius_m] = min(float(distance_m[0]), task.needed_m)
+    needed[away < 2 * task.craft.cfg.vehicle_radius_m] = min(float(distance_m[0]), task.needed_m)
     is_closed = distance_m < needed
     return int(np.argmax(is_closed)) if is_closed.any() else len(path)
 
@@ -209,5 +207,7 @@ def _straight(task: Task, path: Int[np.ndarray, "n 3"]) -> Trajectory:
         raise PlanningError(
             f"no plan leads on from {in_words(start.position_enu_m)}; valid: plan from rest"
         )
-    leg = plan_leg(start.position_enu_m, end, start.yaw_rad, task.limits, task.quadrotor)
-    return task.proved(leg, task.cfg.min_margin_m)
+    leg = plan_leg(
+        start.position_enu_m, end, start.yaw_rad, task.craft.limits, task.craft.quadrotor
+    )
+    return task.proved(leg, task.craft.cfg.min_margin_m)

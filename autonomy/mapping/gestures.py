@@ -35,7 +35,7 @@ def turn(task: Task, turn_rad: float) -> Trajectory:
     Raises:
         PlanningError: If the vehicle cannot stop here.
     """
-    limits, start = task.limits, task.start
+    limits, start = task.craft.limits, task.start
     rate_radps = _RATE_SHARE * limits.yaw_rate_radps
     slope_radps2 = _SLOPE_SHARE * limits.yaw_acceleration_radps2
     shortest_s = _STAY_S
@@ -66,7 +66,7 @@ def nod(task: Task, *, backwards_first: bool) -> Trajectory:
         for sign in (-1, 1) if backwards_first else (1, -1):
             try:
                 motion = _motion(task, sign * length_m * ahead, yaw)
-                return task.proved(motion, task.cfg.min_margin_m)
+                return task.proved(motion, task.craft.cfg.min_margin_m)
             except PlanningError as error:
                 reason = error
     assert reason is not None

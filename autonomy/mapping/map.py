@@ -9,13 +9,12 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Bool, Float
 
-from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.perception.depth_image import DepthImage
+from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
-from autonomy.planning.limits import FlightLimits
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import Opening, find_openings
-from autonomy.planning.planner import PlannerCfg, plan_trajectory
+from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
 
@@ -62,14 +61,7 @@ class Map(Protocol):
         """Whether free cells may join a point of the field to the start."""
         ...
 
-    def plan(
-        self,
-        start: FlatReference,
-        goal_enu_m: Vector3,
-        limits: FlightLimits,
-        quadrotor: QuadrotorParams,
-        cfg: PlannerCfg,
-    ) -> Trajectory:
+    def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
         """A certified trajectory to a goal, or towards it as far as is known.
 
         Raises:
@@ -110,19 +102,10 @@ class GivenMap:
         """Whether free cells join a point to the start."""
         return bool(self.is_reachable[tuple(self.field.cells(np.array(point_enu_m)))])
 
-    def plan(
-        self,
-        start: FlatReference,
-        goal_enu_m: Vector3,
-        limits: FlightLimits,
-        quadrotor: QuadrotorParams,
-        cfg: PlannerCfg,
-    ) -> Trajectory:
+    def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
         """A certified trajectory to a goal.
 
         Raises:
             PlanningError: Saying why there is none.
         """
-        return plan_trajectory(
-            start, goal_enu_m, self.field, self.obstacles, limits, quadrotor, cfg
-        )
+        return plan_trajectory(start, goal_enu_m, self.field, self.obstacles, craft)

@@ -60,24 +60,12 @@ def integrate(
         max_range: Beyond this nothing is believed, m.
         inverse_sigma: Standard deviation of inverse depth, 1/m.
     """
+    _mark_ends(
+        *(evidence, seen_in, number, depth, intrinsics),
+        *(eye, rotation, corner, resolution, max_range, inverse_sigma),
+    )
     fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
     nearest, sure = _nearest_of_blocks(depth)
-    for v in range(depth.shape[0]):
-        y = (v - cy) / fy
-        for u in range(depth.shape[1]):
-            d = depth[v, u]
-            if not (_LEAST_DEPTH_M < d < np.inf):
-                continue
-            x = (u - cx) / fx
-            # An end that may as well be two cells off says nothing.
-            if d * math.sqrt(x * x + y * y + 1.0) > max_range:
-                continue
-            if 2.0 * inverse_sigma * d * d > resolution:
-                continue
-            i, j, k = _cell(eye, rotation, x, y, d, corner, resolution)
-            if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
-                seen_in[i, j, k] = number
-                evidence[i, j, k] = min(evidence[i, j, k] + HIT, MOST_OCCUPIED)
     for is_shadow in (True, False):
         for a in range(nearest.shape[0]):
             y = (a * BLOCK_PX + 1 - cy) / fy
@@ -94,6 +82,40 @@ def integrate(
                         *(evidence, seen_in, number, eye, rotation),
                         *(x, y, near, far, corner, resolution, is_shadow),
                     )
+
+
+@kernel
+def _mark_ends(
+    evidence: np.ndarray,
+    seen_in: np.ndarray,
+    number: int,
+    depth: np.ndarray,
+    intrinsics: np.ndarray,
+    eye: np.ndarray,
+    rotation: np.ndarray,
+    corner: np.ndarray,
+    resolution: float,
+    max_range: float,
+    inverse_sigma: float,
+) -> None:
+    """Call the cells occupied in which lines of sight end; see `integrate`."""
+    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    for v in range(depth.shape[0]):
+        y = (v - cy) / fy
+        for u in range(depth.shape[1]):
+            d = depth[v, u]
+            if not (_LEAST_DEPTH_M < d < np.inf):
+                continue
+            x = (u - cx) / fx
+            # An end that may as well be two cells off says nothing.
+            if d * math.sqrt(x * x + y * y + 1.0) > max_range:
+                continue
+            if 2.0 * inverse_sigma * d * d > resolution:
+                continue
+            i, j, k = _cell(eye, rotation, x, y, d, corner, resolution)
+            if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
+                seen_in[i, j, k] = number
+                evidence[i, j, k] = min(evidence[i, j, k] + HIT, MOST_OCCUPIED)
 
 
 @kernel

@@ -16,13 +16,11 @@ from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked, slices
 from autonomy.mapping.exploring import plan_towards
 from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, integrate
-from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.perception.depth_image import DepthImage
+from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
-from autonomy.planning.limits import FlightLimits
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import Opening
-from autonomy.planning.planner import PlannerCfg
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
 
@@ -182,16 +180,9 @@ class SeenMap:
         del point_enu_m
         return True
 
-    def plan(
-        self,
-        start: FlatReference,
-        goal_enu_m: Vector3,
-        limits: FlightLimits,
-        quadrotor: QuadrotorParams,
-        cfg: PlannerCfg,
-    ) -> Trajectory:
+    def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
         """See `plan_towards`."""
-        return plan_towards(self, start, goal_enu_m, limits, quadrotor, cfg)
+        return plan_towards(self, start, goal_enu_m, craft)
 
     @property
     def field(self) -> DistanceField:

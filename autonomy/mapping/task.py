@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, Int
 
-from autonomy.model.quadrotor import QuadrotorParams
-from autonomy.planning.certificate import certify
+from autonomy.planning.craft import Craft
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.limits import MIN_ACCELERATION_MPS2, FlightLimits
-from autonomy.planning.planner import PlannerCfg, plan_trajectory
+from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
+
+if TYPE_CHECKING:
+    from autonomy.mapping.seen_map import SeenMap
 
 if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
@@ -35,14 +37,12 @@ class Task:
     seen: SeenMap
     start: FlatReference
     goal_enu_m: Vector3
-    limits: FlightLimits
-    quadrotor: QuadrotorParams
-    cfg: PlannerCfg
+    craft: Craft
 
     @property
     def needed_m(self) -> float:
         """Distance to what was not seen free, below which no way is looked for."""
-        return self.cfg.vehicle_radius_m + self.cfg.margins_m[-1]
+        return self.craft.cfg.vehicle_radius_m + self.craft.cfg.margins_m[-1]
 
     @property
     def start_cell(self) -> Int[np.ndarray, " 3"]:
@@ -76,13 +76,14 @@ class Task:
         """
         block = self.seen.block_about(path, _AROUND_M)
         field, obstacles = self.seen.field_in(block), self.seen.obstacles_in(block)
-        world, vehicle = (goal_enu_m, field, obstacles), (self.quadrotor, self.cfg)
+        world = (goal_enu_m, field, obstacles)
         try:
-            return plan_trajectory(self.start, *world, self.limits, *vehicle)
+            return plan_trajectory(self.start, *world, self.craft)
         except CertificateError:
             if self.is_moving:
                 raise
-        return plan_trajectory(self.start, *world, _calmer(self.limits), *vehicle)
+        calmer = dataclasses.replace(self.craft, limits=_calmer(self.craft.limits))
+        return plan_trajectory(self.start, *world, calmer)
 
     def proved(self, trajectory: Trajectory, margin_m: float = 0.0) -> Trajectory:
         """A trajectory near the vehicle, with the proof that it keeps to what was seen free.
@@ -95,15 +96,7 @@ class Task:
             CertificateError: If it does not, or breaks a limit.
         """
         block = self.seen.block_about(self.start_cell[None], 2 * _AROUND_M)
-        proof = certify(
-            trajectory,
-            self.seen.obstacles_in(block),
-            self.cfg.vehicle_radius_m,
-            self.limits,
-            self.quadrotor,
-            margin_m=margin_m,
-        )
-        return dataclasses.replace(trajectory, min_clearance_m=proof.min_clearance_m)
+        return self.craft.prove(trajectory, self.seen.obstacles_in(block), margin_m=margin_m)
 
 
 def _calmer(limits: FlightLimits) -> FlightLimits:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -15,8 +15,15 @@ from autonomy.mapping.rays import OCCUPIED_AT
 _STEP = 0.5
 """Of a cell, between samples of a line of sight."""
 
-Sight = tuple[float, float, float, float]
-"""Least and most rise of a line of sight over its horizontal length; least and most length."""
+
+class Sight(NamedTuple):
+    """Which lines of sight a camera has that turns about the vertical."""
+
+    least_rise: float
+    """Over the horizontal length."""
+    most_rise: float
+    least_length: float
+    most_length: float
 
 
 @kernel
@@ -38,7 +45,9 @@ def _sees(eye: np.ndarray, target: np.ndarray, evidence: np.ndarray, sight: Sigh
     x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
     across = math.sqrt(x * x + y * y)
     length = math.sqrt(across * across + z * z)
-    if not (sight[2] <= length <= sight[3] and sight[0] * across <= z <= sight[1] * across):
+    if not sight.least_length <= length <= sight.most_length:
+        return False
+    if not sight.least_rise * across <= z <= sight.most_rise * across:
         return False
     n_steps = int(length / _STEP)
     for n in range(1, n_steps):
@@ -108,6 +117,13 @@ def best_viewpoint(
                 cost[u, v, w] = so_far + 1.0
                 came_from[u, v, w] = here
                 heapq.heappush(queue, (so_far + 1.0, (u * ny + v) * nz + w))
+    return _way_back(came_from, found)
+
+
+@kernel
+def _way_back(came_from: np.ndarray, found: int) -> Int[np.ndarray, "k 3"]:
+    """Cells from one back to where the search began; none if it is -1."""
+    _, ny, nz = came_from.shape
     count, here = 0, found
     while here >= 0:
         count += 1

@@ -76,7 +76,7 @@ def register(
             north = s * points[i, 0] + c * points[i, 1]
             d, j[0], j[1], j[2] = _surface(camera, x, east, north, points[i, 2], solids, grid)
             cut = max(width, INLIER_SIGMAS * sigmas[i])
-            if abs(d) >= min(cut, grid[2]):
+            if abs(d) >= min(cut, grid.reach):
                 continue
             j[3] = j[1] * east - j[0] * north
             weight = (
@@ -186,7 +186,7 @@ def scan(
                         east = c * points[i, 0] - s * points[i, 1]
                         north = s * points[i, 0] + c * points[i, 1]
                         d = _surface(camera, offset, east, north, points[i, 2], solids, grid)[0]
-                        away += min(abs(d), grid[2])
+                        away += min(abs(d), grid.reach)
                     costs[k] = away / len(points)
                 k += 1
     return offsets, costs
@@ -211,7 +211,7 @@ def _surface(
     at_x, at_y, at_z = camera[0] + x[0] + east, camera[1] + x[1] + north, camera[2] + x[2] + up
     d, n, m, o, _ = nearest_plane(at_x, at_y, at_z, solids, grid)
     away = math.sqrt(east * east + north * north + up * up)
-    if away == 0.0 or d >= grid[2] or n * east + m * north + o * up <= _GRAZING * away:
+    if away == 0.0 or d >= grid.reach or n * east + m * north + o * up <= _GRAZING * away:
         return d, n, m, o
     behind, is_through = (d, n, m, o), d < 0.0
     for back in _BACKWARDS_M:
@@ -221,9 +221,9 @@ def _surface(
         )
         is_through = is_through or d < 0.0
         along = n * east + m * north + o * up
-        if is_through and d < grid[2] and along < 0.0:
+        if is_through and d < grid.reach and along < 0.0:
             return d + share * along, n, m, o
-    return (grid[2], 0.0, 0.0, 0.0) if is_through else behind
+    return (grid.reach, 0.0, 0.0, 0.0) if is_through else behind
 
 
 @kernel

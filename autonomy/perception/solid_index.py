@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -20,9 +21,20 @@ _MAX_CELLS = 400_000
 _VAST_M = 300.0
 """A solid that is longer lies under everything and bounds nothing."""
 
-Grid = tuple[np.ndarray, float, float, np.ndarray, np.ndarray, np.ndarray]
-"""What kernels take: corner (3,), width of a cell, reach, counts of cells (3,), one past the last
-entry of each cell, entries."""
+
+class Grid(NamedTuple):
+    """What kernels take."""
+
+    corner: np.ndarray
+    """(3,)."""
+    cell: float
+    """Its width."""
+    reach: float
+    counts: np.ndarray
+    """(3,), of cells."""
+    ends: np.ndarray
+    """One past the last entry of each cell."""
+    entries: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,8 +53,8 @@ class SolidIndex:
     def of(cls, obstacles: Obstacles, *, reach_m: float, cell_m: float = 1.0) -> SolidIndex:
         """Index all solids, in cells of `cell_m` or wider where there would be too many."""
         solids = obstacles.solids
-        half = np.einsum("nij,nj->ni", np.abs(solids[1]), solids[2])
-        low, high = solids[0] - half - reach_m, solids[0] + half + reach_m
+        half = np.einsum("nij,nj->ni", np.abs(solids.rotations), solids.halves)
+        low, high = solids.centers - half - reach_m, solids.centers + half + reach_m
         bounding = np.flatnonzero((high - low).max(axis=1) < _VAST_M)
         if not bounding.size:
             bounding = np.arange(len(low))
@@ -66,7 +78,7 @@ class SolidIndex:
     @property
     def grid(self) -> Grid:
         """What kernels take."""
-        return (
+        return Grid(
             self.corner_enu_m,
             self.cell_m,
             self.reach_m,
@@ -106,7 +118,7 @@ def fill_cells(
             for k in range(n_cells):
                 found[k + 1] += found[k]
             entries = np.empty(found[n_cells], dtype=np.int64)
-        for i in range(len(solids[0])):
+        for i in range(len(solids.centers)):
             for a in range(first[i, 0], last[i, 0]):
                 x = corner[0] + (a + 0.5) * cell
                 for b in range(first[i, 1], last[i, 1]):
@@ -146,7 +158,7 @@ def nearest_plane(x: float, y: float, z: float, solids: Solids, grid: Grid) -> P
             if plane[0] < best:
                 best, n, m, o, touch = plane
     else:
-        for i in range(len(solids[0])):
+        for i in range(len(solids.centers)):
             if gap_to_sphere(x, y, z, i, solids) < best:
                 plane = plane_between(x, y, z, i, solids)
                 if plane[0] < best:

@@ -2,6 +2,7 @@
 
 from autonomy.planning.braking import brake
 from autonomy.planning.certificate import Certificate, certify
+from autonomy.planning.craft import Craft, PlannerCfg
 from autonomy.planning.errors import (
     BlockedError,
     CertificateError,
@@ -15,7 +16,7 @@ from autonomy.planning.legs import plan_leg
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles, Shape
-from autonomy.planning.planner import PlannerCfg, plan_trajectory
+from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.program import prepare
 from autonomy.planning.replanning import replan
 from autonomy.planning.trajectory import Trajectory
@@ -25,6 +26,7 @@ __all__ = [
     "BlockedError",
     "Certificate",
     "CertificateError",
+    "Craft",
     "DistanceField",
     "EvasionError",
     "FlightLimits",

@@ -13,19 +13,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import QuadrotorParams
-from autonomy.planning.certificate import certify
+from autonomy.planning.craft import Craft
 from autonomy.planning.errors import CertificateError, EvasionError, PlanningError
 from autonomy.planning.evasion import no_nearer
 from autonomy.planning.feasibility import allowances, first_feasible
-from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
-from autonomy.planning.planner import PlannerCfg, as_node, bounds_for, with_yaw
+from autonomy.planning.planner import as_node, bounds_for, with_yaw
 from autonomy.planning.trajectory import Trajectory, join_states
 from autonomy.types import FlatReference
 
@@ -42,9 +41,7 @@ def brake(
     previous: Trajectory,
     at_time_s: float,
     obstacles: Obstacles,
-    limits: FlightLimits,
-    quadrotor: QuadrotorParams,
-    cfg: PlannerCfg,
+    craft: Craft,
     *,
     moving: MovingObstacles = NOTHING_MOVES,
     start: FlatReference | None = None,
@@ -56,9 +53,7 @@ def brake(
         at_time_s: Time of it from which the new one, at its time 0, takes over; beyond its end the
             vehicle stands there.
         obstacles: What stands, for the proof.
-        limits: Of the motion.
-        quadrotor: Mass, thrust and drag of the vehicle.
-        cfg: Vehicle's size and margins.
+        craft: What flies.
         moving: What moves, predicted from `at_time_s` on; the vehicle also stands clear of it
             after the stop, until the prediction's horizon. What is nearer than the margin
             already is proved to come no nearer.
@@ -74,45 +69,48 @@ def brake(
         CertificateError: If nothing moves and no stop could be proved.
     """
     begin = previous.sample(at_time_s) if start is None else start
-    allowed = allowances(bounds_for(begin, limits, quadrotor), limits, quadrotor, _RESERVE)
-    ends, durations_s, order = _stops(begin, previous, at_time_s)
-    node = np.broadcast_to(as_node(begin), ends.shape)
-    coefficients = join_states(node, ends, durations_s)
-    keep_m = cfg.vehicle_radius_m + cfg.min_margin_m
-    moving = no_nearer(moving, np.array(begin.position_enu_m), keep_m)
-    order = order[_is_clear_at_rest(ends[order, 0], durations_s[order], moving, keep_m)]
+    moving = no_nearer(moving, np.array(begin.position_enu_m), craft.keep_m)
     reason: PlanningError | None = None
-    for _ in range(_MOST_PROOFS):
-        at = first_feasible(
-            order, coefficients, durations_s, allowed, obstacles.solids, moving.movers, keep_m
-        )
-        if at < 0:
-            break
-        chosen = order[at : at + 1]
-        order = order[at + 1 :]
-        stop = with_yaw(
-            coefficients[chosen], durations_s[chosen], begin.yaw_rad, limits, begin.yaw_rate_radps
-        )
+    for stop in _feasible_stops(begin, previous, at_time_s, obstacles, craft, moving):
         try:
-            proof = certify(
-                _then_stand(stop, moving),
-                obstacles,
-                cfg.vehicle_radius_m,
-                limits,
-                quadrotor,
-                margin_m=cfg.min_margin_m,
-                moving=moving,
-            )
+            proved = craft.prove(_then_stand(stop, moving), obstacles, moving=moving)
         except PlanningError as error:
             reason = error
         else:
-            return dataclasses.replace(stop, min_clearance_m=proof.min_clearance_m)
+            return dataclasses.replace(stop, min_clearance_m=proved.min_clearance_m)
     x, y, z = begin.position_enu_m
     raise (EvasionError if len(moving) else CertificateError)(
         f"no stop from ({x:.1f}, {y:.1f}, {z:.1f}) m at "
         f"{math.hypot(*begin.velocity_enu_mps):.2f} m/s could be proved"
         f"{'' if reason is None else f' ({reason})'}; valid: more room ahead, or a slower flight"
     ) from reason
+
+
+def _feasible_stops(
+    begin: FlatReference,
+    plan: Trajectory,
+    at_s: float,
+    obstacles: Obstacles,
+    craft: Craft,
+    moving: MovingObstacles,
+) -> Iterator[Trajectory]:
+    """Stops that pass a quick test of limits and clearance, best first, a few."""
+    limits, quadrotor, keep_m = craft.limits, craft.quadrotor, craft.keep_m
+    allowed = allowances(bounds_for(begin, limits, quadrotor), limits, quadrotor, _RESERVE)
+    ends, durations_s, order = _stops(begin, plan, at_s)
+    coefficients = join_states(np.broadcast_to(as_node(begin), ends.shape), ends, durations_s)
+    order = order[_is_clear_at_rest(ends[order, 0], durations_s[order], moving, keep_m)]
+    for _ in range(_MOST_PROOFS):
+        at = first_feasible(
+            order, coefficients, durations_s, allowed, obstacles.solids, moving.movers, keep_m
+        )
+        if at < 0:
+            return
+        chosen = order[at : at + 1]
+        order = order[at + 1 :]
+        yield with_yaw(
+            coefficients[chosen], durations_s[chosen], begin.yaw_rad, limits, begin.yaw_rate_radps
+        )
 
 
 def _stops(

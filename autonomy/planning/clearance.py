@@ -49,13 +49,13 @@ def clearance_along(
         The bound in m, when it is met, the obstacle there, and whether that one moves.
     """
     bound, at, nearest, is_moving = np.inf, 0.0, -1, False
-    mover_speed = movers[5]
-    for i in range(len(movers[0])):
-        v = movers[1][i]
-        mover_speed = max(mover_speed, movers[5] + math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2))
+    mover_speed = movers.growth
+    for i in range(len(movers.positions)):
+        v = movers.velocities[i]
+        mover_speed = max(mover_speed, movers.growth + math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2))
     since = 0.0
     for k in range(len(durations)):
-        speed = max(speeds[k], 1e-3) + (mover_speed if len(movers[0]) > 0 else 0.0)
+        speed = max(speeds[k], 1e-3) + (mover_speed if len(movers.positions) > 0 else 0.0)
         t = 0.0
         d, i, moves = _distance(coefficients[k], t, since, solids, movers)
         while True:
@@ -84,7 +84,7 @@ def _distance(
     y = c[0, 1] + t * (c[1, 1] + t * (c[2, 1] + t * (c[3, 1] + t * (c[4, 1] + t * c[5, 1]))))
     z = c[0, 2] + t * (c[1, 2] + t * (c[2, 2] + t * (c[3, 2] + t * (c[4, 2] + t * c[5, 2]))))
     best, nearest = _FAR_M, -1
-    for i in range(len(solids[0])):
+    for i in range(len(solids.centers)):
         if gap_to_sphere(x, y, z, i, solids) < best:
             d = plane_between(x, y, z, i, solids)[0]
             if d < best:

@@ -143,7 +143,7 @@ def segment_clearance(p: Point, q: Point, enough: float, solids: Solids) -> floa
     middle = 0.5 * (p + q)
     half = 0.5 * np.sqrt(np.sum((q - p) ** 2))
     clearance = enough
-    for i in range(len(solids[0])):
+    for i in range(len(solids.centers)):
         gap = gap_to_sphere(middle[0], middle[1], middle[2], i, solids)
         if gap - half < clearance:
             clearance = min(clearance, plane_to_segment(p, q, i, solids)[0])
@@ -246,12 +246,12 @@ def _separating_planes(
     p: Point, q: Point, low: Point, high: Point, kept: float, solids: Solids
 ) -> tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, " k"]]:
     """Plane (4) and index of each solid that may reach into a box, and its distance to the leg."""
-    planes = np.empty((len(solids[0]), 5))
-    distance = np.empty(len(solids[0]))
+    planes = np.empty((len(solids.centers), 5))
+    distance = np.empty(len(solids.centers))
     count = 0
     middle = 0.5 * (low + high)
     half = 0.5 * np.sqrt(np.sum((high - low) ** 2))
-    for i in range(len(solids[0])):
+    for i in range(len(solids.centers)):
         if gap_to_sphere(middle[0], middle[1], middle[2], i, solids) - half < kept:
             d, nx, ny, nz, offset = plane_to_segment(p, q, i, solids)
             planes[count] = np.array([nx, ny, nz, offset, float(i)])

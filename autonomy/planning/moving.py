@@ -9,15 +9,29 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
 
-Movers = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, float]
-"""What kernels take: positions (n, 3), velocities (n, 3), half extents (n, 3), headings (n, 2) as
-cosine and sine, radii (n,), growth, horizon."""
+
+class Movers(NamedTuple):
+    """Of n moving obstacles; what kernels take."""
+
+    positions: np.ndarray
+    """(n, 3)."""
+    velocities: np.ndarray
+    """(n, 3)."""
+    halves: np.ndarray
+    """(n, 3), half extents."""
+    headings: np.ndarray
+    """(n, 2), cosine and sine."""
+    radii: np.ndarray
+    """(n,)."""
+    growth: float
+    horizon: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,7 +107,7 @@ class MovingObstacles:
             self.radius_m,
         )
         p, v, h, c, r = (np.ascontiguousarray(array, dtype=float) for array in arrays)
-        return p, v, h, c, r, float(self.growth_mps), float(self.horizon_s)
+        return Movers(p, v, h, c, r, float(self.growth_mps), float(self.horizon_s))
 
     def distances(
         self, points_enu_m: Float[np.ndarray, "k 3"], times_s: Float[np.ndarray, " k"]

@@ -61,8 +61,8 @@ class Obstacles:
 
     @cached_property
     def solids(self) -> Solids:
-        """What kernels take: centres, rotations local to world, half extents, shapes, faces."""
-        return (
+        """What kernels take."""
+        return Solids(
             self.center_enu_m,
             rotation_matrices(self.quat_wxyz),
             self.size_m / 2,

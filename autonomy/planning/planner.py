@@ -6,13 +6,12 @@ import dataclasses
 import functools
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from autonomy.model.quadrotor import QuadrotorParams
-from autonomy.planning.certificate import certify
 from autonomy.planning.corridor import build_corridor, refine, straighten
+from autonomy.planning.craft import Craft, PlannerCfg
 from autonomy.planning.demand import excess
 from autonomy.planning.errors import BlockedError, CertificateError, LimitsError, PlanningError
 from autonomy.planning.field import DistanceField
@@ -34,50 +33,12 @@ _MOVING_MPS = 0.3
 """A start faster than this gets a short first piece: its velocity fixes where that one leads."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class PlannerCfg:
-    """How a plan is made."""
-
-    vehicle_radius_m: float
-    """Of a sphere about the centre of mass that holds the vehicle."""
-    method: Literal["optimise", "primitives"] = "optimise"
-    """Space and time optimised over a corridor, or the motion primitives of Mueller et al. 2015."""
-    margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
-    """Distances from that sphere to obstacles to aim at; the first that gives a plan is taken."""
-    min_margin_m: float = 0.05
-    """What the proof demands beyond the sphere."""
-    comfortable_m: float = 1.5
-    """Beyond this distance to the sphere, closeness to obstacles has no price in the search."""
-    max_piece_m: float = 12.0
-    """Longer legs are flown in several pieces."""
-    min_pieces: int = 1
-    """More pieces can bend more often, and take longer to plan."""
-
-    def __post_init__(self) -> None:
-        """Refuse what no plan can be made by."""
-        checks = {
-            "vehicle_radius_m": (0 < self.vehicle_radius_m < math.inf, "a positive number"),
-            "method": (self.method in ("optimise", "primitives"), "'optimise' or 'primitives'"),
-            "margins_m": (
-                len(self.margins_m) > 0 and all(0 <= m < math.inf for m in self.margins_m),
-                "one or more, none negative",
-            ),
-            "min_margin_m": (0 <= self.min_margin_m < math.inf, "not negative"),
-            "max_piece_m": (self.max_piece_m > 0, "a positive number"),
-        }
-        for name, (is_valid, valid) in checks.items():
-            if not is_valid:
-                raise PlanningError(f"{name} {getattr(self, name)!r} is not valid; valid: {valid}")
-
-
 def plan_trajectory(
     start: FlatReference,
     goal_enu_m: Vector3,
     field: DistanceField,
     obstacles: Obstacles,
-    limits: FlightLimits,
-    quadrotor: QuadrotorParams,
-    cfg: PlannerCfg,
+    craft: Craft,
 ) -> Trajectory:
     """A certified trajectory from the vehicle's state to rest at the goal.
 
@@ -86,9 +47,7 @@ def plan_trajectory(
         goal_enu_m: Where it shall stop.
         field: Distances for search and corridor.
         obstacles: The same obstacles exactly, for the proof.
-        limits: Of the motion.
-        quadrotor: Mass, thrust and drag of the vehicle.
-        cfg: Vehicle's size, margins and method.
+        craft: What flies.
 
     Raises:
         BlockedError: If start or goal has no room.
@@ -96,6 +55,7 @@ def plan_trajectory(
         LimitsError: If the limits contradict themselves or the start's velocity.
         CertificateError: If no attempt could be proved.
     """
+    limits, quadrotor, cfg = craft.limits, craft.quadrotor, craft.cfg
     bounds = bounds_for(start, limits, quadrotor)
     _require_room(start.position_enu_m, "start", field, obstacles, cfg)
     _require_room(goal_enu_m, "goal", field, obstacles, cfg)
@@ -107,20 +67,10 @@ def plan_trajectory(
     reason: PlanningError | None = None
     for margin_m, doubt_m in attempts:
         try:
-            trajectory = _attempt(task, margin_m, doubt_m)
-            proof = certify(
-                trajectory,
-                obstacles,
-                cfg.vehicle_radius_m,
-                limits,
-                quadrotor,
-                margin_m=cfg.min_margin_m,
-            )
+            return craft.prove(_attempt(task, margin_m, doubt_m), obstacles)
         except PlanningError as error:
             # A way that was found and failed says more than "cut off" for a narrower one.
             reason = error if reason is None or not isinstance(reason, CertificateError) else reason
-        else:
-            return dataclasses.replace(trajectory, min_clearance_m=proof.min_clearance_m)
     assert reason is not None
     raise reason
 

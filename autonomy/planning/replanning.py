@@ -18,17 +18,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from autonomy.model.quadrotor import QuadrotorParams
-from autonomy.planning.certificate import certify
 from autonomy.planning.corridor import Corridor
+from autonomy.planning.craft import Craft
 from autonomy.planning.demand import excess
 from autonomy.planning.errors import EvasionError, PlanningError
 from autonomy.planning.evasion import Rest, no_nearer, remainder
-from autonomy.planning.limits import FlightLimits
 from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import EVADING, WARM, optimise
-from autonomy.planning.planner import PlannerCfg, as_node, bounds_for, with_yaw
+from autonomy.planning.planner import as_node, bounds_for, with_yaw
 from autonomy.planning.trajectory import Trajectory, coefficients_from_nodes
 from autonomy.types import ZERO3, FlatReference
 
@@ -42,9 +40,7 @@ def replan(
     previous: Trajectory,
     at_time_s: float,
     obstacles: Obstacles,
-    limits: FlightLimits,
-    quadrotor: QuadrotorParams,
-    cfg: PlannerCfg,
+    craft: Craft,
     *,
     moving: MovingObstacles = NOTHING_MOVES,
     start: FlatReference | None = None,
@@ -55,9 +51,7 @@ def replan(
         previous: A plan by `plan_trajectory` with the optimiser, or by this function.
         at_time_s: Time of that plan from which the new one, at its time 0, takes over.
         obstacles: What stands, for the proof.
-        limits: Of the motion.
-        quadrotor: Mass, thrust and drag of the vehicle.
-        cfg: Vehicle's size and margins.
+        craft: What flies.
         moving: What moves, predicted from `at_time_s` on. What is nearer to the start than the
             margin is proved to come no nearer.
         start: Where the vehicle is and how it moves then; None for where the plan has it.
@@ -74,13 +68,30 @@ def replan(
             f"plan_trajectory by method 'optimise', 0 to {previous.duration_s:.2f} s"
         )
     begin = previous.sample(at_time_s) if start is None else start
-    keep_m = cfg.vehicle_radius_m + cfg.min_margin_m
-    moving = no_nearer(moving, np.array(begin.position_enu_m), keep_m)
+    moving = no_nearer(moving, np.array(begin.position_enu_m), craft.keep_m)
     rest = Rest(previous, previous.corridor, at_time_s, moving)
-    task = _Task(begin, obstacles, limits, quadrotor, cfg, moving)
+    task = _Task(begin, obstacles, craft, moving)
+    best, reason = _quickest(task, rest)
+    if best is not None:
+        return best
+    if start is None:
+        try:
+            return task.prove(*remainder(previous, previous.corridor, at_time_s))
+        except PlanningError as error:
+            reason = error
+    assert reason is not None
+    if len(moving):
+        raise EvasionError(
+            f"no way past what moves ({reason}); valid: hold, wait or plan anew"
+        ) from reason
+    raise reason
+
+
+def _quickest(task: _Task, rest: Rest) -> tuple[Trajectory | None, PlanningError | None]:
+    """The first way past that costs little time, else the quickest; why the last try failed."""
     reason: PlanningError | None = None
     best: Trajectory | None = None
-    for corridor, first_s in rest.problems(cfg.vehicle_radius_m + MOVING_MARGIN_M):
+    for corridor, first_s in rest.problems(task.craft.cfg.vehicle_radius_m + MOVING_MARGIN_M):
         try:
             trajectory = task.solve(corridor, first_s, rest.goal_enu_m)
         except PlanningError as error:
@@ -93,19 +104,7 @@ def replan(
             )
         if best.duration_s <= rest.duration_s + _SMALL_DELAY_S:
             break
-    if best is not None:
-        return best
-    assert reason is not None
-    if start is None:
-        try:
-            return task.prove(*remainder(previous, previous.corridor, at_time_s))
-        except PlanningError as error:
-            reason = error
-    if len(moving):
-        raise EvasionError(
-            f"no way past what moves ({reason}); valid: hold, wait or plan anew"
-        ) from reason
-    raise reason
+    return best, reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,9 +113,7 @@ class _Task:
 
     begin: FlatReference
     obstacles: Obstacles
-    limits: FlightLimits
-    quadrotor: QuadrotorParams
-    cfg: PlannerCfg
+    craft: Craft
     moving: MovingObstacles
 
     def solve(self, corridor: Corridor, first_s: np.ndarray, goal_enu_m: np.ndarray) -> Trajectory:
@@ -125,12 +122,13 @@ class _Task:
         Raises:
             PlanningError: If there is none.
         """
+        limits, quadrotor = self.craft.limits, self.craft.quadrotor
         solution = optimise(
             as_node(self.begin),
             np.array([goal_enu_m, ZERO3, ZERO3]),
             corridor,
-            bounds_for(self.begin, self.limits, self.quadrotor),
-            excess=functools.partial(excess, limits=self.limits, quadrotor=self.quadrotor),
+            bounds_for(self.begin, limits, quadrotor),
+            excess=functools.partial(excess, limits=limits, quadrotor=quadrotor),
             first_s=first_s,
             search=WARM if corridor.moving_mps is None else EVADING,
         )
@@ -145,19 +143,9 @@ class _Task:
         Raises:
             CertificateError: If it breaks the clearance or a limit.
         """
-        begin = self.begin
+        begin, limits = self.begin, self.craft.limits
         trajectory = with_yaw(
-            coefficients, durations_s, begin.yaw_rad, self.limits, begin.yaw_rate_radps
+            coefficients, durations_s, begin.yaw_rad, limits, begin.yaw_rate_radps
         )
-        proof = certify(
-            trajectory,
-            self.obstacles,
-            self.cfg.vehicle_radius_m,
-            self.limits,
-            self.quadrotor,
-            margin_m=self.cfg.min_margin_m,
-            moving=self.moving,
-        )
-        return dataclasses.replace(
-            trajectory, corridor=corridor, min_clearance_m=proof.min_clearance_m
-        )
+        proved = self.craft.prove(trajectory, self.obstacles, moving=self.moving)
+        return dataclasses.replace(proved, corridor=corridor)

@@ -9,6 +9,7 @@ that the iteration for hulls stops, on the safe side, when it no longer matters.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -29,9 +30,23 @@ _CYLINDER, _ELLIPSOID, _HULL = 1, 2, 3
 Point = Float[np.ndarray, " 3"]
 Plane = tuple[float, float, float, float, float]
 """Distance, unit normal and offset."""
-Solids = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""Of n solids: centres (n, 3), rotations local to world (n, 3, 3), half extents (n, 3), shapes (n,)
-as numbers of `Shape`, faces of all hulls (m, 4), and one past the last face of each solid (n,)."""
+
+
+class Solids(NamedTuple):
+    """Of n solids; what kernels take."""
+
+    centers: np.ndarray
+    """(n, 3), ENU."""
+    rotations: np.ndarray
+    """(n, 3, 3), local to world."""
+    halves: np.ndarray
+    """(n, 3), half extents."""
+    shapes: np.ndarray
+    """(n,), numbers of `Shape`."""
+    faces: np.ndarray
+    """(m, 4), of all hulls."""
+    faces_end: np.ndarray
+    """(n,), one past the last face of each solid."""
 
 
 @kernel
@@ -43,7 +58,7 @@ def distances_to_solids(
     nearest = np.full(len(points), -1)
     for k in range(len(points)):
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
-        for i in range(len(solids[0])):
+        for i in range(len(solids.centers)):
             if gap_to_sphere(x, y, z, i, solids) >= distance[k]:
                 continue
             d = plane_between(x, y, z, i, solids)[0]
@@ -55,7 +70,7 @@ def distances_to_solids(
 @kernel
 def gap_to_sphere(x: float, y: float, z: float, i: int, solids: Solids) -> float:
     """Distance from a point to the sphere about solid i: a quick lower bound."""
-    c, h = solids[0][i], solids[2][i]
+    c, h = solids.centers[i], solids.halves[i]
     away = math.sqrt((x - c[0]) ** 2 + (y - c[1]) ** 2 + (z - c[2]) ** 2)
     return away - math.sqrt(h[0] ** 2 + h[1] ** 2 + h[2] ** 2)
 

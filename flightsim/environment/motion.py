@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from autonomy.jit import kernel
-from flightsim.environment.movers import MOVER_KINDS, MovingObstacle
+from flightsim.environment.movers import MOVER_KINDS, MoverName, MovingObstacle, ObstacleStates
 from flightsim.environment.paths import smooth_path
 
 MAX_RATE = 5.0
@@ -98,6 +98,19 @@ def start_poses(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.nda
     zero = np.zeros_like(half)
     quat_wxyz = np.column_stack([np.cos(half), zero, zero, np.sin(half)])
     return movers["position_enu_m"].copy(), quat_wxyz
+
+
+def obstacle_states(obstacles: Sequence[MovingObstacle], movers: np.ndarray) -> ObstacleStates:
+    """Where obstacles are, by the records of their movers."""
+    kinds: tuple[MoverName, ...] = tuple(obstacle.kind for obstacle in obstacles)
+    size_m = np.array([MOVER_KINDS[kind].size_m for kind in kinds]).reshape(-1, 3)
+    return ObstacleStates(
+        kinds=kinds,
+        position_enu_m=movers["position_enu_m"] + size_m * (0.0, 0.0, 0.5),
+        velocity_enu_mps=movers["velocity_enu_mps"].copy(),
+        yaw_rad=movers["yaw_rad"].copy(),
+        size_m=size_m,
+    )
 
 
 @kernel

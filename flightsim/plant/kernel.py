@@ -52,8 +52,6 @@ def advance(
         if f.is_aligned == 0:
             align_when_ready(f)
         _log(history[i], p, qpos, qvel, is_touching)
-    p.report.contact_ticks = e.contact_ticks
-    _report(p.report, history[-1], f, p.controller)
 
 
 @kernel
@@ -146,33 +144,3 @@ def _log(
         row.quat_est_wxyz[i] = f.quat_wxyz[i]
         row.rotor_command_radps[i] = c.rotor_command_radps[i]
         row.rotor_speed_radps[i] = r.speed_radps[i]
-
-
-@kernel
-def _report(report: np.record, row: np.record, f: np.record, c: np.record) -> None:
-    for i in range(3):
-        report.position_true[i] = row.position_true_enu_m[i]
-        report.velocity_true[i] = row.velocity_true_enu_mps[i]
-        report.rate_true[i] = row.angular_rate_true_flu_radps[i]
-        report.position_est[i] = f.position_enu_m[i]
-        report.velocity_est[i] = f.velocity_enu_mps[i]
-        report.rate_est[i] = f.angular_rate_flu_radps[i]
-        report.gyro_bias[i] = f.gyro_bias_flu_radps[i]
-        report.accel_bias[i] = f.accel_bias_flu_mps2[i]
-    for i in range(4):
-        report.quat_true[i] = row.quat_true_wxyz[i]
-        report.quat_est[i] = f.quat_wxyz[i]
-        report.rotor_speed[i] = row.rotor_speed_radps[i]
-        report.rotor_command[i] = c.rotor_command_radps[i]
-    for i in range(len(report.variance)):
-        report.variance[i] = f.covariance[i, i]
-    report.thrust_fraction = c.thrust_fraction
-    report.terrain_height = f.terrain_height_m
-    report.is_aligned = f.is_aligned
-    report.gnss_age_ticks = f.tick - f.last_gnss_tick
-    report.wind[0] = f.wind_enu_mps[0]
-    report.wind[1] = f.wind_enu_mps[1]
-    report.ratios[0] = f.ratio_gnss_position
-    report.ratios[1] = f.ratio_gnss_velocity
-    report.ratios[2] = f.ratio_baro
-    report.ratios[3] = f.ratio_heading

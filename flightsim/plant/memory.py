@@ -44,8 +44,9 @@ class PlantMemory:
     Attributes:
         plants: `PLANT_DTYPE` (1,).
         plant: Its only record, as a view.
+        qpos: True pose of the vehicle (7,) in MuJoCo's memory.
+        qvel: Its true velocity (6,): linear in the world, angular in the body.
         history: `HISTORY_DTYPE`, a row for each control tick of an advance.
-        report_flat: The report as doubles.
         setpoint_flat: The setpoint as doubles.
         movers: `MOVER_DTYPE`, a row for each moving obstacle.
     """
@@ -53,7 +54,6 @@ class PlantMemory:
     def __init__(self, world: World, cfg: PlantCfg, data: mujoco.MjData) -> None:
         self.plants = np.zeros(1, PLANT_DTYPE)
         self.plant: np.void = self.plants[0]
-        self.report_flat = self.plants["report"].view("f8")
         self.setpoint_flat = self.plants["setpoint"].view("f8")
         self.history = np.zeros(cfg.control_hz // ADVANCE_HZ, HISTORY_DTYPE)
         self.movers, self._mover_points = new_movers(world.obstacles)
@@ -109,11 +109,11 @@ class PlantMemory:
         e["step_address"], e["ray_address"] = function_addresses()
         e["model_address"], e["data_address"] = model._address, data._address
         joint = model.body_jntadr[body]
-        self._qpos = data.qpos[model.jnt_qposadr[joint] :][:7]
-        self._qvel = data.qvel[model.jnt_dofadr[joint] :][:6]
+        self.qpos = data.qpos[model.jnt_qposadr[joint] :][:7]
+        self.qvel = data.qvel[model.jnt_dofadr[joint] :][:6]
         for name, array in (
-            ("qpos", self._qpos),
-            ("qvel", self._qvel),
+            ("qpos", self.qpos),
+            ("qvel", self.qvel),
             ("applied", data.xfrc_applied[body]),
             ("constraint", data.qfrc_constraint),
             ("mocap_pos", data.mocap_pos),
@@ -139,7 +139,7 @@ class PlantMemory:
         gains = cfg.controller or controller_cfg_for(quadrotor)
         self.plant["controller"] = new_controller(quadrotor, gains, dt_s=dt_s)[0]
         estimator = cfg.estimator or estimator_cfg_for(cfg)
-        start = _generator(cfg, _START_STREAM).normal(self._qpos[:3], estimator.start_sigma_m)
+        start = _generator(cfg, _START_STREAM).normal(self.qpos[:3], estimator.start_sigma_m)
         self.plant["filter"] = new_filter(
             estimator,
             dt_s=dt_s,
@@ -156,9 +156,9 @@ class PlantMemory:
             start = SensorStart(
                 tick_hz=cfg.control_hz,
                 rng=_generator(cfg, *sensor.start_streams),
-                position_enu_m=self._qpos[:3],
-                velocity_enu_mps=self._qvel[:3],
-                quat_wxyz=self._qpos[3:7],
+                position_enu_m=self.qpos[:3],
+                velocity_enu_mps=self.qvel[:3],
+                quat_wxyz=self.qpos[3:7],
                 altitude_m=world.scene.altitude_m,
             )
             self.plant[sensor.name] = sensor.new(sensor.cfg(cfg), start)[0]
@@ -174,14 +174,6 @@ class PlantMemory:
             NormalStream(_seed(cfg, number), block)
             for number, block in zip(numbers, blocks, strict=True)
         )
-
-    def describe_start(self) -> None:
-        """Write the report of time zero, before anything has been measured."""
-        report = self.plant["report"]
-        report["position_true"] = self._qpos[:3]
-        report["quat_true"] = self._qpos[3:7]
-        report["quat_est"][0] = 1.0
-        report["terrain_height"] = np.nan
 
 
 def _seed(cfg: PlantCfg, *stream: int) -> np.random.SeedSequence:

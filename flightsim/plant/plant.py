@@ -14,9 +14,9 @@ import numpy as np
 
 from autonomy.control.record import setpoint_row
 from autonomy.jit import compile_ahead
-from autonomy.types import OFF, ControlLevel, Setpoint, State, Vector3
-from flightsim.environment.motion import MAX_RATE
-from flightsim.environment.movers import MOVER_KINDS, MoverName, ObstacleStates
+from autonomy.types import OFF, ControlLevel, Setpoint, State, Vector3, vector3
+from flightsim.environment.motion import MAX_RATE, obstacle_states
+from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import (
     ADVANCE_HZ,
@@ -27,8 +27,7 @@ from flightsim.plant.cfg import (
 )
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, example_arguments
-from flightsim.plant.readings import EstimatorStatus, Report
-from flightsim.plant.record import report_slices
+from flightsim.plant.readings import EstimatorStatus, estimator_status
 from flightsim.plant.sensing import SENSORS, SensorReadings
 from flightsim.sensors.imu import IMU
 from flightsim.vehicles.battery import Battery
@@ -36,6 +35,7 @@ from flightsim.world import World
 
 _LOG = logging.getLogger(__name__)
 _COMPILE_SECONDS = 12.0
+_ESTIMATE = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_flu_radps")
 _ADVANCE_US = 1_000_000 // ADVANCE_HZ
 
 
@@ -68,13 +68,19 @@ class Plant:
         self._n_advances = 0
         self._memory = PlantMemory(world, cfg, self.data)
         self._arguments = self._memory.arguments()
-        self._report_slices = report_slices()
-        self.sensors = SensorReadings(self._memory.plant, self._memory.tick_us)
+        self._record = self._memory.plant
+        self._filter, self._rotor_speeds = (
+            self._record["filter"],
+            self._record["rotors"]["speed_radps"],
+        )
+        qpos, qvel = self._memory.qpos, self._memory.qvel
+        self._true_views = (qpos[:3], qvel[:3], qpos[3:7], qvel[3:6])
+        self._estimate_views = tuple(self._filter[name] for name in _ESTIMATE)
+        self.sensors = SensorReadings(self._record, self._memory.tick_us)
         """Latest reading of each sensor."""
         self.history = self._memory.history
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
-        self._memory.describe_start()
-        self._read_report()
+        self._read_afresh()
         self.wind = cfg.wind
         self.apply(OFF)
 
@@ -94,26 +100,31 @@ class Plant:
                 f"the physics engine reset itself before t = {1e-6 * self.time_us:.2f} s: "
                 "its state had become infinite or not a number"
             )
-        self._read_report()
-        self.contact_ticks = int(self._report.scalar("contact_ticks"))
+        self._read_afresh()
+        self.contact_ticks = int(self._record["engine"]["contact_ticks"])
         self.total_contact_ticks += self.contact_ticks
         self.battery.step(self.rotor_speeds_radps, 1.0 / ADVANCE_HZ)
         if self.battery.remaining <= 0.0:
-            self._memory.plant["engine"]["has_power"] = 0
+            self._record["engine"]["has_power"] = 0
 
-    def _read_report(self) -> None:
-        self._report = Report(
-            self._memory.report_flat.tolist(),
-            self._report_slices,
-            self.time_us,
-            self._memory.tick_us,
-        )
+    def _read_afresh(self) -> None:
+        """Forget what has been read out of the record before."""
         self._truth = self._estimate = self._status = None
+
+    def _state(self, views: tuple[np.ndarray, ...]) -> State:
+        position, velocity, quat, rate = (tuple(view.tolist()) for view in views)
+        return State(
+            time_us=self.time_us,
+            position_enu_m=position,
+            velocity_enu_mps=velocity,
+            quat_wxyz=quat,
+            angular_rate_flu_radps=rate,
+        )
 
     @property
     def is_aligned(self) -> bool:
         """Whether the controller knows the vehicle's state: by the estimator, or as the truth."""
-        return self.cfg.state == "truth" or self._report.scalar("is_aligned") == 1.0
+        return self.cfg.state == "truth" or self._filter["is_aligned"] == 1
 
     def align(self, timeout_s: float = 10.0) -> None:
         """Rest until the estimator is aligned, which takes about a second.
@@ -154,67 +165,65 @@ class Plant:
                 return
             setpoint = setpoint_or_none
         self._memory.setpoint_flat[:] = setpoint_row(setpoint)
-        self._memory.plant["engine"]["has_new_setpoint"] = 1
+        self._record["engine"]["has_new_setpoint"] = 1
 
     @property
     def truth(self) -> State:
         """True state now."""
         if self._truth is None:
-            self._truth = self._report.state("true")
+            self._truth = self._state(self._true_views)
         return self._truth
 
     @property
     def estimate(self) -> State:
         """Estimated state now; all zero and level until the filter is aligned."""
         if self._estimate is None:
-            self._estimate = self._report.state("est")
+            self._estimate = self._state(self._estimate_views)
         return self._estimate
 
     @property
     def estimator(self) -> EstimatorStatus:
         """Health of the estimate."""
         if self._status is None:
-            self._status = self._report.estimator()
+            self._status = estimator_status(self._filter, self._memory.tick_us)
         return self._status
 
     @property
     def rotor_speeds_radps(self) -> tuple[float, float, float, float]:
         """True rotor speeds."""
-        return self._report.vector("rotor_speed")
+        return tuple(self._rotor_speeds.tolist())
 
     @property
     def rotor_speed_commands_radps(self) -> tuple[float, float, float, float]:
         """Speeds last commanded."""
-        return self._report.vector("rotor_command")
+        return tuple(self._record["controller"]["rotor_command_radps"].tolist())
 
     @property
     def collective_thrust_fraction(self) -> float:
         """Commanded collective thrust over its maximum, 0 to 1."""
-        return self._report.scalar("thrust_fraction")
+        return float(self._record["controller"]["thrust_fraction"])
 
     @property
     def terrain_height_est_m(self) -> float:
         """Estimated ENU height of the surface below; NaN before the first range."""
-        return self._report.scalar("terrain_height")
+        return float(self._filter["terrain_height_m"])
 
     @property
     def wind_est_enu_mps(self) -> tuple[float, float]:
         """Estimated velocity of the air, east and north; zero before the first flight."""
-        return self._report.vector("wind")
+        return tuple(self._filter["wind_enu_mps"].tolist())
 
     @property
     def filter(self) -> np.void:
         """The filter's own record (`autonomy.estimation.error_state`), for those who judge it."""
-        return self._memory.plant["filter"]
+        return self._filter
 
     @property
     def reference(self) -> tuple[Vector3, Vector3]:
         """Position and velocity that the controller tracks just now, ENU."""
         row = self.history[-1]
-        return (
-            tuple(row["reference_position_enu_m"].tolist()),
-            tuple(row["reference_velocity_enu_mps"].tolist()),
-        )
+        position, velocity = row["reference_position_enu_m"], row["reference_velocity_enu_mps"]
+        return vector3(position), vector3(velocity)
 
     @property
     def wind(self) -> WindCfg:
@@ -229,33 +238,23 @@ class Plant:
     @property
     def air_velocity_true_enu_mps(self) -> Vector3:
         """Velocity of the air now: wind, turbulence and gusts."""
-        east, north, up = self._memory.plant["rotors"]["wind_enu_mps"].tolist()
-        return (east, north, up)
+        return vector3(self._record["rotors"]["wind_enu_mps"])
 
     @property
     def obstacles_true(self) -> ObstacleStates:
         """Where everything that moves by itself is now."""
-        movers = self._memory.movers
-        kinds: tuple[MoverName, ...] = tuple(obstacle.kind for obstacle in self.world.obstacles)
-        size_m = np.array([MOVER_KINDS[kind].size_m for kind in kinds]).reshape(-1, 3)
-        return ObstacleStates(
-            kinds=kinds,
-            position_enu_m=movers["position_enu_m"] + size_m * (0.0, 0.0, 0.5),
-            velocity_enu_mps=movers["velocity_enu_mps"].copy(),
-            yaw_rad=movers["yaw_rad"].copy(),
-            size_m=size_m,
-        )
+        return obstacle_states(self.world.obstacles, self._memory.movers)
 
     @property
     def traffic_speed(self) -> float:
         """How fast the movers' time runs, 1 as it is and 0 not at all; it changes gradually."""
-        return float(self._memory.plant["traffic"]["rate_cmd"])
+        return float(self._record["traffic"]["rate_cmd"])
 
     @traffic_speed.setter
     def traffic_speed(self, rate: float) -> None:
         if not 0.0 <= rate <= MAX_RATE:
             raise PlantError(f"traffic_speed = {rate}: 0 to {MAX_RATE:g} are valid")
-        self._memory.plant["traffic"]["rate_cmd"] = rate
+        self._record["traffic"]["rate_cmd"] = rate
 
     def set_rotor_effectiveness(self, rotor: int, effectiveness: float) -> None:
         """Let a rotor (0 to 3) make only this share, 0 to 1, of its thrust and torque.
@@ -267,7 +266,7 @@ class Plant:
             raise PlantError(
                 f"rotor = {rotor}, effectiveness = {effectiveness}: 0 to 3 and 0 to 1 are valid"
             )
-        self._memory.plant["rotors"]["effectiveness"][rotor] = effectiveness
+        self._record["rotors"]["effectiveness"][rotor] = effectiveness
 
     def set_sensor_enabled(self, sensor: str, *, is_enabled: bool) -> None:
         """Switch a sensor off or on again; one that is off keeps its last reading and its time.
@@ -278,7 +277,7 @@ class Plant:
         names = [s.name for s in SENSORS if s is not IMU]
         if sensor not in names:
             raise PlantError(f"sensor = {sensor!r}: valid are {', '.join(names)}")
-        self._memory.plant[sensor]["is_enabled"] = int(is_enabled)
+        self._record[sensor]["is_enabled"] = int(is_enabled)
 
 
 def compile_kernels() -> None:

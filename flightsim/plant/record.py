@@ -1,11 +1,11 @@
-"""The record of a plant: its engine, all of its parts, what it logs and what it reports."""
+"""The record of a plant: its engine, all of its parts, and what it logs."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from autonomy.control import CONTROLLER_DTYPE, SETPOINT_DTYPE, STATE_DTYPE
-from autonomy.estimation.error_state import FILTER_DTYPE, N_STATES
+from autonomy.estimation.error_state import FILTER_DTYPE
 from flightsim.environment.motion import TRAFFIC_DTYPE
 from flightsim.environment.wind import AIR_DTYPE
 from flightsim.plant.sensing import SENSORS
@@ -72,33 +72,6 @@ HISTORY_DTYPE = np.dtype(
 )
 """One control tick of the log."""
 
-REPORT_DTYPE = np.dtype(
-    [
-        ("position_true", "f8", 3),
-        ("velocity_true", "f8", 3),
-        ("quat_true", "f8", 4),
-        ("rate_true", "f8", 3),
-        ("position_est", "f8", 3),
-        ("velocity_est", "f8", 3),
-        ("quat_est", "f8", 4),
-        ("rate_est", "f8", 3),
-        ("rotor_speed", "f8", 4),
-        ("rotor_command", "f8", 4),
-        ("thrust_fraction", "f8"),
-        ("terrain_height", "f8"),
-        ("is_aligned", "f8"),
-        ("variance", "f8", N_STATES),
-        ("gyro_bias", "f8", 3),
-        ("accel_bias", "f8", 3),
-        ("ratios", "f8", 4),  # GNSS position, GNSS velocity, barometer, heading
-        ("gnss_age_ticks", "f8"),
-        ("wind", "f8", 2),
-        ("contact_ticks", "f8"),
-    ],
-    align=True,
-)
-"""What Python reads at most once an advance: doubles alone, so that one `tolist` reads them all."""
-
 PLANT_DTYPE = np.dtype(
     [
         ("engine", ENGINE_DTYPE),
@@ -110,17 +83,7 @@ PLANT_DTYPE = np.dtype(
         ("state", STATE_DTYPE),
         ("setpoint", SETPOINT_DTYPE),
         ("controller", CONTROLLER_DTYPE),
-        ("report", REPORT_DTYPE),
     ],
     align=True,
 )
 """All that a plant is and knows, in one piece."""
-
-
-def report_slices() -> dict[str, slice]:
-    """Where each field of `REPORT_DTYPE` lies in the flat list of doubles."""
-    slices = {}
-    for name, (dtype, offset, *_) in (REPORT_DTYPE.fields or {}).items():
-        first = offset // 8
-        slices[name] = slice(first, first + dtype.itemsize // 8)
-    return slices

@@ -14,12 +14,12 @@ from flightsim.sensors.barometer import BAROMETER, BaroReading, sense_barometer
 from flightsim.sensors.gnss import GNSS, GnssReading, sense_gnss
 from flightsim.sensors.imu import IMU, ImuReading, sense_imu
 from flightsim.sensors.magnetometer import MAGNETOMETER, MagReading, sense_magnetometer
-from flightsim.sensors.mocap import MOCAP, MocapReading, sense_mocap
+from flightsim.sensors.mocap import MOCAP, sense_mocap
 from flightsim.sensors.rangefinder import RANGEFINDER, aim_ray, sample_rangefinder
 from flightsim.sensors.sensor import Sensor, is_due, noise
-from flightsim.sensors.vio import VIO, VioReading, sense_vio
+from flightsim.sensors.vio import VIO, sense_vio
 
-SENSORS: tuple[Sensor[Any], ...] = (
+SENSORS: tuple[Sensor, ...] = (
     IMU,
     GNSS,
     VIO,
@@ -86,7 +86,7 @@ class SensorReadings:
         self._record = record
         self._tick_us = tick_us
 
-    def read(self, sensor: Sensor[Any]) -> Any:
+    def read(self, sensor: Sensor) -> Any:
         """The latest sample of a sensor of `SENSORS`."""
         return sensor.read(self._record[sensor.name], self._tick_us)
 
@@ -99,16 +99,6 @@ class SensorReadings:
     def gnss(self) -> GnssReading:
         """Satellite receiver."""
         return self.read(GNSS)
-
-    @property
-    def vio(self) -> VioReading:
-        """Visual-inertial odometry."""
-        return self.read(VIO)
-
-    @property
-    def mocap(self) -> MocapReading:
-        """Motion capture."""
-        return self.read(MOCAP)
 
     @property
     def baro(self) -> BaroReading:

@@ -18,7 +18,7 @@ import numpy as np
 
 from autonomy.jit import kernel
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3, pressure_pa, temperature_k
-from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 _GAS_CONSTANT_JPKGK = 287.053
 """Of dry air."""
@@ -95,15 +95,6 @@ class AirspeedReading:
     temperature_degc: float
 
 
-def _read(r: np.void, tick_us: int) -> AirspeedReading:
-    return AirspeedReading(
-        time_us=time_us(r, tick_us),
-        differential_pa=float(r["differential_pa"]),
-        indicated_mps=float(r["indicated_mps"]),
-        temperature_degc=float(r["temperature_degc"]),
-    )
-
-
 AIRSPEED = Sensor(
     name="airspeed",
     setting="airspeed",
@@ -119,6 +110,6 @@ AIRSPEED = Sensor(
     n_normals=1,
     stream=12,
     configure=_configure,
-    read=_read,
+    read=reader(AirspeedReading),
     gauge=("airspeed m/s", lambda reading: reading.indicated_mps),
 )

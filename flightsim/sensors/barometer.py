@@ -10,7 +10,7 @@ from autonomy.estimation.fusion import fuse_barometer
 from autonomy.jit import kernel
 from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa, temperature_k
 from flightsim.sensors.drift import drift_terms
-from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -69,15 +69,6 @@ class BaroReading:
     temperature_degc: float
 
 
-def _read(r: np.void, tick_us: int) -> BaroReading:
-    return BaroReading(
-        time_us=time_us(r, tick_us),
-        pressure_pa=float(r["pressure_pa"]),
-        altitude_m=float(r["altitude_m"]),
-        temperature_degc=float(r["temperature_degc"]),
-    )
-
-
 BAROMETER = Sensor(
     name="baro",
     setting="barometer",
@@ -94,5 +85,5 @@ BAROMETER = Sensor(
     n_normals=2,
     stream=4,
     configure=_configure,
-    read=_read,
+    read=reader(BaroReading),
 )

@@ -23,9 +23,9 @@ from autonomy.rotation import (
     quat_multiply,
     rotation_vector_from_quat,
 )
-from autonomy.types import Vector3, vector3
+from autonomy.types import Vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
-from flightsim.sensors.sensor import Sensor, SensorStart, noise, time_us
+from flightsim.sensors.sensor import Sensor, SensorStart, noise, reader
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -152,14 +152,6 @@ class ImuReading:
     gyro_flu_radps: Vector3
 
 
-def _read(r: np.void, tick_us: int) -> ImuReading:
-    return ImuReading(
-        time_us=time_us(r, tick_us),
-        accel_flu_mps2=vector3(r["accel_flu_mps2"]),
-        gyro_flu_radps=vector3(r["gyro_flu_radps"]),
-    )
-
-
 IMU = Sensor(
     name="imu",
     setting="imu",
@@ -186,5 +178,5 @@ IMU = Sensor(
     stream=2,
     start_stream=0,
     configure=_configure,
-    read=_read,
+    read=reader(ImuReading),
 )

@@ -11,9 +11,9 @@ from autonomy.estimation.alignment import collect_vector
 from autonomy.estimation.fusion import fuse_magnetometer
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat
-from autonomy.types import Vector3, vector3
+from autonomy.types import Vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
-from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -72,10 +72,6 @@ class MagReading:
     field_flu_ut: Vector3
 
 
-def _read(r: np.void, tick_us: int) -> MagReading:
-    return MagReading(time_us=time_us(r, tick_us), field_flu_ut=vector3(r["field_flu_ut"]))
-
-
 MAGNETOMETER = Sensor(
     name="mag",
     setting="magnetometer",
@@ -91,5 +87,5 @@ MAGNETOMETER = Sensor(
     n_normals=6,
     stream=5,
     configure=_configure,
-    read=_read,
+    read=reader(MagReading),
 )

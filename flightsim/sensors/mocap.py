@@ -9,8 +9,7 @@ import numpy as np
 from autonomy.estimation.motion_capture import fuse_mocap
 from autonomy.jit import kernel
 from autonomy.rotation import yaw_from_quat
-from autonomy.types import Vector3, vector3
-from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise, time_us
+from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -58,23 +57,6 @@ def sense_mocap(
         sample_mocap(r, tick, qpos[0:3], qpos[3:7], noise(r, tick, normals))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MocapReading:
-    """Pose in the world."""
-
-    time_us: int
-    position_enu_m: Vector3
-    yaw_rad: float
-
-
-def _read(r: np.void, tick_us: int) -> MocapReading:
-    return MocapReading(
-        time_us=time_us(r, tick_us),
-        position_enu_m=vector3(r["position_enu_m"]),
-        yaw_rad=float(r["yaw_rad"]),
-    )
-
-
 MOCAP = Sensor(
     name="mocap",
     setting="mocap",
@@ -88,5 +70,4 @@ MOCAP = Sensor(
     n_normals=4,
     stream=8,
     configure=_configure,
-    read=_read,
 )

@@ -7,16 +7,14 @@ them all and lets them measure.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
 from autonomy.jit import kernel
 from autonomy.types import LEVEL, ZERO3, Quaternion, Vector3
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
-
-ReadingT = TypeVar("ReadingT")
 
 _CLOCK_FIELDS = (
     ("tick", "i8"),  # for which the last sample is valid, -1 before the first
@@ -45,7 +43,7 @@ class SensorStart:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Sensor(Generic[ReadingT]):
+class Sensor:
     """The parts of a sensor.
 
     Attributes:
@@ -66,11 +64,11 @@ class Sensor(Generic[ReadingT]):
     """The same of what is drawn once; None for a branch of `stream`."""
     configure: Callable[[np.void, Any, SensorStart], None]
     """Fills the fields of a record of zeros from the sensor's configuration."""
-    read: Callable[[np.void, int], ReadingT]
-    """The latest sample, of the record and the length of a control tick in us."""
+    read: Callable[[np.void, int], Any] = lambda r, _: r
+    """The latest sample, of the record and the length of a control tick in us; see `reader`."""
     grades: Mapping[str, Any] | None = None
     """Configurations by name, where the setting is a name."""
-    gauge: tuple[str, Callable[[ReadingT], float]] | None = None
+    gauge: tuple[str, Callable[[Any], float]] | None = None
     """What a recording plots of a reading, with its legend."""
 
     @property
@@ -118,6 +116,18 @@ def noise(r: np.record, tick: int, normals: np.ndarray) -> np.ndarray:
     """Standard normals for the sample of this tick, out of those of the second."""
     first = r.first_normal + (tick - 1) // r.period_ticks % r.rate_hz * r.n_normals
     return normals[first : first + r.n_normals]
+
+
+def reader(reading: Any) -> Callable[[np.void, int], Any]:
+    """Reads a dataclass of `time_us` and of fields that the record has too."""
+    names = [f.name for f in fields(reading) if f.name != "time_us"]
+
+    def read(r: np.void, tick_us: int) -> Any:
+        values = {name: r[name].tolist() for name in names}
+        plain = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+        return reading(time_us=time_us(r, tick_us), **plain)
+
+    return read
 
 
 def time_us(r: np.void, tick_us: int) -> int:

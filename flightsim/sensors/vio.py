@@ -22,8 +22,7 @@ import numpy as np
 from autonomy.estimation.odometry import fuse_vio
 from autonomy.jit import kernel
 from autonomy.rotation import yaw_from_quat
-from autonomy.types import Vector3, vector3
-from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise, time_us
+from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -90,23 +89,6 @@ def sense_vio(r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: 
         sample_vio(r, tick, qpos[0:3], qpos[3:7], noise(r, tick, normals))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class VioReading:
-    """Pose in the frame of the odometry."""
-
-    time_us: int
-    position_vio_m: Vector3
-    yaw_vio_rad: float
-
-
-def _read(r: np.void, tick_us: int) -> VioReading:
-    return VioReading(
-        time_us=time_us(r, tick_us),
-        position_vio_m=vector3(r["position_vio_m"]),
-        yaw_vio_rad=float(r["yaw_vio_rad"]),
-    )
-
-
 VIO = Sensor(
     name="vio",
     setting="vio",
@@ -125,5 +107,4 @@ VIO = Sensor(
     n_normals=8,
     stream=7,
     configure=_configure,
-    read=_read,
 )

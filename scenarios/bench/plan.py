@@ -180,7 +180,7 @@ def _replan_ms(world: Surroundings, plan: Trajectory) -> list[float]:
     for share in (0.2, 0.4, 0.6):
         at_s = share * float(plan.durations_s[0])
         begun_s = time.process_time()
-        replan(plan, at_s, world.obstacles, world.limits, world.airframe.quadrotor, cfg)
+        replan(plan, at_s, world.obstacles, replace(world.craft, cfg=cfg))
         spent.append(1e3 * (time.process_time() - begun_s))
     return spent
 
@@ -193,9 +193,7 @@ def _again(world: Surroundings, plan: Trajectory, cfg: PlannerCfg) -> Trajectory
         goal,
         world.field,
         world.obstacles,
-        world.limits,
-        world.airframe.quadrotor,
-        cfg,
+        replace(world.craft, cfg=cfg),
     )
 
 

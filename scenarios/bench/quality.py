@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aeroscene.corpus.dataset import summarise
+from aeroscene.corpus.summary import summarise
 from aeroscene.feasibility.validity import validity
 from aeroscene.metrics.comparison import ComparisonRow, Figures, comparison_rows
 from aeroscene.metrics.displacement import displacement

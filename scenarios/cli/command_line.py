@@ -129,6 +129,8 @@ def _in_our_words(said: str) -> str:
     for pattern, words, valid in _IN_OUR_WORDS:
         if match := re.fullmatch(pattern, said):
             choices = re.findall(r"[^{}|,' ]+", match.expand(valid))
-            named = ", ".join(_KINDS.get(choice, choice) for choice in choices if choice != "None")
+            named = ", ".join(
+                str(_KINDS.get(choice, choice)) for choice in choices if choice != "None"
+            )
             return match.expand(words) + (f" is not valid; valid: {named}" if named else "")
     return said

@@ -25,6 +25,8 @@ def _start(module: str) -> int:
     if sys.argv[1:] == ["--version"]:
         print(f"aeroscene {importlib.import_module('aeroscene').__version__}")
         return 0
+    # Else MuJoCo's import has a process look for a window library that we never open.
+    os.environ.setdefault("MUJOCO_GL", "disable")
     # An import cannot be interrupted in order: libraries turn the exception into others of theirs.
     signal.signal(signal.SIGINT, _leave)
     try:

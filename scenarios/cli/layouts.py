@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import tyro
 from rich.console import Console
@@ -35,7 +36,7 @@ class LayoutsCfg:
 
     file: tyro.conf.Positional[Path]
     """The file of layouts."""
-    out: Path | None = None
+    out: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
     """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
     skip_invalid: bool = False
     """Leave out objects and scenes that break a rule, name and count them, and go on."""

@@ -6,7 +6,7 @@ import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 from rich.console import Console
@@ -34,7 +34,7 @@ class ReplayCfg:
     """The .rrd file."""
     viewer: Literal["auto", "native", "web"] = "auto"
     """native opens a window, web serves a page on loopback; auto takes native if it can."""
-    pictures: Path | None = None
+    pictures: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
     """Draw what was planned and flown, and the landing map, into this folder instead of opening the
     viewer; needs no display."""
     formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (

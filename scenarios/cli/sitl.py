@@ -105,12 +105,14 @@ def _announce(console: Console, sitl: Sitl) -> None:
         f"[bold]Scene {scene.scene_id}[/]: {scene.domain}, {len(scene.objects)} objects, "
         f"{len(scene.landing_areas)} landing areas, "
         f"{len(scene.perching_areas)} to perch on. [bold]{sitl.bench.airframe.title}[/], "
-        f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}."
+        f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
+        soft_wrap=True,
     )
     console.print(
         f"MAVLink: UDP {14550 + cfg.instance} (ground stations), "
         f"UDP {14540 + cfg.instance} (SDKs), TCP {cfg.bind}:{5760 + 10 * cfg.instance}. "
-        "Ctrl-C ends."
+        "Ctrl-C ends.",
+        soft_wrap=True,
     )
     if sitl.viewer is not None and sitl.viewer.url is not None:
         console.print(f"Watch at {sitl.viewer.url}", soft_wrap=True)

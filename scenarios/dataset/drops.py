@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 
-from aeroscene.corpus.dataset import DatasetError, Entry, SceneSet
+from aeroscene.corpus.dataset import DatasetError
+from aeroscene.corpus.summary import Entry, SceneSet
 from aeroscene.scene import InteractionArea
 from scenarios.dataset.pool import run_all
 

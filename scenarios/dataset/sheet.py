@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from aeroscene.corpus.dataset import Entry, SceneSet, SceneSummary
+from aeroscene.corpus.summary import Entry, SceneSet, SceneSummary
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from flightsim.looks.cutting import cut_at

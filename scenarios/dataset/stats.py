@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from aeroscene.corpus.dataset import Entry, SceneSet
+from aeroscene.corpus.summary import Entry, SceneSet
 from aeroscene.metrics.diversity import (
     Layout,
     category_entropy_bits,

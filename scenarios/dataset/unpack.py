@@ -7,7 +7,7 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 
-from aeroscene.corpus.dataset import Entry, SceneSet
+from aeroscene.corpus.summary import Entry, SceneSet
 from aeroscene.scene.io import write_scene
 from scenarios.dataset.pool import run_all
 

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, get_args
 
-from aeroscene.corpus.dataset import Entry, SceneSet
+from aeroscene.corpus.summary import Entry, SceneSet
 from aeroscene.scene import SceneError
 from aeroscene.validation import Finding, FindingKind, validate
 from scenarios.dataset.pool import run_all

@@ -7,14 +7,12 @@ from typing import Protocol
 
 import numpy as np
 
-from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning import (
-    FlightLimits,
+    Craft,
     MovingObstacles,
     Obstacles,
     PlannerCfg,
     Trajectory,
-    certify,
 )
 from autonomy.types import Vector3
 
@@ -34,9 +32,7 @@ def certified(
     leg: LegMaker,
     ends_enu_m: tuple[Vector3, Vector3],
     obstacles: Obstacles,
-    limits: FlightLimits,
-    quadrotor: QuadrotorParams,
-    cfg: PlannerCfg,
+    craft: Craft,
     *,
     moving: MovingObstacles,
     exempt_m: float,
@@ -47,9 +43,7 @@ def certified(
         leg: Makes the leg.
         ends_enu_m: Start and goal of the leg.
         obstacles: Static obstacles.
-        limits: Limits of the motion.
-        quadrotor: Mass, thrust and drag of the vehicle.
-        cfg: Size and margin of the vehicle.
+        craft: Limits, mass and size of the vehicle.
         moving: Movers, predicted from now on.
         exempt_m: Length of the way that may be exempt from the check of static obstacles; no
             more than necessary is exempt.
@@ -59,18 +53,11 @@ def certified(
     """
     start_enu_m, goal_enu_m = ends_enu_m
     whole = leg(start_enu_m, goal_enu_m)
-    certify(whole, NOTHING_STANDS, cfg.vehicle_radius_m, limits, quadrotor, moving=moving)
-    begin_enu_m = _first_free(start_enu_m, goal_enu_m, exempt_m, obstacles, cfg)
+    craft.prove(whole, NOTHING_STANDS, moving=moving, margin_m=0.0)
+    begin_enu_m = _first_free(start_enu_m, goal_enu_m, exempt_m, obstacles, craft.cfg)
     # Clearance from static obstacles depends on the way alone, not on its timing.
-    proof = certify(
-        leg(begin_enu_m, goal_enu_m),
-        obstacles,
-        cfg.vehicle_radius_m,
-        limits,
-        quadrotor,
-        margin_m=cfg.min_margin_m,
-    )
-    return replace(whole, min_clearance_m=proof.min_clearance_m)
+    proved = craft.prove(leg(begin_enu_m, goal_enu_m), obstacles)
+    return replace(whole, min_clearance_m=proved.min_clearance_m)
 
 
 def _first_free(

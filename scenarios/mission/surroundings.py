@@ -16,6 +16,7 @@ from autonomy.mapping import Map
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning import (
     NOTHING_MOVES,
+    Craft,
     DistanceField,
     FlightLimits,
     MovingObstacles,
@@ -98,6 +99,11 @@ class Surroundings:
         """Planner settings for the vehicle."""
         return PlannerCfg(vehicle_radius_m=self.radius_m, method=self.method)
 
+    @property
+    def craft(self) -> Craft:
+        """What plans are made for."""
+        return Craft(self.limits, self.airframe.quadrotor, self.planner)
+
     def plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:
         """Plan a certified trajectory through free space.
 
@@ -107,7 +113,7 @@ class Surroundings:
         Raises:
             PlanningError: If there is none, with the reason.
         """
-        return self.map.plan(start, goal_enu_m, self.limits, self.airframe.quadrotor, self.planner)
+        return self.map.plan(start, goal_enu_m, self.craft)
 
     def replan(
         self,
@@ -119,11 +125,7 @@ class Surroundings:
     ) -> Trajectory:
         """Plan a certified trajectory for the rest of a plan, around movers.
 
-        Args:
-            previous: Plan by `plan` or `replan`.
-            at_time_s: Time of that plan from which the new one takes over.
-            moving: Movers, predicted from then on.
-            start: State of the vehicle then; None for the plan's state.
+        See `autonomy.planning.replan` for the arguments.
 
         Raises:
             PlanningError: If there is none, with the reason.
@@ -132,9 +134,7 @@ class Surroundings:
             previous,
             at_time_s,
             self.obstacles,
-            self.limits,
-            self.airframe.quadrotor,
-            self.planner,
+            self.craft,
             moving=moving,
             start=start,
         )
@@ -180,9 +180,7 @@ class Surroundings:
             functools.partial(self.leg, yaw_rad=yaw_rad, speed_mps=speed_mps),
             (start_enu_m, goal_enu_m),
             self.obstacles,
-            self.limits,
-            self.airframe.quadrotor,
-            self.planner,
+            self.craft,
             moving=moving,
             exempt_m=exempt_m,
         )
@@ -197,11 +195,7 @@ class Surroundings:
     ) -> Trajectory:
         """Certified trajectory to rest as soon as possible, stepping aside for approaching movers.
 
-        Args:
-            previous: Any trajectory.
-            at_time_s: Time in it from which the new one takes over.
-            moving: Movers, predicted from then on.
-            start: State of the vehicle then; None for the trajectory's state.
+        See `autonomy.planning.brake` for the arguments.
 
         Raises:
             PlanningError: If no stop can be certified.
@@ -210,9 +204,7 @@ class Surroundings:
             previous,
             at_time_s,
             self.obstacles,
-            self.limits,
-            self.airframe.quadrotor,
-            self.planner,
+            self.craft,
             moving=moving,
             start=start,
         )

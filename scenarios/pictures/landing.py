@@ -63,7 +63,8 @@ def draw_landing(story: FlightStory, paths: Sequence[Path]) -> None:
     assert story.landing is not None
     landing, needs = story.landing, _needs(story)
     figure = style.new_figure(*_SIZE_IN)
-    figure.suptitle(_title(story), x=0.008, ha="left", fontsize=14, color=style.INK)
+    area = "" if story.area is None else f", {story.area.kind} area {story.area.id}"
+    figure.suptitle(f"{story.title}{area}", x=0.008, ha="left", fontsize=14, color=style.INK)
     panels = figure.subplots(2, 3).ravel()
     _draw_picture(panels[0], story, landing)
     for axes, layer in zip(panels[1:5], _layers(landing, needs, _level_m(story)), strict=True):
@@ -81,11 +82,6 @@ def _needs(story: FlightStory) -> LandingNeeds:
     """What the pilot asked of the place."""
     is_perch = story.area is not None and story.area.kind == "perching"
     return landing_needs(story.airframe, PERCHING_SCATTER_M if is_perch else SCATTER_M)
-
-
-def _title(story: FlightStory) -> str:
-    area = "" if story.area is None else f", {story.area.kind} area {story.area.id}"
-    return f"{story.title}{area}"
 
 
 def _level_m(story: FlightStory) -> float:
@@ -167,14 +163,11 @@ def _show(axes: Axes, landing: LandingLayers, values: np.ndarray, **options: obj
 
 
 def _extent(landing: LandingLayers) -> tuple[float, float, float, float]:
+    """West, east, south and north edge."""
     half_m = (landing.east_m[1] - landing.east_m[0]) / 2
-    east, north = landing.east_m, landing.north_m
-    return (
-        float(east[0] - half_m),
-        float(east[-1] + half_m),
-        float(north[0] - half_m),
-        float(north[-1] + half_m),
-    )
+    west, east = landing.east_m[[0, -1]] + (-half_m, half_m)
+    south, north = landing.north_m[[0, -1]] + (-half_m, half_m)
+    return float(west), float(east), float(south), float(north)
 
 
 def _draw_judgement(axes: Axes, landing: LandingLayers) -> None:

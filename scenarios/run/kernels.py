@@ -11,7 +11,7 @@ from aeroscene.sources import open_scene
 from autonomy.jit import announce_if_cold
 from autonomy.mapping import SeenMap, plan_towards
 from autonomy.perception import MapAnchor, MoverTracker
-from autonomy.planning import FlightLimits, PlannerCfg
+from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.types import FlatReference
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.plant import compile_kernels
@@ -86,7 +86,7 @@ def explore_once() -> None:
     # Ahead is free; above nothing was seen, so there it looks for a place to look from.
     for height_m, goal_enu_m in ((2.0, (3.0, 0.0, 2.0)), (2.7, (0.0, 0.0, 6.5))):
         start = FlatReference(position_enu_m=(0.0, 0.0, height_m))
-        plan_towards(seen, start, goal_enu_m, FlightLimits(), airframe.quadrotor, cfg)
+        plan_towards(seen, start, goal_enu_m, Craft(FlightLimits(), airframe.quadrotor, cfg))
 
 
 def compile_everything(progress: Callable[[str, float], None]) -> None:

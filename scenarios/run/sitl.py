@@ -258,10 +258,8 @@ class Sitl:
         if companion is None:
             simulator.run(until_us=end_us, stop=should_stop)
             return
-        for seconds, is_done in (
-            (MAX_TRIAL_S, lambda: companion.is_done),
-            (SETTLE_S, lambda: False),
-        ):
+        parts = ((MAX_TRIAL_S, lambda: companion.is_done), (SETTLE_S, lambda: False))
+        for seconds, is_done in parts:
             until_us = plant.time_us + round(seconds * 1e6)
             simulator.run(
                 until_us=min(until_us, end_us or until_us),

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from autonomy.planning import (
     CertificateError,
+    Craft,
     EvasionError,
     FlightLimits,
     LimitsError,
@@ -37,7 +38,7 @@ def pillar(x, width):
 
 
 def stop(plan, at_s, obstacles=GROUND, **options):
-    return brake(plan, at_s, obstacles, LIMITS, quadrotor(), CFG, **options)
+    return brake(plan, at_s, obstacles, Craft(LIMITS, quadrotor(), CFG), **options)
 
 
 def ball(position, velocity, radius=0.4, **options):
@@ -49,7 +50,9 @@ def town_and_plan(seed):
     obstacles = town(np.random.default_rng(seed))
     start, field = FlatReference(position_enu_m=(-12.5, -12.5, 3.0)), field_of(obstacles)
     goal = (12.5, 12.5, 3.0)
-    return obstacles, plan_trajectory(start, goal, field, obstacles, LIMITS, quadrotor(), CFG)
+    return obstacles, plan_trajectory(
+        start, goal, field, obstacles, Craft(LIMITS, quadrotor(), CFG)
+    )
 
 
 def assert_goes_on_to_rest(rest, plan, at_s):

@@ -8,6 +8,7 @@ import pytest
 from autonomy.mapping import SeenMap, plan_towards
 from autonomy.planning import (
     BlockedError,
+    Craft,
     FlightLimits,
     Obstacles,
     PlannerCfg,
@@ -45,7 +46,7 @@ def look(at, boxes):
 
 
 def plan(seen, start, goal):
-    return plan_towards(seen, start, goal, LIMITS, quadrotor(), CFG)
+    return plan_towards(seen, start, goal, Craft(LIMITS, quadrotor(), CFG))
 
 
 def fly(boxes, goal, seconds=60.0):

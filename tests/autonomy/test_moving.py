@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from autonomy.planning import (
     CertificateError,
+    Craft,
     EvasionError,
     FlightLimits,
     MovingObstacles,
@@ -51,12 +52,12 @@ def way():
     """Twenty-two metres eastwards over open ground."""
     start = FlatReference(position_enu_m=(-11.0, 0.0, 4.0))
     field = field_of(GROUND)
-    return plan_trajectory(start, (11.0, 0.0, 4.0), field, GROUND, LIMITS, quadrotor(), CFG)
+    return plan_trajectory(start, (11.0, 0.0, 4.0), field, GROUND, Craft(LIMITS, quadrotor(), CFG))
 
 
 def again(way, at_s=0.5, moving=None, **options):
     moving = {} if moving is None else {"moving": moving}
-    return replan(way, at_s, GROUND, LIMITS, quadrotor(), CFG, **moving, **options)
+    return replan(way, at_s, GROUND, Craft(LIMITS, quadrotor(), CFG), **moving, **options)
 
 
 @given(seeds)
@@ -142,11 +143,13 @@ def test_a_plan_through_a_town_is_replanned_five_times_a_second_without_a_failur
     obstacles = town(np.random.default_rng(seed))
     start, goal = FlatReference(position_enu_m=(-12.0, -12.0, 2.0)), (12.0, 12.0, 3.0)
     cfg = dataclasses.replace(CFG, min_pieces=6)
-    plan = plan_trajectory(start, goal, field_of(obstacles), obstacles, LIMITS, quadrotor(), cfg)
+    plan = plan_trajectory(
+        start, goal, field_of(obstacles), obstacles, Craft(LIMITS, quadrotor(), cfg)
+    )
     rest, flown_s = plan, 0.0
     while rest.duration_s > 0.3:
         there = rest.sample(0.2)
-        rest, flown_s = replan(rest, 0.2, obstacles, LIMITS, quadrotor(), cfg), flown_s + 0.2
+        rest, flown_s = replan(rest, 0.2, obstacles, Craft(LIMITS, quadrotor(), cfg)), flown_s + 0.2
         np.testing.assert_allclose(rest.sample(0.0).position_enu_m, there.position_enu_m, atol=1e-6)
         assert rest.min_clearance_m > cfg.min_margin_m
     assert flown_s + rest.duration_s == pytest.approx(plan.duration_s, rel=0.05)

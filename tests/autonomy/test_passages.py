@@ -3,6 +3,7 @@
 import pytest
 
 from autonomy.planning import (
+    Craft,
     FlightLimits,
     PlannerCfg,
     UnreachableError,
@@ -25,7 +26,7 @@ def plan(world, at):
     field = field_of(world, half_extent=4.5, height=3.5, resolution=0.25)
     start = FlatReference(position_enu_m=(at + 0.5, -3.0, 1.3))
     goal = (at - 0.5, 3.0, 1.3)
-    return plan_trajectory(start, goal, field, world, LIMITS, quadrotor(), CFG)
+    return plan_trajectory(start, goal, field, world, Craft(LIMITS, quadrotor(), CFG))
 
 
 @pytest.mark.parametrize("at", OFFSETS_M)

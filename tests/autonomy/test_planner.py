@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from autonomy.planning import (
     BlockedError,
     CertificateError,
+    Craft,
     FlightLimits,
     LimitsError,
     Obstacles,
@@ -34,7 +35,7 @@ def box(center, size):
 
 def plan(obstacles, start=START, goal=GOAL, limits=LIMITS, field=None, cfg=CFG):
     field = field_of(obstacles) if field is None else field
-    return plan_trajectory(start, goal, field, obstacles, limits, quadrotor(), cfg)
+    return plan_trajectory(start, goal, field, obstacles, Craft(limits, quadrotor(), cfg))
 
 
 @given(seeds)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from autonomy.planning import CertificateError, FlightLimits, PlannerCfg, plan_trajectory
+from autonomy.planning import CertificateError, Craft, FlightLimits, PlannerCfg, plan_trajectory
 from autonomy.planning.feasibility import is_input_feasible
 from autonomy.planning.primitives import fly_primitives
 from autonomy.planning.trajectory import coefficients_from_nodes, squared_jerk
@@ -59,7 +59,11 @@ def test_whole_plans_of_the_baseline_are_certified_too(seed):
     start = FlatReference(position_enu_m=(-12.0, -12.0, 2.0))
     try:
         plan = plan_trajectory(
-            start, (12.0, 12.0, 3.0), field_of(obstacles), obstacles, LIMITS, quadrotor(), CFG
+            start,
+            (12.0, 12.0, 3.0),
+            field_of(obstacles),
+            obstacles,
+            Craft(LIMITS, quadrotor(), CFG),
         )
     except CertificateError as error:
         assert "primitives" in str(error) or "reaches" in str(error)  # noqa: PT017 - may give up

@@ -73,5 +73,6 @@ def _entry(item: Shown, where: str) -> str:
     if item.beside is None:
         return f"{text}\n\n![{item.title}]({where}/{item.file})\n"
     head = f"| curated | generated (scene {item.beside_scene}) |\n|---|---|"
-    pictures = [f"![{item.title}]({where}/{file})" for file in (item.file, item.beside)]
-    return f"{text}\n\n{head}\n| {' | '.join(pictures)} |\n"
+    curated = f"![{item.title}]({where}/{item.file})"
+    generated = f"![{item.title}, generated]({where}/{item.beside})"
+    return f"{text}\n\n{head}\n| {curated} | {generated} |\n"

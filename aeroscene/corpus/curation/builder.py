@@ -125,9 +125,8 @@ class Builder:
         size = (round(size[0], 3), round(size[1], 3), round(size[2], 3))
         box = _occupant(spot, size, base, margin, len(self.objects))
         line = frozenset() if parent is None else self._ancestors[parent.id] | {parent.id}
-        if within is not None and not _is_inside(spot, size, within):
-            return None
-        if self._leaves_bounds(spot, size) or self._is_taken(box, line):
+        is_outside = within is not None and not _is_inside(spot, size, within)
+        if is_outside or self._leaves_bounds(spot, size) or self._is_taken(box, line):
             return None
         domain = domain or (parent.domain if parent else "outdoor")
         obj = SceneObject(
@@ -146,10 +145,8 @@ class Builder:
         if any(_share_too_much(obj, self.objects[i]) for i in line if i != obj.parent_id):
             return None
         self.objects.append(obj)
-        if obj.is_coarse:
-            self.n_coarse += 1
-        else:
-            self.n_fine += 1
+        self.n_coarse += obj.is_coarse
+        self.n_fine += not obj.is_coarse
         self._occupants.append(_occupant(spot, size, base, 0.0, obj.id))
         self._ancestors[obj.id] = line
         return Placed(obj.id, name, spot, size, base, domain)

@@ -22,9 +22,9 @@ from typing import NoReturn
 
 import msgspec
 
-from aeroscene.corpus.dataset import SceneSummary, summarise
 from aeroscene.corpus.shipped.block import Block, decode_block, encode_block
 from aeroscene.corpus.shipped.summaries import decode_summaries, encode_summaries
+from aeroscene.corpus.summary import SceneSummary, summarise
 from aeroscene.files import replacing
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import scene_from_json, scene_to_json

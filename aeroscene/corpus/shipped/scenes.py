@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from aeroscene.corpus.dataset import SceneSummary, Split
 from aeroscene.corpus.shipped.archive import open_archive
+from aeroscene.corpus.summary import SceneSummary, Split
 from aeroscene.scene import Scene
 
 SHIPPED = Path(__file__).with_name("scenes.aeroscenes")

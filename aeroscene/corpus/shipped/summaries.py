@@ -8,8 +8,8 @@ from typing import get_args
 import numpy as np
 
 from aeroscene.corpus.corpus import scene_split
-from aeroscene.corpus.dataset import SceneSummary
 from aeroscene.corpus.shipped.columns import ColumnReader, ColumnWriter
+from aeroscene.corpus.summary import SceneSummary
 from aeroscene.scene import SceneDomain
 
 _DOMAINS: tuple[SceneDomain, ...] = get_args(SceneDomain)

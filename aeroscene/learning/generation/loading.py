@@ -16,6 +16,7 @@ from aeroscene.learning.model.network import HierarchicalDenoiser
 from aeroscene.learning.paper.guidance.layout import flat_reader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
+from aeroscene.learning.paper.preset import PAPER_SAMPLER
 from aeroscene.learning.paper.proposer import FlatProposer
 from aeroscene.learning.paper.tokens import FlatStatistics
 from aeroscene.learning.skeleton.config import SkeletonError
@@ -29,8 +30,6 @@ _SHIPPED = Path(__file__).parents[1] / "checkpoints"
 SHIPPED = {"default": _SHIPPED / "default.safetensors", "paper": _SHIPPED / "paper.safetensors"}
 """Checkpoints that come with the package, by preset."""
 DEFAULT_SAMPLER = SamplerCfg(kind="ddim", n_steps=30)
-PAPER_SAMPLER = SamplerCfg(kind="ddpm", n_steps=100)
-"""Section 4.1: "we employ 100 reverse diffusion steps"."""
 
 
 def load_proposer(

@@ -137,23 +137,6 @@ class ModelCfg:
             )
 
 
-def paper_cfg(n_categories: int) -> ModelCfg:
-    """The paper's network: equations 3 to 12 as they stand.
-
-    Args:
-        n_categories: C, the length of the one-hot category beside position, quaternion and scale.
-    """
-    return ModelCfg(
-        denoiser="unet",
-        routing="learned",
-        coarse_branch="cnn",
-        fine_branch="radius_gnn",
-        channels=N_GEOMETRY + n_categories,
-        n_categories=n_categories,
-        blocks=4,
-    )
-
-
 def _check(name: str, value: int, low: int, high: int) -> None:
     if not low <= value <= high:
         raise ModelCfgError(f"{name} is {value}, valid: {low} to {high}")

@@ -29,17 +29,6 @@ from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish
 
 
-def sample_skeleton(
-    model: SkeletonModel,
-    wish: Wish,
-    generator: np.random.Generator,
-    coarse: Skeleton | None = None,
-    cfg: SkeletonSamplerCfg | None = None,
-) -> Skeleton:
-    """One skeleton; see `sample_skeletons`."""
-    return sample_skeletons(model, [wish], [generator], [coarse], cfg)[0]
-
-
 @torch.inference_mode()
 def sample_skeletons(
     model: SkeletonModel,

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from aeroscene.corpus.curation.curate import HEADROOM_M
 from aeroscene.learning.tokens.channels import Geometry, site_growth
@@ -43,30 +45,18 @@ def assemble(
     Raises:
         SceneError: If a number is not finite.
     """
-    looks = _draw_looks(skeleton, vocabulary, rng)
-    own = () if kept is None else token_order(kept)
     low, high = _extent(skeleton, geometry)
+    own: tuple[SceneObject, ...] = ()
     if kept is not None:
+        own = token_order(kept)
         low, high = kept.extent_min_enu_m, kept.extent_max_enu_m
-        geometry = _moved_along(skeleton, geometry, kept)
+        geometry = _moved_along(skeleton, geometry, own, (np.array(low) + high) / 2)
+    looks = _draw_looks(skeleton, vocabulary, rng)
     objects: list[SceneObject] = []
     for i in range(1, len(skeleton)):
-        kind = vocabulary.kinds[skeleton.kind_id[i]]
         parent_id = int(skeleton.parent[i]) - 1 if skeleton.parent[i] else None
-        if i <= len(own):
-            objects.append(replace(own[i - 1], id=i - 1, scene_id=scene_id, parent_id=parent_id))
-            continue
-        objects.append(
-            SceneObject(
-                id=i - 1,
-                scene_id=scene_id,
-                parent_id=parent_id,
-                category_id=int(vocabulary.category_id[skeleton.kind_id[i]]),
-                bbox=_box(geometry, i),
-                domain=kind.domain,
-                attributes=looks[i] | dict(kind.attributes) | _openings(geometry, i, kind.openings),
-            )
-        )
+        made = own[i - 1] if i <= len(own) else _made(skeleton, geometry, vocabulary, i, looks[i])
+        objects.append(replace(made, id=i - 1, scene_id=scene_id, parent_id=parent_id))
     pad = next((o for o in objects if o.attributes.get("is_start")), None)
     start = (0.0, 0.0, 0.0) if pad is None else _top_middle(pad)
     return Scene(
@@ -84,18 +74,43 @@ def assemble(
     )
 
 
-def _moved_along(skeleton: Skeleton, geometry: Geometry, kept: Scene) -> Geometry:
+def _made(
+    skeleton: Skeleton,
+    geometry: Geometry,
+    vocabulary: Vocabulary,
+    i: int,
+    looks: dict[str, AttributeValue],
+) -> SceneObject:
+    """The object of a token, as yet without a number, a scene and a parent."""
+    kind = vocabulary.kinds[skeleton.kind_id[i]]
+    return SceneObject(
+        id=0,
+        scene_id="",
+        parent_id=None,
+        category_id=int(vocabulary.category_id[skeleton.kind_id[i]]),
+        bbox=_box(geometry, i),
+        domain=kind.domain,
+        attributes=looks | dict(kind.attributes) | _openings(geometry, i, kind.openings),
+    )
+
+
+def _moved_along(
+    skeleton: Skeleton,
+    geometry: Geometry,
+    own: Sequence[SceneObject],
+    middle_m: Float[np.ndarray, " 3"],
+) -> Geometry:
     """The geometry with all that belongs to what is kept moved along to where this is.
 
     A kind that stands for one that the model never saw may have another height.
     """
-    places = [obj.bbox.p for obj in token_order(kept)]
-    middle = (np.array(kept.extent_min_enu_m) + kept.extent_max_enu_m) / 2
     moved = np.zeros_like(geometry.center_enu_m)
-    moved[0, :2] = middle[:2]
+    moved[0, :2] = middle_m[:2]
     for i in range(1, len(skeleton)):
-        is_own = i <= len(places)
-        moved[i] = places[i - 1] - geometry.center_enu_m[i] if is_own else moved[skeleton.parent[i]]
+        if i <= len(own):
+            moved[i] = own[i - 1].bbox.p - geometry.center_enu_m[i]
+        else:
+            moved[i] = moved[skeleton.parent[i]]
     return replace(geometry, center_enu_m=geometry.center_enu_m + moved)
 
 

@@ -22,7 +22,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg, quarter_turns
-from aeroscene.learning.tokens.kinds import OPENINGS, Vocabulary, site_yaw
+from aeroscene.learning.tokens.kinds import OPENINGS, Vocabulary
+from aeroscene.learning.tokens.placed import site_yaw
 from aeroscene.learning.tokens.skeleton import Skeleton, token_order
 from aeroscene.scene import Scene
 

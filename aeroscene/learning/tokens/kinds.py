@@ -14,12 +14,13 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, get_args
 
 import msgspec
 import numpy as np
 from jaxtyping import Bool, Int
 
+from aeroscene.learning.tokens.placed import ATTACHED_M, SITE, Placed, placed_objects
 from aeroscene.scene import AttributeValue, ObjectDomain, Scene, SceneDomain, SceneObject
 from aeroscene.scene.catalogue import CATALOGUE
 
@@ -41,15 +42,9 @@ OPENINGS = (
 """Continuous attributes: they are diffused beside position, heading and size."""
 _SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra_end")
 """Discrete attributes that decide what shape an object has."""
-_ATTACHED_M = 0.011
-"""Undersides nearer than this to a height are at it."""
-_ALIGNED_RAD = math.radians(0.5)
-_QUARTER_RAD = math.pi / 2
 _USUAL_SHARE = 0.25
 """A height above the parent's underside is usual where this share of the pairs keeps it."""
 _NO_LIFT = math.nan
-_SITE = ""
-"""Category of the site, which is no object."""
 
 
 class Kind(msgspec.Struct, frozen=True, order=True):
@@ -68,7 +63,7 @@ class Kind(msgspec.Struct, frozen=True, order=True):
     @property
     def is_site(self) -> bool:
         """Whether this is the flight volume, not an object."""
-        return self.category == _SITE
+        return self.category == SITE
 
     @property
     def is_start(self) -> bool:
@@ -147,7 +142,7 @@ class Vocabulary:
         Raises:
             KeyError: If the corpus had no such object.
         """
-        return self.number[_kind(_Placed(obj, parent, site_yaw_rad), self.lifts_m)]
+        return self.number[_kind(Placed(obj, parent, site_yaw_rad), self.lifts_m)]
 
     def nearest_kind_of(
         self, obj: SceneObject, parent: SceneObject | None, site_yaw_rad: float = 0.0
@@ -157,7 +152,7 @@ class Vocabulary:
         Raises:
             KeyError: If the corpus had nothing of the category.
         """
-        wanted = _kind(_Placed(obj, parent, site_yaw_rad), self.lifts_m)
+        wanted = _kind(Placed(obj, parent, site_yaw_rad), self.lifts_m)
         if wanted in self.number:
             return self.number[wanted]
         alike = [kind for kind in self.kinds if kind.category == wanted.category]
@@ -185,7 +180,7 @@ class Vocabulary:
 
 def count_kinds(scenes: Iterable[Scene]) -> Vocabulary:
     """The vocabulary of a corpus."""
-    placed = [each for scene in scenes for each in _placed(scene)]
+    placed = [each for scene in scenes for each in placed_objects(scene)]
     lifts_m = _usual_lifts(placed)
     looks: defaultdict[Kind, Counter[str]] = defaultdict(Counter)
     for each in placed:
@@ -200,68 +195,10 @@ def count_kinds(scenes: Iterable[Scene]) -> Vocabulary:
 
 
 def _site(domain: SceneDomain) -> Kind:
-    return Kind(_SITE, "outdoor", "lift", is_aligned=True, attributes=(("domain", domain),))
+    return Kind(SITE, "outdoor", "lift", is_aligned=True, attributes=(("domain", domain),))
 
 
-class _Placed(NamedTuple):
-    """An object with what it is attached to."""
-
-    obj: SceneObject
-    parent: SceneObject | None
-    site_yaw_rad: float
-
-    @property
-    def category(self) -> str:
-        """Of the parent."""
-        return _SITE if self.parent is None else self.parent.category
-
-    @property
-    def rise_m(self) -> float:
-        """Height of the underside above the parent's."""
-        return underside_m(self.obj) - underside_m(self.parent)
-
-    @property
-    def is_on_top(self) -> bool:
-        """Whether it stands on the upper face of its parent."""
-        parent = self.parent
-        if parent is None:
-            return False
-        return abs(underside_m(self.obj) - underside_m(parent) - parent.bbox.s[2]) < _ATTACHED_M
-
-    @property
-    def is_aligned(self) -> bool:
-        """Whether its heading is a multiple of a quarter turn to the parent's."""
-        yaw = self.site_yaw_rad if self.parent is None else self.parent.bbox.yaw_rad
-        turn = math.remainder(self.obj.bbox.yaw_rad - yaw, _QUARTER_RAD)
-        return abs(turn) < _ALIGNED_RAD
-
-
-def _placed(scene: Scene) -> list[_Placed]:
-    by_id, yaw = scene.object_by_id, site_yaw(scene)
-    return [
-        _Placed(obj, None if obj.parent_id is None else by_id[obj.parent_id], yaw)
-        for obj in scene.objects
-    ]
-
-
-def site_yaw(scene: Scene) -> float:
-    """Heading of the ground plan, from -45 to 45 degrees: that of most of what stands on it."""
-    headings = Counter(
-        round(math.remainder(obj.bbox.yaw_rad, _QUARTER_RAD), 4)
-        for obj in scene.objects
-        if obj.parent_id is None
-    )
-    if not headings:
-        return 0.0
-    return min(headings.items(), key=lambda item: (-item[1], abs(item[0]), item[0]))[0]
-
-
-def underside_m(obj: SceneObject | None) -> float:
-    """Height of the lower face of an upright box; that of the site is the ground."""
-    return 0.0 if obj is None else obj.bbox.p[2] - obj.bbox.s[2] / 2
-
-
-def _usual_lifts(placed: Sequence[_Placed]) -> dict[tuple[str, str], float]:
+def _usual_lifts(placed: Sequence[Placed]) -> dict[tuple[str, str], float]:
     heights: defaultdict[tuple[str, str], Counter[float]] = defaultdict(Counter)
     for each in placed:
         if not each.is_on_top:
@@ -274,7 +211,7 @@ def _usual_lifts(placed: Sequence[_Placed]) -> dict[tuple[str, str], float]:
     return lifts
 
 
-def _kind(placed: _Placed, lifts_m: Mapping[tuple[str, str], float]) -> Kind:
+def _kind(placed: Placed, lifts_m: Mapping[tuple[str, str], float]) -> Kind:
     obj = placed.obj
     return Kind(
         obj.category,
@@ -299,11 +236,11 @@ def _differences(kind: Kind, wanted: Kind) -> tuple[int, ...]:
     )
 
 
-def _attachment(placed: _Placed, lifts_m: Mapping[tuple[str, str], float]) -> Attachment:
+def _attachment(placed: Placed, lifts_m: Mapping[tuple[str, str], float]) -> Attachment:
     if placed.is_on_top:
         return "top"
     lift = lifts_m.get((placed.obj.category, placed.category), _NO_LIFT)
-    return "lift" if abs(placed.rise_m - lift) < _ATTACHED_M else "free"
+    return "lift" if abs(placed.rise_m - lift) < ATTACHED_M else "free"
 
 
 def _looks(obj: SceneObject) -> str:

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Int
 
-from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, site_yaw
+from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary
+from aeroscene.learning.tokens.placed import site_yaw
 from aeroscene.scene import Scene, SceneDomain, SceneObject
 
 

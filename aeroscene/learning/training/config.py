@@ -73,19 +73,6 @@ class TrainCfg:
         require(ok=ok, name="average_decay", value=self.average_decay, valid="0 to below 1")
 
 
-PAPER_TRAINING = TrainCfg(
-    batch_size=64,
-    optimiser="adam",
-    learning_rate=2e-4,
-    weight_decay=0.0,
-    schedule="cosine",
-    warmup_steps=0,
-    clip_norm=0.0,
-    average_decay=0.0,
-)
-"""Section 4.1, "Implementation Details": Adam at 2e-4, batches of 64, cosine schedule."""
-
-
 @dataclass(frozen=True, slots=True)
 class Budget:
     """How long to train: so many steps, or so many seconds, whatever ends first."""

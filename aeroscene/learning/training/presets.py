@@ -8,16 +8,14 @@ from typing import Any, get_args
 
 from aeroscene.learning.diffusion.loss import LossCfg
 from aeroscene.learning.diffusion.schedule import ScheduleCfg
-from aeroscene.learning.model.config import ModelCfg, paper_cfg
-from aeroscene.learning.paper.guidance.objectives import ObjectivesCfg
-from aeroscene.learning.paper.guidance.semantic import SemanticPriorCfg
+from aeroscene.learning.model.config import ModelCfg
+from aeroscene.learning.paper.preset import PAPER_SECTIONS
 from aeroscene.learning.skeleton.config import SkeletonCfg, SkeletonTrainingCfg
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.training.checkpoint import Part
-from aeroscene.learning.training.config import PAPER_TRAINING, Preset, TrainCfg, TrainingError
+from aeroscene.learning.training.config import Preset, TrainCfg, TrainingError
 from aeroscene.learning.training.settings import section_from_plain, section_to_plain
-from aeroscene.scene.catalogue import CATALOGUE
 
 _SHARED = ("model", "schedule", "loss", "training")
 Sections = Mapping[str, Any]
@@ -32,23 +30,8 @@ _DEFAULT: Sections = {
     "skeleton": SkeletonCfg(),
     "skeleton_training": SkeletonTrainingCfg(),
 }
-_PAPER: Sections = {
-    "model": paper_cfg(len(CATALOGUE)),
-    "schedule": ScheduleCfg(kind="linear"),
-    # The paper leaves lambda_guide open but for "small", and does not supervise its gate.
-    "loss": LossCfg(
-        parameterisation="eps",
-        is_stratified=False,
-        guide_weight=0.1,
-        guide_scenes=8,
-        gate_weight=0.1,
-    ),
-    "training": PAPER_TRAINING,
-    "prior": SemanticPriorCfg(n_categories=len(CATALOGUE)),
-    "guidance": ObjectivesCfg(),
-}
 _KINDS: Mapping[str, type] = {
-    name: type(section) for name, section in {**_DEFAULT, **_PAPER}.items()
+    name: type(section) for name, section in {**_DEFAULT, **PAPER_SECTIONS}.items()
 }
 PARTS: Mapping[Preset, tuple[Part, ...]] = {
     "default": ("skeleton", "denoiser"),
@@ -65,7 +48,7 @@ def preset_sections(preset: Preset) -> dict[str, Any]:
     """
     if preset not in get_args(Preset):
         raise TrainingError(f"preset is {preset!r}, valid: {', '.join(get_args(Preset))}")
-    return dict(_PAPER if preset == "paper" else _DEFAULT)
+    return dict(PAPER_SECTIONS if preset == "paper" else _DEFAULT)
 
 
 def is_flat(sections: Sections) -> bool:

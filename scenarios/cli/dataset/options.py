@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 import tyro
 
-from aeroscene.corpus.dataset import Dataset, DatasetError, SceneSet, open_dataset
+from aeroscene.corpus.dataset import Dataset, DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
+from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.scene_numbers import scene_numbers
 
 Data = tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="DIR|shipped")]]

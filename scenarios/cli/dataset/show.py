@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from aeroscene.corpus.dataset import DatasetError, SceneSet
+from aeroscene.corpus.dataset import DatasetError
+from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.command_line import EXIT_DONE
 from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar

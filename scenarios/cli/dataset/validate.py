@@ -9,7 +9,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from aeroscene.corpus.dataset import DatasetError, SceneSet
+from aeroscene.corpus.dataset import DatasetError
+from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar

@@ -1,7 +1,8 @@
 """Pictures into a file that moves.
 
-VP9 in MP4 or WebM by the FFmpeg within OpenCV: every browser plays it, and no library is needed
-that the product does not have. (Wheels that encode H.264 carry x264, which is under the GPL.)
+VP9 in MP4 or VP8 in WebM by the FFmpeg within OpenCV: browsers play both, and no library is needed
+that the product does not have. (Wheels that encode H.264 carry x264, which is under the GPL.) At
+864 x 432 a picture takes 0.34 s of a core as VP9 and 0.09 s as VP8, which is twice as large.
 """
 
 from __future__ import annotations
@@ -32,10 +33,10 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     height, width = (edge - edge % 2 for edge in first.shape[:2])
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=".film-") as folder:
         draft = Path(folder) / out.name
-        codec = cv2.VideoWriter.fourcc(*"VP90" if out.suffix == ".webm" else "vp09")
+        codec = cv2.VideoWriter.fourcc(*"VP80" if out.suffix == ".webm" else "vp09")
         writer = cv2.VideoWriter(str(draft), codec, fps, (width, height))
         if not writer.isOpened():
-            raise OSError("OpenCV has no VP9 encoder here")
+            raise OSError("OpenCV has no encoder for it here")
         for picture in itertools.chain([first], pictures):
             writer.write(np.ascontiguousarray(picture[:height, :width, ::-1]))
         writer.release()

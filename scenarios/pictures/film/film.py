@@ -17,7 +17,7 @@ from scenarios.pictures.story import PictureError
 from scenarios.recording.chase import FOV_RAD, ChaseEye
 
 SUFFIXES = (".mp4", ".webm", ".webp", ".gif")
-_VIDEO_PX, _VIDEO_FPS = 648, 25.0
+_VIDEO_PX, _VIDEO_FPS = 432, 20.0
 _LOOP_PX, _LOOP_FPS, _LOOP_SPEED = 324, 10.0, 2.0
 """Of a picture that moves on a page, where every byte is loaded: it plays twice as fast."""
 _WORDS_PX = 36

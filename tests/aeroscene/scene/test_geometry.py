@@ -9,15 +9,14 @@ from hypothesis import strategies as st
 
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import (
-    NotUprightError,
     box_corners,
-    footprint_rectangle,
     quat_from_yaw,
     quat_product,
     rotation_matrix,
 )
-from aeroscene.scene.geometry import layer, penetration_depth, signed_distance
+from aeroscene.scene.geometry import layer, penetration_depth
 from aeroscene.scene.overlap import iou
+from tests.aeroscene.scene.points import signed_distance
 
 places = st.floats(-3, 3)
 lengths = st.floats(0.2, 4)
@@ -131,12 +130,6 @@ def test_iou_of_a_cube_on_its_edge_in_a_slab_is_the_analytic_value():
 
 def quat_about_x(angle_rad: float):
     return (math.cos(angle_rad / 2), math.sin(angle_rad / 2), 0.0, 0.0)
-
-
-def test_the_outline_of_a_tilted_box_is_refused():
-    tilted = OrientedBox((0.0, 0.0, 0.0), (0.8, 0.6, 0.0, 0.0), (1.0, 1.0, 1.0))
-    with pytest.raises(NotUprightError, match="a turn about z only"):
-        footprint_rectangle(tilted)
 
 
 @given(upright_boxes(), quaternions(), st.floats(-1.5, 1.5), st.floats(0.1, 2.0))

@@ -191,7 +191,7 @@ def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
         (["build", "--scenes", "0:1017"], "from 0 to 1015"),
         (["build", "--scenes", "one"], "scenes 'one'"),
         (["build", "--jobs", "0"], "jobs 0 is out of range, valid: 1 to 512 processes"),
-        (["build", "--jobs", "many"], "--jobs"),
+        (["build", "--jobs", "many"], "jobs 'many' is not valid; valid: a whole number"),
         (["build", "--out", "{file}"], "{file}"),
         (["stats", "{absent}"], "'{absent}' holds no dataset"),
         (["stats", "{file}"], "folder '{file}' is a file"),
@@ -201,9 +201,12 @@ def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
         (["validate", "{absent}"], "valid: a folder that aeroscene dataset build has made"),
         (["show", "{corpus}", "--out", "sheet.gif"], "out 'sheet.gif' is no .png file"),
         (["show", "{corpus}", "--columns", "0"], "columns 0 is out of range, valid: 1 to 50"),
-        (["show", "{corpus}", "--viewer", "vr"], "--viewer"),
+        (
+            ["show", "{corpus}", "--viewer", "vr"],
+            "viewer 'vr' is not valid; valid: ",
+        ),
         (["frobnicate"], "frobnicate"),
-        ([], "Expected one of {{build, stats, validate, show, unpack}}"),
+        ([], "no command; valid: build, stats, validate, show, unpack"),
     ],
 )
 def test_bad_input_ends_with_status_2_and_one_line(built, tmp_path, capsys, args, says):
@@ -250,7 +253,7 @@ def test_stats_prints_the_papers_table_as_one_object(built, tmp_path, capsys):
     entries = open_dataset(built[0]).entries
     assert found["objects"]["value"] == sum(e.n_objects for e in entries)
     assert found["objects"]["test"] == {"value": entries[0].n_objects, "paper": 37654}
-    assert found["domains"]["indoor"] == {"scenes": 1, "share": pytest.approx(1 / 3)}
+    assert found["domains"]["indoor"] == {"scenes": 1, "share": 0.3333}
     assert len(found["categories"]) == 70
     counted = sum(category["objects"] for category in found["categories"].values())
     assert counted == found["objects"]["value"]

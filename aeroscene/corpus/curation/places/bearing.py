@@ -3,42 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.scene import AttributeValue, Vector3
-
-
-class Bearing(Protocol):
-    """Something that carries objects and becomes their parent."""
-
-    @property
-    def builder(self) -> Builder:
-        """The scene."""
-        ...
-
-    @property
-    def draw(self) -> Draw:
-        """Chance."""
-        ...
-
-    def stand(
-        self,
-        name: str,
-        frame: Frame,
-        u: float,
-        v: float,
-        size: Vector3 | None = None,
-        *,
-        turn: float = 0.0,
-        margin: float = 0.04,
-        attributes: dict[str, AttributeValue] | None = None,
-    ) -> Placed | None:
-        """Stand something at a place of any frame, or nothing where it does not fit."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +82,10 @@ class Platform:
             margin=margin,
             attributes=attributes,
         )
+
+
+Bearing = OpenGround | Platform
+"""Something that carries objects."""
 
 
 def on_top(ground: Ground, bearer: Placed) -> Platform:

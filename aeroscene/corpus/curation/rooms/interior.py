@@ -20,8 +20,13 @@ _TRIES = 6
 _INDOOR_SIZES: dict[str, Vector3] = {"bin": (0.42, 0.42, 0.8), "sign": (0.2, 1.3, 2.3)}
 
 SIDES = ("front", "back", "left", "right")
-# Turn of the wall's frame in the room: v leads from the wall into the room.
-_WALLS = {"front": QUARTER, "back": -QUARTER, "left": pi, "right": 0.0}
+# Where a wall is, in half sides of the room, and its turn: v leads from the wall into the room.
+_WALLS = {
+    "front": (1, 0, QUARTER),
+    "back": (-1, 0, -QUARTER),
+    "left": (0, 1, pi),
+    "right": (0, -1, 0.0),
+}
 _STYLED = frozenset(
     ("table", "chair", "desk", "cabinet", "shelf", "coffee_table", "nightstand", "sofa", "armchair")
 )
@@ -72,14 +77,9 @@ class Interior:
     def wall(self, side: str) -> tuple[Frame, float]:
         """Frame in the middle of a wall's foot with v into the room, and the wall's length."""
         x, y, _ = self.room.size
-        place: dict[str, tuple[float, float]] = {
-            "front": (x / 2, 0),
-            "back": (-x / 2, 0),
-            "left": (0, y / 2),
-            "right": (0, -y / 2),
-        }
-        length = y if side in {"front", "back"} else x
-        return self.room.frame.moved(*place[side], _WALLS[side]), length
+        along, across, turn = _WALLS[side]
+        frame = self.room.frame.moved(along * x / 2, across * y / 2, turn)
+        return frame, y if along else x
 
     def some_side(self) -> str:
         """A wall by chance."""

@@ -5,8 +5,8 @@ import torch
 
 from aeroscene.learning.paper.guidance.coarse_to_fine import coarse_to_fine_loss
 from aeroscene.scene.box import quat_from_yaw
-from aeroscene.scene.geometry import signed_distance
 from tests.aeroscene.learning.guidance.layouts import random_layout
+from tests.aeroscene.scene.points import signed_distance
 
 
 def test_paper_form_sums_distances_to_the_nearest_coarse_centre():

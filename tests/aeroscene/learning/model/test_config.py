@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from aeroscene.learning.model import ModelCfg, ModelCfgError, paper_cfg
+from aeroscene.learning.model import ModelCfg, ModelCfgError
+from aeroscene.learning.paper.preset import paper_cfg
 
 
 @pytest.mark.parametrize(

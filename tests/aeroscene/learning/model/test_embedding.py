@@ -5,9 +5,10 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from aeroscene.learning.model import ModelCfg, paper_cfg
+from aeroscene.learning.model import ModelCfg
 from aeroscene.learning.model.embedding import LayoutEmbedding, TokenEmbedding
 from aeroscene.learning.model.encoding import sinusoid
+from aeroscene.learning.paper.preset import paper_cfg
 from aeroscene.learning.tokens.batch import TokenBatch
 from tests.aeroscene.learning.model.trees import N_KINDS, tree_batch
 

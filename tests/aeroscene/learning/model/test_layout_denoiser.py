@@ -9,8 +9,9 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aeroscene.learning.model import HierarchicalDenoiser, ModelCfg, paper_cfg
+from aeroscene.learning.model import HierarchicalDenoiser, ModelCfg
 from aeroscene.learning.paper.network.attention import ScaleAttention
+from aeroscene.learning.paper.preset import paper_cfg
 from aeroscene.learning.tokens.batch import TokenBatch
 from tests.aeroscene.learning.model.trees import N_KINDS, tree_batch
 

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from aeroscene.learning.skeleton.config import SkeletonError, SkeletonTrainingCfg
-from aeroscene.learning.skeleton.sample import sample_skeleton, sample_skeletons
+from aeroscene.learning.skeleton.sample import sample_skeletons
 from aeroscene.learning.skeleton.train import TrainedSkeletonModel, train_skeleton
 from aeroscene.learning.skeleton.tree import Tree
 from aeroscene.learning.tokens.kinds import Kind, Vocabulary
@@ -28,6 +28,10 @@ from tests.aeroscene.learning.skeleton.toy import (
 )
 
 WISHES = [wish for _, wish in toy_corpus(24, seed=8)]
+
+
+def sample_skeleton(model, wish, generator, coarse=None, cfg=None):
+    return sample_skeletons(model, [wish], [generator], [coarse], cfg)[0]
 
 
 def _rngs(n: int, seed: int = 0) -> list[np.random.Generator]:

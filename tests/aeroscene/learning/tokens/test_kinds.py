@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds, site_yaw
+from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds
+from aeroscene.learning.tokens.placed import site_yaw
 from aeroscene.learning.tokens.training_set import TrainingSet
 from aeroscene.scene import OrientedBox, Scene
 from aeroscene.scene.box import quat_from_yaw

@@ -7,7 +7,8 @@ from torch import nn
 from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.network import HierarchicalDenoiser
-from aeroscene.learning.training.config import PAPER_TRAINING, Budget, TrainCfg, TrainingError
+from aeroscene.learning.paper.preset import PAPER_TRAINING
+from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.loop import (
     DenoiserTraining,
     batch_generator,

@@ -1,0 +1,99 @@
+"""What flies: how fast it may move, its mass and thrust, and how plans for it are made."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.planning.certificate import certify
+from autonomy.planning.errors import PlanningError
+from autonomy.planning.limits import FlightLimits
+from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
+from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PlannerCfg:
+    """How a plan is made."""
+
+    vehicle_radius_m: float
+    """Of a sphere about the centre of mass that holds the vehicle."""
+    method: Literal["optimise", "primitives"] = "optimise"
+    """Space and time optimised over a corridor, or the motion primitives of Mueller et al. 2015."""
+    margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
+    """Distances from that sphere to obstacles to aim at; the first that gives a plan is taken."""
+    min_margin_m: float = 0.05
+    """What the proof demands beyond the sphere."""
+    comfortable_m: float = 1.5
+    """Beyond this distance to the sphere, closeness to obstacles has no price in the search."""
+    max_piece_m: float = 12.0
+    """Longer legs are flown in several pieces."""
+    min_pieces: int = 1
+    """More pieces can bend more often, and take longer to plan."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no plan can be made by."""
+        checks = {
+            "vehicle_radius_m": (0 < self.vehicle_radius_m < math.inf, "a positive number"),
+            "method": (self.method in ("optimise", "primitives"), "'optimise' or 'primitives'"),
+            "margins_m": (
+                len(self.margins_m) > 0 and all(0 <= m < math.inf for m in self.margins_m),
+                "one or more, none negative",
+            ),
+            "min_margin_m": (0 <= self.min_margin_m < math.inf, "not negative"),
+            "max_piece_m": (self.max_piece_m > 0, "a positive number"),
+        }
+        for name, (is_valid, valid) in checks.items():
+            if not is_valid:
+                raise PlanningError(f"{name} {getattr(self, name)!r} is not valid; valid: {valid}")
+
+
+@dataclass(frozen=True, slots=True)
+class Craft:
+    """What a plan is made for."""
+
+    limits: FlightLimits
+    """Of the motion."""
+    quadrotor: QuadrotorParams
+    """Mass, thrust and drag."""
+    cfg: PlannerCfg
+    """Size, margins and method."""
+
+    @property
+    def keep_m(self) -> float:
+        """Distance from the centre of mass that the proof demands."""
+        return self.cfg.vehicle_radius_m + self.cfg.min_margin_m
+
+    def prove(
+        self,
+        trajectory: Trajectory,
+        obstacles: Obstacles,
+        *,
+        moving: MovingObstacles = NOTHING_MOVES,
+        margin_m: float | None = None,
+    ) -> Trajectory:
+        """The trajectory with its proved clearance.
+
+        Args:
+            trajectory: To be proved.
+            obstacles: What stands.
+            moving: What moves, predicted from the trajectory's time 0 on.
+            margin_m: Beyond the vehicle's sphere; None for `min_margin_m`.
+
+        Raises:
+            CertificateError: If it breaks the clearance or a limit.
+        """
+        proof = certify(
+            trajectory,
+            obstacles,
+            self.cfg.vehicle_radius_m,
+            self.limits,
+            self.quadrotor,
+            margin_m=self.cfg.min_margin_m if margin_m is None else margin_m,
+            moving=moving,
+        )
+        return dataclasses.replace(trajectory, min_clearance_m=proof.min_clearance_m)

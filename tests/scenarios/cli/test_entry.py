@@ -1,0 +1,59 @@
+"""The console scripts: one command, its version, and Ctrl-C at any moment."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+
+import psutil
+import pytest
+
+SITL = "import sys; from scenarios.cli.entry import aeroscene_sitl; sys.exit(aeroscene_sitl())"
+AEROSCENE = "import sys; from scenarios.cli.entry import aeroscene; sys.exit(aeroscene())"
+
+
+def start(*command):
+    return subprocess.Popen(
+        [sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+@pytest.mark.parametrize("command", [["-m", "aeroscene"], ["-c", AEROSCENE], ["-c", SITL]])
+def test_every_way_in_says_the_version_in_one_line(command):
+    output, errors = start(*command, "--version").communicate(timeout=60)
+    assert (output, errors) == (f"aeroscene {version('aeroscene')}\n", "")
+
+
+def test_the_testbench_is_a_command_among_the_others():
+    command = ["sitl", "7", "--headless-seconds", "0.1", "--speed", "max", "--instance", "98"]
+    output, errors = start("-m", "aeroscene", *command).communicate(timeout=100)
+    assert "Scene aeroscene-0007" in errors
+    assert "simulated" in output
+
+
+def test_output_that_is_not_read_to_its_end_leaves_no_traceback():
+    process = start("-m", "aeroscene", "--help")
+    with process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        assert process.stderr.read() == ""
+
+
+@pytest.mark.parametrize("after_s", [0.2, 0.5, 0.9, 1.4, 2.0])
+def test_ctrl_c_while_starting_ends_without_a_word_and_leaves_nothing(tmp_path, after_s):
+    record = str(tmp_path / "x.rrd")
+    args = ["--demo", "--viewer", "web", "--record", record, "--instance", "97"]
+    process = start("-c", SITL, *args)
+    time.sleep(after_s)
+    children = psutil.Process(process.pid).children(recursive=True)
+    os.kill(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    is_flying = "Ctrl-C ends" in errors
+    assert process.returncode == (1 if is_flying else 130)
+    assert is_flying or len(errors.splitlines()) <= 1, errors
+    assert "Traceback" not in errors
+    assert "ignored" not in errors
+    assert not psutil.wait_procs(children, timeout=10)[1]
