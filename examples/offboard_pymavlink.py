@@ -16,7 +16,7 @@ POSITION_ONLY = 0b1101_1111_1000  # ignore velocity, acceleration, yaw and yaw r
 
 
 def position(drone):
-    """Where it is now, in the local frame: north, east, down."""
+    """Present position in the local frame: north, east, down."""
     at = drone.recv_match(type="LOCAL_POSITION_NED", blocking=True, timeout=5)
     return at.x, at.y, at.z
 

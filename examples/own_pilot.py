@@ -13,7 +13,7 @@ TOP_M, HOVER_M, SPEED_MPS = 19.0, 3.0, 2.5
 
 
 class StraightPilot:
-    """What `scenarios.Companion` asks for: `area`, `verdict`, `is_done`, `update`."""
+    """A `scenarios.Companion`, with its `area`, `verdict`, `is_done` and `update`."""
 
     def __init__(self, aboard: Aboard) -> None:
         self.aboard, self.client = aboard, aboard.client

@@ -21,7 +21,7 @@ Observer = Callable[[], None]
 
 
 class Controller(Protocol):
-    """What flies a plant: our autopilot, or a class of one's own."""
+    """Controller of a plant: our autopilot, or a class of one's own."""
 
     def update(self) -> None:
         """Read `plant.estimate` and call `plant.apply`; called after each 20 ms."""

@@ -39,19 +39,19 @@ class TestbenchCfg:
     gnss: Literal["rtk", "standard"] = "rtk"
     """GNSS grade: rtk has decimetre errors, standard metres."""
     aiding: Literal["gnss", "vio", "mocap", "auto"] = "auto"
-    """What tells where the vehicle is: gnss (not in rooms), vio (visual-inertial odometry), mocap
-    (motion capture), or auto, which is GNSS where there is sky and VIO everywhere."""
+    """Position source: gnss (not in rooms), vio (visual-inertial odometry), mocap (motion capture),
+    or auto, which is GNSS under open sky and VIO everywhere."""
     wind: float = 0.0
     """Speed of the steady wind, m/s."""
     wind_from: float = 270.0
-    """Where the wind comes from, degrees clockwise from north: 270 is the west."""
+    """Direction of the wind's origin in degrees clockwise from north: 270 is the west."""
     turbulence: str = "none"
-    """Dryden turbulence: none, natural (what goes with the wind), light, moderate, severe, or the
+    """Dryden turbulence: none, natural (by the steady wind), light, moderate, severe, or the
     standard deviation of its vertical part in m/s."""
     gust: float = 0.0
-    """What a gust adds to the wind at its peak, m/s; 3 s of every 15 s."""
+    """Peak speed that a gust adds to the wind, m/s; 3 s of every 15 s."""
     traffic: str = "none"
-    """What else moves about, as people=3,cars=2,drones=1."""
+    """Movers besides the vehicle, such as people=3,cars=2,drones=1."""
     depth_camera: Literal["exact", "d435", "d455"] = "exact"
     """Depth of the cameras: exact, or with the errors of a RealSense D435 or D455."""
     speed: float | Literal["max"] = 1.0
@@ -102,9 +102,9 @@ class Testbench:
     """Builds every part of a run and owns what must be closed.
 
     Attributes:
-        simulator: The loop; its `run` and `step` let time pass.
+        simulator: Simulation loop; its `run` and `step` advance time.
         pilot_link: Lockstep MAVLink for a companion inside this process.
-        observers: Called in this order at the end of each tick; append what should look on.
+        observers: Called in this order at the end of each tick; append functions to watch.
     """
 
     def __init__(
@@ -120,10 +120,10 @@ class Testbench:
         """Build the world of a scene and open the links.
 
         Args:
-            scene: Where to fly.
-            cfg: What to simulate, and how.
-            airframe: A vehicle of one's own instead of the one that the configuration names.
-            traffic: Movers on paths of their own instead of those of the configuration.
+            scene: Scene to fly in.
+            cfg: Settings of the simulation.
+            airframe: Vehicle of one's own instead of the configured one.
+            traffic: Movers on paths of their own instead of the configured ones.
             has_network: Whether clients outside this process can connect.
             extra_links: MAVLink links besides the in-process one and the network's.
 
@@ -166,11 +166,11 @@ class Testbench:
         )
 
     def connect(self) -> MavlinkClient:
-        """A companion on `pilot_link`; call its `update` with `plant.time_us` after each tick."""
+        """Create a companion on `pilot_link`; `update` it with `plant.time_us` after each tick."""
         return MavlinkClient(self.pilot_link.client, self.frame)
 
     def run(self, seconds: float, until: Callable[[], bool] | None = None) -> None:
-        """Let simulated time pass at the configured speed, until `until()` holds if it is given."""
+        """Advance simulated time at the configured speed, until `until()` holds if it is given."""
         self.simulator.run(until_us=self.plant.time_us + round(seconds * 1e6), stop=until)
 
     def close(self) -> None:

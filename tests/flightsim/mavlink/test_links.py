@@ -220,9 +220,9 @@ def test_a_ninth_tcp_client_is_turned_away(tcp):
 
 
 def test_a_port_in_use_is_named_with_the_way_out(udp, tcp):
-    with pytest.raises(PortInUseError, match=rf"UDP port {udp.local[1]} .*--instance N"):
+    with pytest.raises(PortInUseError, match=rf"UDP port {udp.local[1]} .*another --instance"):
         _Host(UdpLink(local_port=udp.local[1], remote_port=1))
-    with pytest.raises(PortInUseError, match=rf"TCP port {tcp.address[1]} .*--instance N"):
+    with pytest.raises(PortInUseError, match=rf"TCP port {tcp.address[1]} .*another --instance"):
         _Host(TcpServerLink(port=tcp.address[1]))
 
 
