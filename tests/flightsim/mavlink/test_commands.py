@@ -69,10 +69,9 @@ def test_modes_are_set_by_their_standard_numbers_and_by_the_old_message(flight):
         == ACCEPTED
     )
     assert flight.autopilot.mode is Mode.RETURN
-    assert (
-        flight.command(mav.MAV_CMD_DO_SET_STANDARD_MODE, 3) == DENIED
-        or flight.autopilot.mode is not Mode.RETURN
-    )
+    cruise = mav.MAV_STANDARD_MODE_CRUISE
+    assert flight.command(mav.MAV_CMD_DO_SET_STANDARD_MODE, cruise) == DENIED
+    assert flight.autopilot.mode is Mode.RETURN
     flight.send("SET_MODE", 1, 1, 4 << 16 | 3 << 24)
     flight.step()
     assert flight.autopilot.mode is Mode.HOLD
