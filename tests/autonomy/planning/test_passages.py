@@ -12,8 +12,8 @@ from autonomy.planning import (
 )
 from autonomy.planning.openings import opening_at
 from autonomy.types import FlatReference
-from tests.autonomy.planning_worlds import field_of, quadrotor
 from tests.autonomy.planning.test_openings import room_with
+from tests.autonomy.planning_worlds import field_of, quadrotor
 
 RADIUS_M = 0.35
 CFG = PlannerCfg(vehicle_radius_m=RADIUS_M, min_margin_m=0.02)
