@@ -28,8 +28,8 @@ _LEG_RADIUS_M = 0.009
 _ARM_RADIUS_M = 0.010
 
 # Contact of the vehicle with anything, chosen by dropping it from 0.3 m on slopes of 0 to 8 degrees
-# (tests/flightsim/vehicles/test_builder.py): overdamped legs rebound at 5 % of the impact's speed, where
-# critical damping gave 14 %, and give 21 mm; friction lets it creep 0.04 mm/s at 8 degrees.
+# (tests/flightsim/vehicles/test_builder.py): overdamped legs rebound at 5 % of the impact's speed,
+# where critical damping gave 14 %, and give 21 mm; friction lets it creep 0.04 mm/s at 8 degrees.
 _CONTACT: dict[str, Any] = {
     "contype": 1,
     "conaffinity": 1,

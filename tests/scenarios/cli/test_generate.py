@@ -127,7 +127,7 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
         (("--complete", "none.json"), "none.json"),
         (("--complete", "42", "--outline", "60,60"), "valid: one of the two"),
         (("--progress", "strip.jpg"), "progress 'strip.jpg' is no .png file"),
-        (("--domain", "sea"), "domain 'sea' is not valid; valid: any, outdoor"),
+        (("--domain", "sea"), "domain 'sea' is not valid; valid: "),
         (("--device", "cuda:9"), "device 'cuda:9' is not there, valid here: auto, cpu"),
         (("--checkpoint", "none.safetensors"), "checkpoint 'none.safetensors' cannot be read"),
     ],

@@ -169,7 +169,7 @@ def refused(capsys, args):
         (("--threads", 0), "threads is 0, valid: 1 to 1024"),
         (("--save-minutes", 0), "save_minutes is 0.0, valid: more than 0"),
         (("--resume",), "holds no training to resume (state.safetensors is missing)"),
-        (("--preset", "best"), "preset 'best' is not valid; valid: default, paper"),
+        (("--preset", "best"), "preset 'best' is not valid; valid: "),
         (("--parts", "prior"), "parts is 'prior', valid: skeleton, denoiser with preset default"),
         (("--take", "none.safetensors"), "checkpoint 'none.safetensors' cannot be read"),
     ],
