@@ -80,15 +80,15 @@ def _sense_range(
 class SensorReadings:
     """The latest sample of every sensor, read out of the plant's record when asked for."""
 
-    __slots__ = ("_record", "_tick_us")
+    __slots__ = ("_records", "_tick_us")
 
     def __init__(self, record: np.void, tick_us: int) -> None:
-        self._record = record
+        self._records = {sensor.name: record[sensor.name] for sensor in SENSORS}
         self._tick_us = tick_us
 
     def read(self, sensor: Sensor) -> Any:
         """The latest sample of a sensor of `SENSORS`."""
-        return sensor.read(self._record[sensor.name], self._tick_us)
+        return sensor.read(self._records[sensor.name], self._tick_us)
 
     @property
     def imu(self) -> ImuReading:

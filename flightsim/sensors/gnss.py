@@ -15,10 +15,10 @@ import numpy as np
 from autonomy.estimation.alignment import collect_fix
 from autonomy.estimation.fusion import fuse_gnss
 from autonomy.jit import kernel
-from autonomy.types import Vector3, vector3
+from autonomy.types import Vector3
 from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
-from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, time_us
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, numbers
 
 N_GNSS_PAST = 64
 """IMU ticks that the receiver remembers; the longest delay."""
@@ -180,19 +180,25 @@ class GnssReading:
     n_satellites: int
 
 
+_numbers = numbers(
+    *("tick", "position_enu_m", "velocity_enu_mps", "fix_type", "n_satellites"),
+    *("reported_accuracy_m", "settling_sigma_m"),
+    *("is_enabled", "under_sky_ticks", "reacquire_ticks"),
+)
+
+
 def _read(r: np.void, tick_us: int) -> GnssReading:
-    is_heard = r["is_enabled"] == 1 and r["under_sky_ticks"] >= r["reacquire_ticks"]
-    is_fixed = is_heard and r["tick"] >= 0
-    settling = float(r["settling_sigma_m"])
-    horizontal, vertical = r["reported_accuracy_m"].tolist()
+    tick, position, velocity, fix_type, n_satellites, accuracy, settling, *heard = _numbers(r)
+    is_enabled, under_sky_ticks, reacquire_ticks = heard
+    is_fixed = is_enabled == 1 and under_sky_ticks >= reacquire_ticks and tick >= 0
     return GnssReading(
-        time_us=time_us(r, tick_us),
-        position_enu_m=vector3(r["position_enu_m"]),
-        velocity_enu_mps=vector3(r["velocity_enu_mps"]),
-        fix_type=int(r["fix_type"]) if is_fixed else 1,
-        eph_m=math.hypot(horizontal, settling) if is_fixed else math.inf,
-        epv_m=math.hypot(vertical, settling) if is_fixed else math.inf,
-        n_satellites=int(r["n_satellites"]) if is_fixed else 0,
+        time_us=max(0, tick) * tick_us,
+        position_enu_m=position,
+        velocity_enu_mps=velocity,
+        fix_type=fix_type if is_fixed else 1,
+        eph_m=math.hypot(accuracy[0], settling) if is_fixed else math.inf,
+        epv_m=math.hypot(accuracy[1], settling) if is_fixed else math.inf,
+        n_satellites=n_satellites if is_fixed else 0,
     )
 
 

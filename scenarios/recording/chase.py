@@ -15,6 +15,9 @@ from flightsim.world import World
 FOV_RAD = math.radians(55.0)
 """Vertical angle of view that the distance is made for."""
 _BEHIND_M, _ABOVE_M = 2.9, 1.6
+_FULL_M = math.hypot(_BEHIND_M, _ABOVE_M)
+_STEPS_A_LOOK = 3
+"""Steps from one look for walls to the next."""
 _LEAST_M = 0.7
 """The eye comes no nearer, whatever is behind the vehicle."""
 _CLEAR_OF_WALLS = 0.85
@@ -38,7 +41,8 @@ class ChaseEye:
         """
         self._model, self._data = world.model, world.new_data()
         self._heading_rad = heading_rad
-        self._distance_m = math.hypot(_BEHIND_M, _ABOVE_M)
+        self._distance_m = self._room_m = _FULL_M
+        self._n_steps = 0
         self._geom = np.zeros(1, dtype=np.int32)
 
     def follow(
@@ -52,20 +56,18 @@ class ChaseEye:
         if math.hypot(u, v) > _MOVING_MPS:
             turn_rad = math.remainder(math.atan2(v, u) - self._heading_rad, math.tau)
             self._heading_rad += turn_rad * min(1.0, step_s / _TURN_S)
-        away = np.array(
-            [
-                -_BEHIND_M * math.cos(self._heading_rad),
-                -_BEHIND_M * math.sin(self._heading_rad),
-                _ABOVE_M,
-            ]
-        )
-        full_m = float(np.linalg.norm(away))
-        away /= full_m
-        hit_m = mujoco.mj_ray(
-            self._model, self._data, position_enu_m, away, _WALLS, 1, -1, self._geom
-        )
-        room_m = full_m if hit_m < 0 else min(full_m, max(_LEAST_M, _CLEAR_OF_WALLS * hit_m))
-        grown_m = self._distance_m + (full_m - self._distance_m) * min(1.0, step_s / _APPROACH_S)
-        self._distance_m = min(room_m, grown_m)
-        x, y, z = (position_enu_m + self._distance_m * away).tolist()
-        return (x, y, z)
+        level = -_BEHIND_M / _FULL_M
+        a, b = level * math.cos(self._heading_rad), level * math.sin(self._heading_rad)
+        c = _ABOVE_M / _FULL_M
+        if self._n_steps % _STEPS_A_LOOK == 0:
+            away = np.array([a, b, c])
+            hit_m = mujoco.mj_ray(
+                self._model, self._data, position_enu_m, away, _WALLS, 1, -1, self._geom
+            )
+            clear_m = max(_LEAST_M, _CLEAR_OF_WALLS * hit_m)
+            self._room_m = _FULL_M if hit_m < 0 else min(_FULL_M, clear_m)
+        self._n_steps += 1
+        grown_m = self._distance_m + (_FULL_M - self._distance_m) * min(1.0, step_s / _APPROACH_S)
+        d = self._distance_m = min(self._room_m, grown_m)
+        x, y, z = position_enu_m.tolist()
+        return (x + d * a, y + d * b, z + d * c)

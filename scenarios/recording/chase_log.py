@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from autonomy.rotation import yaw_from_quat
@@ -30,11 +31,10 @@ class ChaseLog:
         self._stream = stream
         self._eye: ChaseEye | None = None
         self._times_us: list[int] = []
-        self._poses: list[tuple[float, ...]] = []
+        self._eyes_and_targets: list[tuple[float, ...]] = []
 
     def on_tick(self, plant: Plant) -> None:
         """Follow the vehicle for a tick."""
-        from flightsim.sensors.cameras import look_at  # noqa: PLC0415 - as above
         from scenarios.recording.chase import FOV_RAD, ChaseEye  # noqa: PLC0415 - as above
 
         last = plant.history[-1]
@@ -43,19 +43,18 @@ class ChaseLog:
             self._log_lens(FOV_RAD)
         position = last["position_true_enu_m"]
         eye_enu_m = self._eye.follow(position, last["velocity_true_enu_mps"], _TICK_S)
-        looks = look_at(eye_enu_m, tuple(position.tolist()), FOV_RAD)
-        quat = Rotation.from_matrix(looks.rotation_enu_from_optical).as_quat(scalar_first=True)
         self._times_us.append(plant.time_us)
-        self._poses.append((*eye_enu_m, *quat.tolist()))
+        self._eyes_and_targets.append((*eye_enu_m, *position.tolist()))
 
     def flush(self) -> None:
         """Write the poses that wait."""
         if self._times_us:
-            poses = np.array(self._poses)
+            eyes_m, targets_m = np.hsplit(np.array(self._eyes_and_targets), 2)
             time = sim_time(np.array(self._times_us))
-            send_pose(self._stream, layout.CHASE, time, poses[:, :3], poses[:, 3:])
+            quats = _quats_enu_from_optical(targets_m - eyes_m)
+            send_pose(self._stream, layout.CHASE, time, eyes_m, quats)
             self._times_us.clear()
-            self._poses.clear()
+            self._eyes_and_targets.clear()
 
     def _log_lens(self, vertical_fov_rad: float) -> None:
         width, height = _SIZE_PX
@@ -68,3 +67,12 @@ class ChaseLog:
             color=(0, 0, 0, 0),
         )
         self._stream.log(layout.CHASE, lens, static=True)
+
+
+def _quats_enu_from_optical(ahead_enu: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
+    """Attitudes wxyz of upright cameras that look along these directions, none of them vertical."""
+    ahead = ahead_enu / np.linalg.norm(ahead_enu, axis=1, keepdims=True)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right, axis=1, keepdims=True)
+    columns = np.stack([right, np.cross(ahead, right), ahead], axis=2)
+    return Rotation.from_matrix(columns).as_quat(scalar_first=True)
