@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import radians
-from types import MappingProxyType
 
 import numpy as np
 
@@ -19,9 +18,9 @@ class AreaNeeds:
     surface_radius_m: float
     """Even surface about the touchdown point: the feet and the scatter of a landing."""
     body_radius_m: float
-    """Free of what stands higher than the legs."""
+    """Radius that is free of what stands higher than the legs."""
     flight_radius_m: float
-    """Free ball all the way from the start."""
+    """Radius of a ball that is free all the way from the start."""
     clearance_m: float
     """Free height above the surface."""
 
@@ -36,19 +35,17 @@ class AreaNeeds:
 
 
 # A Hummingbird reaches 0.4 m from its centre and an Iris 0.45 m.
-NEEDS: Mapping[DroneClass, AreaNeeds] = MappingProxyType(
-    {
-        "large": AreaNeeds(
-            surface_radius_m=2.6, body_radius_m=2.6, flight_radius_m=1.0, clearance_m=1.5
-        ),
-        "medium": AreaNeeds(
-            surface_radius_m=1.2, body_radius_m=1.2, flight_radius_m=0.7, clearance_m=1.5
-        ),
-        "small": AreaNeeds(
-            surface_radius_m=0.4, body_radius_m=0.6, flight_radius_m=0.45, clearance_m=1.5
-        ),
-    }
-)
+NEEDS: Mapping[DroneClass, AreaNeeds] = {
+    "large": AreaNeeds(
+        surface_radius_m=2.6, body_radius_m=2.6, flight_radius_m=1.0, clearance_m=1.5
+    ),
+    "medium": AreaNeeds(
+        surface_radius_m=1.2, body_radius_m=1.2, flight_radius_m=0.7, clearance_m=1.5
+    ),
+    "small": AreaNeeds(
+        surface_radius_m=0.4, body_radius_m=0.6, flight_radius_m=0.45, clearance_m=1.5
+    ),
+}
 """For landing, largest class first."""
 
 PERCH_NEEDS = AreaNeeds(
@@ -66,7 +63,7 @@ LEGS_M = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AreaLimits:
-    """At most how many areas a scene keeps; of more, well spread ones stay."""
+    """Most areas that a scene keeps; of more, well spread ones stay."""
 
     small: int
     medium: int

@@ -8,7 +8,7 @@ from itertools import pairwise
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.facade import (
     LINTEL_M,
     SILL_M,
@@ -69,15 +69,10 @@ def raise_shell(
 ) -> Shell | None:
     """Place an enterable building with slabs, partitions and rooms, or None if it does not fit."""
     height = round(storeys * STOREY_M, 3)
-    attributes: dict[str, AttributeValue] = {
-        "is_enterable": True,
-        "storeys": storeys,
-        "colour": colour,
-    }
+    look = {"is_enterable": True, "storeys": storeys, "colour": colour}
     size = (depth, length, height)
-    shell = builder.place(
-        name, frame, *at, size, base=base, turn=turn, margin=0.6, attributes=attributes
-    )
+    spot = frame.moved(*at, turn)
+    shell = builder.place(name, spot, size, base=base, margin=0.6, look=look)
     if shell is None:
         return None
     rooms: list[RoomSpace] = []
@@ -106,21 +101,16 @@ def _fit_out_storey(
     for index, (left, right) in enumerate(pairwise([-length / 2, *cuts, length / 2])):
         low = left + (PARTITION_M / 2 if index else 0.0)
         high = right - (PARTITION_M / 2 if index < len(cuts) else 0.0)
+        spot = shell.frame.moved(0, (low + high) / 2)
+        size = (depth, high - low, clear)
+        look = {"finish": draw.one_of(("parquet", "floor_tiles", "carpet"))}
         placed = builder.place(
-            "room",
-            shell.frame,
-            0,
-            (low + high) / 2,
-            (depth, high - low, clear),
-            base=floor,
-            parent=shell,
-            domain="indoor",
-            attributes={"finish": draw.one_of(("parquet", "floor_tiles", "carpet"))},
+            "room", spot, size, base=floor, parent=shell, domain="indoor", look=look
         )
         if placed:
             rooms.append(RoomSpace(placed))
     for u, v in zip(doors, cuts, strict=True):
-        builder.reserve(shell.frame, u, v, (DOOR_M + 0.2, 2 * _APRON_M, 2.5), floor + 0.1)
+        builder.reserve(shell.frame.moved(u, v), (DOOR_M + 0.2, 2 * _APRON_M, 2.5), floor + 0.1)
     return rooms
 
 
@@ -129,34 +119,17 @@ def _lay_slab(builder: Builder, shell: Placed, foot: float, *, is_upper: bool) -
     under = SLAB_TOP_M - SLAB_M if is_upper else 0.0
     reach = 2 * _BEARING_M if is_upper else 0.0
     depth, length = shell.size[0] - 2 * WALL_M, shell.size[1] - 2 * WALL_M
-    builder.place(
-        "floor",
-        shell.frame,
-        0,
-        0,
-        (depth + reach, length + reach, SLAB_TOP_M - under),
-        base=foot + under,
-        parent=shell,
-        domain="indoor",
-    )
+    size = (depth + reach, length + reach, SLAB_TOP_M - under)
+    builder.place("floor", shell.frame, size, base=foot + under, parent=shell, domain="indoor")
 
 
 def _part(
     builder: Builder, shell: Placed, cut: float, size: Vector3, floor: float, door_offset_m: float
 ) -> None:
     """A partition with a door across the building."""
-    builder.place(
-        "wall",
-        shell.frame,
-        0,
-        cut,
-        size,
-        base=floor,
-        turn=QUARTER,
-        parent=shell,
-        domain="indoor",
-        attributes={"door_m": DOOR_M, "door_offset_m": door_offset_m, "colour": "white"},
-    )
+    spot = shell.frame.moved(0, cut, QUARTER)
+    look = {"door_m": DOOR_M, "door_offset_m": door_offset_m, "colour": "white"}
+    builder.place("wall", spot, size, base=floor, parent=shell, domain="indoor", look=look)
 
 
 def _partition_places(draw: Draw, length: float) -> list[float]:
@@ -184,4 +157,4 @@ def _keep_openings_free(builder: Builder, shell: Placed, storeys: int) -> None:
                 sill = SLAB_TOP_M + 0.03 if is_door else SILL_M + 0.05
                 size = (2 * _APRON_M, opening_width(length), LINTEL_M - sill)
                 at = sign * (depth / 2 - WALL_M / 2)
-                builder.reserve(shell.frame, at, (low + high) / 2, size, foot + sill)
+                builder.reserve(shell.frame.moved(at, (low + high) / 2), size, foot + sill)

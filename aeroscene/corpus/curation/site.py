@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.parcels import (
     FLAT,
@@ -19,7 +19,6 @@ from aeroscene.corpus.curation.parcels import (
     Side,
     cut_unequal,
 )
-from aeroscene.scene import AttributeValue
 
 ROAD_M = 0.04
 SIDEWALK_M = 0.15
@@ -54,7 +53,7 @@ class Site:
 
     builder: Builder
     frame: Frame
-    """Of the plan in the world: a city need not lie along the axes."""
+    """Frame of the plan in the world: a city need not lie along the axes."""
     half_x: float
     half_y: float
     road_m: float
@@ -90,25 +89,18 @@ class Site:
     def raise_land(self, area: Rectangle, level: float, finish: str, wall: str) -> Land:
         """Raised ground on a rectangle of the plan, its sides retaining walls."""
         frame, width, depth = area.side_frame("south")
-        attributes: dict[str, AttributeValue] = {"form": "terrace", "finish": finish, "wall": wall}
+        look = {"form": "terrace", "finish": finish, "wall": wall}
         size = (width, depth, level)
-        block = self.builder.place(
-            "terrain", self.world(frame), 0, depth / 2, size, base=0.0, attributes=attributes
-        )
+        spot = self.world(frame).moved(0, depth / 2)
+        block = self.builder.place("terrain", spot, size, look=look)
         return Land(level, block) if block else FLAT
 
     def fill_with_water(self, area: Rectangle, quay: Side) -> Placed | None:
         """Water on a rectangle of the plan, seen from the quay on one of its sides."""
         frame, width, depth = area.side_frame(quay)
-        water = self.builder.place(
-            "water",
-            self.world(frame),
-            0,
-            depth / 2,
-            (width, depth, WATER_M),
-            base=0.0,
-            attributes={"form": "open"},
-        )
+        spot = self.world(frame).moved(0, depth / 2)
+        size = (width, depth, WATER_M)
+        water = self.builder.place("water", spot, size, look={"form": "open"})
         if water:
             self.waters.append(water)
         return water
@@ -136,16 +128,9 @@ class Site:
             height: Of its surface above the land.
         """
         size = (length, width or self.road_m, height)
-        attributes: dict[str, AttributeValue] = {"zebra_end": zebra_end, **self._form("road")}
+        look = {"zebra_end": zebra_end, **self._form("road")}
         road = self.builder.place(
-            "road",
-            self.world(frame),
-            0,
-            0,
-            size,
-            base=land.level,
-            parent=after or land.bearer,
-            attributes=attributes,
+            "road", self.world(frame), size, base=land.level, parent=after or land.bearer, look=look
         )
         if road:
             parking = self.parking if width is None else ()
@@ -162,15 +147,10 @@ class Site:
         height: float = SIDEWALK_M,
     ) -> Placed | None:
         """A sidewalk whose kerb lies on the x axis of a frame of the plan; see `lay_road`."""
+        spot = self.world(frame).moved(0, self.walk_m / 2)
+        size, look = (length, self.walk_m, height), self._form("sidewalk")
         strip = self.builder.place(
-            "sidewalk",
-            self.world(frame),
-            0,
-            self.walk_m / 2,
-            (length, self.walk_m, height),
-            base=land.level,
-            parent=after or land.bearer,
-            attributes=self._form("sidewalk"),
+            "sidewalk", spot, size, base=land.level, parent=after or land.bearer, look=look
         )
         if strip:
             self.sidewalks.append(strip)
@@ -178,20 +158,15 @@ class Site:
 
     def lay_verge(self, frame: Frame, length: float, width: float, land: Land = FLAT) -> None:
         """A strip of green between carriageway and sidewalk, the kerb on the frame's x axis."""
+        spot = self.world(frame).moved(0, width / 2)
+        size = (length, width, VERGE_M)
         strip = self.builder.place(
-            "lawn",
-            self.world(frame),
-            0,
-            width / 2,
-            (length, width, VERGE_M),
-            base=land.level,
-            parent=land.bearer,
-            attributes={"form": "plain"},
+            "lawn", spot, size, base=land.level, parent=land.bearer, look={"form": "plain"}
         )
         if strip:
             self.verges.append(strip)
 
-    def _form(self, name: str) -> dict[str, AttributeValue]:
+    def _form(self, name: str) -> Attributes:
         return {"form": self.style[name]} if name in self.style else {}
 
     def pave(self, block: Block, rng: np.random.Generator) -> None:

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import pi, sin
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD, Frame
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.site import Road, Site
 from aeroscene.corpus.curation.traffic import call_bus, drive, park, wait
-from aeroscene.scene import AttributeValue
 
 _LAMP_STEP_M = 20.0
 _KERB_M = 0.45
@@ -53,23 +52,19 @@ class Streets:
         walks = [self._walk_at(placed.frame.point(u, sign * (reach - end / 2))) for sign in (-1, 1)]
         base = placed.base + 0.15
         size = (2 * reach, 2.4, _BRIDGE_Z[0])
-        beam: dict[str, AttributeValue] = {"form": "beam"}
+        beam = {"form": "beam"}
         if None in walks or not self.builder.place(
-            "bridge", placed.frame, u, 0, size, base=base, turn=QUARTER, margin=0.1, attributes=beam
+            "bridge", placed.frame.moved(u, 0, QUARTER), size, base=base, margin=0.1, look=beam
         ):
             return
         for sign, walk in zip((-1, 1), walks, strict=True):
             length, width = _FLIGHT_M
             away = 1 if self.draw.chance(0.5) else -1
+            spot = placed.frame.moved(
+                u + away * (1.2 + length / 2), sign * (reach - end / 2), pi if away > 0 else 0.0
+            )
             self.builder.place(
-                "stairs",
-                placed.frame,
-                u + away * (1.2 + length / 2),
-                sign * (reach - end / 2),
-                (length, min(width, end), _BRIDGE_Z[1]),
-                base=base,
-                turn=pi if away > 0 else 0.0,
-                parent=walk,
+                "stairs", spot, (length, min(width, end), _BRIDGE_Z[1]), base=base, parent=walk
             )
 
     def _walk_at(self, point: tuple[float, float]) -> Placed | None:
@@ -82,20 +77,11 @@ class Streets:
     def _shelter(self, walk: Placed) -> None:
         """A roof over the wait for a bus."""
         u = self.draw.between(-0.3, 0.3) * walk.size[0]
-        colour: dict[str, AttributeValue] = {"colour": self.draw.one_of(("blue", "green", "red"))}
+        colour = {"colour": self.draw.one_of(("blue", "green", "red"))}
         size = (1.5, self.draw.between(3.2, 4.4), 2.7)
+        spot = walk.frame.moved(u, walk.size[1] / 2 - 0.76, STREETWARD)
         shelter = self.builder.place(
-            "canopy",
-            walk.frame,
-            u,
-            walk.size[1] / 2 - 0.76,
-            size,
-            base=walk.top,
-            turn=STREETWARD,
-            parent=walk,
-            within=walk,
-            margin=0.2,
-            attributes=colour,
+            "canopy", spot, size, parent=walk, within=walk, margin=0.2, look=colour
         )
         if shelter:
             self._stops.append((walk, shelter))
@@ -107,11 +93,7 @@ class Streets:
             yield
         growths = [self._wait_at_stops()]
         for road in self.site.roads:
-            growths += [
-                wait(self.builder, self.draw, road),
-                drive(self.builder, self.draw, road),
-                park(self.builder, self.draw, road),
-            ]
+            growths += [grow(self.builder, self.draw, road) for grow in (wait, drive, park)]
         growths += [self._light(walk) for walk in self.site.sidewalks]
         growths += [self._plant(verge) for verge in self.site.verges]
         growths += [self._furnish(walk) for walk in self.site.sidewalks]
@@ -146,16 +128,8 @@ class Streets:
         height = self.draw.between(5.0, 6.5)
         for index in self.draw.shuffled(range(count)):
             u = -length / 2 + (index + 0.5) * length / count
-            self.builder.place(
-                "street_lamp",
-                walk.frame,
-                u,
-                -width / 2 + 0.15,
-                (1.2, 0.4, height),
-                base=walk.top,
-                turn=STREETWARD,
-                parent=walk,
-            )
+            spot = walk.frame.moved(u, -width / 2 + 0.15, STREETWARD)
+            self.builder.place("street_lamp", spot, (1.2, 0.4, height), parent=walk)
             yield
 
     def _plant(self, verge: Placed) -> Iterator[None]:
@@ -197,21 +171,12 @@ class Streets:
         u: float,
         v: float,
         size: tuple[float, float, float] | None = None,
-        attributes: dict[str, AttributeValue] | None = None,
+        look: Attributes | None = None,
         turn: float = STREETWARD,
     ) -> Placed | None:
+        spot, size = strip.frame.moved(u, v, turn), size or self.draw.size_of(name)
         return self.builder.place(
-            name,
-            strip.frame,
-            u,
-            v,
-            size or self.draw.size_of(name),
-            base=strip.top,
-            turn=turn,
-            parent=strip,
-            within=strip,
-            margin=0.05,
-            attributes=attributes,
+            name, spot, size, parent=strip, within=strip, margin=0.05, look=look
         )
 
     def _signal(self, junction: Frame) -> None:
@@ -226,13 +191,5 @@ class Streets:
                 continue
             end = walk.size[0] / 2 - 0.5
             at = max(-end, min(end, u))
-            self.builder.place(
-                "traffic_light",
-                walk.frame,
-                at,
-                -walk.size[1] / 2 + 0.4,
-                (0.35, 0.4, height),
-                base=walk.top,
-                turn=pi if u > at else 0.0,
-                parent=walk,
-            )
+            spot = walk.frame.moved(at, -walk.size[1] / 2 + 0.4, pi if u > at else 0.0)
+            self.builder.place("traffic_light", spot, (0.35, 0.4, height), parent=walk)

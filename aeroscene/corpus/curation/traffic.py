@@ -16,7 +16,7 @@ _SLOT_M = 11.0
 """Length of road for each place in which a vehicle may drive."""
 _BUSY = 0.4
 _STOP_M = 4.3
-"""From the end of a road with a crossing to the waiting vehicle's bumper."""
+"""Distance from the end of a road with a crossing to the waiting vehicle's bumper."""
 _BAY_M = 6.2
 """Length of kerb for a parked vehicle."""
 _WIDE_M = 2.7
@@ -95,16 +95,8 @@ def _place(
 ) -> Placed | None:
     """A vehicle at a place along the road and on a side of it, on the right-hand side."""
     u, side = at
+    spot = road.placed.frame.moved(u, road.lane(side) if v is None else v, 0.0 if side < 0 else pi)
+    look = {"colour": draw.one_of(PAINT_COLOURS)}
     return builder.place(
-        name,
-        road.placed.frame,
-        u,
-        road.lane(side) if v is None else v,
-        size,
-        base=road.placed.top,
-        turn=0.0 if side < 0 else pi,
-        parent=road.placed,
-        within=road.placed,
-        margin=0.2,
-        attributes={"colour": draw.one_of(PAINT_COLOURS)},
+        name, spot, size, parent=road.placed, within=road.placed, margin=0.2, look=look
     )

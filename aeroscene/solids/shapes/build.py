@@ -1,9 +1,8 @@
-"""From objects to primitives in the world."""
+"""Builds the primitives of objects in the world."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
 import numpy as np
 
@@ -30,88 +29,86 @@ from aeroscene.solids.shapes import (
     vehicles,
 )
 from aeroscene.solids.shapes.look import Look, Shape
-from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block, centred
+from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block
 
-SHAPES: Mapping[str, Shape] = MappingProxyType(
-    {
-        "building": buildings.building,
-        "house": buildings.house,
-        "tower": buildings.tower,
-        "warehouse": buildings.warehouse,
-        "garage": stalls.garage,
-        "terrain": terrain.terrain,
-        "kiosk": stalls.kiosk,
-        "container": stalls.container,
-        "canopy": structures.canopy,
-        "bridge": structures.bridge,
-        "deck": structures.deck,
-        "water": terrain.water,
-        "roof": roofs.roof,
-        "floor": shell.floor,
-        "room": shell.room,
-        "wall": shell.wall,
-        "road": ground.road,
-        "sidewalk": ground.sidewalk,
-        "lawn": ground.lawn,
-        "parking_lot": ground.parking_lot,
-        "plaza": ground.plaza,
-        "fence": fences.fence,
-        "stairs": structures.stairs,
-        "car": vehicles.car,
-        "van": vehicles.van,
-        "truck": vehicles.truck,
-        "bus": vehicles.bus,
-        "bicycle": vehicles.bicycle,
-        "tree": vegetation.tree,
-        "bush": vegetation.bush,
-        "street_lamp": street.street_lamp,
-        "traffic_light": street.traffic_light,
-        "sign": street.sign,
-        "bench": seats.bench,
-        "bin": street.bin_,
-        "boat": boats.boat,
-        "planter": vegetation.planter,
-        "crate": goods.crate,
-        "barrel": goods.barrel,
-        "pallet": goods.pallet,
-        "landing_pad": goods.landing_pad,
-        "ac_unit": rooftop.ac_unit,
-        "chimney": rooftop.chimney,
-        "solar_panel": rooftop.solar_panel,
-        "water_tank": rooftop.water_tank,
-        "antenna": rooftop.antenna,
-        "table": furniture.table,
-        "chair": seats.chair,
-        "sofa": seats.sofa,
-        "armchair": seats.armchair,
-        "bed": seats.bed,
-        "desk": furniture.desk,
-        "cabinet": storage.cabinet,
-        "wardrobe": storage.wardrobe,
-        "shelf": storage.shelf,
-        "coffee_table": furniture.coffee_table,
-        "nightstand": furniture.nightstand,
-        "counter": furniture.counter,
-        "fridge": storage.fridge,
-        "stove": storage.stove,
-        "television": household.television,
-        "lamp": household.lamp,
-        "plant": vegetation.plant,
-        "laptop": household.laptop,
-        "monitor": household.monitor,
-        "plate": household.plate,
-        "cup": household.cup,
-        "cutlery": household.cutlery,
-        "book": household.book,
-        "box": household.box,
-    }
-)
+SHAPES: Mapping[str, Shape] = {
+    "building": buildings.building,
+    "house": buildings.house,
+    "tower": buildings.tower,
+    "warehouse": buildings.warehouse,
+    "garage": stalls.garage,
+    "terrain": terrain.terrain,
+    "kiosk": stalls.kiosk,
+    "container": stalls.container,
+    "canopy": structures.canopy,
+    "bridge": structures.bridge,
+    "deck": structures.deck,
+    "water": terrain.water,
+    "roof": roofs.roof,
+    "floor": shell.floor,
+    "room": shell.room,
+    "wall": shell.wall,
+    "road": ground.road,
+    "sidewalk": ground.sidewalk,
+    "lawn": ground.lawn,
+    "parking_lot": ground.parking_lot,
+    "plaza": ground.plaza,
+    "fence": fences.fence,
+    "stairs": structures.stairs,
+    "car": vehicles.car,
+    "van": vehicles.van,
+    "truck": vehicles.truck,
+    "bus": vehicles.bus,
+    "bicycle": vehicles.bicycle,
+    "tree": vegetation.tree,
+    "bush": vegetation.bush,
+    "street_lamp": street.street_lamp,
+    "traffic_light": street.traffic_light,
+    "sign": street.sign,
+    "bench": seats.bench,
+    "bin": street.bin_,
+    "boat": boats.boat,
+    "planter": vegetation.planter,
+    "crate": goods.crate,
+    "barrel": goods.barrel,
+    "pallet": goods.pallet,
+    "landing_pad": goods.landing_pad,
+    "ac_unit": rooftop.ac_unit,
+    "chimney": rooftop.chimney,
+    "solar_panel": rooftop.solar_panel,
+    "water_tank": rooftop.water_tank,
+    "antenna": rooftop.antenna,
+    "table": furniture.table,
+    "chair": seats.chair,
+    "sofa": seats.sofa,
+    "armchair": seats.armchair,
+    "bed": seats.bed,
+    "desk": furniture.desk,
+    "cabinet": storage.cabinet,
+    "wardrobe": storage.wardrobe,
+    "shelf": storage.shelf,
+    "coffee_table": furniture.coffee_table,
+    "nightstand": furniture.nightstand,
+    "counter": furniture.counter,
+    "fridge": storage.fridge,
+    "stove": storage.stove,
+    "television": household.television,
+    "lamp": household.lamp,
+    "plant": vegetation.plant,
+    "laptop": household.laptop,
+    "monitor": household.monitor,
+    "plate": household.plate,
+    "cup": household.cup,
+    "cutlery": household.cutlery,
+    "book": household.book,
+    "box": household.box,
+}
 """The shape of every category."""
 
 
 _LEAST_M = 5e-4
 _SLACK_M = 0.02
-"""By how much a part may stand out of its box: paint on a road, a handle."""
+"""Length by which a part may stand out of its box: paint on a road, a handle."""
 
 
 def object_parts(category: str, look: Look) -> list[Part]:
@@ -121,7 +118,7 @@ def object_parts(category: str, look: Look) -> list[Part]:
     if is_solid and all(_is_sound(part, look.size_m) for part in parts):
         return parts
     x, y, z = look.size_m
-    return [block(centred(x), centred(y), (0.0, z), "concrete")]
+    return [block(x, y, (0.0, z), "concrete")]
 
 
 def _is_sound(part: Part, size_m: Vector3) -> bool:

@@ -7,8 +7,8 @@ from math import cos, pi, radians, tan
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
-from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder, hull
-from aeroscene.solids.shapes.solids import cone, inwards
+from aeroscene.solids.shapes.primitive import Part, block, centred, hull
+from aeroscene.solids.shapes.solids import cone, disc, inwards
 
 FINISHES = ("grass", "paving", "asphalt", "gravel", "concrete")
 """What terrain may be covered with: attribute `finish`."""
@@ -17,7 +17,7 @@ _CRUST_M = 0.15
 _MOUND_SIDE_RAD = radians(19.0)
 """Steepest side of a mound."""
 _MOUND_SLOPE_SHARE = 0.8
-"""Of the way to the middle that the sides may take."""
+"""Share of the way to the middle that the sides may take."""
 _MOUND_CORNERS = 12
 _POND_M = 15.0
 """Wider water has banks of its own, and no rim unless told so."""
@@ -35,12 +35,9 @@ def _terrace(look: Look, finish: str) -> list[Part]:
     x, y, z = look.size_m
     wall = look.choice("wall", ("stone", "brick", "dark_concrete"))
     if z < 2 * _CRUST_M or wall == finish:
-        return [block(centred(x), centred(y), (0, z), finish)]
+        return [block(x, y, (0, z), finish)]
     low = z - _CRUST_M
-    return [
-        block(centred(x), centred(y), (0, low), wall),
-        block(centred(x), centred(y), (low, z), finish),
-    ]
+    return [block(x, y, (0, low), wall), block(x, y, (low, z), finish)]
 
 
 def _ramp(look: Look, finish: str) -> Part:
@@ -77,18 +74,18 @@ def water(look: Look) -> list[Part]:
     is_pond = max(x, y) <= _POND_M
     form = look.choice("form", FORMS["water"], ("basin", "planted") if is_pond else ("open",))
     if form == "open":
-        return [block(centred(x), centred(y), (0, z), "water")]
+        return [block(x, y, (0, z), "water")]
     rim = min(0.35, 0.12 * min(x, y))
     stone = look.choice("rim", ("stone", "brick", "dark_wood"))
     level = 0.6 * z
-    parts = [block(centred(x - 2 * rim), centred(y - 2 * rim), (0, level), "water")]
+    parts = [block(x - 2 * rim, y - 2 * rim, (0, level), "water")]
     for sign in (-1, 1):
-        parts.append(block(inwards(sign, x / 2, rim), centred(y), (0, z), stone))
-        parts.append(block(centred(x - 2 * rim), inwards(sign, y / 2, rim), (0, z), stone))
+        parts.append(block(inwards(sign, x / 2, rim), y, (0, z), stone))
+        parts.append(block(x - 2 * rim, inwards(sign, y / 2, rim), (0, z), stone))
     if form == "planted":
         wide = min(0.9, 0.16 * min(x, y))
         for index, (u, v) in enumerate(((-0.3, 0.28), (-0.22, 0.2), (0.3, -0.26))):
             lily = (u * x, v * y, level + 0.005)
             name = "blossom" if index == 1 else "leaves"
-            parts.append(cylinder(lily, wide, 0.01, name, collides=False))
+            parts.append(disc(lily, wide, 0.01, name))
     return parts

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.draw import Draw
-from aeroscene.corpus.curation.frame import QUARTER
 from aeroscene.corpus.curation.indoor.floor_plan import Building, sure
 from aeroscene.corpus.curation.indoor.walls import PARTITION_M, wall_spans
 from aeroscene.corpus.curation.indoor.zones import CELL_M, DOORS_M, Border, Zone
@@ -65,10 +64,10 @@ def _raise_wall(
     if length < PARTITION_M:
         return None
     zones = [building.plan.zones[i] for i in border.zones]
-    attributes: dict[str, AttributeValue] = {"colour": "white"}
+    look: dict[str, AttributeValue] = {"colour": "white"}
     rooms = [zone for zone in zones if zone.role == "room"]
     if len(rooms) == 1 and rooms[0].kind in _GLAZED:
-        attributes["form"] = "glass"
+        look["form"] = "glass"
     # The wall's own y axis is the building's y, or minus its x.
     sign = 1.0 if border.along == "y" else -1.0
     # Beside the edge of an upper floor it stands on the wall below, not on the slab.
@@ -77,7 +76,7 @@ def _raise_wall(
     air: tuple[float, float, float] | None = None
     if door_m is not None:
         at = _door_place(draw, border, door_m)
-        attributes |= {
+        look |= {
             "door_m": door_m,
             "door_offset_m": round(sign * (at - middle), 4),
             "door_height_m": round(rise + _HEADS_M[door_m], 4),
@@ -85,28 +84,16 @@ def _raise_wall(
         air = (at, door_m, border.base + 0.1)
     elif len(rooms) == 1 and border.length > 3.5 and draw.chance(0.5):
         at = _door_place(draw, border, _HATCH_M[0])
-        attributes |= {
+        look |= {
             "window_m": _HATCH_M[0],
             "window_offset_m": round(sign * (at - middle), 4),
             "window_sill_m": round(rise + _HATCH_M[1], 4),
             "window_height_m": round(rise + _HEADS_M[1.75], 4),
         }
         air = (at, _HATCH_M[0], base + rise + _HATCH_M[1])
-    u, v = (border.at, middle) if border.along == "y" else (middle, border.at)
-    sure(
-        builder.place(
-            "wall",
-            building.shell.frame,
-            u,
-            v,
-            (PARTITION_M, length, border.top - base),
-            base=base,
-            turn=0.0 if border.along == "y" else QUARTER,
-            parent=building.shell,
-            domain="indoor",
-            attributes=attributes,
-        )
-    )
+    shell, size = building.shell, (PARTITION_M, length, border.top - base)
+    spot = shell.frame.moved(*border.spot(middle))
+    sure(builder.place("wall", spot, size, base=base, parent=shell, domain="indoor", look=look))
     return air
 
 
@@ -126,7 +113,7 @@ def _keep_free(
     builder: Builder, building: Building, border: Border, at: float, width: float, low: float
 ) -> None:
     """Reserve the air before and behind an opening."""
+    u, v, _ = border.spot(at)
     size = (2 * _APRON_M, width + 0.2) if border.along == "y" else (width + 0.2, 2 * _APRON_M)
-    u, v = (border.at, at) if border.along == "y" else (at, border.at)
     height = _first_cell(border.base) + _HEADS_M[1.75] - low
-    builder.reserve(building.shell.frame, u, v, (*size, height), low)
+    builder.reserve(building.shell.frame.moved(u, v), (*size, height), low)

@@ -15,6 +15,8 @@ from itertools import combinations
 from math import floor
 from typing import Literal
 
+from aeroscene.corpus.curation.frame import QUARTER
+
 Role = Literal["hall", "corridor", "gallery", "room"]
 Barrier = Literal["open", "rail", "wall"]
 Side = Literal["x0", "x1", "y0", "y1"]
@@ -49,7 +51,7 @@ class Zone:
     level: float
     """Height of the slab's upper face."""
     clear: float
-    """From there to the ceiling."""
+    """Height from the slab to the ceiling."""
     open_m: float = 0.0
     """Side of a square in the middle that stays free of furniture."""
 
@@ -60,7 +62,7 @@ class Zone:
 
     @property
     def area(self) -> float:
-        """In square metres."""
+        """Area, m2."""
         return self.size[0] * self.size[1]
 
 
@@ -69,7 +71,7 @@ class Border:
     """Where two zones meet: a vertical rectangle along x or y."""
 
     zones: tuple[int, int]
-    """On the low and on the high side of the line."""
+    """Numbers of the zones on the low and on the high side of the line."""
     along: Literal["x", "y"]
     at: float
     """The line's other coordinate."""
@@ -80,8 +82,13 @@ class Border:
 
     @property
     def length(self) -> float:
-        """Along the line, m."""
+        """Length of the line, m."""
         return self.high - self.low
+
+    def spot(self, place: float, across: float | None = None) -> tuple[float, float, float]:
+        """Coordinates and turn of what stands along the line at a place, or beside it."""
+        across = self.at if across is None else across
+        return (across, place, 0.0) if self.along == "y" else (place, across, QUARTER)
 
     def side_of(self, zone: int) -> Side:
         """Which side of a zone the border is."""
@@ -122,13 +129,7 @@ def _border(
 ) -> Iterable[Border]:
     if span[1] - span[0] >= _LEAST_SHARED_M:
         yield Border(
-            zones=zones,
-            along=along,
-            at=at,
-            low=span[0],
-            high=span[1],
-            base=rise[0],
-            top=rise[1],
+            zones=zones, along=along, at=at, low=span[0], high=span[1], base=rise[0], top=rise[1]
         )
 
 

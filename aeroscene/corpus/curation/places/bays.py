@@ -11,7 +11,6 @@ from aeroscene.corpus.curation.frame import INWARD, STREETWARD
 from aeroscene.corpus.curation.places.bearing import Bearing, beneath, on_top
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.ground import BAY_WIDTH_M
 
 TWO_ROWS_M = 15.6
@@ -19,7 +18,7 @@ TWO_ROWS_M = 15.6
 _PAINTED_M = 0.02
 """Thickness of a field of bays on the asphalt."""
 _BAY_HALF_M = 2.65
-"""From the border of a field to the middle of its bays."""
+"""Distance from the border of a field to the middle of its bays."""
 _CARPORT_M = (5.2, 2.9)
 """Depth and height of a roof over bays."""
 _SOLAR_M = (2.0, 3.0, 0.5)
@@ -72,17 +71,9 @@ class BayField:
         covered = row[first : first + count]
         middle = sum(self.bays[index].u for index in covered) / count
         size = (_CARPORT_M[0], round(count * BAY_WIDTH_M - 0.1, 2), _CARPORT_M[1])
-        attributes: dict[str, AttributeValue] = {"colour": "silver", "form": "flat"}
-        self.carport = on_top(ground, self.lot).stand(
-            "canopy",
-            self.lot.frame,
-            middle,
-            self.bays[covered[0]].v,
-            size,
-            turn=STREETWARD,
-            margin=0.0,
-            attributes=attributes,
-        )
+        look = {"colour": "silver", "form": "flat"}
+        spot = self.lot.frame.moved(middle, self.bays[covered[0]].v, STREETWARD)
+        self.carport = on_top(ground, self.lot).stand("canopy", spot, size, margin=0.0, look=look)
         self.covered = frozenset(covered)
 
     def equip(self, ground: Ground) -> Iterator[None]:
@@ -92,13 +83,13 @@ class BayField:
             count = max(1, int((self.carport.size[1] - 0.2) / 3.1))
             for index in range(count):
                 at = (index - (count - 1) / 2) * 3.1
-                platform.stand("solar_panel", self.carport.frame, 0.6, at, _SOLAR_M)
+                platform.stand("solar_panel", self.carport.frame.moved(0.6, at), _SOLAR_M)
             yield
         reach = self.lot.size[0] / 2 - 0.5
         lot = on_top(ground, self.lot)
         for sign in (-1, 1):
             turn = pi if sign > 0 else 0.0
-            lot.stand("street_lamp", self.lot.frame, sign * reach, 0, (1.6, 0.5, 5.5), turn=turn)
+            lot.stand("street_lamp", self.lot.frame.moved(sign * reach, 0, turn), (1.6, 0.5, 5.5))
         yield
 
 
@@ -108,12 +99,11 @@ def paint_bays(
     """Bays on some ground: from where to where along u, and from v0 on as deep as said."""
     low, high = span
     rows = 2 if deep >= TWO_ROWS_M - 0.5 else 1
-    attributes: dict[str, AttributeValue] = {"rows": rows}
+    look = {"rows": rows}
     size = (round(high - low, 2), round(deep, 2), _PAINTED_M)
     middle = ((low + high) / 2, v0 + deep / 2)
-    lot = bearing.stand(
-        "parking_lot", ground.parcel.frame, *middle, size, margin=0.0, attributes=attributes
-    )
+    spot = ground.parcel.frame.moved(*middle)
+    lot = bearing.stand("parking_lot", spot, size, margin=0.0, look=look)
     if lot is None:
         return None
     count = int((size[0] - 0.1) // BAY_WIDTH_M)

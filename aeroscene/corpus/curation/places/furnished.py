@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from aeroscene.corpus.curation.builder import Attributes
 from aeroscene.corpus.curation.frame import STREETWARD
 from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace, Shell, raise_shell
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.facade import WALL_M
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
@@ -20,14 +21,7 @@ _CEILING_M = 0.3
 
 
 def raise_furnished(
-    ground: Ground,
-    name: str,
-    u: float,
-    v: float,
-    *,
-    deep: float,
-    length: float,
-    storeys: int,
+    ground: Ground, name: str, u: float, v: float, *, deep: float, length: float, storeys: int
 ) -> Shell | None:
     """An enterable building with its door to the street, or None where it does not fit."""
     return raise_shell(
@@ -45,28 +39,19 @@ def raise_furnished(
     )
 
 
-def raise_hall(
-    ground: Ground, u: float, v: float, size: Vector3, attributes: dict[str, AttributeValue]
-) -> Shell | None:
+def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attributes) -> Shell | None:
     """An enterable warehouse: one room, with the air in its two gates kept free."""
-    hall = ground.erect("warehouse", u, v, size, attributes={**attributes, "is_enterable": True})
+    hall = ground.erect("warehouse", u, v, size, look={**look, "is_enterable": True})
     if hall is None:
         return None
     inner = (size[0] - 2 * WALL_M, size[1] - 2 * WALL_M, round(size[2] - _CEILING_M, 2))
+    look = {"finish": "concrete"}
     room = ground.builder.place(
-        "room",
-        hall.frame,
-        0.0,
-        0.0,
-        inner,
-        base=hall.base,
-        parent=hall,
-        domain="indoor",
-        attributes={"finish": "concrete"},
+        "room", hall.frame, inner, base=hall.base, parent=hall, domain="indoor", look=look
     )
     for sign in (-1, 1):
         at = sign * hall.size[0] / 2
-        ground.builder.reserve(hall.frame, at, 0.0, _GATE_AIR_M, hall.base + 0.05)
+        ground.builder.reserve(hall.frame.moved(at, 0.0), _GATE_AIR_M, hall.base + 0.05)
     rooms = (RoomSpace(room),) if room else ()
     return Shell(hall, rooms, size[2])
 

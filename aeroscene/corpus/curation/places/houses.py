@@ -23,7 +23,6 @@ from aeroscene.corpus.curation.places.rooftops import (
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _PLOT_M = 12.0
@@ -121,14 +120,9 @@ class Houses:
             return
         length = max(6.0, min(draw.between(8.5, 11.5), plot.space - 1.6))
         storeys = draw.count(1, 2)
-        attributes: dict[str, AttributeValue] = {
-            "colour": draw.one_of((*WALL_COLOURS, "brick")),
-            "storeys": storeys,
-        }
+        look = {"colour": draw.one_of((*WALL_COLOURS, "brick")), "storeys": storeys}
         size = (deep, round(length, 2), 3.1 if storeys == 1 else 6.0)
-        plot.house = ground.erect(
-            "house", plot.house_u, setback + deep / 2, size, attributes=attributes
-        )
+        plot.house = ground.erect("house", plot.house_u, setback + deep / 2, size, look=look)
         if plot.house is None:
             return
         if draw.chance(0.3):
@@ -140,13 +134,7 @@ class Houses:
         ground = self.ground
         deep, length = _SHELL_DEPTH_M, min(14.0, round(plot.space - 1.4, 2))
         shell = raise_furnished(
-            ground,
-            "house",
-            plot.house_u,
-            setback + deep / 2,
-            deep=deep,
-            length=length,
-            storeys=1,
+            ground, "house", plot.house_u, setback + deep / 2, deep=deep, length=length, storeys=1
         )
         if shell:
             self._rooms += shell.rooms
@@ -166,10 +154,8 @@ class Houses:
         start = plot.drive.size[0] if plot.drive else 6.0
         if ground.parcel.depth - start < 6.5:
             return
-        attributes: dict[str, AttributeValue] = {"form": "garage"}
-        plot.garage = ground.erect(
-            "garage", plot.drive_u, start + 3.35, (5.8, 3.1, 2.7), attributes=attributes
-        )
+        look = {"form": "garage"}
+        plot.garage = ground.erect("garage", plot.drive_u, start + 3.35, (5.8, 3.1, 2.7), look=look)
 
     def _lay_terrace(self, plot: _Plot) -> None:
         """A deck on the garden side of the house."""
@@ -207,10 +193,10 @@ class Houses:
         ground, draw = self.ground, self.ground.draw
         if ground.parcel.depth - plot.back < 6.5:
             return
-        attributes: dict[str, AttributeValue] = {"form": "shed"}
+        look = {"form": "shed"}
         u = plot.low + 2.4 if draw.chance(0.5) else plot.high - 2.4
         at = (u, ground.parcel.depth - 2.4)
-        ground.erect("garage", *at, (2.4, 3.0, 2.4), attributes=attributes)
+        ground.erect("garage", *at, (2.4, 3.0, 2.4), look=look)
 
     def details(self) -> Iterator[None]:
         """Furniture, then cars on the drives, and the life of the gardens."""
@@ -249,7 +235,8 @@ class Houses:
             if plot.house:
                 step = plot.house.size[0] / 2 + 0.6
                 size = (1.75, 0.55, 1.05)
-                OpenGround(ground).stand("bicycle", plot.house.frame, step, 1.6, size, turn=QUARTER)
+                spot = plot.house.frame.moved(step, 1.6, QUARTER)
+                OpenGround(ground).stand("bicycle", spot, size)
             ground.scatter("bush", 1, near=near)
             yield
 
@@ -263,7 +250,8 @@ class Houses:
             yield from dine(on_top(ground, terrace), terrace.frame, [(0.1, 0.6)], QUARTER)
             for sign in (-1, 1):
                 edge = sign * (terrace.size[1] / 2 - 0.35)
-                on_top(ground, terrace).stand("planter", terrace.frame, -1.0, edge, (1.0, 0.5, 0.9))
+                spot = terrace.frame.moved(-1.0, edge)
+                on_top(ground, terrace).stand("planter", spot, (1.0, 0.5, 0.9))
             yield
         garden = (plot.low + 0.4, plot.high - 0.4, plot.back + 3.4, depth - 0.6)
         ground.plant_trees(2, garden)

@@ -20,7 +20,6 @@ from aeroscene.corpus.curation.places.rooftops import (
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _PROGRAMMES = {
@@ -68,10 +67,10 @@ class Offices:
             self._roof_deck = lay_roof_deck(ground.builder, draw, self._roof)
         yield
         side = 1 if u < 0 else -1
-        bays: dict[str, AttributeValue] = {"rows": 1}
+        bays = {"rows": 1}
         at = (side * (half - _BAYS_M[1] / 2 - 0.3), _BAYS_M[0] / 2 + 0.2)
         size = (_BAYS_M[1], _BAYS_M[0], _BAYS_M[2])
-        self._bays = ground.stand("parking_lot", *at, size, turn=0.0, attributes=bays)
+        self._bays = ground.stand("parking_lot", *at, size, turn=0.0, look=bays)
         yield
         garden = depth - setback - deep
         if garden > 5:
@@ -80,9 +79,9 @@ class Offices:
             self._walk = ground.stand("sidewalk", 0.0, v, (long, 1.6, 0.05), turn=0.0)
             yield
             size = (3.6, 4.4, 3.0)
-            colour: dict[str, AttributeValue] = {"colour": draw.one_of(("white", "green", "red"))}
+            colour = {"colour": draw.one_of(("white", "green", "red"))}
             self._pavilion = ground.stand(
-                "canopy", -side * 0.5 * half, depth - 2.6, size, attributes=colour
+                "canopy", -side * 0.5 * half, depth - 2.6, size, look=colour
             )
             yield
         ground.fence_line((-half + 0.4, depth - 0.3), (half - 0.4, depth - 0.3), "hedge", 1.3)
@@ -110,14 +109,9 @@ class Offices:
         else:
             deep = round(max(6.0, deep), 2)
             setback = round(max(0.6, min(setback, depth - deep - 0.6)), 2)
-            attributes: dict[str, AttributeValue] = {
-                "colour": draw.one_of(WALL_COLOURS),
-                "form": "plain",
-            }
+            look = {"colour": draw.one_of(WALL_COLOURS), "form": "plain"}
             size = (deep, length, 6.4)
-            self._building = ground.erect(
-                "building", u, setback + deep / 2, size, attributes=attributes
-            )
+            self._building = ground.erect("building", u, setback + deep / 2, size, look=look)
         if self._building:
             self._roof = add_flat_roof(ground.builder, self._building)
         return u, setback, deep, length
@@ -141,9 +135,8 @@ class Offices:
             terrace, platform = self._terrace, on_top(ground, self._terrace)
             reach = terrace.size[1] / 2
             for sign in (-1, 1):
-                platform.stand(
-                    "planter", terrace.frame, -0.9, sign * (reach - 0.7), (0.5, 1.2, 0.9)
-                )
+                spot = terrace.frame.moved(-0.9, sign * (reach - 0.7))
+                platform.stand("planter", spot, (0.5, 1.2, 0.9))
             yield
             if reach > 2.6:
                 spots = [(0.3, sign * (reach - 1.2)) for sign in (-1, 1)]
@@ -152,9 +145,8 @@ class Offices:
             bays = on_top(ground, self._bays)
             for index in draw.shuffled(range(3)):
                 at = (index - 1) * 2.5
-                park(
-                    bays, "car", self._bays.frame, at, 0.0, INWARD if draw.chance(0.6) else -INWARD
-                )
+                turn = INWARD if draw.chance(0.6) else -INWARD
+                park(bays, "car", self._bays.frame, at, 0.0, turn)
                 yield
         bearing = OpenGround(ground)
         u = draw.between(-0.7, 0.7) * half

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import pi
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS
 
 _GAP_M = 0.03
-"""Between furniture and the wall behind it."""
+"""Gap between furniture and the wall behind it."""
 _TRIES = 6
 
 _INDOOR_SIZES: dict[str, Vector3] = {"bin": (0.42, 0.42, 0.8), "sign": (0.2, 1.3, 2.3)}
@@ -37,11 +37,7 @@ class Interior:
     """Furnishes one room."""
 
     def __init__(
-        self,
-        builder: Builder,
-        draw: Draw,
-        space: RoomSpace,
-        sides: Sequence[str] = SIDES,
+        self, builder: Builder, draw: Draw, space: RoomSpace, sides: Sequence[str] = SIDES
     ) -> None:
         """Begin with an empty room that has walls on some of its sides."""
         self._builder = builder
@@ -53,10 +49,7 @@ class Interior:
         self.bearers: list[Placed] = []
         """Furniture on which small things can lie."""
         # One room, one taste: furniture shares its wood and upholstery its colour.
-        self._style: dict[str, AttributeValue] = {
-            "wood": draw.one_of(WOODS),
-            "colour": draw.one_of(FABRIC_COLOURS),
-        }
+        self._style = {"wood": draw.one_of(WOODS), "colour": draw.one_of(FABRIC_COLOURS)}
 
         # Corners bear things too, so no table is round.
         self._forms = {
@@ -71,7 +64,7 @@ class Interior:
 
     @property
     def area(self) -> float:
-        """Of the floor, m2."""
+        """Area of the floor, m2."""
         return self.room.size[0] * self.room.size[1]
 
     def wall(self, side: str) -> tuple[Frame, float]:
@@ -91,7 +84,7 @@ class Interior:
         name: str,
         size: Vector3 | None = None,
         turn: float = 0.0,
-        attributes: dict[str, AttributeValue] | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something with its back to a wall, or turned from that, where there is space.
 
@@ -100,18 +93,13 @@ class Interior:
         size = size or self._size_of(name)
         others = [self.sides[i] for i in self.draw.shuffled(range(len(self.sides)))]
         for wall in (*(s for s in others if s == side), *(s for s in others if s != side)):
-            placed = self._against(wall, name, size, turn, attributes)
+            placed = self._against(wall, name, size, turn, look)
             if placed:
                 return placed
         return None
 
     def _against(
-        self,
-        side: str,
-        name: str,
-        size: Vector3,
-        turn: float,
-        attributes: dict[str, AttributeValue] | None,
+        self, side: str, name: str, size: Vector3, turn: float, look: Attributes | None
     ) -> Placed | None:
         frame, length = self.wall(side)
         is_square = abs(turn) % pi < 0.1
@@ -121,8 +109,8 @@ class Interior:
             return None
         v = deep / 2 + _GAP_M
         for _ in range(_TRIES):
-            u = self.draw.between(-reach, reach)
-            placed = self._stand(name, frame, u, v, size, QUARTER + turn, 0.02, attributes)
+            spot = frame.moved(self.draw.between(-reach, reach), v, QUARTER + turn)
+            placed = self._stand(name, spot, size, 0.02, look)
             if placed:
                 return placed
         return None
@@ -137,8 +125,7 @@ class Interior:
         for sign in (-1.0, 1.0):
             while row and len(row) < count:
                 end = row[-1] if sign > 0 else row[0]
-                v = sign * (size[1] + gap)
-                placed = self._stand(name, end.frame, 0.0, v, size, 0.0)
+                placed = self._stand(name, end.frame.moved(0.0, sign * (size[1] + gap)), size)
                 if placed is None:
                     break
                 row.insert(len(row) if sign > 0 else 0, placed)
@@ -150,7 +137,7 @@ class Interior:
         size: Vector3 | None = None,
         keep: float = 0.7,
         turn: float = 0.0,
-        attributes: dict[str, AttributeValue] | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something freely in the room, `keep` from everything."""
         size = size or self._size_of(name)
@@ -161,10 +148,22 @@ class Interior:
             return None
         for _ in range(_TRIES):
             u, v = self.draw.between(-reach_u, reach_u), self.draw.between(-reach_v, reach_v)
-            placed = self._stand(name, self.room.frame, u, v, size, turn, keep, attributes)
+            placed = self._stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
             if placed:
                 return placed
         return None
+
+    def line_walls(self, names: Sequence[str], count: int) -> Iterator[None]:
+        """Stand so many of some kinds against walls, one a step."""
+        for _ in range(count):
+            self.against(self.some_side(), self.draw.one_of(names))
+            yield
+
+    def strew(self, names: Sequence[str], count: int, keep: float) -> Iterator[None]:
+        """Stand so many of some kinds freely in the room, one a step."""
+        for _ in range(count):
+            self.anywhere(self.draw.one_of(names), keep=keep)
+            yield
 
     def put(
         self,
@@ -174,11 +173,11 @@ class Interior:
         size: Vector3 | None = None,
         turn: float = 0.0,
         keep: float = 0.02,
-        attributes: dict[str, AttributeValue] | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something at a place of the room, from its middle."""
         size = size or self._size_of(name)
-        return self._stand(name, self.room.frame, u, v, size, turn, keep, attributes)
+        return self._stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
 
     def beside(
         self,
@@ -190,7 +189,7 @@ class Interior:
         size: Vector3 | None = None,
     ) -> Placed | None:
         """Stand something at a place in another object's frame."""
-        return self._stand(name, anchor.frame, u, v, size or self._size_of(name), turn)
+        return self._stand(name, anchor.frame.moved(u, v, turn), size or self._size_of(name))
 
     def in_front(
         self, anchor: Placed | None, name: str, gap: float = 0.06, v: float = 0.0
@@ -200,7 +199,7 @@ class Interior:
             return None
         size = self._size_of(name)
         u = anchor.size[0] / 2 + gap + size[0] / 2
-        return self._stand(name, anchor.frame, u, v, size, pi)
+        return self._stand(name, anchor.frame.moved(u, v, pi), size)
 
     def behind(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
         """Stand something behind an object, facing its back."""
@@ -208,7 +207,7 @@ class Interior:
             return None
         size = self._size_of(name)
         u = -(anchor.size[0] / 2 + gap + size[0] / 2)
-        return self._stand(name, anchor.frame, u, 0.0, size, 0.0)
+        return self._stand(name, anchor.frame.moved(u, 0.0), size)
 
     def on(
         self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
@@ -249,50 +248,35 @@ class Interior:
         v: float,
         size: Vector3,
         turn: float = 0.0,
-        attributes: dict[str, AttributeValue] | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Lay something of a given size on top of something, at a place in its frame."""
-        return self._builder.place(
-            name,
-            bearer.frame,
-            u,
-            v,
-            size,
-            base=bearer.top,
-            turn=turn,
-            parent=bearer,
-            within=bearer,
-            attributes=attributes,
-        )
+        spot = bearer.frame.moved(u, v, turn)
+        return self._builder.place(name, spot, size, parent=bearer, within=bearer, look=look)
 
     def _stand(
         self,
         name: str,
-        frame: Frame,
-        u: float,
-        v: float,
+        spot: Frame,
         size: Vector3,
-        turn: float,
         margin: float = 0.02,
-        attributes: dict[str, AttributeValue] | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         if self.floor + size[2] > self.room.top:
             return None
-        look = {**self._style, **(attributes or {})} if name in _STYLED else attributes
+        if name in _STYLED:
+            look = {**self._style, **(look or {})}
         if name in self._forms:
             look = {"form": self._forms[name], **(look or {})}
         placed = self._builder.place(
             name,
-            frame,
-            u,
-            v,
+            spot,
             size,
             base=self.floor,
-            turn=turn,
             parent=self.room,
             within=self.room,
             margin=margin,
-            attributes=look,
+            look=look,
         )
         if placed and name in _BEARERS:
             self.bearers.append(placed)

@@ -8,9 +8,8 @@ from math import pi
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import lay, seats
-from aeroscene.scene import AttributeValue
 
-_RACK: dict[str, AttributeValue] = {"form": "rack"}
+_RACK = {"form": "rack"}
 
 
 def furnish_store(room: Interior) -> Iterator[None]:
@@ -38,8 +37,8 @@ def _rack(room: Interior, u: float, v: float, turn: float) -> list[Placed]:
     size, form = (0.5, 2.0, 2.2), _RACK
     shift_u, shift_v = (0.26, 0.0) if turn == 0.0 else (0.0, 0.26)
     pair = (
-        room.put("shelf", u + shift_u, v + shift_v, size, turn, attributes=form),
-        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, attributes=form),
+        room.put("shelf", u + shift_u, v + shift_v, size, turn, look=form),
+        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, look=form),
     )
     return [shelf for shelf in pair if shelf]
 
@@ -96,9 +95,7 @@ def furnish_goods(room: Interior) -> Iterator[None]:
     for _ in range(3):
         room.lined(room.some_side(), draw.one_of(("barrel", "crate")), 3)
         yield
-    for _ in range(10):
-        room.anywhere(draw.one_of(("box", "crate", "pallet", "barrel")), keep=0.7)
-        yield
+    yield from room.strew(("box", "crate", "pallet", "barrel"), 10, keep=0.7)
 
 
 def furnish_storage(room: Interior) -> Iterator[None]:
@@ -110,9 +107,7 @@ def furnish_storage(room: Interior) -> Iterator[None]:
     for _ in range(6):
         room.anywhere("crate", (1.1, 1.1, draw.between(0.6, 1.0)), keep=0.8)
         yield
-    for _ in range(4):
-        room.anywhere(draw.one_of(("pallet", "barrel", "box")), keep=0.8)
-        yield
+    yield from room.strew(("pallet", "barrel", "box"), 4, keep=0.8)
 
 
 def furnish_aisles(room: Interior) -> Iterator[None]:
@@ -124,8 +119,8 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
     for number, (u, v) in enumerate(room.spots(*pitch, 1.9, is_tight=True)):
         size = (0.45, 2.0, 1.7)
         shift_u, shift_v = (0.24, 0.0) if turn == 0.0 else (0.0, 0.24)
-        room.put("shelf", u + shift_u, v + shift_v, size, turn, attributes=_RACK)
-        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, attributes=_RACK)
+        room.put("shelf", u + shift_u, v + shift_v, size, turn, look=_RACK)
+        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, look=_RACK)
         yield
         if number % 2:
             room.anywhere("pallet", (1.25, 1.15, draw.between(0.6, 1.0)), keep=0.6)
@@ -151,9 +146,7 @@ def furnish_produce(room: Interior) -> Iterator[None]:
     for _ in range(3):
         room.lined(room.some_side(), "fridge", 3, (0.7, 0.9, 1.95))
         yield
-    for _ in range(3):
-        room.anywhere(draw.one_of(("planter", "plant", "sign")), keep=0.8)
-        yield
+    yield from room.strew(("planter", "plant", "sign"), 3, keep=0.8)
 
 
 def furnish_checkout(room: Interior) -> Iterator[None]:
@@ -177,9 +170,7 @@ def furnish_checkout(room: Interior) -> Iterator[None]:
         chairs = seats(room, table, 4)
         lay(room, table, chairs[2:3])
         yield
-    for _ in range(5):
-        room.against(room.some_side(), draw.one_of(("plant", "bin", "sign", "bench", "box")))
-        yield
+    yield from room.line_walls(("plant", "bin", "sign", "bench", "box"), 5)
 
 
 def furnish_booths(room: Interior) -> Iterator[None]:
@@ -201,6 +192,4 @@ def furnish_booths(room: Interior) -> Iterator[None]:
         table = room.anywhere("table", (0.9, 0.9, 0.76), keep=0.8)
         seats(room, table, 2)
         yield
-    for _ in range(6):
-        room.anywhere(draw.one_of(("plant", "sign", "planter", "bin")), keep=0.8)
-        yield
+    yield from room.strew(("plant", "sign", "planter", "bin"), 6, keep=0.8)

@@ -8,7 +8,6 @@ from math import pi
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import seats
-from aeroscene.scene import AttributeValue
 
 
 def furnish_office(room: Interior) -> Iterator[None]:
@@ -32,7 +31,7 @@ def furnish_office(room: Interior) -> Iterator[None]:
     yield
 
 
-_BOOKCASE: dict[str, AttributeValue] = {"form": "bookcase"}
+_BOOKCASE = {"form": "bookcase"}
 _ENDS = ("left", "right")
 
 
@@ -57,10 +56,7 @@ def furnish_open_office(room: Interior) -> Iterator[None]:
     half = size[0] / 2 + 0.02
     for index in order[:6]:
         u, v = spots[index]
-        pair = [
-            room.put("desk", u + half, v, size),
-            room.put("desk", u - half, v, size, turn=pi),
-        ]
+        pair = [room.put("desk", u + half, v, size), room.put("desk", u - half, v, size, turn=pi)]
         for desk, end in zip(pair, _ENDS, strict=True):
             room.in_front(desk, "chair")
             _equip(room, desk, end)
@@ -158,8 +154,8 @@ def furnish_library(room: Interior) -> Iterator[None]:
     spots = room.spots(2.6, 2.0, 1.6, is_tight=True)
     for index in range(0, min(len(spots), 10), 2):
         for u, v in spots[index : index + 2]:
-            room.put("shelf", u + 0.21, v, size, attributes=_BOOKCASE)
-            room.put("shelf", u - 0.21, v, size, turn=pi, attributes=_BOOKCASE)
+            room.put("shelf", u + 0.21, v, size, look=_BOOKCASE)
+            room.put("shelf", u - 0.21, v, size, turn=pi, look=_BOOKCASE)
         yield
     for _ in range(3):
         table = room.anywhere("table", (1.1, 1.8, 0.74), keep=0.8)
