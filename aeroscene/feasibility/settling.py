@@ -8,13 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Bool, Int
 
-from aeroscene.feasibility.boxes import (
-    Boxes,
-    Overlaps,
-    footprint_depth,
-    forbidden_overlaps,
-    joined,
-)
+from aeroscene.feasibility.boxes import Boxes, Overlaps, footprint_depth, forbidden_overlaps, joined
 from aeroscene.feasibility.hosts import dissolve, other_hosts
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.place_search import TOUCH_M

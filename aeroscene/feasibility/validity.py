@@ -11,12 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.boxes import (
-    Boxes,
-    boxes_of,
-    footprint_depth,
-    forbidden_overlaps,
-)
+from aeroscene.feasibility.boxes import Boxes, boxes_of, footprint_depth, forbidden_overlaps
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.solids import Solids, colliding

@@ -19,9 +19,7 @@ _N_STEPS = 12
 
 
 def classifier_accuracy(
-    scenes: Float[np.ndarray, "n f"],
-    reference: Float[np.ndarray, "m f"],
-    rng: np.random.Generator,
+    scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
 ) -> float:
     """Balanced accuracy, cross-validated, of telling the set's scenes from the reference's.
 

@@ -51,9 +51,7 @@ def squared_distances(
 
 
 def discrepancy(
-    scenes: Float[np.ndarray, "n f"],
-    reference: Float[np.ndarray, "m f"],
-    rng: np.random.Generator,
+    scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
 ) -> Discrepancy:
     """MMD of two sets of `aeroscene.metrics.features`, with its noise and its floor.
 

@@ -95,10 +95,7 @@ class GeometrySampler:
         return watch
 
     def _fixed(
-        self,
-        given: Sequence[np.ndarray] | None,
-        skeletons: Sequence[Skeleton],
-        batch: TokenBatch,
+        self, given: Sequence[np.ndarray] | None, skeletons: Sequence[Skeleton], batch: TokenBatch
     ) -> Fixed | None:
         if given is None or not any(len(channels) for channels in given):
             return None

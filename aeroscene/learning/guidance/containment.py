@@ -21,10 +21,7 @@ _INSIDE_M = 0.02
 
 
 def reach_of_middle(
-    footprints: Footprints,
-    boxes: Boxes,
-    batch: TokenBatch,
-    keeps_within: Bool[Tensor, "batch n"],
+    footprints: Footprints, boxes: Boxes, batch: TokenBatch, keeps_within: Bool[Tensor, "batch n"]
 ) -> Float[Tensor, "batch n 2"]:
     """How far from the middle of its parent, along its axes, each token may be.
 
@@ -44,10 +41,7 @@ def reach_of_middle(
 
 
 def contained(
-    footprints: Footprints,
-    boxes: Boxes,
-    batch: TokenBatch,
-    keeps_within: Bool[Tensor, "batch n"],
+    footprints: Footprints, boxes: Boxes, batch: TokenBatch, keeps_within: Bool[Tensor, "batch n"]
 ) -> Footprints:
     """The outlines moved by as little as brings them within; arguments as `reach_of_middle`."""
     limit = reach_of_middle(footprints, boxes, batch, keeps_within)

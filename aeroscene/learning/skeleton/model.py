@@ -122,10 +122,7 @@ class SkeletonModel(nn.Module):
         return score.masked_fill(coarse.kind == self.grammar.n_kinds, -torch.inf)
 
     def fine_context(
-        self,
-        memory: Float[Tensor, "b c m"],
-        wish: Float[Tensor, "b w"],
-        focus: Int[Tensor, "b t"],
+        self, memory: Float[Tensor, "b c m"], wish: Float[Tensor, "b w"], focus: Int[Tensor, "b t"]
     ) -> Float[Tensor, "b t n"]:
         """What the fine stage knows beside the tree: the coarse object in focus, and the wish."""
         at = memory.gather(1, focus[..., None].expand(-1, -1, memory.shape[-1]))

@@ -28,10 +28,7 @@ class Needs(NamedTuple):
     """Kinds that a place is kept for beside the others: the start pad."""
 
     def affordable(
-        self,
-        paths: Paths,
-        rows: Int[np.ndarray, " r"],
-        n_left: Int[np.ndarray, " r"],
+        self, paths: Paths, rows: Int[np.ndarray, " r"], n_left: Int[np.ndarray, " r"]
     ) -> Bool[np.ndarray, "r depths kinds"]:
         """Which kinds may come next at which depth, from 1, so that nothing goes without.
 

@@ -99,10 +99,7 @@ def _split(
 ) -> tuple[list[Example], list[Example]]:
     order = generator.permutation(len(examples)).tolist()
     n_held_out = max(1, round(share * len(examples)))
-    return (
-        [examples[i] for i in order[n_held_out:]],
-        [examples[i] for i in order[:n_held_out]],
-    )
+    return [examples[i] for i in order[n_held_out:]], [examples[i] for i in order[:n_held_out]]
 
 
 def _batches(

@@ -32,10 +32,7 @@ class TreeDecoder:
     """The statistics of a corpus as tensors, and the way from channels to boxes."""
 
     def __init__(
-        self,
-        vocabulary: Vocabulary,
-        statistics: Statistics,
-        device: torch.device | str = "cpu",
+        self, vocabulary: Vocabulary, statistics: Statistics, device: torch.device | str = "cpu"
     ) -> None:
         def tensor(values: np.ndarray) -> Tensor:
             dtype = torch.bool if values.dtype == bool else torch.float32
@@ -104,10 +101,7 @@ class TreeDecoder:
         return values
 
     def with_heights(
-        self,
-        x0: Float[Tensor, "batch n 15"],
-        batch: TokenBatch,
-        ratio: Float[Tensor, "batch n"],
+        self, x0: Float[Tensor, "batch n 15"], batch: TokenBatch, ratio: Float[Tensor, "batch n"]
     ) -> Float[Tensor, "batch n 15"]:
         """Channels of the same layout with other heights, where those are free.
 

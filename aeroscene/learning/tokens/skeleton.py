@@ -125,8 +125,5 @@ def skeleton_of(scene: Scene, vocabulary: Vocabulary, *, allow_nearest: bool = F
         kinds.append(kind_of(obj, parent, yaw))
     parents = [0, *(place[obj.parent_id] for obj in order)]
     return Skeleton(
-        scene.domain,
-        np.array(kinds),
-        np.array(parents),
-        1 + sum(obj.is_coarse for obj in order),
+        scene.domain, np.array(kinds), np.array(parents), 1 + sum(obj.is_coarse for obj in order)
     )

@@ -139,10 +139,7 @@ def _moments(
 
 
 def _symmetric(
-    low: np.ndarray,
-    high: np.ndarray,
-    roots: Int[np.ndarray, " k"],
-    turned: Int[np.ndarray, " j"],
+    low: np.ndarray, high: np.ndarray, roots: Int[np.ndarray, " k"], turned: Int[np.ndarray, " j"]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds that hold for mirrored and turned scenes too: roots turn, and places of `turned`."""
     widest = np.maximum(-low, high)

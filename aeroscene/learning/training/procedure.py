@@ -167,12 +167,7 @@ class Training:
         self._saved_s = time.perf_counter()
         budget = self.plan.budget
         train_denoiser(
-            training,
-            self.plan.data.train,
-            self._loss,
-            budget,
-            self._after_step,
-            time.perf_counter,
+            training, self.plan.data.train, self._loss, budget, self._after_step, time.perf_counter
         )
         return budget.share(training.step, training.seconds) >= 1.0
 
