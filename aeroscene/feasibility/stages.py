@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import atan2
 
@@ -31,15 +30,10 @@ from aeroscene.validation.boxes import overlaps
 from aeroscene.validation.support import floating
 
 
-def stages() -> tuple[tuple[str, Callable[[Layout], None]], ...]:
-    """Names and functions of all stages, in their order."""
-    return (
-        ("support", _support),
-        ("ground", _part_ground),
-        ("coarse", _part_coarse),
-        ("home and fine", _part_fine),
-        ("last", _clear_up),
-    )
+def project(layout: Layout) -> None:
+    """Run all stages, in their order."""
+    for stage in (_support, _part_ground, _part_coarse, _part_fine, _clear_up):
+        stage(layout)
 
 
 def _support(layout: Layout) -> None:

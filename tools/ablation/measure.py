@@ -15,8 +15,8 @@ from shapely.errors import ShapelyError
 from aeroscene.corpus.dataset import Dataset
 from aeroscene.feasibility import validity
 from aeroscene.feasibility.layout import layout_of
-from aeroscene.feasibility.report import snapshot, stage_report
-from aeroscene.feasibility.stages import stages
+from aeroscene.feasibility.report import report_of
+from aeroscene.feasibility.stages import project
 from aeroscene.learning.diffusion.sampling import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
@@ -193,11 +193,9 @@ def _judged(scene: Scene, cpu_s: float) -> SceneOutcome:
 def _projected(scene: Scene) -> tuple[float, int]:
     """Mean displacement, m, and objects dropped; areas are not looked for."""
     layout = layout_of(scene)
-    began = snapshot(layout)
     try:
-        for _, stage in stages():
-            stage(layout)
+        project(layout)
     except (SceneError, ShapelyError):
         return 0.0, len(scene.objects)
-    report = stage_report("total", began, snapshot(layout))
-    return report.displacement.mean_m, report.n_dropped
+    report = report_of(layout)
+    return report.mean_moved_m, report.n_dropped

@@ -141,18 +141,13 @@ class Generator:
             proposal.skeleton,
             proposal.geometry,
             self._proposer.vocabulary,
-            scene_id=scene_name(request.seed),
+            scene_id=f"aeroscene-{request.seed:04d}",
             seed=request.seed,
             rng=rng,
             kept=request.kept,
         )
         feasible = make_feasible(raw, FeasibilityCfg(limits=limits))
         return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
-
-
-def scene_name(seed: int) -> str:
-    """Name of the scene that a seed gives."""
-    return f"aeroscene-{seed:04d}"
 
 
 def generate_scene(seed: int) -> Scene:

@@ -61,20 +61,12 @@ class CoarseGrowth:
 
     def view(self) -> View:
         """What the network sees now."""
-        paths = self.paths
-        counts = np.stack([self.n_left, self.n_placed, paths.n_children[:, 0]], axis=-1)
+        n_roots = self.paths.n_children[:, 0]
+        counts = np.stack([self.n_left, self.n_placed, n_roots], axis=-1)
         flags = np.zeros((len(counts), 2), dtype=bool)
         focus = np.zeros(len(counts), dtype=np.int64)
         pressure = np.zeros(len(counts), dtype=np.float32)
-        return View(
-            paths.kind.copy(),
-            bucket(paths.n_children),
-            paths.depth.copy(),
-            bucket(counts),
-            flags,
-            focus,
-            pressure,
-        )
+        return View(*self.paths.seen(), bucket(counts), flags, focus, pressure)
 
     def place(
         self, rows: Int[np.ndarray, " a"], depth: Int[np.ndarray, " a"], kind: Int[np.ndarray, " a"]
@@ -132,7 +124,7 @@ class FineGrowth:
 
     def view(self) -> View:
         """What the network sees now."""
-        rows, paths, plans = np.arange(len(self.focus)), self.paths, self.is_planning
+        rows, plans = np.arange(len(self.focus)), self.is_planning
         focus = np.minimum(self.focus, self.n_places - 1)
         counts = np.stack(
             [
@@ -144,15 +136,8 @@ class FineGrowth:
         )
         flags = np.stack([plans, self.is_due], axis=-1)
         pressure = np.log((self.n_unshared + 1.0) / (self._usual_ahead[rows, focus] + 1.0))
-        return View(
-            paths.kind.copy(),
-            bucket(paths.n_children),
-            paths.depth.copy(),
-            bucket(counts),
-            flags,
-            focus,
-            np.where(plans, pressure, 0.0).astype(np.float32),
-        )
+        pressure = np.where(plans, pressure, 0.0).astype(np.float32)
+        return View(*self.paths.seen(), bucket(counts), flags, focus, pressure)
 
     def share(self, rows: Int[np.ndarray, " a"], quota: Int[np.ndarray, " a"]) -> None:
         """Give the coarse objects in focus their quotas."""

@@ -17,7 +17,6 @@ from aeroscene.learning.skeleton.sequence import (
     Coarse,
     Lesson,
     Steps,
-    bearers,
     coarse_parts,
     fine_growth,
     wish_numbers,
@@ -103,7 +102,7 @@ def _fine_steps(
 ) -> Steps:
     quotas = _quotas(skeletons, owner, coarse.kind.shape[1])
     kinds, depths = _below_owners(skeletons, owner)
-    is_bearer = bearers(coarse.kind.numpy(), grammar) | (quotas > 0)
+    is_bearer = grammar.bears_fine[coarse.kind.numpy()] | (quotas > 0)
     growth = fine_growth(coarse, is_bearer, start, quotas.sum(axis=1), grammar)
     at = coarse.length.numpy().copy()
     log = _Log(len(skeletons))

@@ -43,6 +43,10 @@ class Paths:
         self.bag = np.zeros((n_rows, n_levels, n_kinds), dtype=np.uint8)
         """Children of each kind that the object at each level has."""
 
+    def seen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Kinds along the path, their numbers of children as classes, and the depth."""
+        return self.kind.copy(), bucket(self.n_children), self.depth.copy()
+
     def restart(self, rows: Int[np.ndarray, " r"], kind: Int[np.ndarray, " r"]) -> None:
         """Begin trees anew at roots of these kinds."""
         self._put(rows, np.zeros_like(rows), kind)

@@ -18,6 +18,7 @@ from aeroscene.learning.skeleton.grammar import learn_grammar
 from aeroscene.learning.skeleton.lesson import lesson_of
 from aeroscene.learning.skeleton.loss import skeleton_loss
 from aeroscene.learning.skeleton.model import SkeletonModel
+from aeroscene.learning.skeleton.sequence import to_device
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish
 
@@ -193,7 +194,7 @@ class _Run:
     def _loss(self, batch: Sequence[Example]) -> torch.Tensor:
         skeletons, wishes = zip(*batch, strict=True)
         lesson = lesson_of(skeletons, wishes, self.model.grammar)
-        return skeleton_loss(self.model, lesson.to(self.model.most.device))
+        return skeleton_loss(self.model, to_device(lesson, self.model.most.device))
 
 
 def _n_objects(examples: Sequence[Example]) -> int:

@@ -16,11 +16,7 @@ class TrainingError(SceneError):
 
 
 def require(*, ok: bool, name: str, value: object, valid: str) -> None:
-    """Refuse a field of a configuration.
-
-    Raises:
-        TrainingError: If it is not `ok`.
-    """
+    """Raise a `TrainingError` about a field of a configuration unless it is `ok`."""
     if not ok:
         raise TrainingError(f"{name} is {value!r}, valid: {valid}")
 
@@ -86,8 +82,9 @@ class Budget:
         if self.steps is not None:
             require(ok=self.steps >= 1, name="steps", value=self.steps, valid="1 or more")
         if self.seconds is not None:
-            valid = "more than 0 minutes"
-            require(ok=self.seconds > 0, name="seconds", value=self.seconds, valid=valid)
+            # A user gives minutes.
+            minutes = self.seconds / 60
+            require(ok=minutes > 0, name="minutes", value=minutes, valid="more than 0")
 
     def share(self, step: int, seconds: float) -> float:
         """Share of the training that is done, at least 1 at its end."""
