@@ -33,13 +33,7 @@ class Changes:
     """Which unknowns there are, what each costs, and rows of demands upon them."""
 
     def __init__(self, layout: Layout, began: Boxes, movable: Int[np.ndarray, " m"]) -> None:
-        """Set up the unknowns.
-
-        Args:
-            layout: What moves with what.
-            began: Boxes where they began, with obstacles behind the layout's.
-            movable: Rows of the objects that may move.
-        """
+        """Set up the unknowns; in `began`, obstacles stand behind the boxes of the layout."""
         n, m = len(layout.boxes), len(movable)
         self._began = began
         self._movable = movable

@@ -42,12 +42,7 @@ def home_row(layout: Layout) -> int | None:
 
 
 def settle_home(layout: Layout, row: int) -> None:
-    """Put the pad where the air above is free of structures.
-
-    Args:
-        layout: Coarse objects of it stand where they will; the pad alone is moved.
-        row: The pad.
-    """
+    """Put the pad, and nothing else, where the air above is free of structures."""
     spot = layout.boxes.centre_m[row, :2].copy()
     host = int(layout.host[row])
     is_open_air = host >= 0 and layout.scene.domain != "indoor"

@@ -50,10 +50,7 @@ class Feasible:
 def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     """Project a scene: coarse objects first, then fine ones upon what bears them.
 
-    Args:
-        scene: As sampled: boxes may overlap, hang in the air or lie outside the extent. Its
-            areas are ignored.
-        cfg: What the result must offer.
+    As sampled, boxes may overlap, hang in the air or lie outside the extent; areas are ignored.
     """
     cfg = cfg or FeasibilityCfg()
     layout = layout_of(scene)

@@ -31,14 +31,9 @@ _LOYALTY_M = 1.0
 
 
 def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
-    """Shorten what may be shorter until it reaches into no stranger, wherever it stays long enough.
+    """Shorten what may be shorter until it reaches into no stranger; whether anything was cut.
 
-    Args:
-        layout: Changed.
-        is_wanted: Objects among which to look.
-
-    Returns:
-        Whether anything was cut.
+    Only wanted objects are looked at, and each stays long enough for its category.
     """
     has_cut = False
     for _ in range(_ROUNDS):
@@ -61,10 +56,7 @@ def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
 def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes) -> None:
     """Move what still overlaps to the nearest free place, larger things first, or drop it.
 
-    Args:
-        layout: Changed.
-        is_wanted: Objects that may be moved.
-        obstacles: Boxes to keep free beside all objects.
+    Obstacles are boxes to keep free beside all objects.
     """
     losers = _losers(layout, is_wanted, obstacles)
     size = layout.boxes.half_m[losers].prod(axis=1)

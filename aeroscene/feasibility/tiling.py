@@ -36,13 +36,7 @@ def hold_children(layout: Layout) -> None:
 
 
 def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> None:
-    """Let open ground grow on which things overlap, so that they find a place on it.
-
-    Args:
-        layout: Changed.
-        is_wanted: Objects that may be moved.
-        air: Boxes that they leave free beside all objects.
-    """
+    """Let open ground grow on which wanted things overlap others or `air`, to make them places."""
     boxes = joined(layout.boxes, air)
     is_left = np.ones(len(boxes), dtype=bool)
     is_left[: len(layout.boxes)] = layout.is_left

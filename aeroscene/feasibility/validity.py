@@ -62,12 +62,7 @@ class ObjectValidity:
 
 
 def validity(scene: Scene, primitives: Sequence[Primitive] | None = None) -> ObjectValidity:
-    """Judge every object of a scene, sound or not.
-
-    Args:
-        scene: The scene.
-        primitives: Its primitives, where the caller has them already.
-    """
+    """Judge every object of a scene, sound or not; its primitives where the caller has them."""
     boxes = boxes_of(scene.objects)
     solids = colliding(scene_primitives(scene) if primitives is None else primitives)
     row = {obj.id: i for i, obj in enumerate(scene.objects)}

@@ -23,10 +23,7 @@ def classifier_accuracy(
 ) -> float:
     """Balanced accuracy, cross-validated, of telling the set's scenes from the reference's.
 
-    Args:
-        scenes: Features of the set.
-        reference: Features of real scenes.
-        rng: Draws the folds.
+    Points are features; `rng` draws the folds.
 
     Raises:
         TooFewScenesError: If a set has fewer scenes than there are folds.

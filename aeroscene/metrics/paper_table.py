@@ -85,12 +85,7 @@ _CATEGORIES: tuple[tuple[str, str, Level, int], ...] = (
 def paper_table(
     entries: Sequence[SceneSummary], categories: Mapping[int, Collection[str]]
 ) -> tuple[Row, ...]:
-    """The rows for these scenes.
-
-    Args:
-        entries: What the manifest says of them.
-        categories: Names of the categories in each scene, under its number.
-    """
+    """The rows for these scenes of a manifest; categories are by the scene's number."""
     groups: dict[Column, list[SceneSummary]] = {
         "train": [entry for entry in entries if entry.split == "train"],
         "test": [entry for entry in entries if entry.split == "test"],

@@ -147,15 +147,7 @@ def measure(
     noise: int,
     on_scene: Callable[[], object],
 ) -> list[SceneOutcome]:
-    """Sample every case once, each with noise of its own.
-
-    Args:
-        model: Whose kinds the skeletons are of.
-        sampler: How to sample.
-        cases: Skeletons.
-        noise: Which draw of the noise.
-        on_scene: Called after each.
-    """
+    """Sample every case once, each with noise of its own in one of several draws."""
     outcomes: list[SceneOutcome] = []
     for case in cases:
         example = case.example

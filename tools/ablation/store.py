@@ -33,13 +33,7 @@ def valid_shares(scenes: Sequence[SceneOutcome]) -> Float[np.ndarray, " scenes"]
 
 
 def outcome_key(digest: str, cases: Sequence[Case], settings: object) -> str:
-    """Sixteen hexadecimal digits.
-
-    Args:
-        digest: Of the weights.
-        cases: What is sampled.
-        settings: Whatever else decides the result, as its `repr`.
-    """
+    """Sixteen hexadecimal digits of weights, cases, and the `repr` of whatever else decides."""
     text = f"{digest} {[case.number for case in cases]} {settings!r}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -40,13 +40,7 @@ class Line:
 
 
 def line(row: Row, outcome: Outcome, base: Outcome | None) -> Line:
-    """Figures of a row.
-
-    Args:
-        row: The row.
-        outcome: Its own.
-        base: That of the row that it is held against, on the same scenes; None for a base line.
-    """
+    """Figures of a row, and its gain on the row that it is held against; None for a base line."""
     figures: dict[str, float] = {}
     if outcome.unguided:
         figures["valid_unguided"] = float(valid_shares(outcome.unguided).mean())

@@ -87,13 +87,10 @@ class Schedule:
         return log.exp().to(time.dtype)
 
     def draw_time(self, n: int, generator: torch.Generator, *, stratified: bool) -> Tensor:
-        """Times of training, uniform over the T steps: 1/T, ..., 1.
+        """Times of training, uniform over the T steps: 1/T, ..., 1, on the generator's device.
 
-        Args:
-            n: How many.
-            generator: Source of randomness; the times lie on its device.
-            stratified: One from each of n equal parts instead of n independent ones, which takes
-                variance off the loss (Kingma et al. 2021, "Variational Diffusion Models").
+        Stratified, one is drawn from each of n equal parts, which takes variance off the loss
+        (Kingma et al. 2021, "Variational Diffusion Models").
         """
         device = generator.device
         if stratified:

@@ -73,8 +73,7 @@ class Request:
     def drawn(self, rng: np.random.Generator) -> tuple[Wish, AreaLimits]:
         """The wish with nothing left open, and how many areas of each size are kept.
 
-        Args:
-            rng: Draws what is open; the same draws are made whatever is.
+        The same numbers are drawn whatever is open.
         """
         domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
         budget = draw_budget(rng)

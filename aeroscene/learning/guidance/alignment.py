@@ -147,14 +147,9 @@ def in_line(
     has_habit: Bool[np.ndarray, "n n"],
     cfg: AlignmentCfg,
 ) -> Float[np.ndarray, "n 2"]:
-    """Where the middles of objects come that nearly share a line.
+    """Where the middles of objects come that nearly share a line, in the axes of their parents.
 
-    Args:
-        middle_m: In the axes of their parents.
-        reach_m: Half the extents along these.
-        is_fixed: Which stay; the others come to theirs.
-        has_habit: Which pairs may share a line.
-        cfg: How near.
+    What is fixed stays, and the others come to its line.
     """
     first, second = np.nonzero(np.triu(has_habit, 1))
     apart = np.abs(middle_m[first] - middle_m[second])

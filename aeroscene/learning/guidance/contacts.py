@@ -32,13 +32,7 @@ class Pairs:
 
 
 def near_pairs(boxes: Boxes, excluded: Bool[Tensor, "batch n n"], margin_m: float) -> Pairs:
-    """Pairs that may come to overlap.
-
-    Args:
-        boxes: Upright boxes.
-        excluded: Pairs that may overlap: ancestors and descendants.
-        margin_m: Boxes this near count, because they move.
-    """
+    """Pairs nearer than a margin, but for those that may overlap: ancestors and descendants."""
     half = boxes.size_m / 2
     cos, sin = boxes.heading.abs().unbind(-1)
     width = cos * half[..., 0] + sin * half[..., 1]

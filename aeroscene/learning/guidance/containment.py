@@ -25,11 +25,7 @@ def reach_of_middle(
 ) -> Float[Tensor, "batch n 2"]:
     """How far from the middle of its parent, along its axes, each token may be.
 
-    Args:
-        footprints: Outlines.
-        boxes: The boxes that they are of.
-        batch: The tokens.
-        keeps_within: Tokens that keep the whole of their outline within their parent's.
+    Tokens of `keeps_within` keep the whole of their outline within their parent's.
     """
     half, reach = footprints.parent_half_m, footprints.reach_m
     inset = torch.where(keeps_within[..., None], reach, torch.full_like(reach, _INSIDE_M))

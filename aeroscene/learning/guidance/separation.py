@@ -80,13 +80,9 @@ class SeparationGuidance:
     """Pushes overlapping objects apart in the predicted clean layout."""
 
     def __init__(self, decode: Decode, bounds: Bounds, cfg: SeparationCfg | None = None) -> None:
-        """Set up.
+        """Set up, with the bounds of the channels in training: no object is pushed over those.
 
-        Args:
-            decode: From channels, of which the first three are the place, to boxes.
-            bounds: Of the channels in training: an object is not pushed over the border that its
-                kind keeps to.
-            cfg: How overlaps are undone.
+        Of the channels that are decoded the first three are the place.
         """
         self._decode = decode
         self._bounds = bounds

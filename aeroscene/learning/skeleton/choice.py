@@ -49,16 +49,9 @@ def allowed_children(
 ) -> Bool[np.ndarray, "r depths kinds"]:
     """Which kinds may come next at which depth, from 1: those that training had there.
 
-    Where that leaves nothing, first what parents need is given up, then how often they may have
-    a kind, and at last who may be whose child: the root may have everything that is wanted.
-
-    Args:
-        grammar: What training had.
-        paths: Where the trees stand.
-        rows: Rows that place an object.
-        wanted: Kinds to choose from.
-        needs: What parents need of such kinds.
-        n_left: Objects that each row may still place, see `Needs.affordable`.
+    Where that leaves nothing, first what parents need is given up, then how often they may have a
+    kind, and at last who may be whose child: the root may have everything that is wanted. See
+    `Needs.affordable` for `n_left`.
     """
     cap = grammar.cap[paths.kind[rows, :-1]]
     seen = (cap > 0) & wanted[:, None]

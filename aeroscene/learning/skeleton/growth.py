@@ -92,14 +92,8 @@ class FineGrowth:
     ) -> None:
         """Begin where the coarse part is complete.
 
-        Args:
-            bearers: Which coarse objects get a quota.
-            kind: Kinds of the coarse objects.
-            start: Place of the one that gets the start pad, -1 where there is no pad.
-            n_fine: Fine objects to share out.
-            usual: Quotas that such coarse objects have on average.
-            n_levels: Greatest depth below a coarse object, plus one.
-            n_kinds: Size of the vocabulary.
+        `start` is the place of the object that gets the start pad, -1 where there is no pad;
+        `usual` are the quotas that such coarse objects have on average.
         """
         n_rows, self.n_places = bearers.shape
         self.bearers = bearers

@@ -54,12 +54,9 @@ class _Log:
         self._targets: list[np.ndarray] = []
 
     def step(self, growth: CoarseGrowth | FineGrowth, rows: np.ndarray, *said: np.ndarray) -> None:
-        """Note a step before it is made: what is seen, and what some rows should say.
+        """Note what is seen before a step, and what is right for the rows that place an object.
 
-        Args:
-            growth: What grows.
-            rows: Rows that place an object.
-            said: Right depth, kind and quota of every row, IGNORE where there is none.
+        `said` are depth, kind and quota of every row, IGNORE where there is none.
         """
         targets = np.stack(said)
         depth = np.ones(self._n_rows, dtype=np.int64)

@@ -36,13 +36,9 @@ def sample_skeletons(
     generators: Sequence[np.random.Generator],
     coarse: Sequence[Skeleton | None] | None = None,
 ) -> list[Skeleton]:
-    """Skeletons as wished for.
+    """Skeletons as wished for, each drawn by a generator of its own.
 
-    Args:
-        model: A trained model.
-        wishes: What each skeleton should have.
-        generators: Where the randomness of each comes from.
-        coarse: Skeletons whose coarse part is kept; None where the model is to choose one.
+    Of a skeleton in `coarse` the coarse part is kept; where there is None the model chooses one.
 
     Returns:
         Skeletons with as many coarse objects as wished for (or as in the part that is kept), fine

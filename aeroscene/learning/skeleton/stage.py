@@ -48,16 +48,9 @@ class Stage(nn.Module):
         table: Float[Tensor, "kinds_and_none w"],
         state: Tensor | None = None,
     ) -> tuple[Float[Tensor, "b t h"], Tensor]:
-        """Read steps.
+        """What the heads need to know at each step, and where the last one ended.
 
-        Args:
-            view: The fields of `View` over steps.
-            context: What else is known at each step.
-            table: Vectors of the kinds.
-            state: Where the steps before ended; None at the beginning.
-
-        Returns:
-            What the heads need to know at each step, and where the last one ended.
+        `state` is where the steps before ended; None at the beginning.
         """
         path, n_children, depth, counts, flags, _, pressure = view
         seen = torch.cat(

@@ -63,21 +63,11 @@ def train_skeleton(
     on_step: Callable[[SkeletonProgress], bool] | None = None,
     clock: Callable[[], float] = time.process_time,
 ) -> TrainedSkeletonModel:
-    """Train a model on skeletons.
+    """Train a model on skeletons of scenes with what each scene has.
 
-    Args:
-        examples: Skeletons of scenes with what each scene has, at least two.
-        vocabulary: Their kinds.
-        generator: Randomness of the weights, the order and the dropout: with a budget in steps the
-            same result on the same device.
-        cfg: The network.
-        training: How, and how long.
-        device: Where.
-        on_step: Called after each step; true ends the training.
-        clock: Seconds that the budget counts: those of this process, unless told otherwise.
-
-    Returns:
-        The model, ready to sample from.
+    With a budget in steps the same generator gives the same weights on the same device. After each
+    step `on_step` is called, whose true ends the training. The budget counts seconds of the clock:
+    those of this process, unless told otherwise.
 
     Raises:
         SkeletonError: If there are too few examples, or the loss does not stay finite.

@@ -26,11 +26,7 @@ def default_channels(
 ) -> Float[Tensor, "batch n 15"]:
     """Channels, not standardised, as the default codec has them for the same layout.
 
-    Args:
-        values: Channels, not standardised.
-        codec: What they stand for.
-        batch: Their tokens.
-        place: From the default's channels to boxes; headings and sizes do not depend on places.
+    `place` makes boxes of the default's channels; headings and sizes do not depend on places.
     """
     if codec.size == "linear":
         values = _with(values, SIZE, values[..., SIZE].clamp_min(_LEAST_EXTENT).log())

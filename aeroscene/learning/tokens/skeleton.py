@@ -105,12 +105,7 @@ def _descend(
 
 
 def skeleton_of(scene: Scene, vocabulary: Vocabulary, *, allow_nearest: bool = False) -> Skeleton:
-    """The skeleton of a scene.
-
-    Args:
-        scene: The scene.
-        vocabulary: Its kinds.
-        allow_nearest: Whether the kind most like it stands for one that the vocabulary lacks.
+    """The skeleton of a scene; the nearest kind may stand for one that the vocabulary lacks.
 
     Raises:
         KeyError: If an object is of no kind of the vocabulary.

@@ -134,12 +134,8 @@ def write_checkpoint(
 ) -> None:
     """Write a checkpoint, whole or not at all.
 
-    Args:
-        path: File to write.
-        facts: What it says of itself.
-        parts: Weights by part.
-        statistics: What scales the channels of a token; never in half precision.
-        is_half: Half precision on disk; what is read back is single again.
+    Weights take half precision on disk where `is_half`, statistics never; what is read back is
+    single again.
 
     Raises:
         OSError: If it cannot be written.

@@ -75,15 +75,7 @@ def prepared(
     is_flat: bool = False,
     codec: CodecCfg = DEFAULT_CODEC,
 ) -> TrainingData:
-    """Scenes as tokens.
-
-    Args:
-        name: What a checkpoint calls them.
-        train: Scenes to train on.
-        held_out: Scenes to watch the training by.
-        is_flat: See `open_training_data`.
-        codec: See `open_training_data`.
-    """
+    """Scenes as tokens, to train on and to watch by; a checkpoint names them as `name`."""
     tree = training_set(train, codec)
     vocabulary = count_kinds(train)
     source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))

@@ -32,10 +32,9 @@ class HeldOutSet(Protocol):
 
 
 def held_out_loss(training: DenoiserTraining, data: HeldOutSet, loss: LossFunction) -> float | None:
-    """Loss of the averaged weights on other scenes, at the same times and noise on every call.
+    """Mean loss of the averaged weights on other scenes; None where there are none.
 
-    Returns:
-        The mean over the scenes; None where there are none.
+    Times and noise are the same on every call.
     """
     n_scenes = min(len(data.examples), _MOST)
     if n_scenes == 0:

@@ -150,15 +150,9 @@ def train_denoiser(
     on_step: Callable[[StepReport], bool],
     clock: Callable[[], float],
 ) -> None:
-    """Train until the budget is spent.
+    """Train from where the training is until the budget is spent or `on_step` says false.
 
-    Args:
-        training: What is trained; goes on from where it is.
-        data: What to train on.
-        loss: The loss of a batch.
-        budget: When to end.
-        on_step: Called after each step; whether to go on.
-        clock: Seconds, for the budget only.
+    The clock's seconds count for the budget only.
 
     Raises:
         TrainingError: If the loss is not finite any more.

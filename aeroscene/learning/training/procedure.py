@@ -99,10 +99,7 @@ class Training:
     _saved_s: float = 0.0
 
     def run(self, state: TrainingState | None = None) -> bool:
-        """Train what is not trained yet.
-
-        Args:
-            state: Where an earlier training was stopped.
+        """Train what is not trained yet, from where an earlier training was stopped.
 
         Returns:
             Whether it came to its end; it is saved either way.

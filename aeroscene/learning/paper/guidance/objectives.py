@@ -60,13 +60,7 @@ class Objectives:
     def __init__(
         self, read: Reader, cfg: ObjectivesCfg | None = None, prior: SemanticPrior | None = None
     ) -> None:
-        """Set up.
-
-        Args:
-            read: From channels to objects.
-            cfg: Which objectives.
-            prior: P_sem; without one the semantic objective is left out.
-        """
+        """Set up; without a prior P_sem the semantic objective is left out."""
         self._read = read
         self._prior = prior
         self.cfg = cfg or ObjectivesCfg()

@@ -66,14 +66,7 @@ def gather(
 
 
 class CoarseCnn(nn.Module):
-    """Lightweight 3D CNN over the coarse tokens of a layout.
-
-    Args:
-        width: Token width d_m.
-        channels: Width of the grid's features.
-        shape: Voxels along x, y and z.
-        reach: Half the extent of the grid in channel units.
-    """
+    """Lightweight 3D CNN over the coarse tokens of a layout; `reach` is half the grid's extent."""
 
     def __init__(
         self, width: int, channels: int, shape: tuple[int, int, int], reach: float
