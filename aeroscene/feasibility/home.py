@@ -127,8 +127,7 @@ def _openness_m(layout: Layout, row: int, ground: int, spot: Float[np.ndarray, "
 
 def _structures(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
     """Coarse objects: the others make room."""
-    is_coarse = np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
-    return is_coarse & layout.is_left & ~layout.moves_with[:, row]
+    return layout.is_coarse & layout.is_left & ~layout.moves_with[:, row]
 
 
 def _is_free(

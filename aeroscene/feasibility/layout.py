@@ -9,7 +9,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.boxes import Boxes, boxes_of, kinship
+from aeroscene.feasibility.boxes import (
+    Boxes,
+    Overlaps,
+    boxes_of,
+    forbidden_overlaps,
+    joined,
+    kinship,
+)
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 
@@ -40,6 +47,18 @@ class Layout:
     def objects(self) -> Sequence[SceneObject]:
         """The objects, as they came."""
         return self.scene.objects
+
+    @property
+    def is_coarse(self) -> Bool[np.ndarray, " n"]:
+        """Whether an object is coarse."""
+        return np.array([obj.is_coarse for obj in self.objects], dtype=bool)
+
+    def overlaps(self, least_m: float, obstacles: Boxes | None = None) -> Overlaps:
+        """Forbidden overlaps beyond `least_m` of what is left, and with obstacles behind it."""
+        boxes = joined(self.boxes, obstacles)
+        is_left = np.ones(len(boxes), dtype=bool)
+        is_left[: len(self.boxes)] = self.is_left
+        return forbidden_overlaps(boxes, least_m, is_left)
 
     def parent_of(self, row: int) -> SceneObject | None:
         """The parent of an object."""

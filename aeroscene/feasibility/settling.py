@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Bool, Int
 
-from aeroscene.feasibility.boxes import Boxes, Overlaps, footprint_depth, forbidden_overlaps, joined
+from aeroscene.feasibility.boxes import Boxes, footprint_depth, joined
 from aeroscene.feasibility.hosts import dissolve, other_hosts
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.place_search import TOUCH_M
@@ -37,7 +37,7 @@ def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
     """
     has_cut = False
     for _ in range(_ROUNDS):
-        overlaps = _overlaps(layout)
+        overlaps = layout.overlaps(TOUCH_M)
         is_cut = False
         for i, j in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
             if not (is_wanted[i] and is_wanted[j]) or _are_apart(layout, i, j):
@@ -110,13 +110,6 @@ def set_on_earth(layout: Layout, row: int, obstacles: Boxes) -> None:
         move_to(layout, row, place)
 
 
-def _overlaps(layout: Layout, obstacles: Boxes | None = None) -> Overlaps:
-    boxes = joined(layout.boxes, obstacles)
-    is_left = np.ones(len(boxes), dtype=bool)
-    is_left[: len(layout.boxes)] = layout.is_left
-    return forbidden_overlaps(boxes, TOUCH_M, is_left)
-
-
 def _are_apart(layout: Layout, i: int, j: int) -> bool:
     """Whether cuts made meanwhile have parted two boxes."""
     depth = footprint_depth(layout.boxes, np.array([i]), np.array([j]))
@@ -152,7 +145,7 @@ def _losers(
     carries = (layout.moves_with & layout.is_left[:, None]).sum(axis=0)
     size = layout.boxes.half_m.prod(axis=1)
     lost: set[int] = set()
-    overlaps = _overlaps(layout, obstacles)
+    overlaps = layout.overlaps(TOUCH_M, obstacles)
     for pair in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
         movable = [row for row in pair if row < n and is_wanted[row]]
         if movable and not lost & set(pair):

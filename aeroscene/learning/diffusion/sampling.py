@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, Protocol, get_args
+from typing import Literal, Protocol
 
 import torch
 from jaxtyping import Bool, Float
@@ -16,7 +16,12 @@ from torch import Tensor
 
 from aeroscene.learning.diffusion.loss import Denoiser, channel_weight
 from aeroscene.learning.diffusion.parameterisation import Parameterisation, predicted_x0
-from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule, normal_like
+from aeroscene.learning.diffusion.schedule import (
+    Schedule,
+    normal_like,
+    require_choice,
+    require_within,
+)
 from aeroscene.learning.diffusion.steps import (
     Level,
     Variance,
@@ -29,8 +34,6 @@ from aeroscene.learning.tokens.batch import TokenBatch
 
 SamplerKind = Literal["ddpm", "ddim", "dpm-solver++"]
 Spacing = Literal["time", "log_snr"]
-
-_MAX_STEPS = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,19 +54,10 @@ class SamplerCfg:
     """Of `ddpm`."""
 
     def __post_init__(self) -> None:
-        for name, choices in (
-            ("kind", SamplerKind),
-            ("parameterisation", Parameterisation),
-            ("spacing", Spacing),
-            ("variance", Variance),
-        ):
-            if getattr(self, name) not in get_args(choices):
-                valid = ", ".join(get_args(choices))
-                raise DiffusionError(f"sampler.{name} is {getattr(self, name)!r}, valid: {valid}")
-        if not 1 <= self.n_steps <= _MAX_STEPS:
-            raise DiffusionError(f"sampler.n_steps is {self.n_steps}, valid: 1 to {_MAX_STEPS}")
-        if not 0 <= self.eta <= 1:
-            raise DiffusionError(f"sampler.eta is {self.eta:g}, valid: 0 to 1")
+        require_choice("sampler", self, kind=SamplerKind, parameterisation=Parameterisation)
+        require_choice("sampler", self, spacing=Spacing, variance=Variance)
+        require_within("sampler", self, (1, 1000), "n_steps")
+        require_within("sampler", self, (0, 1), "eta")
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import torch
 from jaxtyping import Float, Float64
@@ -17,11 +17,27 @@ _LEAST_ALPHA_BAR = 1e-5
 """Of the cosine schedule at t = 1, where it would be 0 and the noise hide the layout wholly."""
 _COSINE_OFFSET = 0.008
 """Nichol and Dhariwal 2021, eq. (17): keeps the first steps' noise from vanishing."""
-_MAX_STEPS = 10_000
 
 
 class DiffusionError(ValueError):
     """A setting of the diffusion out of range; one line with field, value and what is valid."""
+
+
+def require_within(section: str, cfg: object, limits: tuple[float, float], *names: str) -> None:
+    """Raise a `DiffusionError` unless fields are within limits, which are valid themselves."""
+    low, high = limits
+    for name in names:
+        value = getattr(cfg, name)
+        if not low <= value <= high:
+            raise DiffusionError(f"{section}.{name} is {value:g}, valid: {low:g} to {high:g}")
+
+
+def require_choice(section: str, cfg: object, **choices: Any) -> None:
+    """Raise a `DiffusionError` unless fields are among the members of their `Literal` types."""
+    for name, choice in choices.items():
+        if getattr(cfg, name) not in get_args(choice):
+            valid = ", ".join(get_args(choice))
+            raise DiffusionError(f"{section}.{name} is {getattr(cfg, name)!r}, valid: {valid}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,11 +54,8 @@ class ScheduleCfg:
     """Of `linear`, likewise."""
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(ScheduleKind):
-            valid = ", ".join(get_args(ScheduleKind))
-            raise DiffusionError(f"schedule.kind is {self.kind!r}, valid: {valid}")
-        if not 2 <= self.n_steps <= _MAX_STEPS:
-            raise DiffusionError(f"schedule.n_steps is {self.n_steps}, valid: 2 to {_MAX_STEPS}")
+        require_choice("schedule", self, kind=ScheduleKind)
+        require_within("schedule", self, (2, 10_000), "n_steps")
         top = self.beta_last * 1000 / self.n_steps
         if self.kind == "linear" and not (0 < self.beta_first <= self.beta_last and top < 1):
             raise DiffusionError(

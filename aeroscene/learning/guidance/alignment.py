@@ -24,7 +24,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.schedule import require_within
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.boxes import Footprints, footprints_of
 from aeroscene.learning.tokens.decode import TreeDecoder
@@ -90,10 +90,9 @@ class AlignmentCfg:
     """Siblings farther apart than this along a line do not make one."""
 
     def __post_init__(self) -> None:
-        for name, high in (("late_share", 1), ("most_m", 100), ("most_share", 1), ("reach_m", 1e3)):
-            value = getattr(self, name)
-            if not 0 <= value <= high:
-                raise DiffusionError(f"alignment.{name} is {value:g}, valid: 0 to {high:g}")
+        require_within("alignment", self, (0, 1), "late_share", "most_share")
+        require_within("alignment", self, (0, 100), "most_m")
+        require_within("alignment", self, (0, 1000), "reach_m")
 
 
 class AlignmentGuidance:

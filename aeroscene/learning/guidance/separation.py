@@ -18,7 +18,7 @@ from torch import Tensor
 
 from aeroscene.learning.diffusion.loss import channel_weight
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.schedule import require_within
 from aeroscene.learning.guidance.containment import reach_of_middle
 from aeroscene.learning.guidance.hopping import hop
 from aeroscene.learning.guidance.pushing import Movable, separate
@@ -60,20 +60,11 @@ class SeparationCfg:
     """Share of the iterations in which what is in two overlapping objects waits for these."""
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("late_share", 0, 1),
-            ("inner_steps", 0, 1000),
-            ("last_inner_steps", 0, 10_000),
-            ("n_hops", 0, 100),
-            ("clip_m", 0, 100),
-            ("tolerance_m", 0, 1),
-            ("margin_m", 0, 100),
-            ("coarse_mass", 0.01, 1000),
-            ("patience", 0, 1),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise DiffusionError(f"separation.{name} is {value:g}, valid: {low:g} to {high:g}")
+        require_within("separation", self, (0, 1), "late_share", "tolerance_m", "patience")
+        require_within("separation", self, (0, 1000), "inner_steps")
+        require_within("separation", self, (0, 10_000), "last_inner_steps")
+        require_within("separation", self, (0, 100), "n_hops", "clip_m", "margin_m")
+        require_within("separation", self, (0.01, 1000), "coarse_mass")
 
 
 class SeparationGuidance:

@@ -6,8 +6,8 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.model.prediction import Prediction
 from aeroscene.learning.model.token_denoiser import TokenDenoiser
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.tokens.batch import TokenBatch

@@ -45,11 +45,11 @@ def train_prior_part(
     data: TrainingData,
     device: torch.device,
     on_progress: OnProgress,
-) -> Weights | None:
+) -> tuple[Weights, dict[str, float]] | None:
     """Train the paper's P_sem; it takes a minute and begins anew where it was stopped.
 
     Returns:
-        Its weights; None where it was stopped.
+        Its weights, and no figures; None where it was stopped.
     """
     forget_after(folder, "prior", 0)
     cfg = sections["training"]
@@ -77,7 +77,7 @@ def train_prior_part(
         )
     except _StoppedError:
         return None
-    return prior.state_dict()
+    return prior.state_dict(), {}
 
 
 def layout_reader(data: TrainingData, device: torch.device) -> Reader:

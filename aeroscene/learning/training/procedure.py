@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -48,6 +48,9 @@ from aeroscene.learning.training.skeleton_stage import train_skeleton_part
 from aeroscene.learning.training.state import STATE, TrainingState, write_state
 
 CHECKPOINT = "checkpoint.safetensors"
+
+PartTrainer = Callable[..., tuple[Weights, Mapping[str, float]] | None]
+"""`train_skeleton_part` or `train_prior_part`."""
 
 
 class Watcher(Protocol):
@@ -116,36 +119,23 @@ class Training:
             self.parts |= state.parts
             self.figures = dict(state.facts.training)
         with naming_memory(self.plan.device, "a smaller training.batch_size (--config)"):
-            is_done = self._train_skeleton() and self._train_prior() and self._train_denoiser(state)
+            is_done = self._train_part("skeleton", train_skeleton_part)
+            is_done = is_done and self._train_part("prior", train_prior_part)
+            is_done = is_done and self._train_denoiser(state)
         self.save()
         return is_done
 
-    def _train_skeleton(self) -> bool:
-        """Whether the model of skeletons is there, trained now or before."""
-        if "skeleton" not in self.plan.parts or "skeleton" in self.parts:
+    def _train_part(self, part: Part, train: PartTrainer) -> bool:
+        """Whether a part beside the denoiser is there, trained now or before."""
+        if part not in self.plan.parts or part in self.parts:
             return True
         plan = self.plan
-        found = train_skeleton_part(
-            plan.folder, plan.sections, plan.data, plan.device, partial(self._on_step, "skeleton")
-        )
+        on_step = partial(self._on_step, part)
+        found = train(plan.folder, plan.sections, plan.data, plan.device, on_step)
         if found is None:
             return False
-        self.parts["skeleton"], figures = found
+        self.parts[part], figures = found
         self.figures |= figures
-        self.save()
-        return True
-
-    def _train_prior(self) -> bool:
-        """Whether the semantic prior is there, trained now or before."""
-        if "prior" not in self.plan.parts or "prior" in self.parts:
-            return True
-        plan = self.plan
-        weights = train_prior_part(
-            plan.folder, plan.sections, plan.data, plan.device, partial(self._on_step, "prior")
-        )
-        if weights is None:
-            return False
-        self.parts["prior"] = weights
         self.save()
         return True
 

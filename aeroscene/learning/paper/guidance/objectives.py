@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import get_args
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.schedule import DiffusionError, require_choice
 from aeroscene.learning.paper.guidance.coarse_to_fine import RegionDistance, coarse_to_fine_loss
 from aeroscene.learning.paper.guidance.collision import IouKind, collision_loss
 from aeroscene.learning.paper.guidance.layout import Reader
@@ -40,10 +39,7 @@ class ObjectivesCfg:
     """eta_0, in standardised units of x for a whole scene."""
 
     def __post_init__(self) -> None:
-        for name, choices in (("iou", IouKind), ("region_distance", RegionDistance)):
-            if getattr(self, name) not in get_args(choices):
-                valid = ", ".join(get_args(choices))
-                raise DiffusionError(f"guidance.{name} is {getattr(self, name)!r}, valid: {valid}")
+        require_choice("guidance", self, iou=IouKind, region_distance=RegionDistance)
         weights = ("collision_weight", "coarse_to_fine_weight", "semantic_weight", "step_size")
         for name in weights:
             if getattr(self, name) < 0:

@@ -6,10 +6,10 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import LayoutEmbedding
 from aeroscene.learning.model.encoding import TimeEmbedding
-from aeroscene.learning.model.prediction import Prediction
 from aeroscene.learning.paper.network.attention import (
     CrossScaleProgressiveAttention,
     ScaleAttention,
