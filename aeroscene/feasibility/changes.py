@@ -26,7 +26,7 @@ _CUT_COST = 0.3
 """A metre cut off a wide side, in displaced objects."""
 _NO_CUT_M = 1e-9
 _GROUND_FACTOR = 3.0
-"""By how much dearer it is to move ground, for which all else makes room, than its objects."""
+"""Cost of moving ground, for which all else makes room, over that of moving its objects."""
 
 
 class Changes:

@@ -25,7 +25,7 @@ _KERB_M = 0.16
 _WANTED_M = 5.0
 _STEP_M = 0.75
 _RIM_M = 0.3
-"""Of its ground about the pad."""
+"""Width of ground about the pad."""
 _GROUNDS = ("lawn", "plaza", "parking_lot")
 _LAST_RESORT = ("road",)
 _FAR = 0.15

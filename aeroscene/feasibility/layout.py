@@ -21,7 +21,7 @@ from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 
 _DIGITS = 4
-"""Of lengths in a scene document, as curation writes them."""
+"""Decimals of lengths in a scene document, as curation writes them."""
 
 
 @dataclass(slots=True, eq=False)
@@ -29,7 +29,7 @@ class Layout:
     """Objects of a scene with boxes that may change; rows are the scene's objects throughout."""
 
     scene: Scene
-    """As it came."""
+    """The scene as it came."""
     boxes: Boxes
     host: Int[np.ndarray, " n"]
     """Row of what an object moves with: its parent, or for a root the ground on which it stands;
@@ -41,7 +41,7 @@ class Layout:
     moves_with: Bool[np.ndarray, "n n"]
     """Whether an object (row) moves with another (column)."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
-    """Of objects whose attributes have changed."""
+    """New attributes of the objects whose attributes have changed."""
 
     @property
     def objects(self) -> Sequence[SceneObject]:

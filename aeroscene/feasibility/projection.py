@@ -43,7 +43,7 @@ class Feasible:
     """A projected scene."""
 
     scene: Scene
-    """With areas; where the report names a rejection, as far as it got."""
+    """The scene with areas; where the report names a rejection, as far as it got."""
     report: FeasibilityReport
 
 

@@ -23,11 +23,11 @@ _ROUNDS = 3
 _FAR_M = 2.0
 """Further away than this, places upon other hosts are looked at."""
 _MUCH_TOO_FAR_M = 4.0
-"""Rather than so far away a structure stands where ground has to be cut for it."""
+"""A structure whose place is further away stands where ground has to be cut for it."""
 _WORTH = 0.5
 """A structure goes where fine objects have to make room if that is nearer by this factor."""
 _LOYALTY_M = 1.0
-"""By how much nearer another host's place must be."""
+"""A place upon another host must be nearer by this."""
 
 
 def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
@@ -140,7 +140,7 @@ def _cut(layout: Layout, row: int, axis: int, sign: float, depth_m: float) -> No
 def _losers(
     layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes
 ) -> Int[np.ndarray, " k"]:
-    """Of each overlapping pair the one that carries less, or is smaller, if it may be moved."""
+    """The one of each overlapping pair that carries less, or is smaller, if it may be moved."""
     n = len(layout.boxes)
     carries = (layout.moves_with & layout.is_left[:, None]).sum(axis=0)
     size = layout.boxes.half_m.prod(axis=1)

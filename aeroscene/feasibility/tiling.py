@@ -26,7 +26,7 @@ _MOST_M = 8.0
 _CROWDED_M = 0.05
 """Things that overlap deeper than this need room."""
 _RIM_M = 0.1
-"""Of a surface beyond what stands on it."""
+"""Width of a surface beyond what stands on it."""
 
 
 def hold_children(layout: Layout) -> None:

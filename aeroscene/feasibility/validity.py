@@ -23,11 +23,11 @@ OVERLAP_M = 0.01
 SUNK_M = 0.03
 """An object whose whole outline is deeper than this in what it stands on has sunk into it."""
 AWAY_M = 0.05
-"""By how far an object may lie beside its parent: its middle, or where it is coarse its edge."""
+"""An object may lie this far beside its parent: its middle, or where it is coarse its edge."""
 OUTSIDE_M = 0.01
-"""By how much a box may reach beyond the flight volume."""
+"""A box may reach this far beyond the flight volume."""
 _INNER = 0.98
-"""Of the half extents: where the outline is probed, so that a wall beside it does not count."""
+"""Share of the half extents at which outlines are probed: a wall beside one does not count."""
 _YIELDING = frozenset({"water", "roof"})
 """What stands on them may sink in: a boat, a chimney in the slope of a roof."""
 

@@ -63,7 +63,7 @@ class Collisions:
     """Objects that reach deeper than `MAX_DEPTH_M` into another."""
     n_collisions: int
     depth_sum_m: float
-    """Over the pairs that collide."""
+    """Sum over the pairs that collide."""
 
     @property
     def rate(self) -> float:
@@ -161,6 +161,6 @@ def _n_objects(found: Overlaps, is_pair: np.ndarray) -> int:
 
 
 def total(parts: Sequence[Collisions]) -> Collisions:
-    """Of several scenes together."""
+    """Sums over several scenes."""
     names = [field.name for field in fields(Collisions)]
     return Collisions(**{name: sum(getattr(part, name) for part in parts) for name in names})

@@ -41,16 +41,16 @@ class Reference:
     """What scenes are judged by, made once: four seconds for 812 and 204 scenes."""
 
     neighbours: NeighbourFrequencies
-    """Of training."""
+    """Neighbours in training."""
     training: Sketches
     known: KnownSkeletons
     """Skeletons of training."""
     features: Float[np.ndarray, "n f"]
-    """Of the test split."""
+    """Features of the test split."""
     frequencies: Frequencies
-    """Of the test split."""
+    """Frequencies in the test split."""
     training_distances: Float[np.ndarray, " n"]
-    """Of the test split from training."""
+    """Distances of the test split from training."""
 
     @classmethod
     def of(
@@ -134,7 +134,7 @@ class ComparisonRow:
     better: Better | None
     """None where it is best when it is as with real scenes."""
     values: Mapping[str, float]
-    """Under the names of the groups."""
+    """Figures under the names of the groups."""
 
 
 # key, title, unit, which is better, the figure

@@ -79,7 +79,7 @@ class _Places:
     """Where the objects of a category are, in the layouts that have any."""
 
     has: Int[np.ndarray, " k"]
-    """Which layouts."""
+    """Numbers of those layouts."""
     flat: Float[np.ndarray, "k quantiles directions"]
     """Quantiles of the centres' projections."""
     heights: Float[np.ndarray, "k quantiles 1"]
@@ -179,7 +179,7 @@ def _mean_difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _symmetries() -> list[tuple[np.ndarray, np.ndarray]]:
-    """Of the square: which direction each direction is seen as, and whether from behind."""
+    """The square's: which direction each direction is seen as, and whether from behind."""
     result = []
     for mirror in (1.0, -1.0):
         for quarter in range(4):

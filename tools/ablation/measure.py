@@ -55,9 +55,9 @@ class SceneOutcome(msgspec.Struct, frozen=True, kw_only=True):
     moved_m: float
     """Mean displacement by the projection; 0 where it came to no end."""
     n_dropped: int
-    """By the projection; all where it came to no end."""
+    """Objects dropped by the projection; all where it came to no end."""
     cpu_s: float
-    """Of the sampling."""
+    """CPU time of the sampling."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Case:
 
     example: Example
     number: int
-    """Of the scene; it decides the noise."""
+    """Number of the scene; it decides the noise."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Model:
     sections: dict[str, Any]
     source: DataSource
     digest: str
-    """Of the weights."""
+    """Digest of the weights."""
 
     @staticmethod
     def of(checkpoint: Checkpoint) -> Model:

@@ -20,11 +20,11 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     key: str
     """Differs where weights, skeletons or the way of sampling do."""
     unguided: list[SceneOutcome] = []
-    """Without guidance; of rows that are trained."""
+    """Scenes without guidance, of rows that are trained."""
     guided: list[SceneOutcome] = []
-    """As the row samples."""
+    """Scenes as the row samples them."""
     step_cpu_s: float | None = None
-    """Of a training step."""
+    """CPU time of a training step."""
 
 
 def valid_shares(scenes: Sequence[SceneOutcome]) -> Float[np.ndarray, " scenes"]:

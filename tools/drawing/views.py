@@ -122,7 +122,7 @@ def _inside_eyes(scene: Scene) -> list[Vector3]:
 def _aerial_views(
     world: World, stands: tuple[tuple[float, float], ...], target_m: float
 ) -> list[View]:
-    """From the sunny side, over the edge of the scene, onto its middle."""
+    """Views from the sunny side, over the edge of the scene, onto its middle."""
     points = _built_points(world)
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2

@@ -55,11 +55,11 @@ class LossCfg:
     guide_weight: float = 0.0
     """The paper's lambda_guide, which it leaves open."""
     guide_scenes: int | None = None
-    """On how many scenes of a batch L_guide is evaluated; None takes all. Times and scenes of a
-    batch are random, so that its first scenes are a sample of it."""
+    """Scenes of a batch on which L_guide is evaluated; None takes all. Times and scenes of a batch
+    are random, so that its first scenes are a sample of it."""
     gate_weight: float = 0.0
-    """Of the cross-entropy of tau with the known level. The paper has no such term: its hard
-    threshold gives the gate no gradient (notes/scenes.md)."""
+    """Weight of the cross-entropy of tau with the known level. The paper has no such term: its hard
+    threshold gives the gate no gradient."""
 
     def __post_init__(self) -> None:
         for name in ("coarse_weight", "guide_weight", "gate_weight"):

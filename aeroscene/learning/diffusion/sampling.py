@@ -49,9 +49,9 @@ class SamplerCfg:
     spacing: Spacing = "time"
     """Steps of equal time, or of equal log signal-to-noise ratio and a last one to 0."""
     eta: float = 0.0
-    """Of `ddim`: 0 is deterministic but for the first noise, 1 is ancestral."""
+    """Noise of `ddim`: 0 is deterministic but for the first noise, 1 is ancestral."""
     variance: Variance = "small"
-    """Of `ddpm`."""
+    """Variance of `ddpm`."""
 
     def __post_init__(self) -> None:
         require_choice("sampler", self, kind=SamplerKind, parameterisation=Parameterisation)
@@ -78,12 +78,12 @@ class Moment:
     """Where a sampler is."""
 
     index: int
-    """Of the step, from 0."""
+    """Number of the step, from 0."""
     n_steps: int
     time: float
-    """Of x_t: 1 is noise."""
+    """Time of x_t: 1 is noise."""
     alpha_bar: float
-    """Of x_t."""
+    """Share of signal power left in x_t."""
     fixed: Bool[Tensor, "batch n"] | None
     """Tokens that must not move."""
 

@@ -14,7 +14,7 @@ from torch import Tensor
 ScheduleKind = Literal["linear", "cosine"]
 
 _LEAST_ALPHA_BAR = 1e-5
-"""Of the cosine schedule at t = 1, where it would be 0 and the noise hide the layout wholly."""
+"""The cosine schedule's at t = 1, where 0 would let the noise hide the layout wholly."""
 _COSINE_OFFSET = 0.008
 """Nichol and Dhariwal 2021, eq. (17): keeps the first steps' noise from vanishing."""
 
@@ -42,16 +42,16 @@ def require_choice(section: str, cfg: object, **choices: Any) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class ScheduleCfg:
-    """Which schedule; the paper leaves it open."""
+    """The noise schedule, which the paper leaves open."""
 
     kind: ScheduleKind = "cosine"
     """`linear`: variances of Ho et al. 2020. `cosine`: Nichol and Dhariwal 2021."""
     n_steps: int = 1000
     """Training steps T."""
     beta_first: float = 1e-4
-    """Of `linear`, for T = 1000; scaled by 1000/T so that any T ends in the same noise."""
+    """First beta of `linear` for T = 1000; scaled by 1000/T, so any T ends in the same noise."""
     beta_last: float = 0.02
-    """Of `linear`, likewise."""
+    """Last beta of `linear`, likewise."""
 
     def __post_init__(self) -> None:
         require_choice("schedule", self, kind=ScheduleKind)

@@ -39,7 +39,7 @@ class Generated:
     """Draws before this one that were rejected, when asked for by `sound_scene`."""
     proposal: Proposal
     raw: Scene
-    """As sampled, without areas."""
+    """The scene as sampled, without areas."""
     projected: Scene
     """After the projection, with areas."""
     report: FeasibilityReport
@@ -168,6 +168,6 @@ def _shipped() -> Generator:
 
 
 def _streams(seed: int, attempt: int) -> list[np.random.Generator]:
-    """Of the wish, of the model and of the looks."""
+    """Randomness for the wish, for the model and for the looks."""
     streams = np.random.SeedSequence((seed, attempt)).spawn(3)
     return [np.random.default_rng(stream) for stream in streams]

@@ -18,7 +18,7 @@ AREAS = (1, 200)
 OUTLINE_M = (15.0, 150.0)
 """Shortest and longest side of a site."""
 _COARSE_SHARE = 0.23
-"""Of the objects of a scene, as in the paper's dataset: 34 of 149."""
+"""Share of a scene's objects, as in the paper's dataset: 34 of 149."""
 
 _MORE_COARSE, _MORE_FINE = 2, 4
 """Asked for beyond the budget of the corpus, whose structures bring some objects of their own;

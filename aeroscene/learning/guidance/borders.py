@@ -188,7 +188,7 @@ class _Faces:
     meets: Bool[Tensor, "batch c c"]
     """Siblings that share height."""
     attracts: Bool[Tensor, "batch c c"]
-    """Those that close a small gap."""
+    """Siblings that close a small gap."""
     is_elastic: Bool[Tensor, "batch c"]
     least_m: Float[Tensor, "batch c 2"]
     """Shortest extents along the parent's axes."""

@@ -25,7 +25,7 @@ class Pairs:
     reach_m: Float[Tensor, "pairs 5"]
     """Distance of the centres along an axis at which the boxes touch."""
     offset_m: Float[Tensor, "pairs 3"]
-    """From the first box's centre to the second's, ENU."""
+    """Way from the first box's centre to the second's, ENU."""
 
     def __len__(self) -> int:
         return len(self.first)

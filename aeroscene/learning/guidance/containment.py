@@ -17,7 +17,7 @@ from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.boxes import Boxes, Footprints
 
 _INSIDE_M = 0.02
-"""By how much a middle lies within the outline of its parent at least."""
+"""Least distance of a middle from the outline of its parent, within it."""
 
 
 def reach_of_middle(

@@ -24,7 +24,7 @@ class Movable:
     """What may move whither, each token in the axes of its parent."""
 
     heading: Float[Tensor, "batch n 2"]
-    """Of the parent."""
+    """Heading of the parent."""
     low_m: Float[Tensor, "batch n 3"]
     """Least displacement."""
     high_m: Float[Tensor, "batch n 3"]

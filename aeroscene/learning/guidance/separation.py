@@ -27,7 +27,7 @@ from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.boxes import Boxes, footprints_of
 
 Decode = Callable[[Tensor, TokenBatch], Boxes]
-"""From channels to boxes."""
+"""Turns channels into boxes."""
 Bounds = Callable[[TokenBatch], tuple[Tensor, Tensor]]
 """Least and greatest value that each channel of each token had in training."""
 
@@ -169,7 +169,7 @@ class SeparationGuidance:
     def _mass(
         self, boxes: Boxes, batch: TokenBatch, above: Bool[Tensor, "batch n n"]
     ) -> Float[Tensor, "batch n"]:
-        """Of a token with all that it carries."""
+        """Mass of a token with all that it carries."""
         side = boxes.size_m[..., :2].prod(-1).sqrt()
         slot = torch.arange(side.shape[1], device=side.device)
         factor = torch.where(slot < batch.n_coarse_slots, self.cfg.coarse_mass, 1.0)
@@ -178,4 +178,4 @@ class SeparationGuidance:
 
 
 _LEAST_MASS = 0.3
-"""Of the smallest object, where the unit is that of one a metre long and wide."""
+"""Mass of the smallest object, in units of one that is a metre long and wide."""

@@ -57,4 +57,4 @@ PAPER_SECTIONS: Mapping[str, Any] = {
     "prior": SemanticPriorCfg(n_categories=len(CATALOGUE)),
     "guidance": ObjectivesCfg(),
 }
-"""Of its training's configuration, by name."""
+"""Sections of the paper's configuration, by name."""

@@ -14,11 +14,11 @@ class SkeletonCfg:
     """The network."""
 
     width: int = 160
-    """Of the recurrent state."""
+    """Width of the recurrent state."""
     layers: int = 2
     """Recurrent layers of each stage."""
     kind_width: int = 64
-    """Of a kind's embedding."""
+    """Width of a kind's embedding."""
     dropout: float = 0.15
     """Share of activations that training switches off."""
 
@@ -38,7 +38,7 @@ class SkeletonTrainingCfg:
     learning_rate: float = 2e-3
     """At the end of the warm-up; a cosine takes it to nothing."""
     weight_decay: float = 0.02
-    """Of AdamW."""
+    """Weight decay of AdamW."""
     held_out: float = 0.1
     """Share of the skeletons that training does not see: the best weights on them are kept."""
     looks: int = 12

@@ -24,7 +24,7 @@ class View(NamedTuple):
     path: Int[np.ndarray, "r levels"]
     """Kinds along the path, see `Paths`."""
     n_children: Int[np.ndarray, "r levels"]
-    """Of the objects along the path, see `bucket`."""
+    """Children of the objects along the path, see `bucket`."""
     depth: Int[np.ndarray, " r"]
     counts: Int[np.ndarray, "r 3"]
     """What is left to place or to share out, and the like; see `bucket`."""

@@ -116,7 +116,7 @@ class SkeletonModel(nn.Module):
         wish: Float[Tensor, "b w"],
         table: Float[Tensor, "kinds_and_none k"],
     ) -> Float[Tensor, "b c"]:
-        """Of the coarse objects to bear the start pad; minus infinity where there is none."""
+        """Logits of bearing the start pad for the coarse objects; minus infinity at padding."""
         wishes = wish[:, None].expand(-1, memory.shape[1], -1)
         score = self.start(torch.cat([memory, table[coarse.kind], wishes], dim=-1)).squeeze(-1)
         return score.masked_fill(coarse.kind == self.grammar.n_kinds, -torch.inf)

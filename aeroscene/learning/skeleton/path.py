@@ -34,9 +34,9 @@ class Paths:
         self.none = n_kinds
         """Number that stands for no kind."""
         self.depth = np.zeros(n_rows, dtype=np.int64)
-        """Of the object placed last."""
+        """Depth of the object placed last."""
         self.kind = np.full((n_rows, n_levels), self.none)
-        """Of the object at each level."""
+        """Kind of the object at each level."""
         self.last = np.full((n_rows, n_levels), self.none)
         """Kind of the latest child of the object at each level."""
         self.n_children = np.zeros((n_rows, n_levels), dtype=np.int64)

@@ -70,7 +70,7 @@ class Stage(nn.Module):
         return self.drop(torch.cat([now, past], dim=-1)), end
 
     def depth_logits(self, known: Float[Tensor, "*b h"]) -> Float[Tensor, "*b depths"]:
-        """Of the depths from 1."""
+        """Logits of the depths from 1."""
         return self.depth(known)
 
     def kind_logits(
@@ -80,7 +80,7 @@ class Stage(nn.Module):
         siblings: Sequence[Tensor],
         table: Float[Tensor, "kinds_and_none w"],
     ) -> Float[Tensor, "*b kinds"]:
-        """Of an object at a depth from 1, among siblings that are there already."""
+        """Logits of the kind of an object at a depth from 1, among siblings that are there."""
         parent, last, n_siblings, bag = siblings
         local = [
             known,

@@ -35,11 +35,11 @@ class SkeletonProgress:
 
     step: int
     share: float
-    """Of the training that is behind, 0 to 1."""
+    """Share of the training that is behind, 0 to 1."""
     loss: float
-    """Of the last batch, nats an object."""
+    """Loss of the last batch, nats an object."""
     held_out: float | None
-    """Of the held-out part, nats an object, where this step looked at it."""
+    """Loss of the held-out part, nats an object, where this step looked at it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -225,7 +225,7 @@ class _Tree:
 
 
 def _site_heading(values: Tensor) -> Tensor:
-    """Of a ground plan, whose channels have four times its yaw."""
+    """Heading of a ground plan, whose channels have four times its yaw."""
     cos, sin = values[..., HEADING].unbind(-1)
     yaw = torch.atan2(sin, cos) / 4
     return torch.stack([yaw.cos(), yaw.sin()], dim=-1)

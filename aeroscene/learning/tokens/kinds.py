@@ -58,7 +58,7 @@ class Kind(msgspec.Struct, frozen=True, order=True):
     openings: tuple[str, ...] = ()
     """Which of `OPENINGS` an object has."""
     attributes: tuple[tuple[str, AttributeValue], ...] = ()
-    """Those that decide the shape, sorted by name."""
+    """Attributes that decide the shape, sorted by name."""
 
     @property
     def is_site(self) -> bool:

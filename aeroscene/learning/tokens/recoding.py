@@ -44,7 +44,7 @@ def default_channels(
 def _offset_m(
     place: Float[Tensor, "batch n 2"], codec: CodecCfg, batch: TokenBatch, boxes: Boxes
 ) -> Float[Tensor, "batch n 2"]:
-    """From the middle of the parent, along its axes."""
+    """Offset from the middle of the parent, along its axes."""
     parent = batch.parent[..., None].expand_as(place)
     half_m = boxes.size_m[..., :2] / 2
     if codec.frame == "parent":

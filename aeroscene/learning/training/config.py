@@ -32,7 +32,7 @@ class TrainCfg:
     learning_rate: float = 1.5e-3
     """At its highest."""
     weight_decay: float = 0.01
-    """Of AdamW, in units of the learning rate a step."""
+    """Weight decay of AdamW, in units of the learning rate a step."""
     schedule: RateSchedule = "cooldown"
     """How the learning rate goes over the training."""
     warmup_steps: int = 200
@@ -42,9 +42,9 @@ class TrainCfg:
     clip_norm: float = 1.0
     """Longest gradient; 0 leaves gradients as they are."""
     average_decay: float = 0.999
-    """Of the moving average that generates; 0 generates with the last weights."""
+    """Decay of the moving average that generates; 0 generates with the last weights."""
     prior_steps: int = 400
-    """Of the semantic prior, where it is trained."""
+    """Steps of the semantic prior, where it is trained."""
     precision: Literal["auto", "single", "mixed"] = "auto"
     """`mixed` multiplies matrices in bfloat16; `auto` does so on a GPU only, since processors
     without units for it take longer."""

@@ -46,7 +46,7 @@ class StepReport:
     seconds: float
     """Spent on training until now, over all its runs."""
     share: float
-    """Of the training that is done."""
+    """Share of the training that is done."""
     losses: Mapping[str, Tensor]
     """Terms of the loss, still where they were computed: reading them waits for the device."""
     gradient_norm: Tensor

@@ -75,10 +75,10 @@ class Plan:
     sections: Sections
     data: TrainingData
     budget: Budget
-    """Of the denoiser."""
+    """How long to train the denoiser."""
     device: torch.device
     save_seconds: float = 300.0
-    """Between two saves."""
+    """Time between two saves."""
     log_steps: int = 25
     """Steps between two lines of the log."""
     parts: tuple[Part, ...]

@@ -22,7 +22,7 @@ _LEAST_NORM = 1e-8
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectivesCfg:
-    """Which objectives, how strong. The paper leaves delta_d and eta_0 open."""
+    """The objectives and their strengths; the paper leaves delta_d and eta_0 open."""
 
     collision_weight: float = 1.0
     coarse_to_fine_weight: float = 1.0
@@ -32,7 +32,7 @@ class ObjectivesCfg:
     iou_tolerance: float = 0.01
     """delta_d: the IoU from which the paper's collision rate counts a pair."""
     softness_m: float = 0.1
-    """Of the soft IoU."""
+    """Softness of the soft IoU."""
     region_distance: RegionDistance = "centroid"
     """`centroid` is the paper's."""
     step_size: float = 0.3

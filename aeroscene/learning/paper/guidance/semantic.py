@@ -54,7 +54,7 @@ class NeighbourPairs:
     """Slot in the scene."""
     second: Int[Tensor, " pairs"]
     displacement_m: Float[Tensor, "pairs 3"]
-    """From the first to the second, in the axes of the first."""
+    """Way from the first to the second, in the axes of the first."""
 
 
 class SemanticPrior(nn.Module):
