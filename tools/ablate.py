@@ -59,7 +59,7 @@ class AblateCfg:
     train: bool = True
     """Train what is missing; without, rows that are not trained are left out."""
     precision: Literal["auto", "single", "mixed"] = "auto"
-    """Of the trainings; mixed is faster on processors with units for bfloat16."""
+    """Precision of the trainings; mixed is faster on processors with units for bfloat16."""
     threads: int = 1
     """Threads of the processor."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False

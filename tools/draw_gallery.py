@@ -44,7 +44,7 @@ _ONBOARD = {
     "waterfront": "The office and the square beyond the street; below, a landing mat on the lawn.",
     "office": "A landing mat before a glazed room; below, a landing pad on tiles.",
 }
-"""Of which places, and what is seen."""
+"""Places to show on board, and what is seen there."""
 
 Section = Literal["generated", "places", "onboard", "areas", "categories"]
 

@@ -141,13 +141,7 @@ class Overlaps:
 def forbidden_overlaps(
     boxes: Boxes, least_m: float = 0.0, is_left: Bool[np.ndarray, " n"] | None = None
 ) -> Overlaps:
-    """Pairs that are not kin and overlap by more than a depth.
-
-    Args:
-        boxes: All boxes.
-        least_m: The depth.
-        is_left: Which of them count, all by default.
-    """
+    """Pairs that are not kin and overlap by more than `least_m`, of all or of those left."""
     first, second = np.triu_indices(len(boxes), 1)
     is_stranger = ~boxes.is_kin[first, second]
     if is_left is not None:

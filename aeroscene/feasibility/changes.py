@@ -26,20 +26,14 @@ _CUT_COST = 0.3
 """A metre cut off a wide side, in displaced objects."""
 _NO_CUT_M = 1e-9
 _GROUND_FACTOR = 3.0
-"""By how much dearer it is to move ground, for which all else makes room, than its objects."""
+"""Cost of moving ground, for which all else makes room, over that of moving its objects."""
 
 
 class Changes:
     """Which unknowns there are, what each costs, and rows of demands upon them."""
 
     def __init__(self, layout: Layout, began: Boxes, movable: Int[np.ndarray, " m"]) -> None:
-        """Set up the unknowns.
-
-        Args:
-            layout: What moves with what.
-            began: Boxes where they began, with obstacles behind the layout's.
-            movable: Rows of the objects that may move.
-        """
+        """Set up the unknowns; in `began`, obstacles stand behind the boxes of the layout."""
         n, m = len(layout.boxes), len(movable)
         self._began = began
         self._movable = movable

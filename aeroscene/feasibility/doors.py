@@ -42,13 +42,8 @@ def door_air(layout: Layout) -> Boxes:
     return strangers(table[:, :3], table[:, 3:6], table[:, 6])
 
 
-def fit_openings(layout: Layout) -> int:
-    """Clamp doors and windows to the walls as they have become.
-
-    Returns:
-        How many walls have got other openings.
-    """
-    n_changed = 0
+def fit_openings(layout: Layout) -> None:
+    """Clamp doors and windows to the walls as they have become."""
     for row, obj in enumerate(layout.objects):
         if obj.category != "wall" or not layout.is_left[row]:
             continue
@@ -59,8 +54,6 @@ def fit_openings(layout: Layout) -> int:
         layout.attributes.pop(row, None)
         if fitted != dict(obj.attributes):
             layout.attributes[row] = fitted
-            n_changed += 1
-    return n_changed
 
 
 def _fit(

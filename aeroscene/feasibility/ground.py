@@ -1,4 +1,4 @@
-"""On which ground each building, container or hill stands that is no part of anything."""
+"""The ground on which each building, container or hill stands that is no part of anything."""
 
 from __future__ import annotations
 

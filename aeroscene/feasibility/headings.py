@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from aeroscene.feasibility.boxes import forbidden_overlaps
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import BUILDINGS, FITTINGS
 
@@ -19,7 +18,7 @@ _TOUCH_M = 0.001
 
 def square_up(layout: Layout) -> None:
     """Turn coarse objects that are nearly square to what they stand on, where it matters."""
-    overlaps = forbidden_overlaps(layout.boxes, _TOUCH_M, layout.is_left)
+    overlaps = layout.overlaps(_TOUCH_M)
     in_conflict = set(np.unique(overlaps.pairs).tolist())
     site_rad = _site_heading_rad(layout)
     for row, obj in enumerate(layout.objects):

@@ -31,12 +31,7 @@ _SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 
 
 def set_heights(layout: Layout, rows: Int[np.ndarray, " k"]) -> None:
-    """Set the undersides of some objects, and all they carry, to the height of what bears them.
-
-    Args:
-        layout: Changed.
-        rows: Objects, parents before children.
-    """
+    """Set the undersides of objects, parents first, and all they carry, onto what bears them."""
     for row in rows.tolist():
         if not layout.is_left[row]:
             continue

@@ -25,7 +25,7 @@ _KERB_M = 0.16
 _WANTED_M = 5.0
 _STEP_M = 0.75
 _RIM_M = 0.3
-"""Of its ground about the pad."""
+"""Width of ground about the pad."""
 _GROUNDS = ("lawn", "plaza", "parking_lot")
 _LAST_RESORT = ("road",)
 _FAR = 0.15
@@ -42,12 +42,7 @@ def home_row(layout: Layout) -> int | None:
 
 
 def settle_home(layout: Layout, row: int) -> None:
-    """Put the pad where the air above is free of structures.
-
-    Args:
-        layout: Coarse objects of it stand where they will; the pad alone is moved.
-        row: The pad.
-    """
+    """Put the pad, and nothing else, where the air above is free of structures."""
     spot = layout.boxes.centre_m[row, :2].copy()
     host = int(layout.host[row])
     is_open_air = host >= 0 and layout.scene.domain != "indoor"
@@ -132,8 +127,7 @@ def _openness_m(layout: Layout, row: int, ground: int, spot: Float[np.ndarray, "
 
 def _structures(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
     """Coarse objects: the others make room."""
-    is_coarse = np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
-    return is_coarse & layout.is_left & ~layout.moves_with[:, row]
+    return layout.is_coarse & layout.is_left & ~layout.moves_with[:, row]
 
 
 def _is_free(

@@ -9,12 +9,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.boxes import Boxes, boxes_of, kinship
+from aeroscene.feasibility.boxes import (
+    Boxes,
+    Overlaps,
+    boxes_of,
+    forbidden_overlaps,
+    joined,
+    kinship,
+)
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 
 _DIGITS = 4
-"""Of lengths in a scene document, as curation writes them."""
+"""Decimals of lengths in a scene document, as curation writes them."""
 
 
 @dataclass(slots=True, eq=False)
@@ -22,7 +29,7 @@ class Layout:
     """Objects of a scene with boxes that may change; rows are the scene's objects throughout."""
 
     scene: Scene
-    """As it came."""
+    """The scene as it came."""
     boxes: Boxes
     host: Int[np.ndarray, " n"]
     """Row of what an object moves with: its parent, or for a root the ground on which it stands;
@@ -34,12 +41,24 @@ class Layout:
     moves_with: Bool[np.ndarray, "n n"]
     """Whether an object (row) moves with another (column)."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
-    """Of objects whose attributes have changed."""
+    """New attributes of the objects whose attributes have changed."""
 
     @property
     def objects(self) -> Sequence[SceneObject]:
         """The objects, as they came."""
         return self.scene.objects
+
+    @property
+    def is_coarse(self) -> Bool[np.ndarray, " n"]:
+        """Whether an object is coarse."""
+        return np.array([obj.is_coarse for obj in self.objects], dtype=bool)
+
+    def overlaps(self, least_m: float, obstacles: Boxes | None = None) -> Overlaps:
+        """Forbidden overlaps beyond `least_m` of what is left, and with obstacles behind it."""
+        boxes = joined(self.boxes, obstacles)
+        is_left = np.ones(len(boxes), dtype=bool)
+        is_left[: len(self.boxes)] = self.is_left
+        return forbidden_overlaps(boxes, least_m, is_left)
 
     def parent_of(self, row: int) -> SceneObject | None:
         """The parent of an object."""

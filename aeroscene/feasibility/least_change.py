@@ -32,13 +32,9 @@ def least_change(
     weights: Float[np.ndarray, " v"],
     sweeps: int,
 ) -> Float[np.ndarray, " v"]:
-    """The least x with `demands @ x >= bounds`.
+    """The least x with `demands @ x >= bounds`; each row is looked at `sweeps` times at most.
 
-    Args:
-        demands: Mostly zeros.
-        bounds: Right-hand sides, m.
-        weights: Of the squares, each above zero.
-        sweeps: At most how often each row is looked at.
+    Weights are those of the squares, each above zero.
     """
     rows, columns = np.nonzero(demands)
     first = np.searchsorted(rows, np.arange(len(demands) + 1))

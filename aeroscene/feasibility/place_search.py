@@ -13,7 +13,7 @@ TOUCH_M = 0.001
 """Boxes that overlap by less only touch, as in the corpus."""
 _STEP_M = 0.05
 _GROWTH = 1.06
-"""Of the radius from ring to ring."""
+"""Growth of the radius from ring to ring."""
 _SPOKES = 24
 
 

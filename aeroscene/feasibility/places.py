@@ -63,8 +63,7 @@ def find_place(
     group = np.array([row, *group[layout.is_left[group] & (group != row)].tolist()])
     others = layout.is_left & ~layout.moves_with[:, row]
     if among_coarse:
-        is_coarse = np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
-        group, others = group[is_coarse[group]], others & is_coarse
+        group, others = group[layout.is_coarse[group]], others & layout.is_coarse
     rows = _rows(boxes, group)
     rise_m = 0.0
     if host != layout.host[row]:

@@ -46,13 +46,9 @@ class PlaneProblem:
         obstacles: Boxes | None = None,
         among: Bool[np.ndarray, " n"] | None = None,
     ) -> None:
-        """Set a problem.
+        """Let movable objects, with all they carry, make way for each other and for obstacles.
 
-        Args:
-            layout: Its boxes are changed by `solve`.
-            is_movable: Objects that may move; all move with what carries them.
-            obstacles: Boxes to keep free beside the layout's own.
-            among: Objects that are there at all, by default those that are left.
+        `among` are the objects that are there at all, by default those that are left.
         """
         self._layout = layout
         self._began = joined(layout.boxes, obstacles)

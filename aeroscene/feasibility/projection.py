@@ -11,8 +11,8 @@ from shapely.errors import ShapelyError
 from aeroscene.areas.landing import AreaLimits, derive_interaction_areas
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.feasibility.layout import layout_of
-from aeroscene.feasibility.report import FeasibilityReport, snapshot, stage_report
-from aeroscene.feasibility.stages import finished, stages
+from aeroscene.feasibility.report import FeasibilityReport, report_of
+from aeroscene.feasibility.stages import finished, project
 from aeroscene.scene import Scene, SceneError
 from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
@@ -43,41 +43,25 @@ class Feasible:
     """A projected scene."""
 
     scene: Scene
-    """With areas; where the report names a rejection, as far as it got."""
+    """The scene with areas; where the report names a rejection, as far as it got."""
     report: FeasibilityReport
 
 
 def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     """Project a scene: coarse objects first, then fine ones upon what bears them.
 
-    Args:
-        scene: As sampled: boxes may overlap, hang in the air or lie outside the extent. Its
-            areas are ignored.
-        cfg: What the result must offer.
+    As sampled, boxes may overlap, hang in the air or lie outside the extent; areas are ignored.
     """
     cfg = cfg or FeasibilityCfg()
     layout = layout_of(scene)
-    began = snapshot(layout)
-    moments, names = [began], []
     try:
-        for name, stage in stages():
-            stage(layout)
-            names.append(name)
-            moments.append(snapshot(layout))
+        project(layout)
         found, findings = _with_areas(finished(layout), cfg)
         rejection = _rejection(scene, found, findings, cfg)
     except (SceneError, ShapelyError) as error:
-        # Of a poor draw: no document can hold the layout, or its outlines have no area.
+        # A poor draw: no document can hold the layout, or its outlines have no area.
         found, rejection = scene, str(error)
-    reports = [stage_report(*step) for step in zip(names, moments, moments[1:], strict=False)]
-    report = FeasibilityReport(
-        n_objects=len(scene.objects),
-        total=stage_report("total", began, moments[-1]),
-        stages=tuple(reports),
-        n_landing_areas=len(found.landing_areas),
-        rejection=rejection,
-    )
-    return Feasible(found, report)
+    return Feasible(found, report_of(layout, rejection))
 
 
 def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]]:

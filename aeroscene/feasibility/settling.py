@@ -8,13 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Bool, Int
 
-from aeroscene.feasibility.boxes import (
-    Boxes,
-    Overlaps,
-    footprint_depth,
-    forbidden_overlaps,
-    joined,
-)
+from aeroscene.feasibility.boxes import Boxes, footprint_depth, joined
 from aeroscene.feasibility.hosts import dissolve, other_hosts
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.place_search import TOUCH_M
@@ -29,26 +23,21 @@ _ROUNDS = 3
 _FAR_M = 2.0
 """Further away than this, places upon other hosts are looked at."""
 _MUCH_TOO_FAR_M = 4.0
-"""Rather than so far away a structure stands where ground has to be cut for it."""
+"""A structure whose place is further away stands where ground has to be cut for it."""
 _WORTH = 0.5
 """A structure goes where fine objects have to make room if that is nearer by this factor."""
 _LOYALTY_M = 1.0
-"""By how much nearer another host's place must be."""
+"""A place upon another host must be nearer by this."""
 
 
 def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
-    """Shorten what may be shorter until it reaches into no stranger, wherever it stays long enough.
+    """Shorten what may be shorter until it reaches into no stranger; whether anything was cut.
 
-    Args:
-        layout: Changed.
-        is_wanted: Objects among which to look.
-
-    Returns:
-        Whether anything was cut.
+    Only wanted objects are looked at, and each stays long enough for its category.
     """
     has_cut = False
     for _ in range(_ROUNDS):
-        overlaps = _overlaps(layout)
+        overlaps = layout.overlaps(TOUCH_M)
         is_cut = False
         for i, j in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
             if not (is_wanted[i] and is_wanted[j]) or _are_apart(layout, i, j):
@@ -67,10 +56,7 @@ def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
 def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes) -> None:
     """Move what still overlaps to the nearest free place, larger things first, or drop it.
 
-    Args:
-        layout: Changed.
-        is_wanted: Objects that may be moved.
-        obstacles: Boxes to keep free beside all objects.
+    Obstacles are boxes to keep free beside all objects.
     """
     losers = _losers(layout, is_wanted, obstacles)
     size = layout.boxes.half_m[losers].prod(axis=1)
@@ -124,13 +110,6 @@ def set_on_earth(layout: Layout, row: int, obstacles: Boxes) -> None:
         move_to(layout, row, place)
 
 
-def _overlaps(layout: Layout, obstacles: Boxes | None = None) -> Overlaps:
-    boxes = joined(layout.boxes, obstacles)
-    is_left = np.ones(len(boxes), dtype=bool)
-    is_left[: len(layout.boxes)] = layout.is_left
-    return forbidden_overlaps(boxes, TOUCH_M, is_left)
-
-
 def _are_apart(layout: Layout, i: int, j: int) -> bool:
     """Whether cuts made meanwhile have parted two boxes."""
     depth = footprint_depth(layout.boxes, np.array([i]), np.array([j]))
@@ -161,12 +140,12 @@ def _cut(layout: Layout, row: int, axis: int, sign: float, depth_m: float) -> No
 def _losers(
     layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes
 ) -> Int[np.ndarray, " k"]:
-    """Of each overlapping pair the one that carries less, or is smaller, if it may be moved."""
+    """The one of each overlapping pair that carries less, or is smaller, if it may be moved."""
     n = len(layout.boxes)
     carries = (layout.moves_with & layout.is_left[:, None]).sum(axis=0)
     size = layout.boxes.half_m.prod(axis=1)
     lost: set[int] = set()
-    overlaps = _overlaps(layout, obstacles)
+    overlaps = layout.overlaps(TOUCH_M, obstacles)
     for pair in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
         movable = [row for row in pair if row < n and is_wanted[row]]
         if movable and not lost & set(pair):

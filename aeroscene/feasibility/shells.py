@@ -181,11 +181,7 @@ def _bear(layout: Layout, row: int, slabs: list[int], rooms: list[int]) -> None:
 
 
 def _widen(
-    layout: Layout,
-    row: int,
-    part: int,
-    low: Float[np.ndarray, " 2"],
-    high: Float[np.ndarray, " 2"],
+    layout: Layout, row: int, part: int, low: Float[np.ndarray, " 2"], high: Float[np.ndarray, " 2"]
 ) -> None:
     """Make a part longer at its low and high ends along its building's axes."""
     boxes = layout.boxes

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import atan2
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Int
 
 from aeroscene.feasibility.boxes import Boxes, joined, strangers
 from aeroscene.feasibility.doors import door_air, fit_openings
@@ -31,15 +30,10 @@ from aeroscene.validation.boxes import overlaps
 from aeroscene.validation.support import floating
 
 
-def stages() -> tuple[tuple[str, Callable[[Layout], None]], ...]:
-    """Names and functions of all stages, in their order."""
-    return (
-        ("support", _support),
-        ("ground", _part_ground),
-        ("coarse", _part_coarse),
-        ("home and fine", _part_fine),
-        ("last", _clear_up),
-    )
+def project(layout: Layout) -> None:
+    """Run all stages, in their order."""
+    for stage in (_support, _part_ground, _part_coarse, _part_fine, _clear_up):
+        stage(layout)
 
 
 def _support(layout: Layout) -> None:
@@ -78,7 +72,7 @@ def _is_chained(layout: Layout, row: int) -> bool:
 
 
 def _part_coarse(layout: Layout) -> None:
-    is_coarse = _is_coarse(layout)
+    is_coarse = layout.is_coarse
     for _ in range(2):
         PlaneProblem(layout, is_coarse).solve()
         if not cut_overlaps(layout, is_coarse):
@@ -94,7 +88,7 @@ def _part_coarse(layout: Layout) -> None:
 
 def _part_fine(layout: Layout) -> None:
     fit_openings(layout)
-    is_fine = ~_is_coarse(layout)
+    is_fine = ~layout.is_coarse
     row = home_row(layout)
     if row is not None:
         settle_home(layout, row)
@@ -117,7 +111,7 @@ def _clear_up(layout: Layout) -> None:
     lay_roofs(layout)
     fit_openings(layout)
     fit_extent(layout)
-    is_coarse = _is_coarse(layout)
+    is_coarse = layout.is_coarse
     resettle(layout, is_coarse, _nothing())
     resettle(layout, ~is_coarse, _air(layout))
     _mend_floating(layout)
@@ -141,7 +135,7 @@ def _mend_floating(layout: Layout) -> None:
         for row in rows:
             mend(layout, row, _nothing())
         set_heights(layout, _downwards(layout))
-        resettle(layout, ~_is_coarse(layout), _air(layout))
+        resettle(layout, ~layout.is_coarse, _air(layout))
     for row in _floating(layout):
         layout.drop(row)
 
@@ -151,10 +145,6 @@ def _floating(layout: Layout) -> list[int]:
     row = {obj.id: i for i, obj in enumerate(layout.objects)}
     solids = colliding(scene_primitives(scene))
     return [row[f.object_id] for f in floating(scene, solids) if f.object_id is not None]
-
-
-def _is_coarse(layout: Layout) -> Bool[np.ndarray, " n"]:
-    return np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
 
 
 def _downwards(layout: Layout) -> Int[np.ndarray, " n"]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.boxes import Boxes, forbidden_overlaps, joined
+from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import BUILDINGS, TILING, is_fitting, margin_m
 
@@ -26,7 +26,7 @@ _MOST_M = 8.0
 _CROWDED_M = 0.05
 """Things that overlap deeper than this need room."""
 _RIM_M = 0.1
-"""Of a surface beyond what stands on it."""
+"""Width of a surface beyond what stands on it."""
 
 
 def hold_children(layout: Layout) -> None:
@@ -36,17 +36,8 @@ def hold_children(layout: Layout) -> None:
 
 
 def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> None:
-    """Let open ground grow on which things overlap, so that they find a place on it.
-
-    Args:
-        layout: Changed.
-        is_wanted: Objects that may be moved.
-        air: Boxes that they leave free beside all objects.
-    """
-    boxes = joined(layout.boxes, air)
-    is_left = np.ones(len(boxes), dtype=bool)
-    is_left[: len(layout.boxes)] = layout.is_left
-    rows = np.unique(forbidden_overlaps(boxes, _CROWDED_M, is_left).pairs)
+    """Let open ground grow on which wanted things overlap others or `air`, to make them places."""
+    rows = np.unique(layout.overlaps(_CROWDED_M, air).pairs)
     rows = rows[rows < len(is_wanted)]
     crowded = set(layout.host[rows[is_wanted[rows]]].tolist())
     for row in _rows(layout, TILING):
@@ -77,8 +68,7 @@ def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
 def _beyond_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
     """How far a surface's low and high sides must move out over the fine objects it bears."""
     boxes = layout.boxes
-    is_child = (boxes.parent == row) & layout.is_left
-    is_child &= [not obj.is_coarse for obj in layout.objects]
+    is_child = (boxes.parent == row) & layout.is_left & ~layout.is_coarse
     middle, reach = _spans(layout, row, np.flatnonzero(is_child))
     half = boxes.half_m[row, :2]
     low = np.max(reach - middle - half, axis=0, initial=-np.inf)
@@ -126,8 +116,7 @@ def _grow(layout: Layout, row: int, most_m: Float[np.ndarray, "2 2"]) -> None:
 def _obstacles(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
     """Coarse strangers at the height of a surface."""
     boxes = layout.boxes
-    found = np.array([obj.is_coarse for obj in layout.objects], dtype=bool)
-    found &= layout.is_left & ~boxes.is_kin[row]
+    found = layout.is_coarse & layout.is_left & ~boxes.is_kin[row]
     rise = np.minimum(boxes.top_m, boxes.top_m[row]) - np.maximum(boxes.base_m, boxes.base_m[row])
     return found & (rise > _TOUCH_M)
 

@@ -11,12 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.boxes import (
-    Boxes,
-    boxes_of,
-    footprint_depth,
-    forbidden_overlaps,
-)
+from aeroscene.feasibility.boxes import Boxes, boxes_of, footprint_depth, forbidden_overlaps
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.solids import Solids, colliding
@@ -28,11 +23,11 @@ OVERLAP_M = 0.01
 SUNK_M = 0.03
 """An object whose whole outline is deeper than this in what it stands on has sunk into it."""
 AWAY_M = 0.05
-"""By how far an object may lie beside its parent: its middle, or where it is coarse its edge."""
+"""An object may lie this far beside its parent: its middle, or where it is coarse its edge."""
 OUTSIDE_M = 0.01
-"""By how much a box may reach beyond the flight volume."""
+"""A box may reach this far beyond the flight volume."""
 _INNER = 0.98
-"""Of the half extents: where the outline is probed, so that a wall beside it does not count."""
+"""Share of the half extents at which outlines are probed: a wall beside one does not count."""
 _YIELDING = frozenset({"water", "roof"})
 """What stands on them may sink in: a boat, a chimney in the slope of a roof."""
 
@@ -67,12 +62,7 @@ class ObjectValidity:
 
 
 def validity(scene: Scene, primitives: Sequence[Primitive] | None = None) -> ObjectValidity:
-    """Judge every object of a scene, sound or not.
-
-    Args:
-        scene: The scene.
-        primitives: Its primitives, where the caller has them already.
-    """
+    """Judge every object of a scene, sound or not; its primitives where the caller has them."""
     boxes = boxes_of(scene.objects)
     solids = colliding(scene_primitives(scene) if primitives is None else primitives)
     row = {obj.id: i for i, obj in enumerate(scene.objects)}

@@ -19,16 +19,11 @@ _N_STEPS = 12
 
 
 def classifier_accuracy(
-    scenes: Float[np.ndarray, "n f"],
-    reference: Float[np.ndarray, "m f"],
-    rng: np.random.Generator,
+    scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
 ) -> float:
     """Balanced accuracy, cross-validated, of telling the set's scenes from the reference's.
 
-    Args:
-        scenes: Features of the set.
-        reference: Features of real scenes.
-        rng: Draws the folds.
+    Points are features; `rng` draws the folds.
 
     Raises:
         TooFewScenesError: If a set has fewer scenes than there are folds.

@@ -13,7 +13,7 @@ Source: AeroScene, "Evaluation Metrics", CR.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
@@ -63,7 +63,7 @@ class Collisions:
     """Objects that reach deeper than `MAX_DEPTH_M` into another."""
     n_collisions: int
     depth_sum_m: float
-    """Over the pairs that collide."""
+    """Sum over the pairs that collide."""
 
     @property
     def rate(self) -> float:
@@ -161,14 +161,6 @@ def _n_objects(found: Overlaps, is_pair: np.ndarray) -> int:
 
 
 def total(parts: Sequence[Collisions]) -> Collisions:
-    """Of several scenes together."""
-    return Collisions(
-        n_scenes=sum(part.n_scenes for part in parts),
-        n_colliding_scenes=sum(part.n_colliding_scenes for part in parts),
-        rate_sum=sum(part.rate_sum for part in parts),
-        n_objects=sum(part.n_objects for part in parts),
-        n_colliding_objects=sum(part.n_colliding_objects for part in parts),
-        n_deep_objects=sum(part.n_deep_objects for part in parts),
-        n_collisions=sum(part.n_collisions for part in parts),
-        depth_sum_m=sum(part.depth_sum_m for part in parts),
-    )
+    """Sums over several scenes."""
+    names = [field.name for field in fields(Collisions)]
+    return Collisions(**{name: sum(getattr(part, name) for part in parts) for name in names})

@@ -41,16 +41,16 @@ class Reference:
     """What scenes are judged by, made once: four seconds for 812 and 204 scenes."""
 
     neighbours: NeighbourFrequencies
-    """Of training."""
+    """Neighbours in training."""
     training: Sketches
     known: KnownSkeletons
     """Skeletons of training."""
     features: Float[np.ndarray, "n f"]
-    """Of the test split."""
+    """Features of the test split."""
     frequencies: Frequencies
-    """Of the test split."""
+    """Frequencies in the test split."""
     training_distances: Float[np.ndarray, " n"]
-    """Of the test split from training."""
+    """Distances of the test split from training."""
 
     @classmethod
     def of(
@@ -59,13 +59,7 @@ class Reference:
         test: Sequence[Scene],
         neighbours: NeighbourFrequencies | None = None,
     ) -> Reference:
-        """Look at the corpus.
-
-        Args:
-            train: The training split.
-            test: Scenes of the same making that training never saw.
-            neighbours: Frequencies of `train`, where the caller has them already.
-        """
+        """Look at both splits of the corpus; `neighbours` are of training, if known already."""
         trained = [scene_arrays(scene) for scene in train]
         tested = [scene_arrays(scene) for scene in test]
         training = sketches_of([layout_of(scene) for scene in train])
@@ -97,12 +91,7 @@ class Figures:
 
 
 def figures_of(scenes: Sequence[Scene], reference: Reference, rng: np.random.Generator) -> Figures:
-    """Measure a group of five or more scenes.
-
-    Args:
-        scenes: The group.
-        reference: What it is judged by.
-        rng: Draws bootstraps, permutations and folds.
+    """Measure a group of five or more scenes; `rng` draws bootstraps, permutations and folds.
 
     Raises:
         TooFewScenesError: If there are fewer.
@@ -145,7 +134,7 @@ class ComparisonRow:
     better: Better | None
     """None where it is best when it is as with real scenes."""
     values: Mapping[str, float]
-    """Under the names of the groups."""
+    """Figures under the names of the groups."""
 
 
 # key, title, unit, which is better, the figure
@@ -212,11 +201,8 @@ def comparison_table(
 ) -> tuple[ComparisonRow, ...]:
     """The rows for these groups of scenes, of five or more each; a second for 64 scenes.
 
-    Args:
-        groups: Scenes under the names of their columns.
-        reference: What they are judged by.
-        rng: Draws bootstraps, permutations and folds.
-        on_group: Called before each group with its name.
+    Groups are under the names of their columns, with which `on_group` is called before each; `rng`
+    draws bootstraps, permutations and folds.
 
     Raises:
         TooFewScenesError: If a group is too small.

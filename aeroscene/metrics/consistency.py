@@ -43,12 +43,12 @@ class Consistency:
 
 
 def coarse_to_fine_consistency(scene: Scene) -> Consistency:
-    """Of one scene; zeros where there is no fine object."""
+    """Consistency of one scene; zeros where there is no fine object."""
     return consistency(scene_arrays(scene))
 
 
 def consistency(arrays: SceneArrays) -> Consistency:
-    """As `coarse_to_fine_consistency`."""
+    """Consistency of a scene's arrays, see `coarse_to_fine_consistency`."""
     fine = np.flatnonzero(~arrays.is_coarse)
     if not len(fine):
         return Consistency(centroid=0.0, border=0.0, astray_share=0.0)
@@ -66,7 +66,7 @@ def consistency(arrays: SceneArrays) -> Consistency:
 
 
 def mean_consistency(parts: Sequence[Consistency]) -> Consistency:
-    """Over scenes."""
+    """Means over scenes."""
     return Consistency(
         centroid=fmean(part.centroid for part in parts),
         border=fmean(part.border for part in parts),

@@ -45,15 +45,13 @@ class Discrepancy:
 def squared_distances(
     first: Float[np.ndarray, "n f"], second: Float[np.ndarray, "m f"]
 ) -> Float[np.ndarray, "n m"]:
-    """Of every row of one from every row of the other."""
+    """Squared distance of every row of one from every row of the other."""
     square = (first**2).sum(axis=1)[:, None] + (second**2).sum(axis=1)
     return np.maximum(square - 2.0 * first @ second.T, 0.0)
 
 
 def discrepancy(
-    scenes: Float[np.ndarray, "n f"],
-    reference: Float[np.ndarray, "m f"],
-    rng: np.random.Generator,
+    scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
 ) -> Discrepancy:
     """MMD of two sets of `aeroscene.metrics.features`, with its noise and its floor.
 
@@ -107,7 +105,7 @@ def _mmd(
 
 
 def _mean_within(kernel: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Over pairs of different scenes: one that is drawn twice is no pair with itself."""
+    """Mean over pairs of different scenes: one that is drawn twice is no pair with itself."""
     of_itself = (weight**2) @ kernel.diagonal()
     total = ((weight @ kernel) * weight).sum(axis=1) - of_itself
     return total / (weight.sum(axis=1) ** 2 - (weight**2).sum(axis=1))

@@ -23,10 +23,10 @@ class UnlikeScenesError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Displacement:
-    """Over all objects of all scenes together."""
+    """Figures over all objects of all scenes together."""
 
     median_m: float
-    """Of the distance between an object's centres before and after; dropped ones do not count."""
+    """Median distance of an object's centres before and after; dropped ones do not count."""
     mean_m: float
     p95_m: float
     moved_share: float

@@ -79,7 +79,7 @@ class _Places:
     """Where the objects of a category are, in the layouts that have any."""
 
     has: Int[np.ndarray, " k"]
-    """Which layouts."""
+    """Numbers of those layouts."""
     flat: Float[np.ndarray, "k quantiles directions"]
     """Quantiles of the centres' projections."""
     heights: Float[np.ndarray, "k quantiles 1"]
@@ -107,9 +107,8 @@ def layout_distances(
 ) -> Float[np.ndarray, "n n"]:
     """Distance of every layout from every other, in layout radii; symmetric, zero diagonal.
 
-    Args:
-        layouts: Layouts of one set; 1,016 of 150 objects take about ten seconds.
-        on_category: Called after each of `category_names`.
+    For 1,016 layouts of 150 objects it takes about ten seconds; `on_category` is called after each
+    of `category_names`.
     """
     sketches = sketches_of(layouts)
     distances = distances_between(sketches, sketches, on_category)
@@ -123,10 +122,7 @@ def distances_between(
 ) -> Float[np.ndarray, "n m"]:
     """Distance of every layout of one set from every one of another, in layout radii.
 
-    Args:
-        first: Sketches of one set.
-        second: Of the other; 64 against 812 take a second.
-        on_category: Called after each category of the first.
+    For 64 against 812 it takes a second; `on_category` is called after each category of the first.
     """
     moved = np.zeros((8, first.count, second.count))
     kept = np.zeros((first.count, second.count))
@@ -183,7 +179,7 @@ def _mean_difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _symmetries() -> list[tuple[np.ndarray, np.ndarray]]:
-    """Of the square: which direction each direction is seen as, and whether from behind."""
+    """The square's: which direction each direction is seen as, and whether from behind."""
     result = []
     for mirror in (1.0, -1.0):
         for quarter in range(4):

@@ -34,7 +34,7 @@ class Frequencies:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Divergences:
-    """From a reference, nats."""
+    """Divergences from a reference, nats."""
 
     category: float
     cooccurrence: float
@@ -69,7 +69,7 @@ def divergences(scenes: Frequencies, reference: Frequencies) -> Divergences:
 def kl_divergence(
     reference_counts: Float[np.ndarray, " n"], counts: Float[np.ndarray, " n"]
 ) -> float:
-    """Of the shares of `counts` from those of the reference, in nats; 0 where they are equal.
+    """KL divergence of the shares of `counts` from those of the reference, nats; 0 where equal.
 
     What appears in neither is left out.
     """

@@ -41,7 +41,7 @@ class Recurrence:
     """Share of scenes whose skeleton occurs in training."""
 
     content: float
-    """As a multiset of categories."""
+    """Share of scenes whose multiset of categories occurs."""
     tree: float
     coarse_tree: float
     """The tree of the coarse objects alone."""

@@ -41,7 +41,7 @@ class Row:
 
     @property
     def deviation(self) -> float | None:
-        """Of the total from the paper's, as a share of it."""
+        """Deviation of the total from the paper's, as a share of it."""
         value = self.ours["total"]
         return None if value is None else value / self.paper["total"] - 1.0
 
@@ -51,7 +51,7 @@ class Row:
         return self.deviation is not None and abs(self.deviation) <= TOLERANCE
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data: total, deviation, then both splits."""
+        """The row as plain data: total, deviation, then both splits."""
         splits = {
             split: {"value": self.ours[split], "paper": self.paper[split]}
             for split in ("train", "test")
@@ -85,12 +85,7 @@ _CATEGORIES: tuple[tuple[str, str, Level, int], ...] = (
 def paper_table(
     entries: Sequence[SceneSummary], categories: Mapping[int, Collection[str]]
 ) -> tuple[Row, ...]:
-    """The rows for these scenes.
-
-    Args:
-        entries: What the manifest says of them.
-        categories: Names of the categories in each scene, under its number.
-    """
+    """The rows for these scenes of a manifest; categories are by the scene's number."""
     groups: dict[Column, list[SceneSummary]] = {
         "train": [entry for entry in entries if entry.split == "train"],
         "test": [entry for entry in entries if entry.split == "test"],

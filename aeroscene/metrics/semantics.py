@@ -55,9 +55,9 @@ class Plausibility:
     """Negative log-likelihood in nats a pair of neighbours; less is better."""
 
     category: float
-    """Of what stands there."""
+    """Surprise at what stands there."""
     place: float
-    """Of where it stands, for what it is."""
+    """Surprise at where it stands, for what it is."""
 
     @property
     def total(self) -> float:
@@ -79,14 +79,14 @@ class NeighbourFrequencies:
 
     @classmethod
     def of_arrays(cls, scenes: Iterable[SceneArrays]) -> NeighbourFrequencies:
-        """As `fit`."""
+        """Count the neighbours in scenes as arrays."""
         counts = np.zeros(np.prod(_SHAPE), dtype=np.int32)
         for arrays in scenes:
             np.add.at(counts, np.ravel_multi_index(_cells(arrays), _SHAPE), 1)
         return cls(counts.reshape(_SHAPE))
 
     def plausibility(self, scene: Scene | SceneArrays) -> Plausibility:
-        """Of one scene; zeros where it has fewer than two objects."""
+        """Plausibility of one scene; zeros where it has fewer than two objects."""
         arrays = scene_arrays(scene) if isinstance(scene, Scene) else scene
         first, second, place = _cells(arrays)
         if not len(first):
@@ -150,7 +150,7 @@ class NeighbourFrequencies:
 
 
 def mean_plausibility(parts: Sequence[Plausibility]) -> Plausibility:
-    """Over scenes."""
+    """Means over scenes."""
     return Plausibility(
         category=fmean(part.category for part in parts), place=fmean(part.place for part in parts)
     )

@@ -83,6 +83,11 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
         raise
 
 
+def default_hint(says: str, metavar: str | None = None) -> Any:
+    """What happens without an option whose own default says nothing, for its line of help."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {says})", metavar=metavar)
+
+
 def fail(prog: str, message: str) -> NoReturn:
     """Say in one line on standard error what was wrong, and exit with status 2."""
     sys.stderr.write(f"{prog}: error: {' '.join(message.split())}\n")

@@ -17,7 +17,13 @@ from aeroscene.learning import require_torch
 from aeroscene.learning.skeleton.config import SkeletonError
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from aeroscene.scene.io import write_scene
-from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_NEGATIVE,
+    default_hint,
+    fail,
+    print_json,
+)
 from scenarios.cli.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -42,35 +48,35 @@ class GenerateCfg:
     """
 
     seed: int = 42
-    """Of the first scene; the others have the seeds after it."""
+    """Seed of the first scene; the others have the seeds after it."""
     count: int = 1
-    """Scenes."""
+    """Number of scenes."""
     domain: Literal["any", "outdoor", "indoor", "mixed"] = "any"
-    """any draws one for each scene."""
-    objects: int | None = None
-    """About so many in each; drawn by default, 149 on average."""
-    areas: int | None = None
-    """Landing areas wished for, at most."""
-    outline: str = ""
-    """Of the site: its sides in metres as EAST,NORTH, or a JSON file with a list of corners
+    """Domain of the scenes; any draws one for each."""
+    objects: Annotated[int | None, default_hint("drawn, 149 on average")] = None
+    """Objects in each scene, roughly."""
+    areas: Annotated[int | None, default_hint("drawn")] = None
+    """Landing areas in each scene, at most."""
+    outline: Annotated[str, default_hint("drawn")] = ""
+    """The site's sides in metres as EAST,NORTH, or a JSON file with a list of corners
     [[x, y], ...], whose bounding rectangle is taken."""
-    complete: str = ""
+    complete: Annotated[str, default_hint("none")] = ""
     """Scene whose coarse objects stay; fine ones are made for them. A number or a file."""
     out: Path = Path("scenes")
     """Folder to write into; made where it is missing."""
-    checkpoint: Path | None = None
-    """File that `aeroscene train` has written; by default the one that ships."""
+    checkpoint: Annotated[Path | None, default_hint("the one that ships")] = None
+    """File that `aeroscene train` has written."""
     preset: Literal["default", "paper"] = "default"
-    """Which of those that ship."""
-    steps: int | None = None
-    """Denoising steps; by default the preset's."""
+    """Which of the checkpoints that ship."""
+    steps: Annotated[int | None, default_hint("the preset's")] = None
+    """Denoising steps."""
     batch: int = 1
     """Scenes that are denoised at once: faster on a GPU. Another number gives other scenes."""
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
-    threads: int | None = None
-    """Threads of the processor. [default: all cores]"""
-    progress: Path | None = None
+    threads: Annotated[int | None, default_hint("all cores")] = None
+    """Threads of the processor."""
+    progress: Annotated[Path | None, default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: scenes (files), seconds_per_scene, device, failed, and for each of the
@@ -270,12 +276,12 @@ def _report(cfg: GenerateCfg, generator: Generator, tally: _Tally) -> None:
     if cfg.json:
         facts = {
             "scenes": files,
-            "seconds_per_scene": round(seconds, 4),
+            "seconds_per_scene": seconds,
             "device": generator.device,
             "failed": sorted(tally.failed),
             "stages": stages,
         }
-        print(json.dumps(facts))
+        print_json(facts)
         return
     print(
         f"{cfg.out}: {len(files)} scenes, {seconds:.2f} s each on {generator.device}, "

@@ -11,9 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import tyro
-
-from scenarios.cli.command_line import EXIT_DONE, EXIT_INTERRUPTED, fail, print_json
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_INTERRUPTED,
+    default_hint,
+    fail,
+    print_json,
+)
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar
 
@@ -26,11 +30,6 @@ _PROG = "aeroscene train"
 _CORPUS_SIZE = 1016
 
 
-def _default(says: str, metavar: str | None = None) -> Any:
-    """What happens without an option whose own default is None."""
-    return tyro.conf.arg(help_behavior_hint=f"(default: {says})", metavar=metavar)
-
-
 @dataclass(frozen=True, kw_only=True)
 class TrainCfg:
     """Train a model that generates scenes: skeletons first, then where everything stands.
@@ -40,31 +39,31 @@ class TrainCfg:
     log.jsonl and curves.png.
     """
 
-    preset: Annotated[Literal["default", "paper"] | None, _default("default")] = None
+    preset: Annotated[Literal["default", "paper"] | None, default_hint("default")] = None
     """The model and its training: default, or the paper's to the letter."""
-    config: Annotated[Path | None, _default("none")] = None
+    config: Annotated[Path | None, default_hint("none")] = None
     """TOML file that changes fields of the preset; see docs/model.md."""
     data: Path = Path("corpus")
     """Folder that `aeroscene dataset build` has made, or a file of neutral layouts."""
     out: Path = Path("training")
     """Folder to write to; it is made where there is none."""
-    steps: Annotated[int | None, _default("no limit")] = None
+    steps: Annotated[int | None, default_hint("no limit")] = None
     """Steps of the denoiser; the same number gives the same weights, stopped or not."""
-    minutes: Annotated[float | None, _default("60 without --steps")] = None
+    minutes: Annotated[float | None, default_hint("60 without --steps")] = None
     """Minutes of the denoiser; what ends first, steps or minutes."""
     resume: bool = False
     """Go on with the training in the folder."""
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
-    threads: Annotated[int | None, _default("all cores")] = None
+    threads: Annotated[int | None, default_hint("all cores")] = None
     """Threads of the processor."""
     parts: Annotated[
         tuple[Literal["skeleton", "prior", "denoiser"], ...] | None,
-        _default("all of these", metavar="{skeleton,prior,denoiser} ..."),
+        default_hint("all of these", metavar="{skeleton,prior,denoiser} ..."),
     ] = None
     """What to train. The default has skeleton (minutes) and denoiser, the paper prior (a minute)
     and denoiser."""
-    take: Annotated[Path | None, _default("none")] = None
+    take: Annotated[Path | None, default_hint("none")] = None
     """Checkpoint whose other parts are taken over; it must be of the same data."""
     save_minutes: float = 5.0
     """Minutes between two saves."""

@@ -15,8 +15,8 @@ from shapely.errors import ShapelyError
 from aeroscene.corpus.dataset import Dataset
 from aeroscene.feasibility import validity
 from aeroscene.feasibility.layout import layout_of
-from aeroscene.feasibility.report import snapshot, stage_report
-from aeroscene.feasibility.stages import stages
+from aeroscene.feasibility.report import report_of
+from aeroscene.feasibility.stages import project
 from aeroscene.learning.diffusion.sampling import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
@@ -55,9 +55,9 @@ class SceneOutcome(msgspec.Struct, frozen=True, kw_only=True):
     moved_m: float
     """Mean displacement by the projection; 0 where it came to no end."""
     n_dropped: int
-    """By the projection; all where it came to no end."""
+    """Objects dropped by the projection; all where it came to no end."""
     cpu_s: float
-    """Of the sampling."""
+    """CPU time of the sampling."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Case:
 
     example: Example
     number: int
-    """Of the scene; it decides the noise."""
+    """Number of the scene; it decides the noise."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Model:
     sections: dict[str, Any]
     source: DataSource
     digest: str
-    """Of the weights."""
+    """Digest of the weights."""
 
     @staticmethod
     def of(checkpoint: Checkpoint) -> Model:
@@ -147,15 +147,7 @@ def measure(
     noise: int,
     on_scene: Callable[[], object],
 ) -> list[SceneOutcome]:
-    """Sample every case once, each with noise of its own.
-
-    Args:
-        model: Whose kinds the skeletons are of.
-        sampler: How to sample.
-        cases: Skeletons.
-        noise: Which draw of the noise.
-        on_scene: Called after each.
-    """
+    """Sample every case once, each with noise of its own in one of several draws."""
     outcomes: list[SceneOutcome] = []
     for case in cases:
         example = case.example
@@ -193,11 +185,9 @@ def _judged(scene: Scene, cpu_s: float) -> SceneOutcome:
 def _projected(scene: Scene) -> tuple[float, int]:
     """Mean displacement, m, and objects dropped; areas are not looked for."""
     layout = layout_of(scene)
-    began = snapshot(layout)
     try:
-        for _, stage in stages():
-            stage(layout)
+        project(layout)
     except (SceneError, ShapelyError):
         return 0.0, len(scene.objects)
-    report = stage_report("total", began, snapshot(layout))
-    return report.displacement.mean_m, report.n_dropped
+    report = report_of(layout)
+    return report.mean_moved_m, report.n_dropped

@@ -21,7 +21,7 @@ class Row:
     """One choice, switched."""
 
     name: str
-    """Of the row and of its folder."""
+    """Name of the row and of its folder."""
     what: str
     """What differs, in a few words."""
     against: str
@@ -46,7 +46,7 @@ class SampledRow(Row):
     """Fields of `SamplerCfg`."""
     guidance: GuidanceCfg = field(default_factory=GuidanceCfg)
     noise: int = 0
-    """Which draw of the noise."""
+    """Number of the draw of the noise."""
     against: str = "shipped"
 
 

@@ -20,11 +20,11 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     key: str
     """Differs where weights, skeletons or the way of sampling do."""
     unguided: list[SceneOutcome] = []
-    """Without guidance; of rows that are trained."""
+    """Scenes without guidance, of rows that are trained."""
     guided: list[SceneOutcome] = []
-    """As the row samples."""
+    """Scenes as the row samples them."""
     step_cpu_s: float | None = None
-    """Of a training step."""
+    """CPU time of a training step."""
 
 
 def valid_shares(scenes: Sequence[SceneOutcome]) -> Float[np.ndarray, " scenes"]:
@@ -33,13 +33,7 @@ def valid_shares(scenes: Sequence[SceneOutcome]) -> Float[np.ndarray, " scenes"]
 
 
 def outcome_key(digest: str, cases: Sequence[Case], settings: object) -> str:
-    """Sixteen hexadecimal digits.
-
-    Args:
-        digest: Of the weights.
-        cases: What is sampled.
-        settings: Whatever else decides the result, as its `repr`.
-    """
+    """Sixteen hexadecimal digits of weights, cases, and the `repr` of whatever else decides."""
     text = f"{digest} {[case.number for case in cases]} {settings!r}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -13,7 +13,7 @@ from ablation.rows import Row, TrainedRow
 from ablation.store import Outcome, valid_shares
 
 Figures = Mapping[str, float]
-"""By name; what a row has no part of is not there."""
+"""Figures by name; what a row has no part of is not there."""
 
 _COLUMNS = {
     "valid_unguided": ("unguided, %", 1),
@@ -40,13 +40,7 @@ class Line:
 
 
 def line(row: Row, outcome: Outcome, base: Outcome | None) -> Line:
-    """Figures of a row.
-
-    Args:
-        row: The row.
-        outcome: Its own.
-        base: That of the row that it is held against, on the same scenes; None for a base line.
-    """
+    """Figures of a row, and its gain on the row that it is held against; None for a base line."""
     figures: dict[str, float] = {}
     if outcome.unguided:
         figures["valid_unguided"] = float(valid_shares(outcome.unguided).mean())
@@ -83,7 +77,7 @@ def _shares(scenes: Sequence[SceneOutcome]) -> dict[str, float]:
 
 
 def rich_table(title: str, lines: Sequence[Line]) -> Table:
-    """For a terminal."""
+    """The rows for a terminal."""
     table = Table("row", "what differs", title=title, title_justify="left")
     shown = _shown(lines)
     for name in shown:
@@ -94,7 +88,7 @@ def rich_table(title: str, lines: Sequence[Line]) -> Table:
 
 
 def markdown_table(lines: Sequence[Line]) -> str:
-    """For a page of the documentation."""
+    """The rows for a page of the documentation."""
     shown = _shown(lines)
     heads = ["row", "what differs", *(_COLUMNS[name][0] for name in shown)]
     body = (
@@ -106,7 +100,7 @@ def markdown_table(lines: Sequence[Line]) -> str:
 
 
 def plain(lines: Sequence[Line]) -> list[dict[str, str | float]]:
-    """For JSON: percents, metres and seconds, rounded."""
+    """The rows for JSON: percents, metres and seconds, rounded."""
     return [
         {"row": each.row.name, "what": each.row.what, "against": each.row.against}
         | {name: round(value, 4) for name, value in each.figures.items()}

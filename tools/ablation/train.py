@@ -41,7 +41,7 @@ class Trainer:
     out: Path
     steps: int
     precision: str
-    """Of `TrainCfg`; rows that are there already may have another."""
+    """Precision of `TrainCfg`; rows that are there already may have another."""
 
     def found(self, row: TrainedRow) -> Checkpoint | None:
         """The trained row, None where it is missing or not at its end.
@@ -91,7 +91,7 @@ class Trainer:
 
     @cached_property
     def _scenes(self) -> tuple[list[Scene], list[Scene]]:
-        """To train on and to watch by."""
+        """Scenes to train on and to watch by."""
         dataset = open_dataset(self.data)
         train: list[Scene] = []
         held_out: list[Scene] = []

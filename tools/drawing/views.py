@@ -38,14 +38,7 @@ class View:
 
 
 def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRenderer) -> View:
-    """The view of a scene for a preset.
-
-    Args:
-        world: Of the scene, with what shall be seen among its solids.
-        preset: Kind of view.
-        aspect: Width by height of the picture.
-        trial: A small renderer of the world, for trying directions.
-    """
+    """The view of a scene for a preset, found with a small renderer of the world for trying."""
     scene = world.scene
     if preset in ("overview", "top"):
         elevation = 89.9 if preset == "top" else _OVERVIEW_ELEVATION_DEG
@@ -129,7 +122,7 @@ def _inside_eyes(scene: Scene) -> list[Vector3]:
 def _aerial_views(
     world: World, stands: tuple[tuple[float, float], ...], target_m: float
 ) -> list[View]:
-    """From the sunny side, over the edge of the scene, onto its middle."""
+    """Views from the sunny side, over the edge of the scene, onto its middle."""
     points = _built_points(world)
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2

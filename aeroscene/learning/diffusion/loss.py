@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Float
@@ -24,21 +24,16 @@ _GATE_MARGIN = 1e-6
 """Keeps the logarithm of a saturated score finite."""
 
 
-class Predicted(Protocol):
-    """What a denoiser returns."""
+class Prediction(NamedTuple):
+    """What a denoiser says of a noisy layout."""
 
-    @property
-    def output(self) -> Float[Tensor, "batch n channels"]:
-        """eps, v or x0."""
-        ...
-
-    @property
-    def tokenizability(self) -> Float[Tensor, "batch n"] | None:
-        """The paper's tau, where the network learns its routing."""
-        ...
+    output: Float[Tensor, "batch n channels"]
+    """Noise, velocity or clean layout, as the parameterisation has it; zero at padding."""
+    tokenizability: Float[Tensor, "batch n"] | None = None
+    """The paper's tau in [0, 1] of each token, 0 at padding; None where the routing is given."""
 
 
-Denoiser = Callable[[Tensor, Tensor, TokenBatch], Predicted]
+Denoiser = Callable[[Tensor, Tensor, TokenBatch], Prediction]
 """`model(x_t, t, batch)`; t in [0, 1], 0 clean."""
 GuidanceLoss = Callable[[Tensor, TokenBatch], Float[Tensor, " batch"]]
 """The paper's L_guide of layouts, one value a scene."""
@@ -60,11 +55,11 @@ class LossCfg:
     guide_weight: float = 0.0
     """The paper's lambda_guide, which it leaves open."""
     guide_scenes: int | None = None
-    """On how many scenes of a batch L_guide is evaluated; None takes all. Times and scenes of a
-    batch are random, so that its first scenes are a sample of it."""
+    """Scenes of a batch on which L_guide is evaluated; None takes all. Times and scenes of a batch
+    are random, so that its first scenes are a sample of it."""
     gate_weight: float = 0.0
-    """Of the cross-entropy of tau with the known level. The paper has no such term: its hard
-    threshold gives the gate no gradient (notes/scenes.md)."""
+    """Weight of the cross-entropy of tau with the known level. The paper has no such term: its hard
+    threshold gives the gate no gradient."""
 
     def __post_init__(self) -> None:
         for name in ("coarse_weight", "guide_weight", "gate_weight"):

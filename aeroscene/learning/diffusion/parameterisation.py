@@ -22,14 +22,9 @@ def prediction_target(
     alpha: Float[Tensor, " batch"],
     sigma: Float[Tensor, " batch"],
 ) -> Float[Tensor, "batch n channels"]:
-    """What the network should say.
+    """What the network should say of a clean layout and the noise in x_t.
 
-    Args:
-        kind: What it predicts.
-        x0: The clean layout.
-        eps: The noise in x_t.
-        alpha: sqrt(alpha_bar) of each scene.
-        sigma: sqrt(1 - alpha_bar).
+    `alpha` and `sigma` are sqrt(alpha_bar) and sqrt(1 - alpha_bar) of each scene.
 
     Source: eps as in the paper's L_rec; v from Salimans and Ho 2022.
     """

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, Protocol, get_args
+from typing import Literal, Protocol
 
 import torch
 from jaxtyping import Bool, Float
@@ -16,7 +16,12 @@ from torch import Tensor
 
 from aeroscene.learning.diffusion.loss import Denoiser, channel_weight
 from aeroscene.learning.diffusion.parameterisation import Parameterisation, predicted_x0
-from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule, normal_like
+from aeroscene.learning.diffusion.schedule import (
+    Schedule,
+    normal_like,
+    require_choice,
+    require_within,
+)
 from aeroscene.learning.diffusion.steps import (
     Level,
     Variance,
@@ -29,8 +34,6 @@ from aeroscene.learning.tokens.batch import TokenBatch
 
 SamplerKind = Literal["ddpm", "ddim", "dpm-solver++"]
 Spacing = Literal["time", "log_snr"]
-
-_MAX_STEPS = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,24 +49,15 @@ class SamplerCfg:
     spacing: Spacing = "time"
     """Steps of equal time, or of equal log signal-to-noise ratio and a last one to 0."""
     eta: float = 0.0
-    """Of `ddim`: 0 is deterministic but for the first noise, 1 is ancestral."""
+    """Noise of `ddim`: 0 is deterministic but for the first noise, 1 is ancestral."""
     variance: Variance = "small"
-    """Of `ddpm`."""
+    """Variance of `ddpm`."""
 
     def __post_init__(self) -> None:
-        for name, choices in (
-            ("kind", SamplerKind),
-            ("parameterisation", Parameterisation),
-            ("spacing", Spacing),
-            ("variance", Variance),
-        ):
-            if getattr(self, name) not in get_args(choices):
-                valid = ", ".join(get_args(choices))
-                raise DiffusionError(f"sampler.{name} is {getattr(self, name)!r}, valid: {valid}")
-        if not 1 <= self.n_steps <= _MAX_STEPS:
-            raise DiffusionError(f"sampler.n_steps is {self.n_steps}, valid: 1 to {_MAX_STEPS}")
-        if not 0 <= self.eta <= 1:
-            raise DiffusionError(f"sampler.eta is {self.eta:g}, valid: 0 to 1")
+        require_choice("sampler", self, kind=SamplerKind, parameterisation=Parameterisation)
+        require_choice("sampler", self, spacing=Spacing, variance=Variance)
+        require_within("sampler", self, (1, 1000), "n_steps")
+        require_within("sampler", self, (0, 1), "eta")
 
 
 @dataclass(frozen=True)
@@ -84,12 +78,12 @@ class Moment:
     """Where a sampler is."""
 
     index: int
-    """Of the step, from 0."""
+    """Number of the step, from 0."""
     n_steps: int
     time: float
-    """Of x_t: 1 is noise."""
+    """Time of x_t: 1 is noise."""
     alpha_bar: float
-    """Of x_t."""
+    """Share of signal power left in x_t."""
     fixed: Bool[Tensor, "batch n"] | None
     """Tokens that must not move."""
 

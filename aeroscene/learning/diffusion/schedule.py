@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import torch
 from jaxtyping import Float, Float64
@@ -14,35 +14,48 @@ from torch import Tensor
 ScheduleKind = Literal["linear", "cosine"]
 
 _LEAST_ALPHA_BAR = 1e-5
-"""Of the cosine schedule at t = 1, where it would be 0 and the noise hide the layout wholly."""
+"""The cosine schedule's at t = 1, where 0 would let the noise hide the layout wholly."""
 _COSINE_OFFSET = 0.008
 """Nichol and Dhariwal 2021, eq. (17): keeps the first steps' noise from vanishing."""
-_MAX_STEPS = 10_000
 
 
 class DiffusionError(ValueError):
     """A setting of the diffusion out of range; one line with field, value and what is valid."""
 
 
+def require_within(section: str, cfg: object, limits: tuple[float, float], *names: str) -> None:
+    """Raise a `DiffusionError` unless fields are within limits, which are valid themselves."""
+    low, high = limits
+    for name in names:
+        value = getattr(cfg, name)
+        if not low <= value <= high:
+            raise DiffusionError(f"{section}.{name} is {value:g}, valid: {low:g} to {high:g}")
+
+
+def require_choice(section: str, cfg: object, **choices: Any) -> None:
+    """Raise a `DiffusionError` unless fields are among the members of their `Literal` types."""
+    for name, choice in choices.items():
+        if getattr(cfg, name) not in get_args(choice):
+            valid = ", ".join(get_args(choice))
+            raise DiffusionError(f"{section}.{name} is {getattr(cfg, name)!r}, valid: {valid}")
+
+
 @dataclass(frozen=True, kw_only=True)
 class ScheduleCfg:
-    """Which schedule; the paper leaves it open."""
+    """The noise schedule, which the paper leaves open."""
 
     kind: ScheduleKind = "cosine"
     """`linear`: variances of Ho et al. 2020. `cosine`: Nichol and Dhariwal 2021."""
     n_steps: int = 1000
     """Training steps T."""
     beta_first: float = 1e-4
-    """Of `linear`, for T = 1000; scaled by 1000/T so that any T ends in the same noise."""
+    """First beta of `linear` for T = 1000; scaled by 1000/T, so any T ends in the same noise."""
     beta_last: float = 0.02
-    """Of `linear`, likewise."""
+    """Last beta of `linear`, likewise."""
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(ScheduleKind):
-            valid = ", ".join(get_args(ScheduleKind))
-            raise DiffusionError(f"schedule.kind is {self.kind!r}, valid: {valid}")
-        if not 2 <= self.n_steps <= _MAX_STEPS:
-            raise DiffusionError(f"schedule.n_steps is {self.n_steps}, valid: 2 to {_MAX_STEPS}")
+        require_choice("schedule", self, kind=ScheduleKind)
+        require_within("schedule", self, (2, 10_000), "n_steps")
         top = self.beta_last * 1000 / self.n_steps
         if self.kind == "linear" and not (0 < self.beta_first <= self.beta_last and top < 1):
             raise DiffusionError(
@@ -87,13 +100,10 @@ class Schedule:
         return log.exp().to(time.dtype)
 
     def draw_time(self, n: int, generator: torch.Generator, *, stratified: bool) -> Tensor:
-        """Times of training, uniform over the T steps: 1/T, ..., 1.
+        """Times of training, uniform over the T steps: 1/T, ..., 1, on the generator's device.
 
-        Args:
-            n: How many.
-            generator: Source of randomness; the times lie on its device.
-            stratified: One from each of n equal parts instead of n independent ones, which takes
-                variance off the loss (Kingma et al. 2021, "Variational Diffusion Models").
+        Stratified, one is drawn from each of n equal parts, which takes variance off the loss
+        (Kingma et al. 2021, "Variational Diffusion Models").
         """
         device = generator.device
         if stratified:

@@ -55,14 +55,8 @@ def ddpm_step(
 
     Between levels that lie further apart than training's, alpha_t is the ratio of their alpha_bar
     (Nichol and Dhariwal 2021, section 4), so that 100 steps serve a network trained with T = 1000.
-
-    Args:
-        x: Noisy layout at `at`.
-        x0: Predicted clean layout.
-        at: Where x is.
-        to: The less noisy level to go to.
-        variance: The paper leaves Sigma open: `small` is the posterior's of a known x0, `large`
-            is beta_t (Ho et al. 2020, section 3.2).
+    The paper leaves Sigma open: `small` is the posterior's of a known x0, `large` is beta_t (Ho et
+    al. 2020, section 3.2).
 
     Source: the paper's mu_theta of the section "Inference Algorithm".
     """
@@ -87,14 +81,7 @@ def ddim_step(x: Tensor, x0: Tensor, at: Level, to: Level, eta: float) -> tuple[
 def dpm_solver_step(
     x: Tensor, x0: Tensor, at: Level, to: Level, before: tuple[Tensor, Level] | None
 ) -> tuple[Tensor, float]:
-    """Step of DPM-Solver++(2M): of second order with the x0 of the step before, else of first.
-
-    Args:
-        x: Noisy layout at `at`.
-        x0: Predicted clean layout.
-        at: Where x is.
-        to: The less noisy level to go to.
-        before: Predicted x0 and level of the step before; None at the first.
+    """Step of DPM-Solver++(2M): of second order with x0 and level of the step before, else first.
 
     Source: Lu et al. 2022, "DPM-Solver++", algorithm 2.
     """

@@ -39,7 +39,7 @@ class Generated:
     """Draws before this one that were rejected, when asked for by `sound_scene`."""
     proposal: Proposal
     raw: Scene
-    """As sampled, without areas."""
+    """The scene as sampled, without areas."""
     projected: Scene
     """After the projection, with areas."""
     report: FeasibilityReport
@@ -141,18 +141,13 @@ class Generator:
             proposal.skeleton,
             proposal.geometry,
             self._proposer.vocabulary,
-            scene_id=scene_name(request.seed),
+            scene_id=f"aeroscene-{request.seed:04d}",
             seed=request.seed,
             rng=rng,
             kept=request.kept,
         )
         feasible = make_feasible(raw, FeasibilityCfg(limits=limits))
         return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
-
-
-def scene_name(seed: int) -> str:
-    """Name of the scene that a seed gives."""
-    return f"aeroscene-{seed:04d}"
 
 
 def generate_scene(seed: int) -> Scene:
@@ -173,6 +168,6 @@ def _shipped() -> Generator:
 
 
 def _streams(seed: int, attempt: int) -> list[np.random.Generator]:
-    """Of the wish, of the model and of the looks."""
+    """Randomness for the wish, for the model and for the looks."""
     streams = np.random.SeedSequence((seed, attempt)).spawn(3)
     return [np.random.default_rng(stream) for stream in streams]

@@ -108,7 +108,7 @@ class HierarchicalProposer:
     def _known_channels(
         self, request: Request, given: Example | None, skeleton: Skeleton
     ) -> Float[np.ndarray, "k channels"]:
-        """Of the first tokens: a given coarse part, a given outline, or nothing."""
+        """Channels of the first tokens: a given coarse part, a given outline, or nothing."""
         if given is not None:
             return given.x0
         kind = DOMAINS.index(skeleton.domain)

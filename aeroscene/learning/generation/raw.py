@@ -58,15 +58,10 @@ class GeometrySampler:
         given: Sequence[np.ndarray] | None = None,
         on_step: OnStep | None = None,
     ) -> list[Geometry]:
-        """Geometry for skeletons.
+        """Geometry for skeletons, from the noise of a generator on the device.
 
-        Args:
-            skeletons: What there is.
-            wishes: What the scenes were asked to have.
-            generator: Source of the noise, on the device.
-            given: For each scene the channels, [k, channels], of its first k tokens, which are
-                not sampled: the site, or the whole coarse part.
-            on_step: Looks on.
+        `given` are for each scene the channels, [k, channels], of its first k tokens, which are not
+        sampled: the site, or the whole coarse part.
         """
         # A new one each time: a collator keeps the heights of all skeletons that it has seen.
         collator = Collator(self._vocabulary, self._statistics)
@@ -95,10 +90,7 @@ class GeometrySampler:
         return watch
 
     def _fixed(
-        self,
-        given: Sequence[np.ndarray] | None,
-        skeletons: Sequence[Skeleton],
-        batch: TokenBatch,
+        self, given: Sequence[np.ndarray] | None, skeletons: Sequence[Skeleton], batch: TokenBatch
     ) -> Fixed | None:
         if given is None or not any(len(channels) for channels in given):
             return None

@@ -18,7 +18,7 @@ AREAS = (1, 200)
 OUTLINE_M = (15.0, 150.0)
 """Shortest and longest side of a site."""
 _COARSE_SHARE = 0.23
-"""Of the objects of a scene, as in the paper's dataset: 34 of 149."""
+"""Share of a scene's objects, as in the paper's dataset: 34 of 149."""
 
 _MORE_COARSE, _MORE_FINE = 2, 4
 """Asked for beyond the budget of the corpus, whose structures bring some objects of their own;
@@ -73,8 +73,7 @@ class Request:
     def drawn(self, rng: np.random.Generator) -> tuple[Wish, AreaLimits]:
         """The wish with nothing left open, and how many areas of each size are kept.
 
-        Args:
-            rng: Draws what is open; the same draws are made whatever is.
+        The same numbers are drawn whatever is open.
         """
         domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
         budget = draw_budget(rng)

@@ -24,7 +24,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.schedule import require_within
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.boxes import Footprints, footprints_of
 from aeroscene.learning.tokens.decode import TreeDecoder
@@ -69,7 +69,7 @@ _IN_LINE_PERCENT: Mapping[str, Mapping[str, int]] = {
     "van": {"van": 55},
     "wardrobe": {"wardrobe": 100},
 }
-"""Of the objects that have such a sibling, how many are within 2 cm of a line with the nearest.
+"""Percent of the objects with such a sibling that are within 2 cm of a line with the nearest.
 
 Counted in the 812 training scenes, the more frequent one of both directions; all pairs of at least
 90 objects and 20%, but for tiles, walls and what else `aeroscene.learning.guidance.borders` moves.
@@ -90,10 +90,9 @@ class AlignmentCfg:
     """Siblings farther apart than this along a line do not make one."""
 
     def __post_init__(self) -> None:
-        for name, high in (("late_share", 1), ("most_m", 100), ("most_share", 1), ("reach_m", 1e3)):
-            value = getattr(self, name)
-            if not 0 <= value <= high:
-                raise DiffusionError(f"alignment.{name} is {value:g}, valid: 0 to {high:g}")
+        require_within("alignment", self, (0, 1), "late_share", "most_share")
+        require_within("alignment", self, (0, 100), "most_m")
+        require_within("alignment", self, (0, 1000), "reach_m")
 
 
 class AlignmentGuidance:
@@ -147,14 +146,9 @@ def in_line(
     has_habit: Bool[np.ndarray, "n n"],
     cfg: AlignmentCfg,
 ) -> Float[np.ndarray, "n 2"]:
-    """Where the middles of objects come that nearly share a line.
+    """Where the middles of objects come that nearly share a line, in the axes of their parents.
 
-    Args:
-        middle_m: In the axes of their parents.
-        reach_m: Half the extents along these.
-        is_fixed: Which stay; the others come to theirs.
-        has_habit: Which pairs may share a line.
-        cfg: How near.
+    What is fixed stays, and the others come to its line.
     """
     first, second = np.nonzero(np.triu(has_habit, 1))
     apart = np.abs(middle_m[first] - middle_m[second])

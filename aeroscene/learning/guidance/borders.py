@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 
 from aeroscene.learning.diffusion.sampling import Guidance, Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.schedule import require_within
 from aeroscene.learning.guidance.containment import contained
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.boxes import Boxes, Footprints, footprints_of
@@ -58,18 +58,10 @@ class BordersCfg:
     """No extent shrinks below this share of what was sampled, nor below the least of its kind."""
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("late_share", 0, 1),
-            ("n_steps", 0, 1000),
-            ("last_n_steps", 0, 1000),
-            ("most_overlap_m", 0, 100),
-            ("most_gap_m", 0, 100),
-            ("most_rise_m", 0, 100),
-            ("least_share", 0.1, 1),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise DiffusionError(f"borders.{name} is {value:g}, valid: {low:g} to {high:g}")
+        require_within("borders", self, (0, 1), "late_share")
+        require_within("borders", self, (0, 1000), "n_steps", "last_n_steps")
+        require_within("borders", self, (0, 100), "most_overlap_m", "most_gap_m", "most_rise_m")
+        require_within("borders", self, (0.1, 1), "least_share")
 
 
 class BorderGuidance:
@@ -196,7 +188,7 @@ class _Faces:
     meets: Bool[Tensor, "batch c c"]
     """Siblings that share height."""
     attracts: Bool[Tensor, "batch c c"]
-    """Those that close a small gap."""
+    """Siblings that close a small gap."""
     is_elastic: Bool[Tensor, "batch c"]
     least_m: Float[Tensor, "batch c 2"]
     """Shortest extents along the parent's axes."""

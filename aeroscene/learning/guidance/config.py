@@ -39,17 +39,7 @@ NO_GUIDANCE = GuidanceCfg(borders=None, alignment=None, separation=None)
 def guidance_of(
     cfg: GuidanceCfg, decoder: TreeDecoder, vocabulary: Vocabulary, device: torch.device
 ) -> Guidance | None:
-    """What a configuration describes.
-
-    Args:
-        cfg: Which parts.
-        decoder: From channels to boxes.
-        vocabulary: Kinds of the objects.
-        device: Where layouts are sampled.
-
-    Returns:
-        The parts in a chain; None where there are none.
-    """
+    """The parts that a configuration asks for, in a chain; None where there are none."""
     parts: list[Guidance] = []
     if cfg.borders is not None:
         parts.append(BorderGuidance(decoder, vocabulary, device, cfg.borders))

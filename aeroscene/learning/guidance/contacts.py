@@ -25,20 +25,14 @@ class Pairs:
     reach_m: Float[Tensor, "pairs 5"]
     """Distance of the centres along an axis at which the boxes touch."""
     offset_m: Float[Tensor, "pairs 3"]
-    """From the first box's centre to the second's, ENU."""
+    """Way from the first box's centre to the second's, ENU."""
 
     def __len__(self) -> int:
         return len(self.first)
 
 
 def near_pairs(boxes: Boxes, excluded: Bool[Tensor, "batch n n"], margin_m: float) -> Pairs:
-    """Pairs that may come to overlap.
-
-    Args:
-        boxes: Upright boxes.
-        excluded: Pairs that may overlap: ancestors and descendants.
-        margin_m: Boxes this near count, because they move.
-    """
+    """Pairs nearer than a margin, but for those that may overlap: ancestors and descendants."""
     half = boxes.size_m / 2
     cos, sin = boxes.heading.abs().unbind(-1)
     width = cos * half[..., 0] + sin * half[..., 1]

@@ -17,22 +17,15 @@ from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.boxes import Boxes, Footprints
 
 _INSIDE_M = 0.02
-"""By how much a middle lies within the outline of its parent at least."""
+"""Least distance of a middle from the outline of its parent, within it."""
 
 
 def reach_of_middle(
-    footprints: Footprints,
-    boxes: Boxes,
-    batch: TokenBatch,
-    keeps_within: Bool[Tensor, "batch n"],
+    footprints: Footprints, boxes: Boxes, batch: TokenBatch, keeps_within: Bool[Tensor, "batch n"]
 ) -> Float[Tensor, "batch n 2"]:
     """How far from the middle of its parent, along its axes, each token may be.
 
-    Args:
-        footprints: Outlines.
-        boxes: The boxes that they are of.
-        batch: The tokens.
-        keeps_within: Tokens that keep the whole of their outline within their parent's.
+    Tokens of `keeps_within` keep the whole of their outline within their parent's.
     """
     half, reach = footprints.parent_half_m, footprints.reach_m
     inset = torch.where(keeps_within[..., None], reach, torch.full_like(reach, _INSIDE_M))
@@ -44,10 +37,7 @@ def reach_of_middle(
 
 
 def contained(
-    footprints: Footprints,
-    boxes: Boxes,
-    batch: TokenBatch,
-    keeps_within: Bool[Tensor, "batch n"],
+    footprints: Footprints, boxes: Boxes, batch: TokenBatch, keeps_within: Bool[Tensor, "batch n"]
 ) -> Footprints:
     """The outlines moved by as little as brings them within; arguments as `reach_of_middle`."""
     limit = reach_of_middle(footprints, boxes, batch, keeps_within)

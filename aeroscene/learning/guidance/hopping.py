@@ -28,11 +28,7 @@ def hop(
 ) -> Float[Tensor, "batch n 3"]:
     """Displacements of the lighter one of each overlapping pair, in the axes of the parents, m.
 
-    Args:
-        boxes: The boxes.
-        movable: What may move whither.
-        may_hop: Which objects may.
-        tolerance_m: Overlaps up to this are left.
+    Overlaps up to the tolerance are left.
     """
     hopped = torch.zeros_like(movable.low_m)
     family = movable.lineage | movable.lineage.transpose(1, 2)

@@ -19,7 +19,7 @@ from aeroscene.jit import kernel
 _VERTICAL = 4
 """Place of the vertical among the axes."""
 _STUCK_COST = 100.0
-"""Of a metre squared of overlap that a push cannot undo, against moving a unit mass a metre."""
+"""Cost of a square metre of overlap that no push undoes; moving a unit mass a metre costs 1."""
 _CHECK_EVERY = 5
 """Iterations between two looks, while some are patient, at whether all is done."""
 _LEAST_SLOPE = 1e-3
@@ -236,7 +236,7 @@ def _note(
     forth: Float[np.ndarray, "n 3"],
     back: Float[np.ndarray, "n 3"],
 ) -> None:
-    """Many that push the same way do not add up."""
+    """Keep the greatest push either way: many that push the same way do not add up."""
     own = _in_parent(direction, freedom.heading[token])
     for axis in range(3):
         forth[token, axis] = max(forth[token, axis], own[axis] * move_m)

@@ -24,7 +24,7 @@ class Movable:
     """What may move whither, each token in the axes of its parent."""
 
     heading: Float[Tensor, "batch n 2"]
-    """Of the parent."""
+    """Heading of the parent."""
     low_m: Float[Tensor, "batch n 3"]
     """Least displacement."""
     high_m: Float[Tensor, "batch n 3"]
@@ -53,16 +53,10 @@ def separate(
     n_steps: int,
     n_patient_steps: int = 0,
 ) -> Float[Tensor, "batch n 3"]:
-    """Displacements that undo overlaps, in the axes of the parents, m.
+    """Displacements that undo overlaps beyond a tolerance, in the axes of the parents, m.
 
-    Args:
-        boxes: The boxes.
-        movable: What may move whither.
-        tolerance_m: Overlaps up to this are left.
-        margin_m: Boxes nearer than this are watched.
-        n_steps: Iterations at most; fewer where all is done.
-        n_patient_steps: In the first of them, two overlapping objects part before what is in
-            them does.
+    Boxes nearer than the margin are watched. In the first `n_patient_steps` of at most `n_steps`
+    iterations two overlapping objects part before what is in them does.
     """
     family = movable.lineage | movable.lineage.transpose(1, 2)
     pairs = near_pairs(boxes, family, margin_m)

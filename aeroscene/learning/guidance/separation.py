@@ -18,7 +18,7 @@ from torch import Tensor
 
 from aeroscene.learning.diffusion.loss import channel_weight
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.schedule import require_within
 from aeroscene.learning.guidance.containment import reach_of_middle
 from aeroscene.learning.guidance.hopping import hop
 from aeroscene.learning.guidance.pushing import Movable, separate
@@ -27,7 +27,7 @@ from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.boxes import Boxes, footprints_of
 
 Decode = Callable[[Tensor, TokenBatch], Boxes]
-"""From channels to boxes."""
+"""Turns channels into boxes."""
 Bounds = Callable[[TokenBatch], tuple[Tensor, Tensor]]
 """Least and greatest value that each channel of each token had in training."""
 
@@ -60,33 +60,20 @@ class SeparationCfg:
     """Share of the iterations in which what is in two overlapping objects waits for these."""
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("late_share", 0, 1),
-            ("inner_steps", 0, 1000),
-            ("last_inner_steps", 0, 10_000),
-            ("n_hops", 0, 100),
-            ("clip_m", 0, 100),
-            ("tolerance_m", 0, 1),
-            ("margin_m", 0, 100),
-            ("coarse_mass", 0.01, 1000),
-            ("patience", 0, 1),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise DiffusionError(f"separation.{name} is {value:g}, valid: {low:g} to {high:g}")
+        require_within("separation", self, (0, 1), "late_share", "tolerance_m", "patience")
+        require_within("separation", self, (0, 1000), "inner_steps")
+        require_within("separation", self, (0, 10_000), "last_inner_steps")
+        require_within("separation", self, (0, 100), "n_hops", "clip_m", "margin_m")
+        require_within("separation", self, (0.01, 1000), "coarse_mass")
 
 
 class SeparationGuidance:
     """Pushes overlapping objects apart in the predicted clean layout."""
 
     def __init__(self, decode: Decode, bounds: Bounds, cfg: SeparationCfg | None = None) -> None:
-        """Set up.
+        """Set up, with the bounds of the channels in training: no object is pushed over those.
 
-        Args:
-            decode: From channels, of which the first three are the place, to boxes.
-            bounds: Of the channels in training: an object is not pushed over the border that its
-                kind keeps to.
-            cfg: How overlaps are undone.
+        Of the channels that are decoded the first three are the place.
         """
         self._decode = decode
         self._bounds = bounds
@@ -182,7 +169,7 @@ class SeparationGuidance:
     def _mass(
         self, boxes: Boxes, batch: TokenBatch, above: Bool[Tensor, "batch n n"]
     ) -> Float[Tensor, "batch n"]:
-        """Of a token with all that it carries."""
+        """Mass of a token with all that it carries."""
         side = boxes.size_m[..., :2].prod(-1).sqrt()
         slot = torch.arange(side.shape[1], device=side.device)
         factor = torch.where(slot < batch.n_coarse_slots, self.cfg.coarse_mass, 1.0)
@@ -191,4 +178,4 @@ class SeparationGuidance:
 
 
 _LEAST_MASS = 0.3
-"""Of the smallest object, where the unit is that of one a metre long and wide."""
+"""Mass of the smallest object, in units of one that is a metre long and wide."""

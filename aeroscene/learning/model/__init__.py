@@ -1,7 +1,7 @@
 """The hierarchical denoiser: noisy layout in, prediction of noise, velocity or clean layout out."""
 
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg, ModelCfgError
 from aeroscene.learning.model.network import HierarchicalDenoiser
-from aeroscene.learning.model.prediction import Prediction
 
 __all__ = ["HierarchicalDenoiser", "ModelCfg", "ModelCfgError", "Prediction"]

@@ -22,7 +22,7 @@ _WORLD_BANDS = 6
 _SITE_M = 40.0
 """Places in the world are in this unit: about half the side of a site."""
 _LIMIT = 2.0
-"""Of borders and places in their units: noise may ask for anything."""
+"""Largest border or place in its unit: noise may ask for anything."""
 _EXTENTS_M = (0.01, 300.0)
 _PLAY_M = (0.01, 100.0)
 N_BORDER_FEATURES = 4 + 8 * _BANDS + 2 + 4 * _WORLD_BANDS + 2 + 3 + 2

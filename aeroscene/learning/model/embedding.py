@@ -146,11 +146,8 @@ class TokenEmbedding(nn.Module):
     ) -> None:
         """Tell how the channels of each kind are read.
 
-        Args:
-            mean: Of each channel.
-            spread: Its standard deviation; 0 where it is constant.
-            is_relative: Which extents are ratios to the parent's.
-            is_aligned: Which kinds stand square to their parents.
+        The spread of a constant channel is 0; extents that are relative are ratios to the parent's;
+        aligned kinds stand square to their parents.
         """
         self.channel_mean.copy_(mean)
         self.channel_spread.copy_(spread)

@@ -18,14 +18,7 @@ TIME_STEPS = 1_000.0
 def sinusoid(
     position: Float[Tensor, "*n"] | Int[Tensor, "*n"], width: int
 ) -> Float[Tensor, "*n w"]:
-    """Sinusoidal positional encoding: sines, then cosines, of geometrically spaced frequencies.
-
-    Args:
-        position: Index or step number.
-        width: Length of the encoding, even.
-
-    Returns:
-        The encoding, each entry within [-1, 1].
+    """Sinusoidal positional encoding of even width: sines, then cosines, each within [-1, 1].
 
     Source: Vaswani et al. 2017, section 3.5; e_pos of the paper's token equation.
     """
@@ -36,18 +29,11 @@ def sinusoid(
 
 
 def fourier_features(value: Float[Tensor, "*n c"], bands: int) -> Float[Tensor, "*n f"]:
-    """Sines and cosines of pi/2, pi, 2 pi, ... times each coordinate.
+    """Sines and cosines of pi/2, pi, 2 pi, ... times each coordinate: two of each band.
 
     A coordinate of +-1 is the border of the parent, so the first band tells one border from the
-    other and each further band halves the distance that the network tells apart. About 10 % lower
+    other and each further band halves the distance that the network tells apart. About 10% lower
     denoising error in the prototype.
-
-    Args:
-        value: Coordinates in parent frames.
-        bands: Number of octaves.
-
-    Returns:
-        2 * bands features of each coordinate.
     """
     octave = torch.arange(bands, device=value.device, dtype=torch.float32)
     angle = (value.unsqueeze(-1) * (0.5 * math.pi * 2.0**octave)).flatten(-2)

@@ -35,11 +35,7 @@ class Reading(NamedTuple):
 class Scale(nn.Module):
     """Matrices and modulation of one scale (coarse or fine) in one block.
 
-    Args:
-        width: Token width d.
-        heads: Attention heads.
-        ffn_ratio: Hidden width of the FFN by d.
-        asks: Whether its tokens are the queries of the cross-scale attention, else keys and values.
+    Where it `asks`, its tokens are the queries of the cross-scale attention, else keys and values.
     """
 
     def __init__(self, width: int, heads: int, ffn_ratio: int, asks: bool) -> None:
@@ -85,11 +81,7 @@ class Scale(nn.Module):
 class HierarchyBlock(nn.Module):
     """One block: both scales mix within themselves, one asks the other.
 
-    Args:
-        width: Token width d.
-        heads: Attention heads.
-        ffn_ratio: Hidden width of the FFN by d.
-        is_top_down: Fine tokens ask coarse ones; else bottom-up.
+    Top-down, fine tokens ask coarse ones; else bottom-up.
     """
 
     def __init__(self, width: int, heads: int, ffn_ratio: int, is_top_down: bool) -> None:

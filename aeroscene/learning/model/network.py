@@ -6,8 +6,8 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.model.prediction import Prediction
 from aeroscene.learning.model.token_denoiser import TokenDenoiser
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -32,7 +32,6 @@ class HierarchicalDenoiser(nn.Module):
         x_t: Float[Tensor, "batch n channels"],
         t: Float[Tensor, " batch"],
         batch: TokenBatch,
-        layout: Float[Tensor, "batch n channels"] | None = None,
     ) -> Prediction:
         """Predict for a batch of noisy layouts.
 
@@ -40,11 +39,7 @@ class HierarchicalDenoiser(nn.Module):
             x_t: Noisy channels.
             t: Diffusion time of each scene, 0 (clean) to 1 (noise): the paper's t / T.
             batch: The tokens.
-            layout: Where the paper's grid and radius graph find the positions, such as a predicted
-                x0; x_t where not given. The default network has neither and does not read it.
         """
-        if isinstance(self.network, LayoutDenoiser):
-            return self.network(x_t, t, batch, layout)
         return self.network(x_t, t, batch)
 
     def use_statistics(self, vocabulary: Vocabulary, statistics: Statistics) -> None:

@@ -65,16 +65,10 @@ def coarse_ancestors(
 def relations_of(
     batch: TokenBatch, heads: int, width: int, has_narrow_heads: bool = True
 ) -> Relations:
-    """Attention masks of a batch of skeletons.
+    """Attention masks of a batch of skeletons, whose slot 0 is the site and never padding.
 
-    Args:
-        batch: Tokens; slot 0 is the site, which is never padding.
-        heads: Attention heads, even: the first half sees the wide relation.
-        width: Token width, that `has_fine` is spread over.
-        has_narrow_heads: Whether the second half sees the narrow relation, else the wide one too.
-
-    Returns:
-        The masks. Padding is never a key, except of itself.
+    The first half of the heads sees the wide relation, the second half the narrow one, or the wide
+    one too. Padding is never a key, except of itself.
     """
     split, parent, real = batch.n_coarse_slots, batch.parent, batch.mask
     nearest = nearest_coarse(parent, split)

@@ -7,10 +7,10 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import TokenEmbedding
 from aeroscene.learning.model.hierarchy import HierarchyBlock
-from aeroscene.learning.model.prediction import Prediction
 from aeroscene.learning.model.relations import Relations, relations_of
 from aeroscene.learning.tokens.batch import TokenBatch
 
@@ -51,7 +51,7 @@ class TokenDenoiser(nn.Module):
         )
         for block in self.blocks:
             coarse, fine = block(coarse, fine, condition, relations)
-        return Prediction(self._head(torch.cat([coarse, fine], 1), condition, x_t) * real, None)
+        return Prediction(self._head(torch.cat([coarse, fine], 1), condition, x_t) * real)
 
     def _relations(self, batch: TokenBatch) -> Relations:
         """Masks of a batch: sampling asks for those of one batch at every step."""

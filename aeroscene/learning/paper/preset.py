@@ -30,11 +30,7 @@ PAPER_TRAINING = TrainCfg(
 
 
 def paper_cfg(n_categories: int) -> ModelCfg:
-    """The paper's network: equations 3 to 12 as they stand.
-
-    Args:
-        n_categories: C, the length of the one-hot category beside position, quaternion and scale.
-    """
+    """The paper's network, equations 3 to 12 as they stand, for C categories."""
     return ModelCfg(
         denoiser="unet",
         routing="learned",
@@ -61,4 +57,4 @@ PAPER_SECTIONS: Mapping[str, Any] = {
     "prior": SemanticPriorCfg(n_categories=len(CATALOGUE)),
     "guidance": ObjectivesCfg(),
 }
-"""Of its training's configuration, by name."""
+"""Sections of the paper's configuration, by name."""

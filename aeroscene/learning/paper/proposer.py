@@ -85,11 +85,7 @@ class FlatProposer:
         return self._read(x0, batch.mask, wishes, rngs)
 
     def _read(
-        self,
-        x: Tensor,
-        mask: Tensor,
-        wishes: Sequence[Wish],
-        rngs: Sequence[np.random.Generator],
+        self, x: Tensor, mask: Tensor, wishes: Sequence[Wish], rngs: Sequence[np.random.Generator]
     ) -> list[Proposal]:
         layouts, is_there = x.double().cpu().numpy(), mask.cpu().numpy()
         return [

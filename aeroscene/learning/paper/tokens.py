@@ -137,12 +137,7 @@ def flat_batch(examples: Sequence[FlatExample]) -> TokenBatch:
 
 
 def empty_flat_batch(wishes: Sequence[Wish], counts: Sequence[tuple[int, int]]) -> TokenBatch:
-    """Batch for sampling: only how many objects there are is known.
-
-    Args:
-        wishes: What the scenes were asked to have.
-        counts: Coarse and fine objects of each.
-    """
+    """Batch for sampling: only how many objects there are is known, coarse and fine."""
     n_coarse = max(coarse for coarse, _ in counts)
     shape = (len(wishes), n_coarse + max(fine for _, fine in counts))
     mask = torch.zeros(shape, dtype=torch.bool)

@@ -1,4 +1,4 @@
-"""Numbers of the skeleton model: its network, its training, how it is sampled."""
+"""Numbers of the skeleton model: its network and its training."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ class SkeletonCfg:
     """The network."""
 
     width: int = 160
-    """Of the recurrent state."""
+    """Width of the recurrent state."""
     layers: int = 2
     """Recurrent layers of each stage."""
     kind_width: int = 64
-    """Of a kind's embedding."""
+    """Width of a kind's embedding."""
     dropout: float = 0.15
     """Share of activations that training switches off."""
 
@@ -38,7 +38,7 @@ class SkeletonTrainingCfg:
     learning_rate: float = 2e-3
     """At the end of the warm-up; a cosine takes it to nothing."""
     weight_decay: float = 0.02
-    """Of AdamW."""
+    """Weight decay of AdamW."""
     held_out: float = 0.1
     """Share of the skeletons that training does not see: the best weights on them are kept."""
     looks: int = 12
@@ -65,24 +65,6 @@ class SkeletonTrainingCfg:
             _require("seconds", self.seconds, 1e-3, 1e7)
         if self.steps is not None:
             _require("steps", self.steps, 1, 1e9)
-
-
-@dataclass(frozen=True, kw_only=True)
-class SkeletonSamplerCfg:
-    """How skeletons are drawn.
-
-    Temperatures of .85 and .9 and a top_p of .95 measured like 1: what grammar and needs forbid is
-    the tail that such settings are for.
-    """
-
-    temperature: float = 1.0
-    """Below 1 the likely gets likelier."""
-    top_p: float = 1.0
-    """The least likely choices that together have 1 - top_p are never made."""
-
-    def __post_init__(self) -> None:
-        _require("temperature", self.temperature, 0.05, 5.0)
-        _require("top_p", self.top_p, 0.05, 1.0)
 
 
 def _require(name: str, value: float, low: float, high: float) -> None:

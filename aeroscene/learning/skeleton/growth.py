@@ -24,7 +24,7 @@ class View(NamedTuple):
     path: Int[np.ndarray, "r levels"]
     """Kinds along the path, see `Paths`."""
     n_children: Int[np.ndarray, "r levels"]
-    """Of the objects along the path, see `bucket`."""
+    """Children of the objects along the path, see `bucket`."""
     depth: Int[np.ndarray, " r"]
     counts: Int[np.ndarray, "r 3"]
     """What is left to place or to share out, and the like; see `bucket`."""
@@ -61,20 +61,12 @@ class CoarseGrowth:
 
     def view(self) -> View:
         """What the network sees now."""
-        paths = self.paths
-        counts = np.stack([self.n_left, self.n_placed, paths.n_children[:, 0]], axis=-1)
+        n_roots = self.paths.n_children[:, 0]
+        counts = np.stack([self.n_left, self.n_placed, n_roots], axis=-1)
         flags = np.zeros((len(counts), 2), dtype=bool)
         focus = np.zeros(len(counts), dtype=np.int64)
         pressure = np.zeros(len(counts), dtype=np.float32)
-        return View(
-            paths.kind.copy(),
-            bucket(paths.n_children),
-            paths.depth.copy(),
-            bucket(counts),
-            flags,
-            focus,
-            pressure,
-        )
+        return View(*self.paths.seen(), bucket(counts), flags, focus, pressure)
 
     def place(
         self, rows: Int[np.ndarray, " a"], depth: Int[np.ndarray, " a"], kind: Int[np.ndarray, " a"]
@@ -100,14 +92,8 @@ class FineGrowth:
     ) -> None:
         """Begin where the coarse part is complete.
 
-        Args:
-            bearers: Which coarse objects get a quota.
-            kind: Kinds of the coarse objects.
-            start: Place of the one that gets the start pad, -1 where there is no pad.
-            n_fine: Fine objects to share out.
-            usual: Quotas that such coarse objects have on average.
-            n_levels: Greatest depth below a coarse object, plus one.
-            n_kinds: Size of the vocabulary.
+        `start` is the place of the object that gets the start pad, -1 where there is no pad;
+        `usual` are the quotas that such coarse objects have on average.
         """
         n_rows, self.n_places = bearers.shape
         self.bearers = bearers
@@ -132,7 +118,7 @@ class FineGrowth:
 
     def view(self) -> View:
         """What the network sees now."""
-        rows, paths, plans = np.arange(len(self.focus)), self.paths, self.is_planning
+        rows, plans = np.arange(len(self.focus)), self.is_planning
         focus = np.minimum(self.focus, self.n_places - 1)
         counts = np.stack(
             [
@@ -144,15 +130,8 @@ class FineGrowth:
         )
         flags = np.stack([plans, self.is_due], axis=-1)
         pressure = np.log((self.n_unshared + 1.0) / (self._usual_ahead[rows, focus] + 1.0))
-        return View(
-            paths.kind.copy(),
-            bucket(paths.n_children),
-            paths.depth.copy(),
-            bucket(counts),
-            flags,
-            focus,
-            np.where(plans, pressure, 0.0).astype(np.float32),
-        )
+        pressure = np.where(plans, pressure, 0.0).astype(np.float32)
+        return View(*self.paths.seen(), bucket(counts), flags, focus, pressure)
 
     def share(self, rows: Int[np.ndarray, " a"], quota: Int[np.ndarray, " a"]) -> None:
         """Give the coarse objects in focus their quotas."""

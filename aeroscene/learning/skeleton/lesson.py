@@ -17,7 +17,6 @@ from aeroscene.learning.skeleton.sequence import (
     Coarse,
     Lesson,
     Steps,
-    bearers,
     coarse_parts,
     fine_growth,
     wish_numbers,
@@ -55,12 +54,9 @@ class _Log:
         self._targets: list[np.ndarray] = []
 
     def step(self, growth: CoarseGrowth | FineGrowth, rows: np.ndarray, *said: np.ndarray) -> None:
-        """Note a step before it is made: what is seen, and what some rows should say.
+        """Note what is seen before a step, and what is right for the rows that place an object.
 
-        Args:
-            growth: What grows.
-            rows: Rows that place an object.
-            said: Right depth, kind and quota of every row, IGNORE where there is none.
+        `said` are depth, kind and quota of every row, IGNORE where there is none.
         """
         targets = np.stack(said)
         depth = np.ones(self._n_rows, dtype=np.int64)
@@ -103,7 +99,7 @@ def _fine_steps(
 ) -> Steps:
     quotas = _quotas(skeletons, owner, coarse.kind.shape[1])
     kinds, depths = _below_owners(skeletons, owner)
-    is_bearer = bearers(coarse.kind.numpy(), grammar) | (quotas > 0)
+    is_bearer = grammar.bears_fine[coarse.kind.numpy()] | (quotas > 0)
     growth = fine_growth(coarse, is_bearer, start, quotas.sum(axis=1), grammar)
     at = coarse.length.numpy().copy()
     log = _Log(len(skeletons))

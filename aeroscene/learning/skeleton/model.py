@@ -116,16 +116,13 @@ class SkeletonModel(nn.Module):
         wish: Float[Tensor, "b w"],
         table: Float[Tensor, "kinds_and_none k"],
     ) -> Float[Tensor, "b c"]:
-        """Of the coarse objects to bear the start pad; minus infinity where there is none."""
+        """Logits of bearing the start pad for the coarse objects; minus infinity at padding."""
         wishes = wish[:, None].expand(-1, memory.shape[1], -1)
         score = self.start(torch.cat([memory, table[coarse.kind], wishes], dim=-1)).squeeze(-1)
         return score.masked_fill(coarse.kind == self.grammar.n_kinds, -torch.inf)
 
     def fine_context(
-        self,
-        memory: Float[Tensor, "b c m"],
-        wish: Float[Tensor, "b w"],
-        focus: Int[Tensor, "b t"],
+        self, memory: Float[Tensor, "b c m"], wish: Float[Tensor, "b w"], focus: Int[Tensor, "b t"]
     ) -> Float[Tensor, "b t n"]:
         """What the fine stage knows beside the tree: the coarse object in focus, and the wish."""
         at = memory.gather(1, focus[..., None].expand(-1, -1, memory.shape[-1]))

@@ -28,18 +28,12 @@ class Needs(NamedTuple):
     """Kinds that a place is kept for beside the others: the start pad."""
 
     def affordable(
-        self,
-        paths: Paths,
-        rows: Int[np.ndarray, " r"],
-        n_left: Int[np.ndarray, " r"],
+        self, paths: Paths, rows: Int[np.ndarray, " r"], n_left: Int[np.ndarray, " r"]
     ) -> Bool[np.ndarray, "r depths kinds"]:
         """Which kinds may come next at which depth, from 1, so that nothing goes without.
 
-        Args:
-            paths: Where the trees stand.
-            rows: Rows that place an object.
-            n_left: Objects that each may still place, this one included, and without those that
-                a place is kept for.
+        `n_left` are the objects that each row may still place, this one included, without those
+        that a place is kept for.
         """
         has = paths.bag[rows].astype(np.float32) @ self.category > 0
         lacks = np.where(has, np.float32(0), self.due[paths.kind[rows]])
@@ -58,14 +52,7 @@ def needs_of(
     is_level: Bool[np.ndarray, " kinds"],
     has_place: Bool[np.ndarray, " kinds"],
 ) -> Needs:
-    """The needs of children of one level.
-
-    Args:
-        category: One where a kind is of a category.
-        always: Which categories of children each kind always has.
-        is_level: Which kinds are of the level.
-        has_place: Kinds that a place is kept for.
-    """
+    """The needs of children of one level, by the categories that each kind always has."""
     on_level = (category * is_level[:, None]).sum(axis=0) > 0
     always = np.concatenate([always & on_level, np.zeros_like(always[:1])])
     cost = np.ones(category.shape[1], dtype=np.int64)

@@ -34,14 +34,18 @@ class Paths:
         self.none = n_kinds
         """Number that stands for no kind."""
         self.depth = np.zeros(n_rows, dtype=np.int64)
-        """Of the object placed last."""
+        """Depth of the object placed last."""
         self.kind = np.full((n_rows, n_levels), self.none)
-        """Of the object at each level."""
+        """Kind of the object at each level."""
         self.last = np.full((n_rows, n_levels), self.none)
         """Kind of the latest child of the object at each level."""
         self.n_children = np.zeros((n_rows, n_levels), dtype=np.int64)
         self.bag = np.zeros((n_rows, n_levels, n_kinds), dtype=np.uint8)
         """Children of each kind that the object at each level has."""
+
+    def seen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Kinds along the path, their numbers of children as classes, and the depth."""
+        return self.kind.copy(), bucket(self.n_children), self.depth.copy()
 
     def restart(self, rows: Int[np.ndarray, " r"], kind: Int[np.ndarray, " r"]) -> None:
         """Begin trees anew at roots of these kinds."""

@@ -12,13 +12,7 @@ class Quotas:
     def __init__(
         self, least: Int[np.ndarray, "r coarse"], most: Int[np.ndarray, "r coarse"], n_quotas: int
     ) -> None:
-        """Begin where no quota is drawn.
-
-        Args:
-            least: What each coarse object needs.
-            most: What each may have, at least what it needs.
-            n_quotas: Quotas that the network tells apart, from 0.
-        """
+        """Begin undrawn, with what each coarse object needs and what it may have."""
         self._least = least
         self._most = most
         self._ahead = least[:, ::-1].cumsum(axis=1)[:, ::-1] - least

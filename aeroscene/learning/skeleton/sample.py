@@ -11,16 +11,16 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from aeroscene.learning.skeleton.choice import Chooser, allowed_children
-from aeroscene.learning.skeleton.config import SkeletonError, SkeletonSamplerCfg
+from aeroscene.learning.skeleton.config import SkeletonError
 from aeroscene.learning.skeleton.growth import FOCUS, CoarseGrowth, FineGrowth
 from aeroscene.learning.skeleton.model import SkeletonModel
 from aeroscene.learning.skeleton.path import Paths
 from aeroscene.learning.skeleton.quotas import Quotas
 from aeroscene.learning.skeleton.sequence import (
     Coarse,
-    bearers,
     coarse_parts,
     fine_growth,
+    to_device,
     wish_numbers,
 )
 from aeroscene.learning.skeleton.stage import Stage
@@ -35,16 +35,10 @@ def sample_skeletons(
     wishes: Sequence[Wish],
     generators: Sequence[np.random.Generator],
     coarse: Sequence[Skeleton | None] | None = None,
-    cfg: SkeletonSamplerCfg | None = None,
 ) -> list[Skeleton]:
-    """Skeletons as wished for.
+    """Skeletons as wished for, each drawn by a generator of its own.
 
-    Args:
-        model: A trained model.
-        wishes: What each skeleton should have.
-        generators: Where the randomness of each comes from.
-        coarse: Skeletons whose coarse part is kept; None where the model is to choose one.
-        cfg: How to draw.
+    Of a skeleton in `coarse` the coarse part is kept; where there is None the model chooses one.
 
     Returns:
         Skeletons with as many coarse objects as wished for (or as in the part that is kept), fine
@@ -62,7 +56,7 @@ def sample_skeletons(
     model.eval()
     table = model.embedding()
     wish = torch.from_numpy(wish_numbers(wishes)).to(table)
-    draw = _Draw(model, table, wish, Chooser(generators, cfg or SkeletonSamplerCfg()))
+    draw = _Draw(model, table, wish, Chooser(generators))
     return draw.with_fine(draw.with_coarse(wishes, kept), wishes)
 
 
@@ -107,10 +101,10 @@ class _Draw:
     def with_fine(self, parts: Sequence[Skeleton], wishes: Sequence[Wish]) -> list[Skeleton]:
         """Coarse parts with fine objects on them."""
         grammar = self.model.grammar
-        coarse = coarse_parts(parts, grammar.n_kinds).to(self.table.device)
+        coarse = to_device(coarse_parts(parts, grammar.n_kinds), self.table.device)
         memory = self.model.read_coarse(coarse, self.table)
         kind = coarse.kind.cpu().numpy()
-        may_bear = bearers(kind, grammar)
+        may_bear = grammar.bears_fine[kind]
         start = self._choose_start(memory, coarse, may_bear)
         n_fine = np.array([wish.n_fine for wish in wishes])
         growth = fine_growth(coarse, may_bear, start, n_fine, grammar)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -35,17 +35,6 @@ class Steps(NamedTuple):
     quota: Int[Tensor, "b t"]
     """The right quota, IGNORE where a step gives none."""
 
-    def to(self, device: torch.device) -> Steps:
-        """The same on another device."""
-        view, siblings, depth, kind, quota = self
-        return Steps(
-            tuple(part.to(device) for part in view),
-            tuple(part.to(device) for part in siblings),
-            depth.to(device),
-            kind.to(device),
-            quota.to(device),
-        )
-
 
 class Coarse(NamedTuple):
     """The coarse parts of many skeletons, site first, padded to equally many objects."""
@@ -53,10 +42,6 @@ class Coarse(NamedTuple):
     kind: Int[Tensor, "b c"]
     depth: Int[Tensor, "b c"]
     length: Int[Tensor, " b"]
-
-    def to(self, device: torch.device) -> Coarse:
-        """The same on another device."""
-        return Coarse(self.kind.to(device), self.depth.to(device), self.length.to(device))
 
 
 class Lesson(NamedTuple):
@@ -70,16 +55,15 @@ class Lesson(NamedTuple):
     fine_steps: Steps
     n_objects: int
 
-    def to(self, device: torch.device) -> Lesson:
-        """The same on another device."""
-        return Lesson(
-            self.wish.to(device),
-            self.coarse.to(device),
-            self.start.to(device),
-            self.coarse_steps.to(device),
-            self.fine_steps.to(device),
-            self.n_objects,
-        )
+
+def to_device(value: Any, device: torch.device) -> Any:
+    """The same on a device: a tensor, or tuples with tensors in them."""
+    if isinstance(value, Tensor):
+        return value.to(device)
+    if not isinstance(value, tuple):
+        return value
+    parts = (to_device(part, device) for part in value)
+    return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
 
 
 def wish_numbers(wishes: Sequence[Wish]) -> Float[np.ndarray, "b 6"]:
@@ -113,8 +97,3 @@ def fine_growth(
     usual = np.append(grammar.usual_quota, 0.0)[kind]
     levels, n_kinds = grammar.fine_levels, grammar.n_kinds
     return FineGrowth(is_bearer, kind, start, n_fine, usual, levels, n_kinds)
-
-
-def bearers(kind: Int[np.ndarray, "b c"], grammar: Grammar) -> Bool[np.ndarray, "b c"]:
-    """Which coarse objects may bear fine ones; none where a place is empty."""
-    return grammar.bears_fine[kind]

@@ -48,16 +48,9 @@ class Stage(nn.Module):
         table: Float[Tensor, "kinds_and_none w"],
         state: Tensor | None = None,
     ) -> tuple[Float[Tensor, "b t h"], Tensor]:
-        """Read steps.
+        """What the heads need to know at each step, and where the last one ended.
 
-        Args:
-            view: The fields of `View` over steps.
-            context: What else is known at each step.
-            table: Vectors of the kinds.
-            state: Where the steps before ended; None at the beginning.
-
-        Returns:
-            What the heads need to know at each step, and where the last one ended.
+        `state` is where the steps before ended; None at the beginning.
         """
         path, n_children, depth, counts, flags, _, pressure = view
         seen = torch.cat(
@@ -77,7 +70,7 @@ class Stage(nn.Module):
         return self.drop(torch.cat([now, past], dim=-1)), end
 
     def depth_logits(self, known: Float[Tensor, "*b h"]) -> Float[Tensor, "*b depths"]:
-        """Of the depths from 1."""
+        """Logits of the depths from 1."""
         return self.depth(known)
 
     def kind_logits(
@@ -87,7 +80,7 @@ class Stage(nn.Module):
         siblings: Sequence[Tensor],
         table: Float[Tensor, "kinds_and_none w"],
     ) -> Float[Tensor, "*b kinds"]:
-        """Of an object at a depth from 1, among siblings that are there already."""
+        """Logits of the kind of an object at a depth from 1, among siblings that are there."""
         parent, last, n_siblings, bag = siblings
         local = [
             known,

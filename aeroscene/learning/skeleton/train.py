@@ -18,6 +18,7 @@ from aeroscene.learning.skeleton.grammar import learn_grammar
 from aeroscene.learning.skeleton.lesson import lesson_of
 from aeroscene.learning.skeleton.loss import skeleton_loss
 from aeroscene.learning.skeleton.model import SkeletonModel
+from aeroscene.learning.skeleton.sequence import to_device
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish
 
@@ -34,11 +35,11 @@ class SkeletonProgress:
 
     step: int
     share: float
-    """Of the training that is behind, 0 to 1."""
+    """Share of the training that is behind, 0 to 1."""
     loss: float
-    """Of the last batch, nats an object."""
+    """Loss of the last batch, nats an object."""
     held_out: float | None
-    """Of the held-out part, nats an object, where this step looked at it."""
+    """Loss of the held-out part, nats an object, where this step looked at it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,21 +63,11 @@ def train_skeleton(
     on_step: Callable[[SkeletonProgress], bool] | None = None,
     clock: Callable[[], float] = time.process_time,
 ) -> TrainedSkeletonModel:
-    """Train a model on skeletons.
+    """Train a model on skeletons of scenes with what each scene has.
 
-    Args:
-        examples: Skeletons of scenes with what each scene has, at least two.
-        vocabulary: Their kinds.
-        generator: Randomness of the weights, the order and the dropout: with a budget in steps the
-            same result on the same device.
-        cfg: The network.
-        training: How, and how long.
-        device: Where.
-        on_step: Called after each step; true ends the training.
-        clock: Seconds that the budget counts: those of this process, unless told otherwise.
-
-    Returns:
-        The model, ready to sample from.
+    With a budget in steps the same generator gives the same weights on the same device. After each
+    step `on_step` is called, whose true ends the training. The budget counts seconds of the clock:
+    those of this process, unless told otherwise.
 
     Raises:
         SkeletonError: If there are too few examples, or the loss does not stay finite.
@@ -99,10 +90,7 @@ def _split(
 ) -> tuple[list[Example], list[Example]]:
     order = generator.permutation(len(examples)).tolist()
     n_held_out = max(1, round(share * len(examples)))
-    return (
-        [examples[i] for i in order[n_held_out:]],
-        [examples[i] for i in order[:n_held_out]],
-    )
+    return [examples[i] for i in order[n_held_out:]], [examples[i] for i in order[:n_held_out]]
 
 
 def _batches(
@@ -196,7 +184,7 @@ class _Run:
     def _loss(self, batch: Sequence[Example]) -> torch.Tensor:
         skeletons, wishes = zip(*batch, strict=True)
         lesson = lesson_of(skeletons, wishes, self.model.grammar)
-        return skeleton_loss(self.model, lesson.to(self.model.most.device))
+        return skeleton_loss(self.model, to_device(lesson, self.model.most.device))
 
 
 def _n_objects(examples: Sequence[Example]) -> int:

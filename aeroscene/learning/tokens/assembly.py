@@ -33,14 +33,8 @@ def assemble(
 ) -> Scene:
     """The scene that a skeleton and its geometry are, without interaction areas.
 
-    Args:
-        skeleton: What there is.
-        geometry: Where it is, the site first.
-        vocabulary: Kinds of the skeleton.
-        scene_id: Name of the scene.
-        seed: Number that the scene carries.
-        rng: Draws the looks.
-        kept: What the site and the first tokens after it stand for, and which stays as it is.
+    The site and the first tokens after it stand for what is `kept`, which stays as it is; `rng`
+    draws the looks.
 
     Raises:
         SceneError: If a number is not finite.

@@ -33,7 +33,7 @@ class Footprints:
     """Outlines of tokens seen along the axes of their parents."""
 
     middle_m: Float[Tensor, "batch n 2"]
-    """From the middle of the parent."""
+    """Way from the middle of the parent."""
     reach_m: Float[Tensor, "batch n 2"]
     """Half the extents along the parent's axes; exact for what stands square to its parent."""
     parent_half_m: Float[Tensor, "batch n 2"]

@@ -72,7 +72,7 @@ def geometry_of(scene: Scene) -> Geometry:
 
 
 def site_growth(yaw_rad: float) -> float:
-    """By what the flight volume, which is never turned, is wider than the ground plan in it."""
+    """Width of the flight volume, which is never turned, over that of the ground plan in it."""
     return abs(math.cos(yaw_rad)) + abs(math.sin(yaw_rad))
 
 

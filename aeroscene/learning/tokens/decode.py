@@ -32,10 +32,7 @@ class TreeDecoder:
     """The statistics of a corpus as tensors, and the way from channels to boxes."""
 
     def __init__(
-        self,
-        vocabulary: Vocabulary,
-        statistics: Statistics,
-        device: torch.device | str = "cpu",
+        self, vocabulary: Vocabulary, statistics: Statistics, device: torch.device | str = "cpu"
     ) -> None:
         def tensor(values: np.ndarray) -> Tensor:
             dtype = torch.bool if values.dtype == bool else torch.float32
@@ -83,14 +80,7 @@ class TreeDecoder:
         before: Footprints,
         after: Footprints,
     ) -> Float[Tensor, "batch n 15"]:
-        """Channels of the same layout with other outlines, where places and extents are free.
-
-        Args:
-            x0: Channels.
-            batch: Their tokens.
-            before: The outlines that they stand for.
-            after: Those that they should.
-        """
+        """Channels of the same layout with other outlines, where places and extents are free."""
         kind = batch.kind
         is_free, mean, spread = self._is_free[kind], self._mean[kind], self._spread[kind]
         place = (after.middle_m / after.play_m - mean[..., PLACE]) / spread[..., PLACE]
@@ -104,18 +94,9 @@ class TreeDecoder:
         return values
 
     def with_heights(
-        self,
-        x0: Float[Tensor, "batch n 15"],
-        batch: TokenBatch,
-        ratio: Float[Tensor, "batch n"],
+        self, x0: Float[Tensor, "batch n 15"], batch: TokenBatch, ratio: Float[Tensor, "batch n"]
     ) -> Float[Tensor, "batch n 15"]:
-        """Channels of the same layout with other heights, where those are free.
-
-        Args:
-            x0: Channels.
-            batch: Their tokens.
-            ratio: New height over old.
-        """
+        """Channels of the same layout with heights times a ratio, where those are free."""
         height = SIZE.stop - 1
         kind = batch.kind
         grown = x0[..., height] + ratio.log() / self._spread[kind][..., height]
@@ -146,11 +127,7 @@ def place_boxes(
 ) -> Boxes:
     """Boxes of channels that are not standardised; play and rise for one unit of those.
 
-    Args:
-        values: Channels.
-        is_relative: Which extents are ratios to the parent's.
-        is_aligned: Which tokens stand square to their parents.
-        batch: The tokens.
+    Extents that are relative are ratios to the parent's; aligned tokens stand square to theirs.
     """
     relative = _headings(values[..., HEADING], is_aligned)
     relative = torch.where((batch.depth == 0)[..., None], _site_heading(values), relative)
@@ -248,7 +225,7 @@ class _Tree:
 
 
 def _site_heading(values: Tensor) -> Tensor:
-    """Of a ground plan, whose channels have four times its yaw."""
+    """Heading of a ground plan, whose channels have four times its yaw."""
     cos, sin = values[..., HEADING].unbind(-1)
     yaw = torch.atan2(sin, cos) / 4
     return torch.stack([yaw.cos(), yaw.sin()], dim=-1)

@@ -58,7 +58,7 @@ class Kind(msgspec.Struct, frozen=True, order=True):
     openings: tuple[str, ...] = ()
     """Which of `OPENINGS` an object has."""
     attributes: tuple[tuple[str, AttributeValue], ...] = ()
-    """Those that decide the shape, sorted by name."""
+    """Attributes that decide the shape, sorted by name."""
 
     @property
     def is_site(self) -> bool:
@@ -132,12 +132,7 @@ class Vocabulary:
     def kind_of(
         self, obj: SceneObject, parent: SceneObject | None, site_yaw_rad: float = 0.0
     ) -> int:
-        """Number of the kind that an object is of.
-
-        Args:
-            obj: The object.
-            parent: Its parent; None is the site.
-            site_yaw_rad: Heading of the site, see `site_yaw`.
+        """Number of the kind that an object is of; where it has no parent, on a site of a heading.
 
         Raises:
             KeyError: If the corpus had no such object.

@@ -25,7 +25,7 @@ class Placed(NamedTuple):
 
     @property
     def category(self) -> str:
-        """Of the parent."""
+        """Category of the parent."""
         return SITE if self.parent is None else self.parent.category
 
     @property

@@ -26,11 +26,7 @@ def default_channels(
 ) -> Float[Tensor, "batch n 15"]:
     """Channels, not standardised, as the default codec has them for the same layout.
 
-    Args:
-        values: Channels, not standardised.
-        codec: What they stand for.
-        batch: Their tokens.
-        place: From the default's channels to boxes; headings and sizes do not depend on places.
+    `place` makes boxes of the default's channels; headings and sizes do not depend on places.
     """
     if codec.size == "linear":
         values = _with(values, SIZE, values[..., SIZE].clamp_min(_LEAST_EXTENT).log())
@@ -48,7 +44,7 @@ def default_channels(
 def _offset_m(
     place: Float[Tensor, "batch n 2"], codec: CodecCfg, batch: TokenBatch, boxes: Boxes
 ) -> Float[Tensor, "batch n 2"]:
-    """From the middle of the parent, along its axes."""
+    """Offset from the middle of the parent, along its axes."""
     parent = batch.parent[..., None].expand_as(place)
     half_m = boxes.size_m[..., :2] / 2
     if codec.frame == "parent":

@@ -105,12 +105,7 @@ def _descend(
 
 
 def skeleton_of(scene: Scene, vocabulary: Vocabulary, *, allow_nearest: bool = False) -> Skeleton:
-    """The skeleton of a scene.
-
-    Args:
-        scene: The scene.
-        vocabulary: Its kinds.
-        allow_nearest: Whether the kind most like it stands for one that the vocabulary lacks.
+    """The skeleton of a scene; the nearest kind may stand for one that the vocabulary lacks.
 
     Raises:
         KeyError: If an object is of no kind of the vocabulary.
@@ -125,8 +120,5 @@ def skeleton_of(scene: Scene, vocabulary: Vocabulary, *, allow_nearest: bool = F
         kinds.append(kind_of(obj, parent, yaw))
     parents = [0, *(place[obj.parent_id] for obj in order)]
     return Skeleton(
-        scene.domain,
-        np.array(kinds),
-        np.array(parents),
-        1 + sum(obj.is_coarse for obj in order),
+        scene.domain, np.array(kinds), np.array(parents), 1 + sum(obj.is_coarse for obj in order)
     )

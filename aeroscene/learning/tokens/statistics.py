@@ -59,14 +59,7 @@ def measure(
     raw: Sequence[tuple[np.ndarray, np.ndarray]],
     codec: CodecCfg = DEFAULT_CODEC,
 ) -> Statistics:
-    """Statistics of a corpus.
-
-    Args:
-        vocabulary: Its kinds.
-        skeletons: Its scenes.
-        raw: What `channels_of` gives for each with this codec.
-        codec: What the channels stand for.
-    """
+    """Statistics of a corpus; `raw` is what `channels_of` gives for each scene with this codec."""
     kind = np.concatenate([skeleton.kind_id for skeleton in skeletons])
     is_root = np.concatenate([skeleton.parent == 0 for skeleton in skeletons])
     channels = np.concatenate([pair[0] for pair in raw])
@@ -139,10 +132,7 @@ def _moments(
 
 
 def _symmetric(
-    low: np.ndarray,
-    high: np.ndarray,
-    roots: Int[np.ndarray, " k"],
-    turned: Int[np.ndarray, " j"],
+    low: np.ndarray, high: np.ndarray, roots: Int[np.ndarray, " k"], turned: Int[np.ndarray, " j"]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds that hold for mirrored and turned scenes too: roots turn, and places of `turned`."""
     widest = np.maximum(-low, high)

@@ -54,7 +54,7 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
     name: str
     """Folder or file, without its place."""
     digest: str
-    """Of everything that was trained on, hexadecimal."""
+    """Digest of everything that was trained on, hexadecimal."""
     n_scenes: int
 
 
@@ -78,7 +78,7 @@ class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):
     training: dict[str, Any]
     """Figures of the training: steps, seconds, losses, device."""
     digest: str = ""
-    """Of all weights, hexadecimal; made when it is written."""
+    """Digest of all weights, hexadecimal; made when it is written."""
 
 
 @dataclass(frozen=True)
@@ -134,12 +134,8 @@ def write_checkpoint(
 ) -> None:
     """Write a checkpoint, whole or not at all.
 
-    Args:
-        path: File to write.
-        facts: What it says of itself.
-        parts: Weights by part.
-        statistics: What scales the channels of a token; never in half precision.
-        is_half: Half precision on disk; what is read back is single again.
+    Weights take half precision on disk where `is_half`, statistics never; what is read back is
+    single again.
 
     Raises:
         OSError: If it cannot be written.

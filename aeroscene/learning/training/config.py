@@ -16,11 +16,7 @@ class TrainingError(SceneError):
 
 
 def require(*, ok: bool, name: str, value: object, valid: str) -> None:
-    """Refuse a field of a configuration.
-
-    Raises:
-        TrainingError: If it is not `ok`.
-    """
+    """Raise a `TrainingError` about a field of a configuration unless it is `ok`."""
     if not ok:
         raise TrainingError(f"{name} is {value!r}, valid: {valid}")
 
@@ -36,7 +32,7 @@ class TrainCfg:
     learning_rate: float = 1.5e-3
     """At its highest."""
     weight_decay: float = 0.01
-    """Of AdamW, in units of the learning rate a step."""
+    """Weight decay of AdamW, in units of the learning rate a step."""
     schedule: RateSchedule = "cooldown"
     """How the learning rate goes over the training."""
     warmup_steps: int = 200
@@ -46,9 +42,9 @@ class TrainCfg:
     clip_norm: float = 1.0
     """Longest gradient; 0 leaves gradients as they are."""
     average_decay: float = 0.999
-    """Of the moving average that generates; 0 generates with the last weights."""
+    """Decay of the moving average that generates; 0 generates with the last weights."""
     prior_steps: int = 400
-    """Of the semantic prior, where it is trained."""
+    """Steps of the semantic prior, where it is trained."""
     precision: Literal["auto", "single", "mixed"] = "auto"
     """`mixed` multiplies matrices in bfloat16; `auto` does so on a GPU only, since processors
     without units for it take longer."""
@@ -86,8 +82,9 @@ class Budget:
         if self.steps is not None:
             require(ok=self.steps >= 1, name="steps", value=self.steps, valid="1 or more")
         if self.seconds is not None:
-            valid = "more than 0 minutes"
-            require(ok=self.seconds > 0, name="seconds", value=self.seconds, valid=valid)
+            # A user gives minutes.
+            minutes = self.seconds / 60
+            require(ok=minutes > 0, name="minutes", value=minutes, valid="more than 0")
 
     def share(self, step: int, seconds: float) -> float:
         """Share of the training that is done, at least 1 at its end."""

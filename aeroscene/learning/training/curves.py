@@ -37,10 +37,7 @@ _SMOOTHED = 15
 
 
 def draw_curves(folder: Path) -> bool:
-    """Draw the log of a training beside it.
-
-    Returns:
-        Whether there was anything to draw.
+    """Draw the log of a training beside it; whether there was anything to draw.
 
     Raises:
         OSError: If the picture cannot be written.

@@ -19,7 +19,7 @@ from aeroscene.learning.training.config import TrainingError
 from aeroscene.scene import Scene
 
 _HELD_OUT_EVERY = 10
-"""Of a layout file, which has no splits: every so many is held out."""
+"""Every so many scenes of a layout file, which has no splits, one is held out."""
 _LEAST_SCENES = 2
 
 OnScene = Callable[[], None]
@@ -33,7 +33,7 @@ class TrainingData:
     source: DataSource
     vocabulary: Vocabulary
     skeletons: tuple[tuple[Skeleton, Wish], ...]
-    """Of the scenes to train on, with what each has."""
+    """Skeletons of the scenes to train on, with what each has."""
     train: Set
     held_out: Set
     """Scenes that are not trained on, those of them whose kinds occur in training."""
@@ -75,15 +75,7 @@ def prepared(
     is_flat: bool = False,
     codec: CodecCfg = DEFAULT_CODEC,
 ) -> TrainingData:
-    """Scenes as tokens.
-
-    Args:
-        name: What a checkpoint calls them.
-        train: Scenes to train on.
-        held_out: Scenes to watch the training by.
-        is_flat: See `open_training_data`.
-        codec: See `open_training_data`.
-    """
+    """Scenes as tokens, to train on and to watch by; a checkpoint names them as `name`."""
     tree = training_set(train, codec)
     vocabulary = count_kinds(train)
     source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))

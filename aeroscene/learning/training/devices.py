@@ -49,11 +49,9 @@ def _present() -> tuple[str, ...]:
 
 @contextmanager
 def naming_memory(device: torch.device, way_out: str) -> Iterator[None]:
-    """Turn a lack of memory into one line that says what to do.
+    """Turn a lack of memory into one line that says what needs less.
 
-    Args:
-        device: What computes.
-        way_out: What needs less, such as "a smaller --batch-size than 64".
+    `way_out` is such as "a smaller --batch-size than 64".
 
     Raises:
         DeviceError: If memory runs out inside.

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 from torch.func import functional_call
 
-from aeroscene.learning.diffusion.loss import Predicted
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.loop import TOTAL, DenoiserTraining, LossFunction
 
@@ -32,10 +32,9 @@ class HeldOutSet(Protocol):
 
 
 def held_out_loss(training: DenoiserTraining, data: HeldOutSet, loss: LossFunction) -> float | None:
-    """Loss of the averaged weights on other scenes, at the same times and noise on every call.
+    """Mean loss of the averaged weights on other scenes; None where there are none.
 
-    Returns:
-        The mean over the scenes; None where there are none.
+    Times and noise are the same on every call.
     """
     n_scenes = min(len(data.examples), _MOST)
     if n_scenes == 0:
@@ -43,7 +42,7 @@ def held_out_loss(training: DenoiserTraining, data: HeldOutSet, loss: LossFuncti
     total = 0.0
     generator = torch.Generator(training.device).manual_seed(_SEED)
 
-    def averaged(x_t: Tensor, time: Tensor, batch: TokenBatch) -> Predicted:
+    def averaged(x_t: Tensor, time: Tensor, batch: TokenBatch) -> Prediction:
         return functional_call(training.model, training.average.weights, (x_t, time, batch))
 
     training.model.eval()

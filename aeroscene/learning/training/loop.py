@@ -46,7 +46,7 @@ class StepReport:
     seconds: float
     """Spent on training until now, over all its runs."""
     share: float
-    """Of the training that is done."""
+    """Share of the training that is done."""
     losses: Mapping[str, Tensor]
     """Terms of the loss, still where they were computed: reading them waits for the device."""
     gradient_norm: Tensor
@@ -150,15 +150,9 @@ def train_denoiser(
     on_step: Callable[[StepReport], bool],
     clock: Callable[[], float],
 ) -> None:
-    """Train until the budget is spent.
+    """Train from where the training is until the budget is spent or `on_step` says false.
 
-    Args:
-        training: What is trained; goes on from where it is.
-        data: What to train on.
-        loss: The loss of a batch.
-        budget: When to end.
-        on_step: Called after each step; whether to go on.
-        clock: Seconds, for the budget only.
+    The clock's seconds count for the budget only.
 
     Raises:
         TrainingError: If the loss is not finite any more.

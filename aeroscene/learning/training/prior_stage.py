@@ -45,18 +45,11 @@ def train_prior_part(
     data: TrainingData,
     device: torch.device,
     on_progress: OnProgress,
-) -> Weights | None:
+) -> tuple[Weights, dict[str, float]] | None:
     """Train the paper's P_sem; it takes a minute and begins anew where it was stopped.
 
-    Args:
-        folder: Where the log is.
-        sections: Configuration.
-        data: What to train on.
-        device: Where to.
-        on_progress: Called after each step.
-
     Returns:
-        Its weights; None where it was stopped.
+        Its weights, and no figures; None where it was stopped.
     """
     forget_after(folder, "prior", 0)
     cfg = sections["training"]
@@ -84,7 +77,7 @@ def train_prior_part(
         )
     except _StoppedError:
         return None
-    return prior.state_dict()
+    return prior.state_dict(), {}
 
 
 def layout_reader(data: TrainingData, device: torch.device) -> Reader:
@@ -99,14 +92,7 @@ def layout_reader(data: TrainingData, device: torch.device) -> Reader:
 def loss_function(
     sections: Sections, data: TrainingData, device: torch.device, prior: Weights | None
 ) -> LossFunction:
-    """The loss that the sections describe.
-
-    Args:
-        sections: Configuration.
-        data: What is trained on.
-        device: Where.
-        prior: Weights of P_sem; without them L_guide has no semantic term.
-    """
+    """The loss that the sections describe; without weights of P_sem, L_guide lacks its term."""
     cfg: LossCfg = sections["loss"]
     guide: GuidanceLoss | None = None
     if cfg.guide_weight > 0:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -49,6 +49,9 @@ from aeroscene.learning.training.state import STATE, TrainingState, write_state
 
 CHECKPOINT = "checkpoint.safetensors"
 
+PartTrainer = Callable[..., tuple[Weights, Mapping[str, float]] | None]
+"""`train_skeleton_part` or `train_prior_part`."""
+
 
 class Watcher(Protocol):
     """Who looks on, and may stop it."""
@@ -72,10 +75,10 @@ class Plan:
     sections: Sections
     data: TrainingData
     budget: Budget
-    """Of the denoiser."""
+    """How long to train the denoiser."""
     device: torch.device
     save_seconds: float = 300.0
-    """Between two saves."""
+    """Time between two saves."""
     log_steps: int = 25
     """Steps between two lines of the log."""
     parts: tuple[Part, ...]
@@ -99,10 +102,7 @@ class Training:
     _saved_s: float = 0.0
 
     def run(self, state: TrainingState | None = None) -> bool:
-        """Train what is not trained yet.
-
-        Args:
-            state: Where an earlier training was stopped.
+        """Train what is not trained yet, from where an earlier training was stopped.
 
         Returns:
             Whether it came to its end; it is saved either way.
@@ -119,36 +119,23 @@ class Training:
             self.parts |= state.parts
             self.figures = dict(state.facts.training)
         with naming_memory(self.plan.device, "a smaller training.batch_size (--config)"):
-            is_done = self._train_skeleton() and self._train_prior() and self._train_denoiser(state)
+            is_done = self._train_part("skeleton", train_skeleton_part)
+            is_done = is_done and self._train_part("prior", train_prior_part)
+            is_done = is_done and self._train_denoiser(state)
         self.save()
         return is_done
 
-    def _train_skeleton(self) -> bool:
-        """Whether the model of skeletons is there, trained now or before."""
-        if "skeleton" not in self.plan.parts or "skeleton" in self.parts:
+    def _train_part(self, part: Part, train: PartTrainer) -> bool:
+        """Whether a part beside the denoiser is there, trained now or before."""
+        if part not in self.plan.parts or part in self.parts:
             return True
         plan = self.plan
-        found = train_skeleton_part(
-            plan.folder, plan.sections, plan.data, plan.device, partial(self._on_step, "skeleton")
-        )
+        on_step = partial(self._on_step, part)
+        found = train(plan.folder, plan.sections, plan.data, plan.device, on_step)
         if found is None:
             return False
-        self.parts["skeleton"], figures = found
+        self.parts[part], figures = found
         self.figures |= figures
-        self.save()
-        return True
-
-    def _train_prior(self) -> bool:
-        """Whether the semantic prior is there, trained now or before."""
-        if "prior" not in self.plan.parts or "prior" in self.parts:
-            return True
-        plan = self.plan
-        weights = train_prior_part(
-            plan.folder, plan.sections, plan.data, plan.device, partial(self._on_step, "prior")
-        )
-        if weights is None:
-            return False
-        self.parts["prior"] = weights
         self.save()
         return True
 
@@ -167,12 +154,7 @@ class Training:
         self._saved_s = time.perf_counter()
         budget = self.plan.budget
         train_denoiser(
-            training,
-            self.plan.data.train,
-            self._loss,
-            budget,
-            self._after_step,
-            time.perf_counter,
+            training, self.plan.data.train, self._loss, budget, self._after_step, time.perf_counter
         )
         return budget.share(training.step, training.seconds) >= 1.0
 

@@ -23,11 +23,7 @@ Section = TypeVar("Section")
 
 
 def read_settings(path: Path, sections: Mapping[str, Any]) -> dict[str, Any]:
-    """Sections as a file changes them.
-
-    Args:
-        path: TOML file.
-        sections: Dataclasses by the name of their section.
+    """Sections as a TOML file changes them.
 
     Raises:
         TrainingError: If the file cannot be read, or names what is not there or out of range.

@@ -31,13 +31,6 @@ def train_skeleton_part(
 ) -> tuple[Weights, dict[str, float]] | None:
     """Train the model of skeletons; it takes minutes and begins anew where it was stopped.
 
-    Args:
-        folder: Where the log is.
-        sections: Configuration.
-        data: What to train on.
-        device: Where to.
-        on_progress: Called after each step.
-
     Returns:
         Weights and figures; None where it was stopped.
 

@@ -91,13 +91,7 @@ def write_state(
     training: DenoiserTraining | None,
     parts: Mapping[Part, Weights],
 ) -> None:
-    """Write a training, whole or not at all.
-
-    Args:
-        path: File to write.
-        facts: Configurations, vocabulary, data.
-        training: The denoiser's, where it has begun.
-        parts: Weights of other parts that are trained already.
+    """Write a training, whole or not at all: the denoiser's, where it has begun, and other parts.
 
     Raises:
         OSError: If it cannot be written.

@@ -32,7 +32,7 @@ def test_a_sound_scene_stays_as_it_is(index):
     assert result.scene.objects == scene.objects
     assert result.scene.extent_max_enu_m == scene.extent_max_enu_m
     assert result.scene.start_position_enu_m == scene.start_position_enu_m
-    assert result.report.total.n_moved == 0
+    assert result.report.mean_moved_m == 0
     assert result.report.rejection is None
 
 
@@ -43,11 +43,10 @@ def test_an_unsettled_scene_becomes_sound(index, sigma_m):
     assert result.report.rejection is None
     assert not validate(result.scene)
     assert not len(forbidden_overlaps(boxes_of(result.scene.objects), 0.0015).pairs)
-    total = result.report.total
-    assert total.displacement.median_m < 0.15 + sigma_m
-    assert total.n_dropped <= 0.02 * len(raw.objects)
-    assert total.colliding_before > 0.1
-    assert total.colliding_after == 0.0
+    assert 0 < result.report.median_moved_m < 0.15 + sigma_m
+    assert result.report.n_dropped <= 0.02 * len(raw.objects)
+    colliding = np.unique(forbidden_overlaps(boxes_of(raw.objects), 0.01).pairs)
+    assert len(colliding) > 0.1 * len(raw.objects)
 
 
 def test_the_same_scene_gives_the_same_result(scene_42: Scene):
@@ -93,7 +92,6 @@ def test_ground_is_cut_and_what_stands_on_it_stays():
     assert after[TABLE].bbox.p == pytest.approx(before[TABLE].bbox.p, abs=0.1)
     depths = [after[i].bbox.s[1] for i in (LAWN, PLAZA)]
     assert sum(depths) < 42.0 - 4.0
-    assert result.report.total.n_trimmed >= 1
 
 
 def test_the_air_over_the_home_pad_is_free():
@@ -117,19 +115,10 @@ def test_what_has_no_place_is_dropped_with_what_it_bears_and_told():
     result = make_feasible(garden(huge, onto, blocking), QUICK)
     assert 9 not in result.scene.object_by_id
     assert 10 not in result.scene.object_by_id
-    assert result.report.total.n_dropped >= 2
+    assert result.report.n_dropped >= 2
 
 
 def test_a_scene_without_anywhere_to_land_is_rejected():
     result = make_feasible(garden(), FeasibilityCfg(least_landing_areas=1000, is_validated=False))
     assert result.report.rejection is not None
     assert "valid: from 1000" in result.report.rejection
-
-
-def test_stages_add_up():
-    raw = unsettled(cached_scene(42), 0.2, seed=5)
-    report = make_feasible(raw, QUICK).report
-    assert report.stages[0].name == "support"
-    assert sum(stage.n_dropped for stage in report.stages) == report.total.n_dropped
-    assert report.stages[0].collision_rate_before == report.total.collision_rate_before
-    assert report.stages[-1].collision_rate_after == report.total.collision_rate_after

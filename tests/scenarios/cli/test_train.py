@@ -164,8 +164,8 @@ def refused(capsys, args):
     [
         (("--device", "cuda:7"), "device 'cuda:7' is not there, valid here: auto, cpu"),
         (("--steps", 0), "steps is 0, valid: 1 or more"),
-        (("--minutes", -1), "valid: more than 0 minutes"),
-        (("--minutes", "nan"), "valid: more than 0 minutes"),
+        (("--minutes", -1), "minutes is -1.0, valid: more than 0"),
+        (("--minutes", "nan"), "minutes is nan, valid: more than 0"),
         (("--threads", 0), "threads is 0, valid: 1 to 1024"),
         (("--save-minutes", 0), "save_minutes is 0.0, valid: more than 0"),
         (("--resume",), "holds no training to resume (state.safetensors is missing)"),

@@ -19,10 +19,8 @@ _LEAST_DISTANCE_M = 1e-4
 def coarse_to_fine_loss(layout: Layout, distance: RegionDistance) -> Float[Tensor, " batch"]:
     """Sum over fine objects of their distance to the region of the nearest coarse object, m.
 
-    Args:
-        layout: Objects.
-        distance: `centroid`: to the coarse object's centre, the paper's. It draws all fine objects
-            into one point; `border`: to the coarse object's box, 0 within its footprint.
+    `centroid` is the distance to the coarse object's centre, the paper's, which draws all fine
+    objects into one point; `border` that to its box, 0 within its footprint.
 
     Source: the paper's L_c2f(x_t), section "Coarse-to-Fine Guidance". The region R_coarse(o_i) is
     that of the coarse object whose centre is nearest.

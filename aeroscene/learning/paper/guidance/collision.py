@@ -17,14 +17,10 @@ IouKind = Literal["exact", "soft"]
 def collision_loss(
     layout: Layout, *, tolerance: float, kind: IouKind, softness_m: float
 ) -> Float[Tensor, " batch"]:
-    """Sum over ordered pairs of what their IoU exceeds a tolerance by.
+    """Sum over ordered pairs of what their IoU exceeds the tolerance delta_d by.
 
-    Args:
-        layout: Objects.
-        tolerance: The paper's delta_d.
-        kind: The IoU itself, or a surrogate with a slope everywhere, as the paper's training asks
-            for ("smooth surrogates such as soft IoU").
-        softness_m: Of the soft one.
+    The IoU is the exact one, or a surrogate with a slope everywhere, as the paper's training asks
+    for ("smooth surrogates such as soft IoU").
 
     Source: the paper's L_col(x_t), section "Collision Avoidance Guidance".
     """

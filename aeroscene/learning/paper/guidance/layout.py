@@ -9,13 +9,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from aeroscene.learning.paper.tokens import (
-    N_GEOMETRY,
-    POSITION,
-    ROTATION,
-    SCALE,
-    FlatStatistics,
-)
+from aeroscene.learning.paper.tokens import N_GEOMETRY, POSITION, ROTATION, SCALE, FlatStatistics
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.decode import TreeDecoder
 

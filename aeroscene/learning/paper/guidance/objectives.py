@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import get_args
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.schedule import DiffusionError, require_choice
 from aeroscene.learning.paper.guidance.coarse_to_fine import RegionDistance, coarse_to_fine_loss
 from aeroscene.learning.paper.guidance.collision import IouKind, collision_loss
 from aeroscene.learning.paper.guidance.layout import Reader
@@ -23,7 +22,7 @@ _LEAST_NORM = 1e-8
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectivesCfg:
-    """Which objectives, how strong. The paper leaves delta_d and eta_0 open."""
+    """The objectives and their strengths; the paper leaves delta_d and eta_0 open."""
 
     collision_weight: float = 1.0
     coarse_to_fine_weight: float = 1.0
@@ -33,17 +32,14 @@ class ObjectivesCfg:
     iou_tolerance: float = 0.01
     """delta_d: the IoU from which the paper's collision rate counts a pair."""
     softness_m: float = 0.1
-    """Of the soft IoU."""
+    """Softness of the soft IoU."""
     region_distance: RegionDistance = "centroid"
     """`centroid` is the paper's."""
     step_size: float = 0.3
     """eta_0, in standardised units of x for a whole scene."""
 
     def __post_init__(self) -> None:
-        for name, choices in (("iou", IouKind), ("region_distance", RegionDistance)):
-            if getattr(self, name) not in get_args(choices):
-                valid = ", ".join(get_args(choices))
-                raise DiffusionError(f"guidance.{name} is {getattr(self, name)!r}, valid: {valid}")
+        require_choice("guidance", self, iou=IouKind, region_distance=RegionDistance)
         weights = ("collision_weight", "coarse_to_fine_weight", "semantic_weight", "step_size")
         for name in weights:
             if getattr(self, name) < 0:
@@ -60,13 +56,7 @@ class Objectives:
     def __init__(
         self, read: Reader, cfg: ObjectivesCfg | None = None, prior: SemanticPrior | None = None
     ) -> None:
-        """Set up.
-
-        Args:
-            read: From channels to objects.
-            cfg: Which objectives.
-            prior: P_sem; without one the semantic objective is left out.
-        """
+        """Set up; without a prior P_sem the semantic objective is left out."""
         self._read = read
         self._prior = prior
         self.cfg = cfg or ObjectivesCfg()

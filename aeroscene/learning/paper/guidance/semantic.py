@@ -54,7 +54,7 @@ class NeighbourPairs:
     """Slot in the scene."""
     second: Int[Tensor, " pairs"]
     displacement_m: Float[Tensor, "pairs 3"]
-    """From the first to the second, in the axes of the first."""
+    """Way from the first to the second, in the axes of the first."""
 
 
 class SemanticPrior(nn.Module):
@@ -75,12 +75,7 @@ class SemanticPrior(nn.Module):
     def forward(
         self, category: Float[Tensor, "batch n categories"], pairs: NeighbourPairs
     ) -> Float[Tensor, " pairs"]:
-        """Logits of P_sem.
-
-        Args:
-            category: Weights of the categories of all objects.
-            pairs: Pairs of them.
-        """
+        """Logits of P_sem for pairs, by the weights of the categories of all objects."""
         r = pairs.displacement_m / self.cfg.reach_m
         length = r.square().sum(-1, keepdim=True).clamp(min=1e-8).sqrt()
         level = r[:, :2].square().sum(-1, keepdim=True).clamp(min=1e-8).sqrt()
@@ -141,14 +136,10 @@ def train_semantic_prior(
     generator: torch.Generator,
     on_step: Callable[[int, float], None] | None = None,
 ) -> SemanticPrior:
-    """A prior that knows the layouts of a training set.
+    """A prior that knows the layouts of a training set, of which `layouts` draws so many scenes.
 
-    Args:
-        layouts: Draws so many scenes of the training set at random.
-        cfg: Shape and training.
-        n_steps: Steps of Adam.
-        generator: Source of the first weights and of the exchanges, on the layouts' device.
-        on_step: Called with the step, from 0, and its loss.
+    First weights and exchanges come from the generator, on the layouts' device. After each step
+    `on_step` is called with its number, from 0, and its loss.
     """
     prior = SemanticPrior(cfg)
     for parameter in prior.parameters():

@@ -12,10 +12,7 @@ from aeroscene.learning.paper.network.routing import Routes
 class MaskedAttention(nn.Module):
     """F' = FC(Attn(LN Q, LN K, LN V)) + F, the paper's block, over those keys that a mask allows.
 
-    Args:
-        width: Width of the queries and of the output.
-        heads: Attention heads.
-        key_width: Width of keys and values; that of the queries where not given.
+    Keys and values are as wide as queries unless `key_width` is given.
     """
 
     def __init__(self, width: int, heads: int, key_width: int | None = None) -> None:
@@ -37,13 +34,10 @@ class MaskedAttention(nn.Module):
         is_allowed: Bool[Tensor, "batch queries k"],
         source_weight: Float[Tensor, "batch k 1"] | None = None,
     ) -> Float[Tensor, "batch q d"]:
-        """Let features ask a source; a row without any allowed key stays as it is.
+        """Let features (Q, and the residual F) ask a source (K and V).
 
-        Args:
-            feature: Q, and the residual F.
-            source: K and V.
-            is_allowed: Which keys each query may see; one row for all queries will do.
-            source_weight: Factor of the values: weights of 1 that carry the gate's gradient.
+        A row without any allowed key stays as it is; one row of `is_allowed` serves all queries.
+        The source's weights of 1 carry the gate's gradient.
         """
         has_key = is_allowed.any(-1, keepdim=True)
         value = self.value(self.value_norm(source))
@@ -91,10 +85,7 @@ class CrossScaleProgressiveAttention(nn.Module):
 class ScaleAttention(nn.Module):
     """Within-scale mixing by attention, in place of the paper's CNN or GNN (an ablation).
 
-    Args:
-        width: Token width.
-        heads: Attention heads.
-        of_siblings: Whether tokens see only those of the same parent.
+    Where `of_siblings`, tokens see only those of the same parent.
     """
 
     def __init__(self, width: int, heads: int, of_siblings: bool) -> None:

@@ -58,22 +58,8 @@ def splat_mean(
     return total[..., :-1] / amount.clamp_min(1e-6), amount
 
 
-def gather(
-    grid: Float[Tensor, "batch voxels c"], shares: Float[Tensor, "batch n voxels"]
-) -> Float[Tensor, "batch n c"]:
-    """Features of a grid at positions, interpolated."""
-    return shares @ grid
-
-
 class CoarseCnn(nn.Module):
-    """Lightweight 3D CNN over the coarse tokens of a layout.
-
-    Args:
-        width: Token width d_m.
-        channels: Width of the grid's features.
-        shape: Voxels along x, y and z.
-        reach: Half the extent of the grid in channel units.
-    """
+    """Lightweight 3D CNN over the coarse tokens of a layout; `reach` is half the grid's extent."""
 
     def __init__(
         self, width: int, channels: int, shape: tuple[int, int, int], reach: float
@@ -96,5 +82,5 @@ class CoarseCnn(nn.Module):
         mean, amount = splat_mean(self.inward(token), is_coarse, shares)
         grid = torch.cat([mean, amount], -1).transpose(1, 2).unflatten(2, self.shape)
         grid = self.second(functional.silu(self.first(grid)))
-        found = gather(grid.flatten(2).transpose(1, 2), shares)
+        found = shares @ grid.flatten(2).transpose(1, 2)
         return token + self.outward(functional.silu(found))

@@ -12,13 +12,7 @@ def radius_graph(
 ) -> Bool[Tensor, "batch n n"]:
     """Spatial adjacency G_fine: pairs of fine tokens at a Euclidean distance <= delta_f.
 
-    Args:
-        position: Positions p in channel units.
-        is_fine: The nodes.
-        radius: delta_f in channel units.
-
-    Returns:
-        Symmetric adjacency without loops.
+    Positions and delta_f are in channel units. The adjacency is symmetric, without loops.
     """
     distance = (position.unsqueeze(2) - position.unsqueeze(1)).float().square().sum(-1)
     near = distance <= radius**2

@@ -6,10 +6,10 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import LayoutEmbedding
 from aeroscene.learning.model.encoding import TimeEmbedding
-from aeroscene.learning.model.prediction import Prediction
 from aeroscene.learning.paper.network.attention import (
     CrossScaleProgressiveAttention,
     ScaleAttention,
@@ -44,23 +44,13 @@ class LayoutDenoiser(nn.Module):
         x_t: Float[Tensor, "batch n c"],
         t: Float[Tensor, " batch"],
         batch: TokenBatch,
-        layout: Float[Tensor, "batch n c"] | None = None,
     ) -> Prediction:
-        """Predict for a batch of noisy layouts.
-
-        Args:
-            x_t: Noisy channels.
-            t: Diffusion time of each scene in [0, 1].
-            batch: The tokens.
-            layout: Where grid and graph find the positions; x_t where not given, as in the paper.
-                At large t a predicted x0 says more: positions of x_t are noise there.
-        """
+        """Predict for a batch of noisy layouts; grid and graph find the positions in x_t."""
         real = batch.mask.unsqueeze(-1)
         x_t = x_t * real
-        position = (x_t if layout is None else layout * real)[..., :3]
         feature, token, place = self.embedding(x_t, batch)
         routes = given_routes(batch) if self.routing is None else self.routing(feature, batch.mask)
-        fused = self.attention(self._extract(token, position, routes, batch), routes)
+        fused = self.attention(self._extract(token, x_t[..., :3], routes, batch), routes)
         output = self._denoise(x_t, t, fused, place, batch)
         return Prediction(output * real, routes.tokenizability)
 

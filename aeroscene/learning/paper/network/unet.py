@@ -58,11 +58,7 @@ class ResidualBlock(nn.Module):
 class TokenUnet(nn.Module):
     """1-D UNet: levels of `ResidualBlock`s, halved by strided convolutions, doubled by repetition.
 
-    Args:
-        channels: Channels of the layout.
-        condition: Width of time and of F_attn.
-        widths: Width of each level, the finest first.
-        heads: Attention heads.
+    `condition` is the width of time and of F_attn; `widths` are those of the levels, finest first.
     """
 
     def __init__(self, channels: int, condition: int, widths: tuple[int, ...], heads: int) -> None:
@@ -93,11 +89,7 @@ class TokenUnet(nn.Module):
     ) -> Float[Tensor, "batch n c"]:
         """Predict from a list whose real tokens stand at its front.
 
-        Args:
-            x_t: Noisy layout.
-            position: Positional encoding e_pos, by which places find their own feature.
-            mask: Which places hold a token.
-            condition: Time and features.
+        By the positional encoding e_pos places find their own feature.
         """
         n = x_t.shape[1]
         filler = -n % STRIDE ** len(self.halve)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.diffusion.parameterisation import Parameterisation, prediction_target
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -34,14 +35,6 @@ def blank_batch(n_scenes: int, n: int, channels: int, *, n_coarse: int = 1) -> T
 
 
 @dataclass(frozen=True)
-class Said:
-    """What a denoiser returns."""
-
-    output: Tensor
-    tokenizability: Tensor | None = None
-
-
-@dataclass(frozen=True)
 class GaussianDenoiser:
     """The best possible denoiser of independent channels with a mean and a spread."""
 
@@ -50,14 +43,14 @@ class GaussianDenoiser:
     schedule: Schedule
     parameterisation: Parameterisation
 
-    def __call__(self, x_t: Tensor, time: Tensor, _: TokenBatch) -> Said:
+    def __call__(self, x_t: Tensor, time: Tensor, _: TokenBatch) -> Prediction:
         """What the network would say: E[x0 | x_t] in any parameterisation."""
         alpha, sigma = self.schedule.signal_and_noise(time)
         a, s = alpha[:, None, None], sigma[:, None, None]
         gain = a * self.spread**2 / (a**2 * self.spread**2 + s**2)
         x0 = self.mean + gain * (x_t - a * self.mean)
         eps = (x_t - a * x0) / s
-        return Said(prediction_target(self.parameterisation, x0, eps, alpha, sigma))
+        return Prediction(prediction_target(self.parameterisation, x0, eps, alpha, sigma))
 
     def endpoint(self, x_1: Tensor, alpha: float, sigma: float) -> Tensor:
         """Where the probability flow takes the noise x_1 of a level: each quantile to its own."""

@@ -4,10 +4,15 @@ from typing import get_args
 import pytest
 import torch
 
-from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss, gate_cross_entropy
+from aeroscene.learning.diffusion.loss import (
+    LossCfg,
+    Prediction,
+    diffusion_loss,
+    gate_cross_entropy,
+)
 from aeroscene.learning.diffusion.parameterisation import Parameterisation
 from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule
-from tests.aeroscene.learning.diffusion.layouts import GaussianDenoiser, Said, blank_batch
+from tests.aeroscene.learning.diffusion.layouts import GaussianDenoiser, blank_batch
 
 KINDS = get_args(Parameterisation)
 
@@ -40,7 +45,7 @@ def test_a_silent_network_loses_the_variance_of_the_noise():
     """The paper's L_rec of eps_theta = 0."""
 
     def silent(x_t, time, batch):
-        return Said(torch.zeros_like(x_t))
+        return Prediction(torch.zeros_like(x_t))
 
     cfg = LossCfg(parameterisation="eps")
     terms = diffusion_loss(silent, _batch(64), Schedule(), cfg, _generator())
@@ -57,7 +62,7 @@ def test_what_has_no_weight_is_neither_seen_nor_judged():
 
     def wrong_there(x_t, time, _):
         seen.append(x_t)
-        return Said(torch.where(weight > 0, 0.0, 1e6))
+        return Prediction(torch.where(weight > 0, 0.0, 1e6))
 
     spoilt = torch.where(weight > 0, batch.x0, 1e6)
     cfg = LossCfg(parameterisation="x0")
@@ -84,7 +89,7 @@ def test_guidance_and_gate_enter_with_their_weights():
     batch = _batch()
 
     def model(x_t, time, _):
-        return Said(torch.zeros_like(x_t), torch.full(batch.mask.shape, 0.5, dtype=x_t.dtype))
+        return Prediction(torch.zeros_like(x_t), torch.full(batch.mask.shape, 0.5, dtype=x_t.dtype))
 
     def guide(x0, _):
         return x0.square().sum((1, 2))
@@ -101,7 +106,7 @@ def test_guidance_on_some_scenes_is_its_mean_over_them():
     batch, seen = _batch(), []
 
     def model(x_t, time, _):
-        return Said(torch.zeros_like(x_t))
+        return Prediction(torch.zeros_like(x_t))
 
     def guide(x0, some):
         seen.append((len(x0), some.n_scenes))
@@ -137,7 +142,7 @@ def test_gradients_reach_the_network_through_every_term():
     gain = torch.tensor(0.3, dtype=torch.float64, requires_grad=True)
 
     def model(x_t, time, _):
-        return Said(gain * x_t, torch.sigmoid(gain * x_t[..., 0]))
+        return Prediction(gain * x_t, torch.sigmoid(gain * x_t[..., 0]))
 
     cfg = LossCfg(guide_weight=0.01, gate_weight=0.1)
     terms = diffusion_loss(
@@ -162,7 +167,7 @@ def test_same_seed_same_loss():
 def test_a_batch_without_layouts_cannot_be_learned():
     with pytest.raises(ValueError, match=r"batch\.x0 is None, valid: the clean layouts"):
         diffusion_loss(
-            lambda *_: Said(torch.zeros(1)),
+            lambda *_: Prediction(torch.zeros(1)),
             blank_batch(1, 2, 3),
             Schedule(),
             LossCfg(),

@@ -6,7 +6,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeroscene.learning.paper.network.coarse import CoarseCnn, gather, splat_mean, trilinear_weights
+from aeroscene.learning.paper.network.coarse import CoarseCnn, splat_mean, trilinear_weights
 
 SHAPE = (5, 4, 3)
 N_VOXELS = 60
@@ -44,7 +44,7 @@ def test_lone_token_is_gathered_as_it_was_splatted(seed: int, spread: float) -> 
     feature, position = draw(1, seed, spread)
     shares = trilinear_weights(position, SHAPE, 2.0)
     mean, _ = splat_mean(feature, torch.ones(2, 1, dtype=torch.bool), shares)
-    torch.testing.assert_close(gather(mean, shares), feature, rtol=1e-3, atol=1e-3)
+    torch.testing.assert_close(shares @ mean, feature, rtol=1e-3, atol=1e-3)
 
 
 def test_gathering_a_linear_field_is_exact() -> None:
@@ -52,7 +52,7 @@ def test_gathering_a_linear_field_is_exact() -> None:
     field = torch.stack(torch.meshgrid(*axes, indexing="ij"), -1).reshape(1, N_VOXELS, 3)
     _, position = draw(20, 0, 0.6)
     position = position.clamp(-2, 2)
-    found = gather(field.expand(2, -1, -1), trilinear_weights(position, SHAPE, 2.0))
+    found = trilinear_weights(position, SHAPE, 2.0) @ field.expand(2, -1, -1)
     torch.testing.assert_close(found, position, atol=1e-5, rtol=0)
 
 

@@ -78,17 +78,6 @@ def test_tokenizability_is_reported_for_real_tokens() -> None:
     assert (tau <= 1).all()
 
 
-def test_grid_and_graph_can_stand_on_another_layout() -> None:
-    batch, network = tree_batch([(4, 6)], (4, 6), channels=16), denoiser()
-    t = torch.tensor([0.5])
-    with torch.no_grad():
-        literal = network(batch.x0, t, batch).output
-        same = network(batch.x0, t, batch, layout=batch.x0).output
-        moved = network(batch.x0, t, batch, layout=0.5 * batch.x0).output
-    assert torch.equal(literal, same)
-    assert not torch.allclose(literal, moved)
-
-
 @pytest.mark.parametrize("routing", ["learned", "given"])
 @pytest.mark.parametrize("coarse_branch", ["cnn", "attention"])
 @pytest.mark.parametrize("fine_branch", ["radius_gnn", "siblings"])

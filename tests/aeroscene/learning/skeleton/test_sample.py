@@ -30,8 +30,8 @@ from tests.aeroscene.learning.skeleton.toy import (
 WISHES = [wish for _, wish in toy_corpus(24, seed=8)]
 
 
-def sample_skeleton(model, wish, generator, coarse=None, cfg=None):
-    return sample_skeletons(model, [wish], [generator], [coarse], cfg)[0]
+def sample_skeleton(model, wish, generator, coarse=None):
+    return sample_skeletons(model, [wish], [generator], [coarse])[0]
 
 
 def _rngs(n: int, seed: int = 0) -> list[np.random.Generator]:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from aeroscene.learning.skeleton.sequence import bearers, coarse_parts, wish_numbers
+from aeroscene.learning.skeleton.sequence import coarse_parts, wish_numbers
 from aeroscene.learning.tokens.skeleton import Wish
 from tests.aeroscene.learning.skeleton.test_grammar import GRAMMAR
 from tests.aeroscene.learning.skeleton.toy import LAWN, ROOM, site, toy_skeleton
@@ -25,6 +25,6 @@ def test_short_coarse_parts_are_padded_with_nothing_that_bears():
     skeletons = [site(), toy_skeleton(np.random.default_rng(0))]
     coarse = coarse_parts(skeletons, GRAMMAR.n_kinds)
     assert coarse.length.tolist() == [1, skeletons[1].n_coarse]
-    may_bear = bearers(coarse.kind.numpy(), GRAMMAR)
+    may_bear = GRAMMAR.bears_fine[coarse.kind.numpy()]
     assert not may_bear[0].any()
     assert set(coarse.kind.numpy()[may_bear].tolist()) == {LAWN, ROOM}

@@ -7,7 +7,6 @@ import torch
 from aeroscene.learning.skeleton.config import (
     SkeletonCfg,
     SkeletonError,
-    SkeletonSamplerCfg,
     SkeletonTrainingCfg,
 )
 from aeroscene.learning.skeleton.model import SkeletonModel
@@ -94,7 +93,6 @@ def test_weights_of_another_network_are_refused(trained: TrainedSkeletonModel):
         (lambda: SkeletonTrainingCfg(seconds=None), "seconds and steps are None"),
         (lambda: SkeletonTrainingCfg(seconds=0.0), "seconds is 0.0, valid"),
         (lambda: SkeletonTrainingCfg(steps=0), "steps is 0, valid"),
-        (lambda: SkeletonSamplerCfg(top_p=0.0), "top_p is 0.0, valid: 0.05 to 1"),
     ],
 )
 def test_numbers_out_of_range_are_refused(make, message: str):
