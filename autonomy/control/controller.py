@@ -7,12 +7,7 @@ import math
 import numpy as np
 
 from autonomy.control.allocation import allocate, lead_command
-from autonomy.control.geometric import (
-    attitude_torque,
-    command_attitude,
-    demand_force,
-    rate_torque,
-)
+from autonomy.control.geometric import attitude_torque, command_attitude, demand_force, rate_torque
 from autonomy.control.recovery import demand_recovery, watch_recovery
 from autonomy.control.reference import start_reference, update_reference
 from autonomy.control.setpoint_stream import accept_setpoint

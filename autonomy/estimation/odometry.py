@@ -21,13 +21,7 @@ import math
 
 import numpy as np
 
-from autonomy.estimation.error_state import (
-    N_STATES,
-    POSITION,
-    VELOCITY,
-    VIO_ORIGIN,
-    VIO_YAW,
-)
+from autonomy.estimation.error_state import N_STATES, POSITION, VELOCITY, VIO_ORIGIN, VIO_YAW
 from autonomy.estimation.past import past_position, past_yaw
 from autonomy.estimation.update import scalar_update, write_heading_row
 from autonomy.jit import kernel

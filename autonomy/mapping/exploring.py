@@ -49,10 +49,7 @@ _CLIMB_PRICE = 2.0
 
 
 def plan_towards(
-    seen: SeenMap,
-    start: FlatReference,
-    goal_enu_m: Vector3,
-    craft: Craft,
+    seen: SeenMap, start: FlatReference, goal_enu_m: Vector3, craft: Craft
 ) -> Trajectory:
     """A certified trajectory within what was seen free: to the goal, or towards it, or a look.
 

@@ -98,9 +98,7 @@ class LandingMap(Ground):
 
 
 def assess(
-    elevation: ElevationMap,
-    needs: LandingNeeds,
-    is_allowed: Bool[np.ndarray, "n n"] | None = None,
+    elevation: ElevationMap, needs: LandingNeeds, is_allowed: Bool[np.ndarray, "n n"] | None = None
 ) -> LandingMap:
     """Judge every cell as a place for the vehicle's centre.
 
@@ -158,10 +156,7 @@ def _ground(
 
 
 def choose_site(
-    landing: LandingMap,
-    elevation: ElevationMap,
-    needs: LandingNeeds,
-    preferred_enu_m: Vector3,
+    landing: LandingMap, elevation: ElevationMap, needs: LandingNeeds, preferred_enu_m: Vector3
 ) -> LandingSite | None:
     """The best place to touch down, None if there is no safe one.
 

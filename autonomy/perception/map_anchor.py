@@ -113,11 +113,7 @@ class MapAnchor:
             self._covariance = self._claimed_covariance()
 
     def stand_at(
-        self,
-        time_s: float,
-        position_est_m: Vector3,
-        position_map_m: Vector3,
-        sigma_m: float = 0.1,
+        self, time_s: float, position_est_m: Vector3, position_map_m: Vector3, sigma_m: float = 0.1
     ) -> None:
         """Tell it a place where the vehicle is known to be: the pad that it starts from.
 

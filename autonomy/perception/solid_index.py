@@ -79,12 +79,7 @@ class SolidIndex:
     def grid(self) -> Grid:
         """What kernels take."""
         return Grid(
-            self.corner_enu_m,
-            self.cell_m,
-            self.reach_m,
-            self.counts,
-            self.ends,
-            self.entries,
+            self.corner_enu_m, self.cell_m, self.reach_m, self.counts, self.ends, self.entries
         )
 
 

@@ -51,10 +51,7 @@ class Corridor:
 
 
 def straighten(
-    points_enu_m: Float[np.ndarray, "n 3"],
-    obstacles: Obstacles,
-    *,
-    enough_m: float,
+    points_enu_m: Float[np.ndarray, "n 3"], obstacles: Obstacles, *, enough_m: float
 ) -> Float[np.ndarray, "m 3"]:
     """Leave out points of a path wherever the straight line costs no clearance.
 

@@ -163,9 +163,7 @@ def _is_wider(
 
 
 def _narrowest(
-    points_enu_m: Float[np.ndarray, "n 3"],
-    angle: Float[np.ndarray, " n"],
-    obstacles: Obstacles,
+    points_enu_m: Float[np.ndarray, "n 3"], angle: Float[np.ndarray, " n"], obstacles: Obstacles
 ) -> int:
     """At which point it is least wide; of several the middle one."""
     ways = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))])
@@ -175,9 +173,7 @@ def _narrowest(
 
 
 def _reach(
-    points_enu_m: Float[np.ndarray, "n 3"],
-    ways: Float[np.ndarray, "n 3"],
-    obstacles: Obstacles,
+    points_enu_m: Float[np.ndarray, "n 3"], ways: Float[np.ndarray, "n 3"], obstacles: Obstacles
 ) -> Float[np.ndarray, " n"]:
     """How far it is from points to the obstacles along unit vectors, by sphere tracing."""
     reach_m = np.zeros(len(points_enu_m))

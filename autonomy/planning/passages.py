@@ -31,10 +31,7 @@ Search = Callable[[DistanceField], Int[np.ndarray, "n 3"]]
 
 
 def way_through_openings(
-    search: Search,
-    field: DistanceField,
-    obstacles: Obstacles,
-    needed_m: float,
+    search: Search, field: DistanceField, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, "n 3"]:
     """Centres of cells along a way, and the axes of openings where no cell has enough room.
 

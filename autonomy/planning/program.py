@@ -89,9 +89,7 @@ def build(n_pieces: int, n_planes: int) -> Program:
             {"error_on_fail": False, "piqp": {"preconditioner_iter": 1}},
         ),
         gradient=ca.Function(
-            "gradient",
-            [s.unknowns, parameters, multipliers],
-            [ca.gradient(lagrangian, s.log_t)],
+            "gradient", [s.unknowns, parameters, multipliers], [ca.gradient(lagrangian, s.log_t)]
         ),
         n_unknowns=s.unknowns.shape[0],
     )

@@ -130,14 +130,7 @@ class Surroundings:
         Raises:
             PlanningError: If there is none, with the reason.
         """
-        return replan(
-            previous,
-            at_time_s,
-            self.obstacles,
-            self.craft,
-            moving=moving,
-            start=start,
-        )
+        return replan(previous, at_time_s, self.obstacles, self.craft, moving=moving, start=start)
 
     def leg(
         self,
@@ -200,14 +193,7 @@ class Surroundings:
         Raises:
             PlanningError: If no stop can be certified.
         """
-        return brake(
-            previous,
-            at_time_s,
-            self.obstacles,
-            self.craft,
-            moving=moving,
-            start=start,
-        )
+        return brake(previous, at_time_s, self.obstacles, self.craft, moving=moving, start=start)
 
     def hover_point(self, area: InteractionArea) -> Vector3 | None:
         """Hover point above an area, with free air all the way down; None if there is none.
