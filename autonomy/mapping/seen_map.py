@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int
 from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked, slices
 from autonomy.mapping.exploring import plan_towards
-from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, integrate
+from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, Cells, integrate
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
@@ -90,17 +90,10 @@ class SeenMap:
         """Take in a depth image."""
         cfg = self.cfg
         self.n_images += 1
-        eye = np.array(image.position_enu_m, dtype=float)
         integrate(
-            self.evidence,
-            self._seen_in,
+            Cells(self.evidence, self._seen_in, self.corner_enu_m, cfg.resolution_m),
             1 + self.n_images % _N_NUMBERS,
-            np.ascontiguousarray(image.depth_m, dtype=np.float32),
-            np.array([image.fx, image.fy, image.cx, image.cy], dtype=float),
-            eye,
-            np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
-            self.corner_enu_m,
-            cfg.resolution_m,
+            image.pixels,
             cfg.max_range_m,
             image.inverse_depth_sigma_pm,
         )

@@ -102,7 +102,7 @@ class ElevationMap:
 
     def add(self, image: DepthImage) -> None:
         """Fuse one depth image."""
-        points, eye = image.points_enu_m(), np.array(image.position_enu_m, dtype=float)
+        points, eye = image.points_enu_m(), image.pixels.eye
         inverse_sigma = image.inverse_depth_sigma_pm
         n = len(self.height_m)
         frame = rasterise(

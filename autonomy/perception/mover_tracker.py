@@ -95,11 +95,9 @@ class MoverTracker:
         self._cells.forget_old(time_s)
         for track in self.tracks:
             track.predict(time_s)
-        inverse_sigma_pm = image.inverse_depth_sigma_pm
-        sightings = self._sightings(image, static_distance_m, inverse_sigma_pm)
-        seen, unexpected = self._match(sightings)
+        seen, unexpected = self._match(self._sightings(image, static_distance_m))
         for track in self.tracks:
-            if track not in seen and track.is_seen_through(image, inverse_sigma_pm):
+            if track not in seen and track.is_seen_through(image):
                 track.n_misses += 1
         self.tracks = [track for track in self.tracks if self._is_kept(track, time_s)]
         self.tracks += [MoverTrack(time_s, sighting) for sighting in unexpected]
@@ -136,38 +134,25 @@ class MoverTracker:
             horizon_s=cfg.horizon_s,
         )
 
-    def _sightings(
-        self, image: DepthImage, static_distance_m: StaticDistance, inverse_sigma_pm: float
-    ) -> list[Sighting]:
+    def _sightings(self, image: DepthImage, static_distance_m: StaticDistance) -> list[Sighting]:
         cfg = self._cfg
-        range_m = cfg.range_m
-        if inverse_sigma_pm > 0.0:
-            range_m = min(range_m, math.sqrt(cfg.most_depth_sigma_m / inverse_sigma_pm))
+        within_m, range_m = cfg.static_within_m, cfg.range_m
+        if image.inverse_depth_sigma_pm > 0.0:
+            known_m = math.sqrt(cfg.most_depth_sigma_m / image.inverse_depth_sigma_pm)
+            range_m = min(range_m, known_m)
         foreground = find_foreground(
-            image,
-            self._cells,
-            static_distance_m,
-            within_m=cfg.static_within_m,
-            range_m=range_m,
-            inverse_sigma_pm=inverse_sigma_pm,
+            image, self._cells, static_distance_m, within_m=within_m, range_m=range_m
         )
         blobs = find_blobs(
             foreground,
-            image.depth_m.shape,
+            image,
             gap_m=_BLOB_GAP_M,
-            inverse_sigma_pm=inverse_sigma_pm,
             beyond_m=cfg.mover_beyond_m,
             least_samples=cfg.least_samples,
         )
         blobs = _joined(foreground.points_enu_m, blobs[:_MOST_SIGHTINGS])
         return [
-            see(
-                image,
-                foreground,
-                blob,
-                within_m=cfg.static_within_m,
-                inverse_sigma_pm=inverse_sigma_pm,
-            )
+            see(image, foreground, blob, within_m=within_m)
             for blob in blobs
             if np.ptp(foreground.points_enu_m[blob], axis=0).max() <= cfg.most_size_m
         ]

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
-from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.depth_image import DepthImage, Pixels
 
 _NEAREST_M, _FARTHEST_M = 0.2, 30.0
 _SURFACE_SIGMA_M = 0.05
@@ -30,33 +30,22 @@ def spread_points(
         The points, and the standard deviation of the distance of each from its surface in m.
     """
     height, width = image.depth_m.shape
-    return sample_points(
-        np.ascontiguousarray(image.depth_m, dtype=np.float32),
-        np.array([image.fx, image.fy, image.cx, image.cy]),
-        np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
-        max(1, round(math.sqrt(height * width / n_points))),
-        image.inverse_depth_sigma_pm,
-    )
+    stride = max(1, round(math.sqrt(height * width / n_points)))
+    return sample_points(image.pixels, stride, image.inverse_depth_sigma_pm)
 
 
 @kernel
 def sample_points(
-    depth: Float[np.ndarray, "h w"],
-    intrinsics: Float[np.ndarray, " 4"],
-    rotation: Float[np.ndarray, "3 3"],
-    stride: int,
-    inverse_sigma: float,
+    pixels: Pixels, stride: int, inverse_sigma: float
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
     """Every so many pixels as points from the camera, ENU, and the deviations of their distance.
 
     Args:
-        depth: Along the optical axis, m.
-        intrinsics: fx, fy, cx, cy.
-        rotation: Optical axes to ENU.
+        pixels: The image.
         stride: Between rows and columns.
         inverse_sigma: Standard deviation of inverse depth, 1/m.
     """
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    depth, fx, fy, cx, cy, _, rotation = pixels
     most = (depth.shape[0] // stride + 1) * (depth.shape[1] // stride + 1)
     points, sigmas = np.empty((most, 3)), np.empty(most)
     n = 0

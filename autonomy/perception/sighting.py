@@ -129,12 +129,7 @@ def _between(
 
 
 def see(
-    image: DepthImage,
-    foreground: Foreground,
-    blob: Int[np.ndarray, " k"],
-    *,
-    within_m: float,
-    inverse_sigma_pm: float,
+    image: DepthImage, foreground: Foreground, blob: Int[np.ndarray, " k"], *, within_m: float
 ) -> Sighting:
     """Edges of a blob.
 
@@ -143,12 +138,11 @@ def see(
     hidden because it is looked down on steeply or the image ends.
     """
     points, pixels = foreground.points_enu_m[blob], foreground.pixels[blob]
-    eye = np.array(image.position_enu_m, dtype=float)
-    sight = np.median(points, axis=0) - eye
+    sight = np.median(points, axis=0) - image.pixels.eye
     away = max(math.hypot(sight[0], sight[1]), 1e-6)
     forward = sight[:2] / away
     depth_m = float(np.median(foreground.depth_m[blob]))
-    depth_sigma_m = inverse_sigma_pm * depth_m**2
+    depth_sigma_m = image.inverse_depth_sigma_pm * depth_m**2
     ahead = points[:, :2] @ forward
     aside = points[:, 1] * forward[0] - points[:, 0] * forward[1]
     right_m, left_m = np.percentile(aside, [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
@@ -158,10 +152,9 @@ def see(
     below_m = float(np.median(lowest))
     behind_m = foreground.depth_m[blob] + _BEHIND_M
     nearer_m = foreground.depth_m[blob] - _BEHIND_M
-    is_left, is_right, is_top, _ = _cut_sides(
-        image, pixels, behind_m + _BEHIND_SIGMAS * depth_sigma_m
-    )
-    is_bottom = _cut_sides(image, pixels, nearer_m - _BEHIND_SIGMAS * depth_sigma_m)[3]
+    doubt_m = _BEHIND_SIGMAS * depth_sigma_m
+    is_left, is_right, is_top, _ = _cut_sides(image, pixels, behind_m + doubt_m)
+    is_bottom = _cut_sides(image, pixels, nearer_m - doubt_m)[3]
     is_hidden = is_bottom or -sight[2] > _STEEP * away
     hidden_m = _MOST_HIDDEN_BELOW_M if is_hidden else 2.0 * within_m
     return Sighting(
