@@ -33,9 +33,6 @@ from autonomy.types import FlatReference, Vector3
 if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
 
-if TYPE_CHECKING:
-    from autonomy.mapping.seen_map import SeenMap
-
 WORTHWHILE_M = 0.5
 """Shorter ways are not flown: the vehicle rather looks where the way goes on."""
 FURTHER_M = 1.0

@@ -19,9 +19,6 @@ from autonomy.types import FlatReference, Vector3
 if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
 
-if TYPE_CHECKING:
-    from autonomy.mapping.seen_map import SeenMap
-
 _AROUND_M = 2.0
 """Beyond the way to fly, what the plan may use."""
 _CALM = 0.5
