@@ -95,13 +95,7 @@ def compile_ahead(
 
 
 def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float) -> None:
-    """Announce that kernels will compile on their first use, unless they are cached.
-
-    Args:
-        modules: Names of the modules that define them.
-        title: Name of the kernels for the message.
-        expected_seconds: Time of compiling all of them for the message.
-    """
+    """Announce that the kernels of modules will compile on their first use, unless cached."""
     if not all(any(cache_directory(module).rglob("*.nbi")) for module in modules):
         _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
 

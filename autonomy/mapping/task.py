@@ -83,11 +83,7 @@ class Task:
         return plan_trajectory(self.start, *world, calmer)
 
     def proved(self, trajectory: Trajectory, margin_m: float = 0.0) -> Trajectory:
-        """A trajectory near the vehicle, with the proof that it keeps to what was seen free.
-
-        Args:
-            trajectory: From where the vehicle is.
-            margin_m: Between it and whatever was not seen free.
+        """A trajectory from where the vehicle is, with the proof that it keeps to seen free space.
 
         Raises:
             CertificateError: If it does not, or breaks a limit.

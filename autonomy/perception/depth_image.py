@@ -16,7 +16,7 @@ from autonomy.types import Vector3
 # Pixels farther apart than the windows of stereo matching, whose errors are alike.
 _APART = 6
 _EVERY_ROW = 20
-# Median of |x| of a normal variable is .6745 sigma; a half second difference has sigma sqrt(1.5).
+# Median of |x| of a normal variable is 0.6745 sigma; a half second difference has sigma sqrt(1.5).
 _SIGMA_PER_MEDIAN = 1.0 / (0.6745 * math.sqrt(1.5))
 
 

@@ -153,17 +153,11 @@ def fuse(
     variance: Float[np.ndarray, "n n"],
     frame: Float[np.ndarray, "4 n n"],
 ) -> None:
-    """Take a frame, as `rasterise` makes it, into the layers of a map.
+    """Add a frame, as `rasterise` makes it, to the layers of a map.
 
-    Args:
-        height: Mean of the frames, weighted by their certainty.
-        top: Highest; a new extreme is taken at once, an old one let go of slowly.
-        bottom: Lowest, likewise.
-        n_frames: That have seen each cell.
-        weight: Sum of the frames' inverse variances, fading.
-        scatter: Sum of the squares of their differences over their variances, fading.
-        variance: Of the mean.
-        frame: Mean, top, bottom, and variance of the mean, 0 for unseen.
+    Top and bottom take a new extreme at once and let go of an old one slowly. `weight` is the sum
+    of the frames' inverse variances, `scatter` that of their squared differences from the mean over
+    their variances; both fade.
     """
     n = len(height)
     keep = 1.0 - 1.0 / MEMORY_FRAMES

@@ -42,14 +42,9 @@ def find_foreground(
     within_m: float,
     range_m: float,
 ) -> Foreground:
-    """Samples of an image that the map does not explain.
+    """Samples of an image, up to a range, that the map does not explain.
 
-    Args:
-        image: Posed by the estimate.
-        cells: Remembers distances.
-        static_distance_m: The map.
-        within_m: A surface of the map explains what is so near: map, pose and cells err.
-        range_m: Depth beyond which nothing is looked at.
+    A surface of the map explains what is nearer to it than `within_m`: map, pose and cells err.
     """
     points, pixels, depth_m = sample(image.pixels, STRIDE_PX, range_m)
     distance_m = cells.at(points, static_distance_m)
@@ -79,20 +74,12 @@ def find_blobs(
 ) -> list[Int[np.ndarray, " k"]]:
     """Samples that belong together, as indices, the largest blob first.
 
-    Args:
-        foreground: Samples of the image.
-        image: The image itself.
-        gap_m: Neighbours whose depth differs by less, and what noise adds, are of one blob.
-        beyond_m: A blob is one if some of its samples are farther than this from the map,
-        least_samples: and if so many are.
+    Neighbours whose depths differ by less than `gap_m`, and what noise adds, are of one blob. A
+    blob counts if `least_samples` of it are farther than `beyond_m` from the map.
     """
-    labels = connect(
-        foreground.pixels // STRIDE_PX,
-        foreground.depth_m,
-        *(-(-n // STRIDE_PX) for n in image.depth_m.shape),
-        gap_m,
-        _SIGMAS * image.inverse_depth_sigma_pm,
-    )
+    n_rows, n_columns = (-(-n // STRIDE_PX) for n in image.depth_m.shape)
+    places, error = foreground.pixels // STRIDE_PX, _SIGMAS * image.inverse_depth_sigma_pm
+    labels = connect(places, foreground.depth_m, n_rows, n_columns, gap_m, error)
     order = np.argsort(labels, kind="stable")
     borders = np.flatnonzero(np.diff(labels[order])) + 1
     is_beyond = foreground.static_distance_m > beyond_m
@@ -113,17 +100,10 @@ def connect(
     gap: float,
     inverse_error: float,
 ) -> Int[np.ndarray, " n"]:
-    """Label of the blob of each sample: the number of its first sample.
+    """Label of the blob of each sample, row by row: the number of its first sample.
 
-    Samples up to two apart hang together where their depths are alike: thin parts have holes.
-
-    Args:
-        places: Row and column of each sample on the grid of samples, row by row.
-        depths: Of the samples.
-        n_rows: Of the grid.
-        n_columns: Of the grid.
-        gap: Alike is what differs by less,
-        inverse_error: and by this times the square of depth.
+    Samples up to two apart belong together, because thin parts have holes, where their depths
+    differ by less than `gap` and `inverse_error` times the square of depth.
     """
     at = np.full((n_rows, n_columns), -1, dtype=np.int64)
     parent = np.arange(len(places))

@@ -100,13 +100,7 @@ class LandingMap(Ground):
 def assess(
     elevation: ElevationMap, needs: LandingNeeds, is_allowed: Bool[np.ndarray, "n n"] | None = None
 ) -> LandingMap:
-    """Judge every cell as a place for the vehicle's centre.
-
-    Args:
-        elevation: What was seen.
-        needs: Of the vehicle.
-        is_allowed: Cells that may be landed on; all of them if None.
-    """
+    """Judge every cell as a place for the vehicle's centre; None allows landing on all of them."""
     observed = elevation.is_observed
     # Heights about their mean, so that single precision keeps every digit that matters.
     level = float(np.mean(elevation.height_m[observed], dtype=float)) if observed.any() else 0.0

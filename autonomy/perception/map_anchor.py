@@ -66,12 +66,7 @@ class MapAnchor:
     """
 
     def __init__(self, obstacles: Obstacles, cfg: MapAnchorCfg = _BARE_RECEIVER) -> None:
-        """Begin with nothing but what the estimate claims of itself.
-
-        Args:
-            obstacles: The map.
-            cfg: How far the estimate may be off.
-        """
+        """Begin with nothing but what the estimate claims of itself."""
         self._cfg = cfg
         self._matcher = MapMatcher(obstacles)
         self._claimed_m = (math.nan, math.nan)
@@ -95,13 +90,10 @@ class MapAnchor:
         return east, north, up
 
     def claim(self, horizontal_m: float, vertical_m: float = math.inf) -> None:
-        """Take over how good the autopilot says that its estimate is, as often as it says so.
+        """Adopt the standard deviations that the autopilot claims of its estimate, per axis.
 
-        A better one moves less from image to image, and is searched for less far.
-
-        Args:
-            horizontal_m: Standard deviation of the estimate, each horizontal axis.
-            vertical_m: Of its height; infinite for half as much again as across.
+        A better estimate moves less from image to image, and is searched for less far. An infinite
+        vertical deviation stands for half as much again as the horizontal one.
         """
         if (horizontal_m, vertical_m) == self._claimed_m:
             return
@@ -115,15 +107,9 @@ class MapAnchor:
     def stand_at(
         self, time_s: float, position_est_m: Vector3, position_map_m: Vector3, sigma_m: float = 0.1
     ) -> None:
-        """Tell it a place where the vehicle is known to be: the pad that it starts from.
+        """Fuse the known position of the vehicle in the map: the pad that it starts from.
 
-        The offset in use jumps there: nothing flies yet.
-
-        Args:
-            time_s: Now.
-            position_est_m: Of the vehicle by the estimate, ENU.
-            position_map_m: Of the vehicle in the map, ENU.
-            sigma_m: How well that is known, each axis.
+        The offset in use jumps there: nothing flies yet. `sigma_m` holds for each axis.
         """
         self._let_drift(time_s)
         there = np.subtract(position_map_m, position_est_m)
@@ -132,12 +118,7 @@ class MapAnchor:
         self._used_at_s = time_s
 
     def update(self, time_s: float, image: DepthImage) -> AnchorFix:
-        """Register a depth image with the map, and fuse what it tells.
-
-        Args:
-            time_s: When it was taken.
-            image: Posed by the estimate.
-        """
+        """Register a depth image, posed by the estimate, with the map, and fuse what it tells."""
         self._let_drift(time_s)
         match = self._matcher.match(image, self._x, self._covariance)
         if match.is_doubtful:

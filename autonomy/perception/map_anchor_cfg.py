@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 _LEAST_SIGMA_M = 0.08
 _WALK_OF_SIGMA = 0.05
-"""A receiver that claims s wanders by .05 s a root second once odometry has smoothed it."""
+"""A receiver that claims s wanders by 0.05 s per root second once odometry has smoothed it."""
 _LEAST_WALK = 0.02
 """Of odometry at 1 m/s."""
 

@@ -77,13 +77,7 @@ class MapMatcher:
     def match(
         self, image: DepthImage, x: Float[np.ndarray, " 4"], covariance: Float[np.ndarray, "4 4"]
     ) -> Match:
-        """Where an image fits, by what was known before.
-
-        Args:
-            image: Posed by the estimate.
-            x: Offset and yaw from the estimate to the map.
-            covariance: Of them.
-        """
+        """Fit an image, posed by the estimate, given what was known of offset and yaw before."""
         points, sigmas = spread_points(image, _N_POINTS)
         if len(points) < _LEAST_POINTS:
             return _nothing(f"{len(points)} points measured; wanted: {_LEAST_POINTS}")

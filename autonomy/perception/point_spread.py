@@ -20,14 +20,9 @@ _TILT_SIGMA_RAD = 0.004
 def spread_points(
     image: DepthImage, n_points: int
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Points from the camera, ENU, evenly over the image, and how well each is known.
+    """Points from the camera, ENU, and the standard deviation of each from its surface, m.
 
-    Args:
-        image: Where the camera is does not matter.
-        n_points: About how many of its pixels are taken, with a measurement or not.
-
-    Returns:
-        The points, and the standard deviation of the distance of each from its surface in m.
+    About `n_points` pixels are taken, evenly over the image, with a measurement or not.
     """
     height, width = image.depth_m.shape
     stride = max(1, round(math.sqrt(height * width / n_points)))
@@ -38,13 +33,7 @@ def spread_points(
 def sample_points(
     pixels: Pixels, stride: int, inverse_sigma: float
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Every so many pixels as points from the camera, ENU, and the deviations of their distance.
-
-    Args:
-        pixels: The image.
-        stride: Between rows and columns.
-        inverse_sigma: Standard deviation of inverse depth, 1/m.
-    """
+    """Every so many pixels as points from the camera, ENU, and the deviations of their distance."""
     depth, fx, fy, cx, cy, _, rotation = pixels
     most = (depth.shape[0] // stride + 1) * (depth.shape[1] // stride + 1)
     points, sigmas = np.empty((most, 3)), np.empty(most)

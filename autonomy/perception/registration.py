@@ -148,18 +148,10 @@ def scan(
     step: Float[np.ndarray, " 3"],
     grid: Grid,
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, " m"]]:
-    """Mean distance of points from surfaces, cut off at the reach, over a lattice of offsets.
+    """Offsets on a lattice, and the mean distance of points from surfaces at each of them.
 
-    Args:
-        points: From the camera, ENU by the estimate.
-        camera: Its position by the estimate.
-        center: Offset and yaw at the middle of the lattice.
-        reach: How far the lattice goes from there, each axis.
-        step: Between its nodes, each axis.
-        grid: The map.
-
-    Returns:
-        The offsets, and the mean distances; infinite where the camera would be in a solid.
+    Distances are cut off at the grid's reach; the mean is infinite where the camera would be in a
+    solid. The lattice reaches so far from its centre, an offset with the yaw, along each axis.
     """
     n = np.zeros(3, dtype=np.int64)
     for i in range(3):

@@ -68,16 +68,9 @@ def fill_cells(
     last: Int[np.ndarray, "n 3"],
     solids: Solids,
 ) -> tuple[Int[np.ndarray, " cells"], Int[np.ndarray, " k"]]:
-    """Solids near each cell: one past the last entry of each, and the entries.
+    """Solids within reach of each cell: one past the last entry of each, and the entries.
 
-    Args:
-        corner: Lowest corner of the grid.
-        cell: Width of a cell.
-        reach: How near is near.
-        counts: Cells along each axis.
-        first: First cell that the bounding box of each solid touches.
-        last: One past the last.
-        solids: All of them.
+    A solid's bounding box, wider by the reach, touches cells from `first` to before `last`.
     """
     n_cells = counts[0] * counts[1] * counts[2]
     found = np.zeros(n_cells + 1, dtype=np.int64)

@@ -99,14 +99,9 @@ class MovingObstacles:
     def movers(self) -> Movers:
         """What kernels take."""
         heading = np.column_stack([np.cos(self.yaw_rad), np.sin(self.yaw_rad)])
-        arrays = (
-            self.position_enu_m,
-            self.velocity_enu_mps,
-            self.half_extent_m,
-            heading,
-            self.radius_m,
-        )
-        p, v, h, c, r = (np.ascontiguousarray(array, dtype=float) for array in arrays)
+        arrays = (self.position_enu_m, self.velocity_enu_mps, self.half_extent_m, heading)
+        p, v, h, c = (np.ascontiguousarray(array, dtype=float) for array in arrays)
+        r = np.ascontiguousarray(self.radius_m, dtype=float)
         return Movers(p, v, h, c, r, float(self.growth_mps), float(self.horizon_s))
 
     def distances(

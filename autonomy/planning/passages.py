@@ -35,11 +35,7 @@ def way_through_openings(
 ) -> Float[np.ndarray, "n 3"]:
     """Centres of cells along a way, and the axes of openings where no cell has enough room.
 
-    Args:
-        search: Finds cells in a field.
-        field: Where the obstacles are.
-        obstacles: The same exactly.
-        needed_m: Distance to obstacles that the vehicle needs in an opening.
+    In an opening the vehicle needs a distance of `needed_m` to obstacles.
 
     Raises:
         UnreachableError: If there is no such way either.

@@ -53,7 +53,6 @@ class Program:
     """x, f and multipliers from p, at fixed times."""
     gradient: Any
     """Of the optimum with respect to log T, from x, p and the multipliers."""
-    n_unknowns: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,7 +72,7 @@ class Symbols:
 
 @functools.cache
 def build(n_pieces: int, n_planes: int) -> Program:
-    """Build the QP of a size, once in a process; .1 to .4 s."""
+    """Build the QP of a size, once in a process; 0.1 to 0.4 s."""
     import casadi as ca  # noqa: PLC0415 - loads only where something is planned
 
     s = symbols(n_pieces, n_planes)
@@ -91,16 +90,11 @@ def build(n_pieces: int, n_planes: int) -> Program:
         gradient=ca.Function(
             "gradient", [s.unknowns, parameters, multipliers], [ca.gradient(lagrangian, s.log_t)]
         ),
-        n_unknowns=s.unknowns.shape[0],
     )
 
 
 def prepare(pieces: Iterable[int] = REPLANNED) -> None:
-    """Build programs ahead, so that no replan in flight waits for one; some three seconds.
-
-    Args:
-        pieces: For which numbers of pieces.
-    """
+    """Build programs for some numbers of pieces, so that no replan waits for one; some 3 s."""
     for n_pieces in pieces:
         for n_planes in PLANES[1:]:
             build(n_pieces, n_planes)
@@ -109,9 +103,7 @@ def prepare(pieces: Iterable[int] = REPLANNED) -> None:
 def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.ndarray, " n"]:
     """Into how many to cut each piece, the longest first, so that their number is built for.
 
-    Args:
-        lengths: Of the pieces, in metres or seconds.
-        least: How many there shall be at least.
+    Lengths are in metres or seconds; there will be `least` pieces or more.
     """
     counts = np.ones(len(lengths), dtype=np.int64)
     wanted = max(least, len(lengths))

@@ -133,11 +133,8 @@ def _longest_first_piece_s(start: np.ndarray, corridor: Corridor) -> float:
         LimitsError: If not even the shortest will do.
     """
     p, v, a = start
-    normals, offsets, rates = (
-        corridor.planes[0, :, :3],
-        corridor.planes[0, :, 3],
-        corridor.rates_mps[0],
-    )
+    normals, offsets = corridor.planes[0, :, :3], corridor.planes[0, :, 3]
+    rates = corridor.rates_mps[0]
     times = np.geomspace(MIN_PIECE_S, MAX_PIECE_S, 120)[:, None]
     second, third = p + v * times / 5, p + 2 * v * times / 5 + a * times**2 / 20
     inside = np.all(second @ normals.T <= offsets + rates * times / 5, axis=1)
