@@ -70,11 +70,7 @@ def compile_ahead(
 ) -> None:
     """Compile a kernel for arguments of these types now, and announce it if it is not cached.
 
-    Args:
-        compiled: Result of `kernel`.
-        arguments: One example of each argument; only their types matter.
-        title: Name of the kernel for the message.
-        expected_seconds: Time of a cold compilation for the message.
+    The message has the kernel's title and the expected time of a cold compilation.
     """
     signature = tuple(numba.typeof(argument) for argument in arguments)
     if signature in compiled.overloads:

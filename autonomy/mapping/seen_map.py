@@ -62,13 +62,7 @@ class SeenMap:
     def __init__(
         self, low_enu_m: Vector3, high_enu_m: Vector3, cfg: SeenMapCfg | None = None
     ) -> None:
-        """An empty map of a flight volume, of which nothing is known.
-
-        Args:
-            low_enu_m: Lower corner.
-            high_enu_m: Upper corner; nothing beyond a whole number of cells is flown in.
-            cfg: How it is built.
-        """
+        """An empty map of a flight volume; beyond a whole number of cells nothing is flown in."""
         self.cfg = SeenMapCfg() if cfg is None else cfg
         self.corner_enu_m = np.array(low_enu_m, dtype=float)
         size = (np.array(high_enu_m) - self.corner_enu_m) / self.cfg.resolution_m
@@ -105,10 +99,7 @@ class SeenMap:
     ) -> None:
         """Take the air above the start as free, until it is seen otherwise.
 
-        Args:
-            foot_enu_m: Where the vehicle stands.
-            radius_m: Of the column.
-            height_m: Of the column: as high as the vehicle rises before it looks around, and more.
+        The column is higher than the vehicle rises before it looks around.
         """
         reach = (radius_m, radius_m, height_m)
         low = self.cells(np.array(foot_enu_m) - (radius_m, radius_m, 0.0))
@@ -141,12 +132,7 @@ class SeenMap:
     def distance_to_seen_m(
         self, points_enu_m: Float[np.ndarray, "k 3"], at_least: int = HIT
     ) -> Float[np.ndarray, " k"]:
-        """Distance to the nearest cell that a measurement hit, up to five cells.
-
-        Args:
-            points_enu_m: From where.
-            at_least: Evidence of the cells that count.
-        """
+        """Distance to the nearest cell with so much evidence of a hit, up to five cells."""
         points = np.ascontiguousarray(points_enu_m, dtype=float)
         return distance_to_cells(
             points, self.evidence, at_least, self.corner_enu_m, self.cfg.resolution_m

@@ -76,13 +76,7 @@ class Craft:
         moving: MovingObstacles = NOTHING_MOVES,
         margin_m: float | None = None,
     ) -> Trajectory:
-        """The trajectory with its proved clearance.
-
-        Args:
-            trajectory: To be proved.
-            obstacles: What stands.
-            moving: What moves, predicted from the trajectory's time 0 on.
-            margin_m: Beyond the vehicle's sphere; None for `min_margin_m`.
+        """The trajectory with its clearance, proved by `certify`; margin None is `min_margin_m`.
 
         Raises:
             CertificateError: If it breaks the clearance or a limit.

@@ -55,12 +55,8 @@ def fly_primitives(
 ) -> tuple[Float[np.ndarray, "n 6 3"], Float[np.ndarray, " n"]]:
     """Coefficients and durations of primitives from a state to rest at the end of a way.
 
-    Args:
-        start: Position, velocity and acceleration, rows, ENU.
-        way_enu_m: Vertices of a free polyline from the start to the goal.
-        obstacles: What to stay away from.
-        bounds: Speeds and accelerations.
-        craft: What flies; its limits of thrust, tilt and body rate, and the distance it keeps.
+    The start is position, velocity and acceleration, ENU, as rows; the way a free polyline from
+    there to the goal. Beside the bounds the craft's limits of thrust, tilt and body rate hold.
 
     Raises:
         CertificateError: If every choice of primitives ends where none goes on.

@@ -232,18 +232,14 @@ def survey(
         MissionError: If the vehicle cannot leave the start.
     """
     limits = FlightLimits() if limits is None else limits
-    if map_source == "onboard":
-        return Surroundings(
-            scene=scene,
-            airframe=airframe,
-            map=unseen_map(scene, airframe, FIELD_RESOLUTION_M),
-            limits=limits,
-        )
     try:
-        given = given_map(scene, _radius_m(airframe), FIELD_RESOLUTION_M)
+        if map_source == "onboard":
+            known: Map = unseen_map(scene, airframe, FIELD_RESOLUTION_M)
+        else:
+            known = given_map(scene, _radius_m(airframe), FIELD_RESOLUTION_M)
     except NoFreeSpaceError as error:
         raise MissionError(str(error)) from None
-    return Surroundings(scene=scene, airframe=airframe, map=given, limits=limits)
+    return Surroundings(scene=scene, airframe=airframe, map=known, limits=limits)
 
 
 def _radius_m(airframe: Airframe) -> float:
