@@ -159,7 +159,7 @@ def _way(task: Task) -> Int[np.ndarray, "n 3"]:
 
 
 def _n_open(task: Task, path: np.ndarray) -> int:
-    """How many cells of a way, from its beginning, have room that was seen free."""
+    """Number of cells of a way, from its beginning, that have room that was seen free."""
     distance_m = task.seen.field.distance_m[tuple(path.T)]
     # Where the start itself has less room, the way out of there may have as little.
     needed = np.full(len(path), task.needed_m)

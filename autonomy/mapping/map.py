@@ -1,4 +1,4 @@
-"""What a pilot asks of a map, whether it was given before the flight or grows with what is seen."""
+"""The map as a pilot needs it, given before the flight or growing with what is seen."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from autonomy.types import FlatReference, Vector3
 
 
 class Map(Protocol):
-    """Where obstacles are, as far as it is known."""
+    """Obstacles, as far as they are known."""
 
     @property
     def is_given(self) -> bool:
@@ -28,7 +28,7 @@ class Map(Protocol):
 
     @property
     def obstacles(self) -> Obstacles:
-        """What the vehicle must not touch; of a growing map all that was not seen free nearby."""
+        """Obstacles to avoid; in a growing map everything nearby that was not seen free."""
 
     @property
     def field(self) -> DistanceField:
@@ -41,7 +41,7 @@ class Map(Protocol):
         """Take in a depth image of any camera."""
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """What the vehicle must not touch near some points."""
+        """Obstacles to avoid near some points."""
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
         """Distance to what is known to be there; what was not seen counts as free."""

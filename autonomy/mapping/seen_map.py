@@ -32,7 +32,7 @@ _N_NUMBERS = 127
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SeenMapCfg:
-    """How a map is built."""
+    """Settings of a map that grows."""
 
     resolution_m: float = 0.25
     max_range_m: float = 8.0
@@ -40,9 +40,9 @@ class SeenMapCfg:
     cap_m: float = 1.5
     """Distances are capped here."""
     nearby_m: float = 10.0
-    """How far from the last camera position `obstacles` reach."""
+    """Reach of `obstacles` from the last camera position."""
     camera_pitch_down_rad: float = math.radians(15.0)
-    """Of the camera that looks ahead: from where it can see a place."""
+    """Pitch of the camera that looks ahead, which decides from where it sees a place."""
     camera_vertical_fov_rad: float = math.radians(60.0)
 
 
@@ -155,7 +155,7 @@ class SeenMap:
         return ()
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
-        """Nobody knows."""
+        """Always true: unseen cells may be free."""
         del point_enu_m
         return True
 
@@ -171,7 +171,7 @@ class SeenMap:
 
     @property
     def obstacles(self) -> Obstacles:
-        """Whatever was not seen free near the camera, as boxes; beyond that everything."""
+        """Everything near the camera that was not seen free, as boxes; beyond that everything."""
         if self._obstacles is None:
             at, reach = np.array(self.eye_enu_m), self.cfg.nearby_m
             block = self._within(np.array([self.cells(at - reach), self.cells(at + reach) + 1]))
@@ -179,14 +179,14 @@ class SeenMap:
         return self._obstacles
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """Whatever was not seen free about some points, as boxes; beyond that everything."""
+        """Everything about some points that was not seen free, as boxes; beyond that everything."""
         away = np.abs(points_enu_m - np.array(self.eye_enu_m))
         if np.all(away < self.cfg.nearby_m - self.cfg.cap_m):
             return self.obstacles
         return self.obstacles_in(self.block_about(self.cells(points_enu_m), self.cfg.cap_m))
 
     def obstacles_in(self, block: Int[np.ndarray, "2 3"]) -> Obstacles:
-        """Whatever was not seen free in a block of cells, and all outside it, as boxes."""
+        """Everything in a block of cells that was not seen free, and all outside it, as boxes."""
         is_free = np.ascontiguousarray(self.evidence[slices(block)] <= FREE_AT)
         corner = self.corner_enu_m + block[0] * self.cfg.resolution_m
         return boxes_about(is_free, corner, self.cfg.resolution_m)

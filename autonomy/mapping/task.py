@@ -1,4 +1,4 @@
-"""What is asked of one plan through a place that is still being seen."""
+"""The task of one plan through a place that is still being seen."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Task:
         return (x, y, z)
 
     def away_m(self, point_enu_m: Vector3) -> float:
-        """How far a place is from the vehicle."""
+        """Distance of a place from the vehicle."""
         return math.dist(point_enu_m, self.start.position_enu_m)
 
     def fly(self, path: Int[np.ndarray, "n 3"], goal_enu_m: Vector3) -> Trajectory:

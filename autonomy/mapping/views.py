@@ -1,4 +1,4 @@
-"""From where a place can be seen: lines of sight through cells that are not occupied."""
+"""Viewpoints: lines of sight from a place through cells that are not occupied."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from autonomy.mapping.rays import OCCUPIED_AT
 from autonomy.planning.search import way_back
 
 _STEP = 0.5
-"""Of a cell, between samples of a line of sight."""
+"""Distance between samples of a line of sight, in cells."""
 
 
 class Sight(NamedTuple):
-    """Which lines of sight a camera has that turns about the vertical."""
+    """Lines of sight of a camera that turns about the vertical."""
 
     least_rise: float
     """Over the horizontal length."""
@@ -34,7 +34,7 @@ def visible(
     evidence: Int[np.ndarray, "nx ny nz"],
     sight: Sight,
 ) -> Bool[np.ndarray, " n"]:
-    """Which cells a camera sees that turns about the vertical at a place, all in cells."""
+    """Whether a camera that turns about the vertical at a place sees each cell; all in cells."""
     is_seen = np.zeros(len(targets), dtype=np.bool_)
     for n in range(len(targets)):
         is_seen[n] = _sees(eye, targets[n], evidence, sight)
@@ -131,7 +131,7 @@ def _worth(
     evidence: np.ndarray,
     sight: Sight,
 ) -> float:
-    """What the targets that one sees are worth, nothing if none of the needed is among them."""
+    """Worth of the targets that are visible, nothing if none of the needed is among them."""
     worth = 0.0
     for n in range(len(targets)):
         if n == n_needed and worth == 0.0:

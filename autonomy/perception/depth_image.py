@@ -186,7 +186,7 @@ def bound_hidden(
     east: Float[np.ndarray, " n"],
     north: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n n"]:
-    """How high anything may stand in each cell of a grid without breaking a line of sight.
+    """Greatest height of anything in each cell of a grid that breaks no line of sight.
 
     Cells are as wide as `step`; taken is the height of the line over their far side.
     """

@@ -72,7 +72,7 @@ class ElevationMap:
 
     @property
     def is_observed(self) -> Bool[np.ndarray, "n n"]:
-        """Which cells were seen at least once."""
+        """Whether each cell was seen at least once."""
         return self.n_frames > 0
 
     @property

@@ -31,7 +31,7 @@ class Foreground:
     """Row and column, of the image."""
     depth_m: Float[np.ndarray, " n"]
     static_distance_m: Float[np.ndarray, " n"]
-    """To what the map has."""
+    """Distance from each point to the nearest surface of the map."""
 
 
 def find_foreground(

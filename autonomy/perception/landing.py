@@ -1,4 +1,4 @@
-"""Where to land: slope, roughness and room on an elevation map, and the best place on it.
+"""Landing sites: slope, roughness and room on an elevation map, and the best place on it.
 
 A cell is safe as the vehicle's centre when, within the circle that holds its feet, everything was
 observed in several frames that agree, the fitted plane is level enough and nothing stands out of it
@@ -54,7 +54,7 @@ class LandingSite:
     position_enu_m: Vector3
     """On the plane under the feet, in the frame of the estimate."""
     normal_enu: Vector3
-    """Of that plane, upwards."""
+    """Upward unit normal of that plane."""
     slope_rad: float
     roughness_m: float
     """Height range about the plane under the feet."""
@@ -64,7 +64,7 @@ class LandingSite:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LandingMap(Ground):
-    """What is known about every cell; rows along north, columns along east."""
+    """All that is known about every cell; rows along north, columns along east."""
 
     surface_m: Float[np.ndarray, "n n"]
     """Height of the plane under the feet, ENU; NaN, like all that follows from it, where not all
@@ -72,7 +72,7 @@ class LandingMap(Ground):
     gradient: Float[np.ndarray, "2 n n"]
     """Rise of the plane per metre to the east and to the north."""
     height_m: Float[np.ndarray, "n n"]
-    """Of the surface; without meaning where nothing was seen."""
+    """Height of the surface; without meaning where nothing was seen."""
     is_observed: Bool[np.ndarray, "n n"]
     is_safe: Bool[np.ndarray, "n n"]
     clearance_m: Float[np.ndarray, "n n"]
@@ -91,7 +91,7 @@ class LandingMap(Ground):
 
     @cached_property
     def cost(self) -> Float[np.ndarray, " m"]:
-        """Of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
+        """Cost of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
         room = self.clearance_m[self.is_observed]
         share = np.minimum(room / self.enough_clearance_m, 1.0)
         return np.where(room > 0, 0.5 * (1.0 - share), 1.0)
@@ -170,7 +170,7 @@ def choose_site(
 def site_at(
     landing: LandingMap, elevation: ElevationMap, place_enu_m: Vector3
 ) -> LandingSite | None:
-    """What a map holds of a place by now, safe or not; None where its ground was not observed."""
+    """A place by a map's present state, safe or not; None where its ground was not observed."""
     cell = elevation.cell(*place_enu_m[:2])
     if not _is_known(landing, cell):
         return None

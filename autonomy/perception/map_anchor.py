@@ -1,4 +1,4 @@
-"""Where the frame of the estimate lies in the map: an offset and a yaw, held up by depth images.
+"""Offset and yaw of the frame of the estimate in the map, held up by depth images.
 
     symbol   name                                        unit
     x        offset o (3) and yaw a of the anchor        m, rad
@@ -40,20 +40,20 @@ _HEIGHT_TO_ACROSS = 1.5
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AnchorFix:
-    """What came of one depth image."""
+    """The outcome of one depth image."""
 
     accepted: bool
     """Whether it was fused."""
     reason: str
     """Why, or why not, in a few words."""
     offset_enu_m: Vector3
-    """From the estimate to the map, as this image and all before have it."""
+    """Offset from the estimate to the map, by this image and all before."""
     yaw_rad: float
-    """From the estimate to the map, likewise."""
+    """Yaw from the estimate to the map, likewise."""
     residual_m: float
     """Mean distance of the explained points from the map's surfaces."""
     inlier_share: float
-    """Of the points, that the map explains."""
+    """Share of the points that the map explains."""
     sigma_m: float
     """Standard deviation of the offset, the worst horizontal direction."""
 
@@ -85,7 +85,7 @@ class MapAnchor:
 
     @property
     def offset_enu_m(self) -> Vector3:
-        """What is added at present to a position of the estimate."""
+        """Offset that is added at present to a position of the estimate."""
         east, north, up, _ = self._in_use.tolist()
         return east, north, up
 
@@ -216,7 +216,7 @@ class MapAnchor:
         self._covariance = self._covariance + walk
 
     def _objection(self, match: Match) -> str | None:
-        """What speaks against a match, None if nothing does."""
+        """The objection to a match, None if there is none."""
         if match.objection is not None:
             return match.objection
         least = self._cfg.least_inlier_share
@@ -234,7 +234,7 @@ class MapAnchor:
         self._covariance *= np.outer(shrink, shrink)
 
     def _variances(self, match: Match) -> Float[np.ndarray, " k"]:
-        """Of each measured direction, with what no image can do better."""
+        """Variance of each measured direction, including the floor below which no image gets."""
         floor = np.where(match.is_angle, self._cfg.fix_yaw_sigma_rad**2, self._cfg.fix_sigma_m**2)
         return match.variances + floor
 

@@ -20,7 +20,7 @@ from autonomy.perception.solid_index import index_solids
 from autonomy.planning.obstacles import Obstacles
 
 _REACH_M = 1.0
-"""From how far a surface pulls a point."""
+"""Distance from which a surface pulls a point."""
 _N_POINTS = 700
 _N_SCANNED = 70
 _LEAST_POINTS = 80
@@ -30,13 +30,13 @@ _LEAST_SUPPORT = 12.0
 """Points of `_N_POINTS` that must lie across a direction before it counts as seen."""
 _LEAST_INFORMATION = 1e-6
 _KNOWN_M = 0.35
-"""With a standard deviation above it, all about is searched."""
+"""A larger standard deviation requires a search all about."""
 _SCAN_SIGMAS = 2.5
 _MAX_SCAN_REACH_M = 5.0
 _NODES_PER_REACH = 4
-"""Of the lattice, at most, from its middle to its edge."""
+"""Most nodes of the lattice from its middle to its edge."""
 _SCAN_STEP_M = np.array([0.5, 0.5, 0.4])
-"""At least."""
+"""Least distance between nodes."""
 _N_STARTS = 8
 _N_PLACES = 3
 _THINNING = 5
@@ -50,7 +50,7 @@ _RIVAL_COST = 2.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Match:
-    """Where an image fits."""
+    """The fit of an image."""
 
     objection: str | None
     """Why it is not to be used; None where it is."""
@@ -59,11 +59,11 @@ class Match:
     measured: Float[np.ndarray, " k"]
     """Values along the directions that were seen."""
     directions: Float[np.ndarray, "4 k"]
-    """Of offset and yaw, orthonormal."""
+    """Orthonormal directions of offset and yaw."""
     variances: Float[np.ndarray, " k"]
-    """Of the values."""
+    """Variances of the values."""
     is_angle: Bool[np.ndarray, " k"]
-    """Which of them is yaw."""
+    """Whether each direction is yaw."""
     residual_m: float
     inlier_share: float
 
@@ -118,7 +118,7 @@ class MapMatcher:
         return places[:_N_PLACES]
 
     def _settled(self, view: View, starts: list[np.ndarray], widths: np.ndarray) -> list[_Found]:
-        """Where registrations from some starts end, the best first."""
+        """The ends of registrations from some starts, the best first."""
         return sorted((self._settle(view, s, widths) for s in starts), key=lambda f: f.cost)
 
     def _settle(self, view: View, start: np.ndarray, widths: np.ndarray) -> _Found:
@@ -138,7 +138,7 @@ class MapMatcher:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Found:
-    """Where one registration ended."""
+    """The end of one registration."""
 
     x: Float[np.ndarray, " 4"]
     cost: float

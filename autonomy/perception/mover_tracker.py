@@ -33,10 +33,10 @@ _COAST_NEW_S = 1.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MoverTrackerCfg:
-    """How moving obstacles are found and followed."""
+    """Settings for finding and following moving obstacles."""
 
     static_within_m: float = 0.35
-    """What is nearer than this to the map is taken for part of it."""
+    """A point nearer than this to the map counts as part of it."""
     mover_beyond_m: float = 0.55
     """Some of what moves must be farther than this from the map. Must cover the error of the
     estimated pose and the 17 cm by which remembered distances err; who keeps nearer than this to
@@ -44,7 +44,7 @@ class MoverTrackerCfg:
     range_m: float = 16.0
     """Depth beyond which nothing is looked at."""
     most_depth_sigma_m: float = 0.3
-    """Nor where depth is no better known than this."""
+    """Depth known less well than this is ignored as well."""
     least_samples: int = 5
     """Fewer, so far from the map, are noise; a sample stands for two by two pixels."""
     most_size_m: float = 7.0
@@ -54,7 +54,7 @@ class MoverTrackerCfg:
     misses_to_end: int = 2
     """Images in a row that show what is behind it, after which it is gone."""
     coast_s: float = 5.0
-    """For how long an obstacle out of sight is believed to go on."""
+    """Time for which an obstacle out of sight is believed to go on."""
     gate: float = 16.0
     """Largest squared Mahalanobis distance of a sighting from its track."""
     remember_s: float = math.inf
@@ -67,7 +67,7 @@ class MoverTrackerCfg:
     most_growth_mps: float = 0.4
     """Fastest that radii grow, all of them as fast as the one that is known worst."""
     horizon_s: float = 4.0
-    """How far ahead predictions are believed."""
+    """Time for which predictions are believed."""
 
 
 class MoverTracker:
@@ -109,7 +109,7 @@ class MoverTracker:
         return np.array(places).reshape(-1, 3)
 
     def moving(self, time_s: float) -> MovingObstacles:
-        """What moves, predicted from a time on."""
+        """Confirmed obstacles, predicted from a time on."""
         cfg = self._cfg
         tracks = [track for track in self.tracks if track.n_hits >= cfg.hits_to_confirm]
         position, velocity, half = (np.zeros((len(tracks), 3)) for _ in range(3))

@@ -12,9 +12,9 @@ from autonomy.perception.depth_image import DepthImage, Pixels
 
 _NEAREST_M, _FARTHEST_M = 0.2, 30.0
 _SURFACE_SIGMA_M = 0.05
-"""Of surfaces as the map has them."""
+"""Error of the map's surfaces."""
 _TILT_SIGMA_RAD = 0.004
-"""Of the estimate's roll and pitch."""
+"""Error of the estimate's roll and pitch."""
 
 
 def spread_points(

@@ -30,19 +30,19 @@ from autonomy.perception.solid_index import Grid, nearest_plane
 INLIER_SIGMAS = 3.0
 """A point farther from every surface is not explained by the map."""
 _SIGHT_EVERY = 4
-"""Of so many lines of sight one is followed."""
+"""One of so many lines of sight is followed."""
 _SIGHT_STEP_M = 0.05
 _GRAZING = 0.05
 """Cosine between a surface's normal and the line of sight from which on it is seen from behind."""
 _BACKWARDS_M = (0.06, 0.12, 0.25, 0.5, 0.9)
-"""How far a point in a solid is taken back towards the camera to find the side that was seen."""
+"""Steps from a point in a solid back towards the camera, to find the side that was seen."""
 
 
 class View(NamedTuple):
     """Points of an image, and what was known of offset and yaw before."""
 
     points: Float[np.ndarray, "n 3"]
-    """From the camera, ENU by the estimate."""
+    """Points from the camera, ENU by the estimate."""
     sigmas: Float[np.ndarray, " n"]
     """Standard deviation of the distance of each from its surface, m."""
     camera: Float[np.ndarray, " 3"]
@@ -96,7 +96,7 @@ def register(
 def appraise(
     view: View, x: Float[np.ndarray, " 4"], grid: Grid
 ) -> tuple[float, float, float, Float[np.ndarray, "4 4"], Float[np.ndarray, "3 3"]]:
-    """How well points lie on surfaces.
+    """Judge how well points lie on surfaces.
 
     Returns:
         Half the sum of squared deviations, those of unexplained points cut off, as `worth` counts

@@ -20,7 +20,7 @@ from autonomy.perception.foreground import STRIDE_PX, Foreground
 LEAST_HALF_M = 0.15
 """Nothing that matters is thinner."""
 _USUAL_HALF_M = 0.3
-"""What is unseen behind the near side is as deep as half the width, up to this."""
+"""The unseen part behind the near side is as deep as half the width, up to this."""
 _NEAR_PERCENT, _FAR_PERCENT = 10.0, 90.0
 _EDGE_PERCENT = 2.0
 # Share of a spread that lies between these percentiles, for points even over it.
@@ -45,7 +45,7 @@ class Footprint:
     across_m: float
     up_m: float
     yaw_rad: float
-    """Of `along`, counter-clockwise from east."""
+    """Heading of `along`, counter-clockwise from east."""
 
     def reach_m(self, direction: Float[np.ndarray, " 2"]) -> float:
         """How far it reaches towards a horizontal unit direction: between its box and the ellipse.
@@ -60,7 +60,7 @@ class Footprint:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sighting:
-    """What one image shows of one obstacle."""
+    """One image's evidence of one obstacle."""
 
     points_enu_m: Float[np.ndarray, "n 3"]
     forward: Float[np.ndarray, " 2"]
@@ -77,7 +77,7 @@ class Sighting:
     depth_sigma_m: float
 
     def spread_m(self, yaw_rad: float) -> tuple[float, float]:
-        """How far its points spread along a heading and across it, without their noise."""
+        """Spread of its points along a heading and across it, without their noise."""
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         spreads = []
         for direction in (np.array([c, s]), np.array([-s, c])):

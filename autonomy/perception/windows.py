@@ -24,7 +24,7 @@ def disc(radius_m: float, resolution_m: float) -> Float[np.ndarray, "k k"]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowFit:
-    """What lies within a window about each cell; NaN where it is not all known."""
+    """The contents of a window about each cell; NaN where it is not all known."""
 
     plane: Float[np.ndarray, "3 n n"]
     """Least-squares plane: height over the cell, rise to east and north."""
@@ -139,7 +139,7 @@ def highest(
     window: Float[np.ndarray, "k k"],
     resolution_m: float,
 ) -> Float[np.ndarray, "n n"]:
-    """How far a surface rises above each cell's plane within the window; inf beyond the border."""
+    """Rise of a surface above each cell's plane within the window; inf beyond the border."""
     return extremes(surface, np.zeros((0, 0)), plane, window, resolution_m)[0]
 
 

@@ -126,7 +126,7 @@ def _stops(
 
 
 def _directions(velocity: np.ndarray) -> Float[np.ndarray, "26 3"]:
-    """To all sides, as seen along the horizontal motion; level, slanted, up and down."""
+    """Directions to all sides of the horizontal motion; level, slanted, up and down."""
     heading = math.atan2(velocity[1], velocity[0])
     angle = heading + np.arange(8) * math.pi / 4
     level = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(8)])

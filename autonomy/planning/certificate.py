@@ -27,7 +27,7 @@ _TOLERANCE = 0.01
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Certificate:
-    """What was proved."""
+    """Proved bounds of a trajectory."""
 
     min_clearance_m: float
     """Lower bound of the distance from the vehicle's sphere to obstacles, along the whole way."""
@@ -121,7 +121,7 @@ def _clearance(
 
 
 def _speed_bounds(trajectory: Trajectory) -> Float[np.ndarray, " n"]:
-    """What the speed of each piece nowhere exceeds: the longest control point of its velocity."""
+    """Bound of the speed of each piece: the longest control point of its velocity."""
     t = trajectory.durations_s[:, None]
     ends = []
     for since in (np.zeros(len(t)), trajectory.durations_s):

@@ -18,7 +18,7 @@ class DistanceField:
     """Centre of the cell with index (0, 0, 0)."""
     resolution_m: float
     distance_m: Float[np.ndarray, "nx ny nz"]
-    """From the centre of a cell to the nearest occupied cell; 0 in occupied cells."""
+    """Distance from the centre of a cell to the nearest occupied cell; 0 in occupied cells."""
 
     def __post_init__(self) -> None:
         """Refuse what is not a field."""
@@ -44,6 +44,6 @@ class DistanceField:
         return np.array(self.origin_enu_m), self.centres(np.array(self.distance_m.shape) - 1)
 
     def contains(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> np.ndarray:
-        """Which points lie in a cell of the grid."""
+        """Whether each point lies in a cell of the grid."""
         cells = self.cells(points_enu_m)
         return np.all((cells >= 0) & (cells < self.distance_m.shape), axis=-1)

@@ -122,7 +122,7 @@ def _require_room(
 
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """What is to be planned."""
+    """The arguments of a plan."""
 
     start: FlatReference
     goal_enu_m: Vector3

@@ -30,7 +30,7 @@ _REACHES_M = (1.0, 2.0, 4.0, 7.0, 11.0, 16.0, 24.0)
 _SPEED_SHARES = (0.0, 0.35, 0.7, 0.95)
 _STRETCHES = (1.05, 1.25, 1.5, 1.9, 2.5, 3.5)
 _CRUISE_SHARE = 0.7
-"""Of the speed limit: what the rest of the way is expected to be flown at."""
+"""Share of the speed limit at which the rest of the way is expected to be flown."""
 _RESERVE = 0.98
 _MAX_EXPANSIONS = 400
 

@@ -33,9 +33,9 @@ PRICE = 4.0
 """Seconds a second of flight that its whole excess over a limit costs."""
 SQUARE_PRICE = 20.0
 JERK_WEIGHT_M2PS5 = 40.0
-"""How much squared jerk, integrated, is worth one second."""
+"""Integral of squared jerk that is worth one second."""
 OCTAGON = math.cos(math.pi / 8)
-"""Of an octagon inside the unit circle: distance of its sides from the middle."""
+"""Distance of the sides of an octagon inside the unit circle from its middle."""
 PLANES = (8, 12, 16, 24)
 """Sizes of polytopes that programs are built for."""
 PIECES = (1, 2, 3, 4, 6, 8, 10, 12, 16, 20)
@@ -52,7 +52,7 @@ class Program:
     solve: Any
     """x, f and multipliers from p, at fixed times."""
     gradient: Any
-    """Of the optimum with respect to log T, from x, p and the multipliers."""
+    """Gradient of the optimum with respect to log T, from x, p and the multipliers."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,7 +67,7 @@ class Symbols:
     nodes: Any
     cost: Any
     rows: Any
-    """At most zero."""
+    """Rows that are at most zero."""
 
 
 @functools.cache

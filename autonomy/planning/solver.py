@@ -64,11 +64,11 @@ class Solver:
         return np.concatenate([start[None], inner / scale[:, :, None], goal[None]])
 
     def slack(self, log_times: np.ndarray) -> np.ndarray:
-        """By what share of its limits each piece exceeds them."""
+        """Share of its limits by which each piece exceeds them."""
         return np.array(self._solve(log_times)["x"]).ravel()[9 * (self._n - 1) :]
 
     def name_worst(self, log_times: np.ndarray) -> str:
-        """Which limit is exceeded most, by how much and where."""
+        """Name the limit that is exceeded most, by how much and where."""
         nodes, times, b = self.nodes(log_times), np.exp(log_times), self._bounds
         worst = (-math.inf, "")
         for k in range(self._n):
