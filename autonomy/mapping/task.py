@@ -29,7 +29,7 @@ _AT_REST_RADPS = 0.2
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Task:
-    """A vehicle, where it is and how it moves, where it shall go, and what it saw."""
+    """A vehicle's state, its goal and what it saw."""
 
     seen: SeenMap
     start: FlatReference

@@ -53,8 +53,6 @@ class LandingSite:
 
     position_enu_m: Vector3
     """On the plane under the feet, in the frame of the estimate."""
-    normal_enu: Vector3
-    """Upward unit normal of that plane."""
     slope_rad: float
     roughness_m: float
     """Height range about the plane under the feet."""
@@ -69,8 +67,6 @@ class LandingMap(Ground):
     surface_m: Float[np.ndarray, "n n"]
     """Height of the plane under the feet, ENU; NaN, like all that follows from it, where not all
     under the feet was observed."""
-    gradient: Float[np.ndarray, "2 n n"]
-    """Rise of the plane per metre to the east and to the north."""
     height_m: Float[np.ndarray, "n n"]
     """Height of the surface; without meaning where nothing was seen."""
     is_observed: Bool[np.ndarray, "n n"]
@@ -110,7 +106,6 @@ def assess(
     return LandingMap(
         **vars(ground),
         surface_m=plane[0].astype(float) + level,
-        gradient=plane[1:],
         height_m=elevation.height_m.copy(),
         is_observed=observed,
         is_safe=safe,
@@ -174,11 +169,8 @@ def site_at(
     cell = elevation.cell(*place_enu_m[:2])
     if not _is_known(landing, cell):
         return None
-    gradient_east, gradient_north = landing.gradient[(slice(None), *cell)].tolist()
-    length = math.hypot(gradient_east, gradient_north, 1.0)
     return LandingSite(
         position_enu_m=(place_enu_m[0], place_enu_m[1], float(landing.surface_m[cell])),
-        normal_enu=(-gradient_east / length, -gradient_north / length, 1.0 / length),
         slope_rad=float(landing.slope_rad[cell]),
         roughness_m=float(landing.roughness_m[cell]),
         clearance_m=float(landing.clearance_m[cell]),
