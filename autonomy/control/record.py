@@ -124,7 +124,7 @@ CONTROLLER_DTYPE = np.dtype(
     align=True,
 )
 
-_SAME_NAME = [field.name for field in fields(ControllerCfg) if field.name in CONTROLLER_DTYPE.names]
+_SAME_NAME = {field.name for field in fields(ControllerCfg)} & set(CONTROLLER_DTYPE.names or ())
 """Gains and limits that the kernels take as they are configured."""
 
 

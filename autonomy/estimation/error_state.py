@@ -156,7 +156,7 @@ FILTER_DTYPE = np.dtype(
 )
 
 
-_SAME_NAME = [field.name for field in fields(EstimatorCfg) if field.name in FILTER_DTYPE.names]
+_SAME_NAME = {field.name for field in fields(EstimatorCfg)} & set(FILTER_DTYPE.names or ())
 """Settings that the kernels take as they are configured."""
 
 

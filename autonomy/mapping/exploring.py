@@ -1,6 +1,6 @@
 """Plans towards a goal through a place that is still being seen.
 
-A search leads to the goal also through what nobody has looked at, at a price. What is flown of it
+A search leads to the goal also through what was not looked at, at a price. What is flown of it
 is the part before it leaves what was seen free, planned and proved against all the rest, and it
 ends at rest: the vehicle can always stay where its plan ends. As more is seen, a new plan takes
 over. Where the way leads on to cells that the camera does not see from there, because they are

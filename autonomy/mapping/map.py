@@ -25,32 +25,41 @@ class Map(Protocol):
     @property
     def is_given(self) -> bool:
         """Whether all of it was known before the flight; else it grows with each image."""
+        ...
 
     @property
     def obstacles(self) -> Obstacles:
         """Obstacles to avoid; in a growing map everything nearby that was not seen free."""
+        ...
 
     @property
     def field(self) -> DistanceField:
         """Distances to these obstacles."""
+        ...
 
     def find_openings(self) -> Sequence[Opening]:
         """Doors, windows and other narrow ways of a map that was given, the widest first."""
+        ...
 
     def observe(self, image: DepthImage) -> None:
         """Take in a depth image of any camera."""
+        ...
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
         """Obstacles to avoid near some points."""
+        ...
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
         """Distance to what is known to be there; what was not seen counts as free."""
+        ...
 
     def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
         """Distance to what is known to stand there, and not to move; 0 where nothing is known."""
+        ...
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
         """Whether free cells may join a point of the field to the start."""
+        ...
 
     def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
         """A certified trajectory to a goal, or towards it as far as is known.
@@ -58,6 +67,7 @@ class Map(Protocol):
         Raises:
             PlanningError: Saying why there is none.
         """
+        ...
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,4 +1,4 @@
-"""The map of a place that nobody knew before: cells seen free, seen occupied, or not seen.
+"""The map of a place not known before: cells seen free, seen occupied, or not seen.
 
 Whatever was not seen free is an obstacle to the proof of a plan.
 """

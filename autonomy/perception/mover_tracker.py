@@ -1,11 +1,11 @@
 """Moving obstacles from onboard depth: what the map does not explain, followed over images.
 
 Each image's foreground falls into blobs, and blobs close together are one sighting. A sighting
-goes to the track that expected it, the best pairs first; what nobody expected begins a track,
+goes to the track that expected it, the best pairs first; an unexpected one begins a track,
 which counts once a few images have shown it. A track ends when images show what is behind the
 place where it should be, or when nothing was seen of it for a while.
 
-What does not move but is not on the map either, somebody who waits, is followed like the rest:
+An obstacle at rest that is not on the map, a person who waits, is followed like the rest:
 it is as much in the way.
 """
 
@@ -39,8 +39,8 @@ class MoverTrackerCfg:
     """A point nearer than this to the map counts as part of it."""
     mover_beyond_m: float = 0.55
     """Some of what moves must be farther than this from the map. Must cover the error of the
-    estimated pose and the 17 cm by which remembered distances err; who keeps nearer than this to
-    a wall is not seen."""
+    estimated pose and the 17 cm by which remembered distances err; a mover nearer than this to a
+    wall is not seen."""
     range_m: float = 16.0
     """Depth beyond which nothing is looked at."""
     most_depth_sigma_m: float = 0.3

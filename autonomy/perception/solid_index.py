@@ -1,4 +1,4 @@
-"""Signed distance near the surfaces of many solids, fast: a grid that knows who is near.
+"""Signed distance near the surfaces of many solids, fast: a grid that knows which are near.
 
 Each cell of the grid lists the solids that come within `reach_m` of any point of it, so that the
 distance to the nearest one, cut off at the reach, is found among a few.

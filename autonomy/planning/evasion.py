@@ -92,7 +92,7 @@ class Rest:
             yield Corridor(planes=self.planes, gates_enu_m=self._gates), self.durations_s
             return
         hits = [i for i in near if self._distance[i].min() < keep_m]
-        # Who is met first is evaded; for others the side is kept that this evasion leads past.
+        # The one met first is evaded; for others the side is kept that this evasion leads past.
         hit = min(hits, key=lambda i: int(np.argmax(self._distance[i] < keep_m)), default=None)
         guesses = [(self._path, 1.0)] if hit is None else self._evasions(hit, keep_m)
         for path, speed_share in guesses:

@@ -60,7 +60,7 @@ def find_openings(field: DistanceField, obstacles: Obstacles) -> list[Opening]:
         field: Free space; its cells find openings that are wider than about two of them.
         obstacles: The same exactly, for the measures.
     """
-    from scipy import ndimage  # noqa: PLC0415 - start-up time: only where somebody asks
+    from scipy import ndimage  # noqa: PLC0415 - start-up time: loads only on demand
 
     is_free = np.ascontiguousarray(field.distance_m > 0)
     direction = narrow_cells(is_free, field.resolution_m)

@@ -75,21 +75,14 @@ class Solver:
             _, velocity, acceleration, _ = control_points(
                 tuple(nodes[k]), tuple(nodes[k + 1]), times[k]
             )
-            v, a = np.array(velocity), np.array(acceleration)
+            v, a = np.array(velocity), np.array(acceleration) / self._share[k]
+            across, up = b.acceleration_horizontal_mps2, b.acceleration_vertical_mps2
             x, y, z = nodes[k, 0]
             for name, value, limit in (
                 ("horizontal speed", np.hypot(v[:, 0], v[:, 1]), b.speed_horizontal_mps),
                 ("vertical speed", abs(v[:, 2]), b.speed_vertical_mps),
-                (
-                    "horizontal acceleration",
-                    np.hypot(a[:, 0], a[:, 1]) / self._share[k],
-                    b.acceleration_horizontal_mps2,
-                ),
-                (
-                    "vertical acceleration",
-                    abs(a[:, 2]) / self._share[k],
-                    b.acceleration_vertical_mps2,
-                ),
+                ("horizontal acceleration", np.hypot(a[:, 0], a[:, 1]), across),
+                ("vertical acceleration", abs(a[:, 2]), up),
             ):
                 share = float(np.max(value)) / limit
                 where = f"after ({x:.1f}, {y:.1f}, {z:.1f}) m"

@@ -101,7 +101,7 @@ class Surroundings:
 
     @property
     def craft(self) -> Craft:
-        """What plans are made for."""
+        """The vehicle that plans are made for."""
         return Craft(self.limits, self.airframe.quadrotor, self.planner)
 
     def plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:

@@ -22,22 +22,27 @@ class DepthFrame(Protocol):
     @property
     def depth_m(self) -> np.ndarray:
         """Depth along the optical axis, float32 (height, width)."""
+        ...
 
     @property
     def fx(self) -> float:
         """Horizontal focal length, px."""
+        ...
 
     @property
     def fy(self) -> float:
         """Vertical focal length, px."""
+        ...
 
     @property
     def cx(self) -> float:
         """Horizontal principal point, px."""
+        ...
 
     @property
     def cy(self) -> float:
         """Vertical principal point, px."""
+        ...
 
 
 Frames = Callable[[str], DepthFrame]

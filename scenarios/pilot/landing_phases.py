@@ -36,9 +36,11 @@ class WaysOut(Protocol):
 
     def hold(self, reason: str) -> Step:
         """Come to rest and wait."""
+        ...
 
     def go_home(self, reason: str) -> Step:
         """Give up and fly home."""
+        ...
 
 
 class LandingPhases:
