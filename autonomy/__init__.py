@@ -7,11 +7,4 @@ mapping, control and estimation each say their own.
 from autonomy.model import QuadrotorParams, RotorParams
 from autonomy.types import ControlLevel, FlatReference, Setpoint, State
 
-__all__ = [
-    "ControlLevel",
-    "FlatReference",
-    "QuadrotorParams",
-    "RotorParams",
-    "Setpoint",
-    "State",
-]
+__all__ = ["ControlLevel", "FlatReference", "QuadrotorParams", "RotorParams", "Setpoint", "State"]

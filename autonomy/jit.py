@@ -70,11 +70,7 @@ def compile_ahead(
 ) -> None:
     """Compile a kernel for arguments of these types now, and announce it if it is not cached.
 
-    Args:
-        compiled: Result of `kernel`.
-        arguments: One example of each argument; only their types matter.
-        title: Name of the kernel for the message.
-        expected_seconds: Time of a cold compilation for the message.
+    The message has the kernel's title and the expected time of a cold compilation.
     """
     signature = tuple(numba.typeof(argument) for argument in arguments)
     if signature in compiled.overloads:
@@ -95,13 +91,7 @@ def compile_ahead(
 
 
 def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float) -> None:
-    """Announce that kernels will compile on their first use, unless they are cached.
-
-    Args:
-        modules: Names of the modules that define them.
-        title: Name of the kernels for the message.
-        expected_seconds: Time of compiling all of them for the message.
-    """
+    """Announce that the kernels of modules will compile on their first use, unless cached."""
     if not all(any(cache_directory(module).rglob("*.nbi")) for module in modules):
         _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
 

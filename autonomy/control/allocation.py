@@ -24,15 +24,9 @@ def allocate(
     high_n: np.ndarray,
     thrust_n: np.ndarray,
 ) -> None:
-    """Fill `thrust_n` (4,) with thrusts inside [low_n, high_n].
+    """Fill `thrust_n` (4,) with thrusts inside [low_n, high_n] for a collective and a torque (3,).
 
-    Args:
-        A: Allocation matrix (4, 4), inverse of `thrust_torque_matrix`; its first column positive.
-        collective_n: Demanded sum of the thrusts.
-        torque_flu_nm: Demanded torque (3,).
-        low_n: Least thrust of each rotor (4,).
-        high_n: Largest thrust of each rotor (4,).
-        thrust_n: Result.
+    A (4, 4) is the inverse of `thrust_torque_matrix`; its first column is positive.
     """
     mx, my, mz = torque_flu_nm[0], torque_flu_nm[1], torque_flu_nm[2]
     for i in range(4):

@@ -7,12 +7,7 @@ import math
 import numpy as np
 
 from autonomy.control.allocation import allocate, lead_command
-from autonomy.control.geometric import (
-    attitude_torque,
-    command_attitude,
-    demand_force,
-    rate_torque,
-)
+from autonomy.control.geometric import attitude_torque, command_attitude, demand_force, rate_torque
 from autonomy.control.recovery import demand_recovery, watch_recovery
 from autonomy.control.reference import start_reference, update_reference
 from autonomy.control.setpoint_stream import accept_setpoint
@@ -26,11 +21,7 @@ _OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE = 0.0, 1.0, 2.0, 3.0, 4.0
 def control(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
     """Run one control tick; the result is in `c.rotor_command_radps`.
 
-    Args:
-        c: Record of the controller.
-        s: Setpoint.
-        x: State of the vehicle as far as it is known.
-        is_new: Whether the setpoint arrived since the last tick.
+    A setpoint is new if it arrived since the last tick; x is the vehicle's state as it is known.
     """
     if s.level <= _IDLE:
         _rest(c, s.level)

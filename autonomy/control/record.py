@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 
 import numpy as np
 
@@ -123,26 +124,8 @@ CONTROLLER_DTYPE = np.dtype(
     align=True,
 )
 
-_SAME_NAME = (
-    "integral_gain",
-    "max_integral_mps2",
-    "max_disturbance_mps2",
-    "max_feedback_mps2",
-    "rotor_response_s",
-    "approach_gain_radps",
-    "velocity_response_radps",
-    "max_acceleration_mps2",
-    "max_acceleration_vertical_mps2",
-    "max_jerk_mps3",
-    "max_speed_mps",
-    "max_vertical_speed_mps",
-    "max_climb_mps",
-    "max_descent_mps",
-    "leash_m",
-    "max_yaw_rate_radps",
-    "max_yaw_acceleration_radps2",
-    "yaw_gain_radps",
-)
+_SAME_NAME = {field.name for field in fields(ControllerCfg)} & set(CONTROLLER_DTYPE.names or ())
+"""Gains and limits that the kernels take as they are configured."""
 
 
 def new_controller(quadrotor: QuadrotorParams, cfg: ControllerCfg, *, dt_s: float) -> np.ndarray:
@@ -152,11 +135,7 @@ def new_controller(quadrotor: QuadrotorParams, cfg: ControllerCfg, *, dt_s: floa
     c["dt_s"] = dt_s
     c["gravity_mps2"] = GRAVITY_MPS2
     _write_vehicle(c, quadrotor, cfg)
-    wx, wr, wy = (
-        cfg.position_bandwidth_radps,
-        cfg.attitude_bandwidth_radps,
-        cfg.yaw_bandwidth_radps,
-    )
+    wx, wr, wy = cfg.position_bandwidth_radps, cfg.attitude_bandwidth_radps, cfg.yaw_bandwidth_radps
     c["position_gain"] = wx**2
     c["velocity_gain"] = 2.0 * cfg.position_damping * wx
     c["attitude_gain"] = (wr**2, wr**2, wy**2)

@@ -185,11 +185,8 @@ def _aim_jerk(c: np.record, s: np.record) -> None:
     its disc to another and never leaves it.
     """
     jerk, limit = c.reference_jerk_enu_mps3, c.max_acceleration_vertical_mps2
-    ax, ay, az = (
-        _model_acceleration(c, s, 0),
-        _model_acceleration(c, s, 1),
-        _model_acceleration(c, s, 2),
-    )
+    ax, ay = _model_acceleration(c, s, 0), _model_acceleration(c, s, 1)
+    az = _model_acceleration(c, s, 2)
     factor = _shortening(ax, ay, c.max_acceleration_mps2)
     jerk[0] = (factor * ax - c.reference_acceleration_enu_mps2[0]) / c.dt_s
     jerk[1] = (factor * ay - c.reference_acceleration_enu_mps2[1]) / c.dt_s

@@ -32,12 +32,8 @@ def accept_setpoint(c: np.record, s: np.record) -> None:
         jerk = s.jerk_enu_mps3[i]
         is_jerk_given = is_jerk_given or (math.isfinite(jerk) and jerk != 0.0)
     for i in range(3):
-        p, v, a, j = (
-            s.position_enu_m[i],
-            s.velocity_enu_mps[i],
-            s.acceleration_enu_mps2[i],
-            s.jerk_enu_mps3[i],
-        )
+        p, v = s.position_enu_m[i], s.velocity_enu_mps[i]
+        a, j = s.acceleration_enu_mps2[i], s.jerk_enu_mps3[i]
         if math.isnan(a):
             a = _slope(c.last_velocity_enu_mps[i], v, elapsed, _MAX_DERIVED_ACCELERATION_MPS2)
         if not is_jerk_given:

@@ -6,13 +6,7 @@ import math
 
 import numpy as np
 
-from autonomy.estimation.error_state import (
-    ACCEL_BIAS,
-    ATTITUDE,
-    BARO_OFFSET,
-    GNSS_WANDER,
-    N_STATES,
-)
+from autonomy.estimation.error_state import ACCEL_BIAS, ATTITUDE, BARO_OFFSET, GNSS_WANDER, N_STATES
 from autonomy.estimation.fusion import correlate_with_wander
 from autonomy.estimation.past import restart_past
 from autonomy.jit import kernel

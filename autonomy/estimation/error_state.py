@@ -24,6 +24,8 @@ Source: Sola 2017, "Quaternion kinematics for the error-state Kalman filter", ch
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
 from autonomy.estimation.cfg import DragModel, EstimatorCfg
@@ -154,6 +156,10 @@ FILTER_DTYPE = np.dtype(
 )
 
 
+_SAME_NAME = {field.name for field in fields(EstimatorCfg)} & set(FILTER_DTYPE.names or ())
+"""Settings that the kernels take as they are configured."""
+
+
 def new_filter(
     cfg: EstimatorCfg,
     *,
@@ -181,9 +187,7 @@ def new_filter(
     f["field_enu_ut"] = field_enu_ut
     f["terrain_height_m"] = np.nan
     f["n_align"] = round(cfg.align_s / dt_s)
-    f["max_align_rate_radps"] = cfg.max_align_rate_radps
     f["aligned_sigma"] = _aligned_sigma(cfg)
-    f["start_sigma_m"] = cfg.start_sigma_m
     if start_enu_m is not None:
         f["has_start"], f["start_enu_m"] = 1, start_enu_m
     _configure(f, cfg)
@@ -197,6 +201,8 @@ def new_filter(
 
 def _configure(f: np.void, cfg: EstimatorCfg) -> None:
     """Copy variances and limits."""
+    for name in _SAME_NAME:
+        f[name] = getattr(cfg, name)
     f["gyro_variance_rate"] = cfg.gyro_noise_density**2
     f["accel_variance_rate"] = cfg.accel_noise_density**2
     f["gyro_bias_variance_rate"] = cfg.gyro_bias_walk**2
@@ -204,11 +210,8 @@ def _configure(f: np.void, cfg: EstimatorCfg) -> None:
     f["baro_offset_variance_rate"] = cfg.baro_offset_walk**2
     f["baro_variance_m2"] = cfg.baro_sigma_m**2
     f["heading_variance_rad2"] = cfg.heading_sigma_rad**2
-    f["gate_sigma"] = cfg.gate_sigma
-    f["max_gnss_rejections"] = cfg.max_gnss_rejections
     f["wander_variance_m2"] = _axes_squared(cfg.gnss_wander_sigma_m)
     f["wander_correlation_s"] = cfg.gnss_wander_correlation_s
-    f["max_gnss_step_m"] = cfg.max_gnss_step_m
     f["vio_walk_m2pm"] = _axes_squared(cfg.vio_position_walk)
     f["vio_yaw_walk_rad2pm"] = cfg.vio_yaw_walk**2
     f["vio_variance_m2"] = cfg.vio_position_sigma_m**2
@@ -217,9 +220,7 @@ def _configure(f: np.void, cfg: EstimatorCfg) -> None:
     f["mocap_yaw_variance_rad2"] = cfg.mocap_yaw_sigma_rad**2
     f["wind_variance_rate"] = cfg.wind_walk**2
     f["drag_variance"] = cfg.drag_sigma_mps2**2
-    f["drag_relative_sigma"] = cfg.drag_relative_sigma
     f["range_variance_m2"] = cfg.range_sigma_m**2
-    f["terrain_slope"] = cfg.terrain_slope
 
 
 def _axes_squared(pair: tuple[float, float]) -> tuple[float, float, float]:

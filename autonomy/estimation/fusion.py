@@ -31,15 +31,9 @@ def fuse_gnss(
     sigma_m: np.ndarray,
     sigma_mps: np.ndarray,
 ) -> None:
-    """Fuse a fix that was valid `age_ticks` ago, against the estimate of that time.
+    """Fuse a fix that was valid `age_ticks` < `N_PAST` ago, against the estimate of that time.
 
-    Args:
-        f: The filter.
-        position_enu_m: Measured position (3,).
-        velocity_enu_mps: Measured velocity (3,).
-        age_ticks: IMU ticks since the time of validity, below `N_PAST`.
-        sigma_m: Standard deviation of each position component (3,), without the slow wander.
-        sigma_mps: Standard deviation of each velocity component (3,).
+    Vectors are (3,); the standard deviations of position do not include the slow wander.
     """
     _let_wander(f)
     h = f.measurement_row

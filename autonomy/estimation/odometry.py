@@ -21,13 +21,7 @@ import math
 
 import numpy as np
 
-from autonomy.estimation.error_state import (
-    N_STATES,
-    POSITION,
-    VELOCITY,
-    VIO_ORIGIN,
-    VIO_YAW,
-)
+from autonomy.estimation.error_state import N_STATES, POSITION, VELOCITY, VIO_ORIGIN, VIO_YAW
 from autonomy.estimation.past import past_position, past_yaw
 from autonomy.estimation.update import scalar_update, write_heading_row
 from autonomy.jit import kernel
@@ -40,14 +34,7 @@ _MAX_REJECTIONS = 30
 
 @kernel
 def fuse_vio(f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_ticks: int) -> None:
-    """Fuse a pose that was valid `age_ticks` ago.
-
-    Args:
-        f: The filter.
-        position_vio_m: m of the module's notation (3,).
-        yaw_vio_rad: b of the module's notation.
-        age_ticks: IMU ticks since the time of validity, below `N_PAST`.
-    """
+    """Fuse a pose, m (3,) and b of the module, that was valid `age_ticks` < `N_PAST` ago."""
     if f.has_vio == 0:
         _place_frame(f, position_vio_m, yaw_vio_rad, age_ticks)
         return

@@ -1,4 +1,4 @@
-"""What a vehicle that explores is up to, from one plan to the next."""
+"""The agenda of a vehicle that explores, from one plan to the next."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class Errand:
     needs_nod: bool = False
     """Whether they are seen from there only when the vehicle tilts."""
     nods: int = 0
-    """How often it did."""
+    """Nods so far."""
 
 
 @dataclass(kw_only=True, eq=False)
 class Agenda:
-    """What is under way, and what was tried last."""
+    """The present errand and the last attempts."""
 
     errand: Errand | None = None
-    """What the vehicle set out to look at, None for nothing in particular."""
+    """Cells that the vehicle set out to look at, None without any."""
     searched_at: int = 0
     """Images that had been taken when a way was last looked for."""
     plan: Trajectory | None = None

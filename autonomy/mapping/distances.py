@@ -190,6 +190,6 @@ def distance_to_cells(
 
 
 def slices(block: Int[np.ndarray, "2 3"]) -> tuple[slice, slice, slice]:
-    """Of an array of cells, a block given by its first cell and the cell beyond its last."""
+    """Slices of an array of cells for a block from its first cell to before its last."""
     (i, j, k), (u, v, w) = block.tolist()
     return slice(i, u), slice(j, v), slice(k, w)

@@ -25,13 +25,13 @@ LOOK_IMAGES = 4
 """After so many images of cells that are still unknown, no more is expected."""
 MOST_NODS = 2
 _SEARCHED_M = 14.0
-"""How far away a place to look from may be."""
+"""Greatest distance of a place to look from."""
 _AHEAD_CELLS = 8
-"""So much of the way on is looked at together."""
+"""Cells of the way on that are looked at together."""
 _LEAST_WEIGHT = 0.2
 _FACING_RAD = math.radians(8.0)
 _EDGE_RAD = math.radians(3.0)
-"""What lies so near to the edge of the image is not counted on."""
+"""Targets so near to the edge of the image are not counted on."""
 _PAUSE_M = 8.0
 """A look takes as long as flying so far."""
 
@@ -162,7 +162,7 @@ def _without(cells: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _sight(seen: SeenMap, tilt_rad: float) -> Sight:
-    """What the camera sees of all around when it turns, and when the vehicle tilts as well."""
+    """View of the camera all around when the vehicle turns, and tilts as well."""
     cfg = seen.cfg
     half = cfg.camera_vertical_fov_rad / 2 - _EDGE_RAD
     most = (cfg.max_range_m - 1.0) / cfg.resolution_m

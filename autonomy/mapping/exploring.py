@@ -1,6 +1,6 @@
 """Plans towards a goal through a place that is still being seen.
 
-A search leads to the goal also through what nobody has looked at, at a price. What is flown of it
+A search leads to the goal also through what was not looked at, at a price. What is flown of it
 is the part before it leaves what was seen free, planned and proved against all the rest, and it
 ends at rest: the vehicle can always stay where its plan ends. As more is seen, a new plan takes
 over. Where the way leads on to cells that the camera does not see from there, because they are
@@ -33,9 +33,6 @@ from autonomy.types import FlatReference, Vector3
 if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
 
-if TYPE_CHECKING:
-    from autonomy.mapping.seen_map import SeenMap
-
 WORTHWHILE_M = 0.5
 """Shorter ways are not flown: the vehicle rather looks where the way goes on."""
 FURTHER_M = 1.0
@@ -49,10 +46,7 @@ _CLIMB_PRICE = 2.0
 
 
 def plan_towards(
-    seen: SeenMap,
-    start: FlatReference,
-    goal_enu_m: Vector3,
-    craft: Craft,
+    seen: SeenMap, start: FlatReference, goal_enu_m: Vector3, craft: Craft
 ) -> Trajectory:
     """A certified trajectory within what was seen free: to the goal, or towards it, or a look.
 
@@ -165,7 +159,7 @@ def _way(task: Task) -> Int[np.ndarray, "n 3"]:
 
 
 def _n_open(task: Task, path: np.ndarray) -> int:
-    """How many cells of a way, from its beginning, have room that was seen free."""
+    """Number of cells of a way, from its beginning, that have room that was seen free."""
     distance_m = task.seen.field.distance_m[tuple(path.T)]
     # Where the start itself has less room, the way out of there may have as little.
     needed = np.full(len(path), task.needed_m)

@@ -19,14 +19,14 @@ from autonomy.planning.yaw import STEP_S
 from autonomy.types import ZERO3, Vector3
 
 NOD_RAD = math.radians(11.0)
-"""How much higher a nod sees, at least for half a second."""
+"""Angle by which a nod sees higher, at least for half a second."""
 _NOD_MPS2 = 2.7
 _NOD_LENGTHS_M = (1.5, 1.0)
 _STAY_S = 0.4
 _TRIES = 5
 _STRETCH = 1.5
 _RATE_SHARE, _SLOPE_SHARE = 0.9, 0.65
-"""Of the limits, for a turn; the rest is for what the vehicle turns already."""
+"""Shares of the limits for a turn; the rest is for the present motion of the vehicle."""
 
 
 def turn(task: Task, turn_rad: float) -> Trajectory:
@@ -103,7 +103,7 @@ def _ramped(
 
 
 def _run_out(task: Task, n: int) -> Float[np.ndarray, " n"]:
-    """By how much the vehicle still turns while its present yaw rate fades, of degree 5."""
+    """Angle that the vehicle still turns while its present yaw rate fades, of degree 5."""
     s = np.linspace(0.0, 1.0, n)
     rate = task.start.yaw_rate_radps * STEP_S * (n - 1)
     return rate * (s - 6 * s**3 + 8 * s**4 - 3 * s**5)

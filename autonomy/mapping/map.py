@@ -1,4 +1,4 @@
-"""What a pilot asks of a map, whether it was given before the flight or grows with what is seen."""
+"""The map as a pilot needs it, given before the flight or growing with what is seen."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from autonomy.types import FlatReference, Vector3
 
 
 class Map(Protocol):
-    """Where obstacles are, as far as it is known."""
+    """Obstacles, as far as they are known."""
 
     @property
     def is_given(self) -> bool:
@@ -29,7 +29,7 @@ class Map(Protocol):
 
     @property
     def obstacles(self) -> Obstacles:
-        """What the vehicle must not touch; of a growing map all that was not seen free nearby."""
+        """Obstacles to avoid; in a growing map everything nearby that was not seen free."""
         ...
 
     @property
@@ -46,7 +46,7 @@ class Map(Protocol):
         ...
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """What the vehicle must not touch near some points."""
+        """Obstacles to avoid near some points."""
         ...
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:

@@ -15,11 +15,13 @@ tracing"; bounded evidence as in Hornung et al. 2013 (OctoMap).
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from autonomy.jit import kernel
+from autonomy.perception.depth_image import Pixels
 
 HIT, MISS = 3, 1
 MOST_FREE, MOST_OCCUPIED = -4, 12
@@ -31,46 +33,39 @@ _NEIGHBOURHOOD = 6
 _LEAST_DEPTH_M = 0.05
 
 
+class Cells(NamedTuple):
+    """Evidence about a volume, cell by cell."""
+
+    evidence: np.ndarray
+    """Positive for occupied, negative for free."""
+    seen_in: np.ndarray
+    """Number of the last image that counted for each cell."""
+    corner: np.ndarray
+    """Lower corner of cell (0, 0, 0), ENU, m, (3,)."""
+    resolution: float
+    """Edge of a cell, m."""
+
+
 @kernel
 def integrate(
-    evidence: Int[np.ndarray, "nx ny nz"],
-    seen_in: Int[np.ndarray, "nx ny nz"],
-    number: int,
-    depth: Float[np.ndarray, "h w"],
-    intrinsics: Float[np.ndarray, " 4"],
-    eye: Float[np.ndarray, " 3"],
-    rotation: Float[np.ndarray, "3 3"],
-    corner: Float[np.ndarray, " 3"],
-    resolution: float,
-    max_range: float,
-    inverse_sigma: float,
+    cells: Cells, number: int, pixels: Pixels, max_range: float, inverse_sigma: float
 ) -> None:
     """Add one depth image to the evidence of cells.
 
     Args:
-        evidence: Of each cell: positive for occupied, negative for free, changed in place.
-        seen_in: Low bits of the last image that counted for each cell, changed in place.
+        cells: Changed in place.
         number: Of this image, 1 to 127, different from that of the image before.
-        depth: Along the optical axis, m; inf, NaN or 0 where nothing was measured.
-        intrinsics: fx, fy, cx, cy.
-        eye: Where the camera is, ENU, m.
-        rotation: Optical axes to ENU.
-        corner: Lower corner of cell (0, 0, 0), ENU, m.
-        resolution: Edge of a cell, m.
+        pixels: The image.
         max_range: Beyond this nothing is believed, m.
         inverse_sigma: Standard deviation of inverse depth, 1/m.
     """
-    _mark_ends(
-        *(evidence, seen_in, number, depth, intrinsics),
-        *(eye, rotation, corner, resolution, max_range, inverse_sigma),
-    )
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
-    nearest, sure = _nearest_of_blocks(depth)
+    _mark_ends(cells, number, pixels, max_range, inverse_sigma)
+    nearest, sure = _nearest_of_blocks(pixels.depth)
     for is_shadow in (True, False):
         for a in range(nearest.shape[0]):
-            y = (a * BLOCK_PX + 1 - cy) / fy
+            y = (a * BLOCK_PX + 1 - pixels.cy) / pixels.fy
             for b in range(nearest.shape[1]):
-                x = (b * BLOCK_PX + 1 - cx) / fx
+                x = (b * BLOCK_PX + 1 - pixels.cx) / pixels.fx
                 near, far = 0.0, max_range / math.sqrt(x * x + y * y + 1.0)
                 if is_shadow:
                     near = nearest[a, b]
@@ -78,28 +73,16 @@ def integrate(
                     far = min(far, sure[a, b])
                     far -= 2.0 * inverse_sigma * far * far
                 if near < far:
-                    _pass(
-                        *(evidence, seen_in, number, eye, rotation),
-                        *(x, y, near, far, corner, resolution, is_shadow),
-                    )
+                    _pass(cells, number, pixels, x, y, near, far, is_shadow)
 
 
 @kernel
 def _mark_ends(
-    evidence: np.ndarray,
-    seen_in: np.ndarray,
-    number: int,
-    depth: np.ndarray,
-    intrinsics: np.ndarray,
-    eye: np.ndarray,
-    rotation: np.ndarray,
-    corner: np.ndarray,
-    resolution: float,
-    max_range: float,
-    inverse_sigma: float,
+    cells: Cells, number: int, pixels: Pixels, max_range: float, inverse_sigma: float
 ) -> None:
     """Call the cells occupied in which lines of sight end; see `integrate`."""
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    depth, fx, fy, cx, cy, eye, rotation = pixels
+    evidence, seen_in, corner, resolution = cells
     for v in range(depth.shape[0]):
         y = (v - cy) / fy
         for u in range(depth.shape[1]):
@@ -112,30 +95,15 @@ def _mark_ends(
                 continue
             if 2.0 * inverse_sigma * d * d > resolution:
                 continue
-            i, j, k = _cell(eye, rotation, x, y, d, corner, resolution)
+            p = eye[0] + d * (rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2])
+            q = eye[1] + d * (rotation[1, 0] * x + rotation[1, 1] * y + rotation[1, 2])
+            r = eye[2] + d * (rotation[2, 0] * x + rotation[2, 1] * y + rotation[2, 2])
+            i = math.floor((p - corner[0]) / resolution)
+            j = math.floor((q - corner[1]) / resolution)
+            k = math.floor((r - corner[2]) / resolution)
             if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
                 seen_in[i, j, k] = number
                 evidence[i, j, k] = min(evidence[i, j, k] + HIT, MOST_OCCUPIED)
-
-
-@kernel
-def _cell(
-    eye: np.ndarray,
-    rotation: np.ndarray,
-    x: float,
-    y: float,
-    d: float,
-    corner: np.ndarray,
-    resolution: float,
-) -> tuple[int, int, int]:
-    p = eye[0] + d * (rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2])
-    q = eye[1] + d * (rotation[1, 0] * x + rotation[1, 1] * y + rotation[1, 2])
-    r = eye[2] + d * (rotation[2, 0] * x + rotation[2, 1] * y + rotation[2, 2])
-    return (
-        math.floor((p - corner[0]) / resolution),
-        math.floor((q - corner[1]) / resolution),
-        math.floor((r - corner[2]) / resolution),
-    )
 
 
 @kernel
@@ -179,23 +147,21 @@ def _least_around(values: Float[np.ndarray, "a b"], reach: int) -> Float[np.ndar
 
 @kernel
 def _pass(
-    evidence: np.ndarray,
-    seen_in: np.ndarray,
+    cells: Cells,
     number: int,
-    eye: np.ndarray,
-    rotation: np.ndarray,
+    pixels: Pixels,
     x: float,
     y: float,
     near: float,
     far: float,
-    corner: np.ndarray,
-    resolution: float,
     is_shadow: bool,
 ) -> None:
     """Call the cells free that a line of sight passes before the one it ends in.
 
     Those in a shadow are left as they are, and count as seen.
     """
+    evidence, seen_in, corner, resolution = cells
+    eye, rotation = pixels.eye, pixels.rotation
     cell, last, turn = np.empty(3, np.int64), np.empty(3, np.int64), np.empty(3, np.int64)
     ahead, between = np.empty(3), np.empty(3)
     for n in range(3):

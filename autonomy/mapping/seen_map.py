@@ -1,4 +1,4 @@
-"""The map of a place that nobody knew before: cells seen free, seen occupied, or not seen.
+"""The map of a place not known before: cells seen free, seen occupied, or not seen.
 
 Whatever was not seen free is an obstacle to the proof of a plan.
 """
@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int
 from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked, slices
 from autonomy.mapping.exploring import plan_towards
-from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, integrate
+from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, Cells, integrate
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
@@ -32,7 +32,7 @@ _N_NUMBERS = 127
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SeenMapCfg:
-    """How a map is built."""
+    """Settings of a map that grows."""
 
     resolution_m: float = 0.25
     max_range_m: float = 8.0
@@ -40,9 +40,9 @@ class SeenMapCfg:
     cap_m: float = 1.5
     """Distances are capped here."""
     nearby_m: float = 10.0
-    """How far from the last camera position `obstacles` reach."""
+    """Reach of `obstacles` from the last camera position."""
     camera_pitch_down_rad: float = math.radians(15.0)
-    """Of the camera that looks ahead: from where it can see a place."""
+    """Pitch of the camera that looks ahead, which decides from where it sees a place."""
     camera_vertical_fov_rad: float = math.radians(60.0)
 
 
@@ -62,13 +62,7 @@ class SeenMap:
     def __init__(
         self, low_enu_m: Vector3, high_enu_m: Vector3, cfg: SeenMapCfg | None = None
     ) -> None:
-        """An empty map of a flight volume, of which nothing is known.
-
-        Args:
-            low_enu_m: Lower corner.
-            high_enu_m: Upper corner; nothing beyond a whole number of cells is flown in.
-            cfg: How it is built.
-        """
+        """An empty map of a flight volume; beyond a whole number of cells nothing is flown in."""
         self.cfg = SeenMapCfg() if cfg is None else cfg
         self.corner_enu_m = np.array(low_enu_m, dtype=float)
         size = (np.array(high_enu_m) - self.corner_enu_m) / self.cfg.resolution_m
@@ -90,17 +84,10 @@ class SeenMap:
         """Take in a depth image."""
         cfg = self.cfg
         self.n_images += 1
-        eye = np.array(image.position_enu_m, dtype=float)
         integrate(
-            self.evidence,
-            self._seen_in,
+            Cells(self.evidence, self._seen_in, self.corner_enu_m, cfg.resolution_m),
             1 + self.n_images % _N_NUMBERS,
-            np.ascontiguousarray(image.depth_m, dtype=np.float32),
-            np.array([image.fx, image.fy, image.cx, image.cy], dtype=float),
-            eye,
-            np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
-            self.corner_enu_m,
-            cfg.resolution_m,
+            image.pixels,
             cfg.max_range_m,
             image.inverse_depth_sigma_pm,
         )
@@ -112,10 +99,7 @@ class SeenMap:
     ) -> None:
         """Take the air above the start as free, until it is seen otherwise.
 
-        Args:
-            foot_enu_m: Where the vehicle stands.
-            radius_m: Of the column.
-            height_m: Of the column: as high as the vehicle rises before it looks around, and more.
+        The column is higher than the vehicle rises before it looks around.
         """
         reach = (radius_m, radius_m, height_m)
         low = self.cells(np.array(foot_enu_m) - (radius_m, radius_m, 0.0))
@@ -148,12 +132,7 @@ class SeenMap:
     def distance_to_seen_m(
         self, points_enu_m: Float[np.ndarray, "k 3"], at_least: int = HIT
     ) -> Float[np.ndarray, " k"]:
-        """Distance to the nearest cell that a measurement hit, up to five cells.
-
-        Args:
-            points_enu_m: From where.
-            at_least: Evidence of the cells that count.
-        """
+        """Distance to the nearest cell with so much evidence of a hit, up to five cells."""
         points = np.ascontiguousarray(points_enu_m, dtype=float)
         return distance_to_cells(
             points, self.evidence, at_least, self.corner_enu_m, self.cfg.resolution_m
@@ -176,7 +155,7 @@ class SeenMap:
         return ()
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
-        """Nobody knows."""
+        """Always true: unseen cells may be free."""
         del point_enu_m
         return True
 
@@ -192,7 +171,7 @@ class SeenMap:
 
     @property
     def obstacles(self) -> Obstacles:
-        """Whatever was not seen free near the camera, as boxes; beyond that everything."""
+        """Everything near the camera that was not seen free, as boxes; beyond that everything."""
         if self._obstacles is None:
             at, reach = np.array(self.eye_enu_m), self.cfg.nearby_m
             block = self._within(np.array([self.cells(at - reach), self.cells(at + reach) + 1]))
@@ -200,14 +179,14 @@ class SeenMap:
         return self._obstacles
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """Whatever was not seen free about some points, as boxes; beyond that everything."""
+        """Everything about some points that was not seen free, as boxes; beyond that everything."""
         away = np.abs(points_enu_m - np.array(self.eye_enu_m))
         if np.all(away < self.cfg.nearby_m - self.cfg.cap_m):
             return self.obstacles
         return self.obstacles_in(self.block_about(self.cells(points_enu_m), self.cfg.cap_m))
 
     def obstacles_in(self, block: Int[np.ndarray, "2 3"]) -> Obstacles:
-        """Whatever was not seen free in a block of cells, and all outside it, as boxes."""
+        """Everything in a block of cells that was not seen free, and all outside it, as boxes."""
         is_free = np.ascontiguousarray(self.evidence[slices(block)] <= FREE_AT)
         corner = self.corner_enu_m + block[0] * self.cfg.resolution_m
         return boxes_about(is_free, corner, self.cfg.resolution_m)

@@ -1,4 +1,4 @@
-"""What is asked of one plan through a place that is still being seen."""
+"""The task of one plan through a place that is still being seen."""
 
 from __future__ import annotations
 
@@ -19,9 +19,6 @@ from autonomy.types import FlatReference, Vector3
 if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
 
-if TYPE_CHECKING:
-    from autonomy.mapping.seen_map import SeenMap
-
 _AROUND_M = 2.0
 """Beyond the way to fly, what the plan may use."""
 _CALM = 0.5
@@ -32,7 +29,7 @@ _AT_REST_RADPS = 0.2
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Task:
-    """A vehicle, where it is and how it moves, where it shall go, and what it saw."""
+    """A vehicle's state, its goal and what it saw."""
 
     seen: SeenMap
     start: FlatReference
@@ -65,7 +62,7 @@ class Task:
         return (x, y, z)
 
     def away_m(self, point_enu_m: Vector3) -> float:
-        """How far a place is from the vehicle."""
+        """Distance of a place from the vehicle."""
         return math.dist(point_enu_m, self.start.position_enu_m)
 
     def fly(self, path: Int[np.ndarray, "n 3"], goal_enu_m: Vector3) -> Trajectory:
@@ -86,11 +83,7 @@ class Task:
         return plan_trajectory(self.start, *world, calmer)
 
     def proved(self, trajectory: Trajectory, margin_m: float = 0.0) -> Trajectory:
-        """A trajectory near the vehicle, with the proof that it keeps to what was seen free.
-
-        Args:
-            trajectory: From where the vehicle is.
-            margin_m: Between it and whatever was not seen free.
+        """A trajectory from where the vehicle is, with the proof that it keeps to seen free space.
 
         Raises:
             CertificateError: If it does not, or breaks a limit.

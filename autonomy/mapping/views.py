@@ -1,4 +1,4 @@
-"""From where a place can be seen: lines of sight through cells that are not occupied."""
+"""Viewpoints: lines of sight from a place through cells that are not occupied."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from jaxtyping import Bool, Float, Int
 
 from autonomy.jit import kernel
 from autonomy.mapping.rays import OCCUPIED_AT
+from autonomy.planning.search import way_back
 
 _STEP = 0.5
-"""Of a cell, between samples of a line of sight."""
+"""Distance between samples of a line of sight, in cells."""
 
 
 class Sight(NamedTuple):
-    """Which lines of sight a camera has that turns about the vertical."""
+    """Lines of sight of a camera that turns about the vertical."""
 
     least_rise: float
     """Over the horizontal length."""
@@ -33,7 +34,7 @@ def visible(
     evidence: Int[np.ndarray, "nx ny nz"],
     sight: Sight,
 ) -> Bool[np.ndarray, " n"]:
-    """Which cells a camera sees that turns about the vertical at a place, all in cells."""
+    """Whether a camera that turns about the vertical at a place sees each cell; all in cells."""
     is_seen = np.zeros(len(targets), dtype=np.bool_)
     for n in range(len(targets)):
         is_seen[n] = _sees(eye, targets[n], evidence, sight)
@@ -90,7 +91,7 @@ def best_viewpoint(
     """
     nx, ny, nz = distance.shape
     cost = np.full((nx, ny, nz), np.inf, dtype=np.float32)
-    came_from = np.full((nx, ny, nz), -1, dtype=np.int32)
+    came_from = np.full(distance.size, -1, dtype=np.int32)
     first = (start[0] * ny + start[1]) * nz + start[2]
     cost[start[0], start[1], start[2]] = 0.0
     queue: list[Any] = [(0.0, first)]
@@ -114,26 +115,11 @@ def best_viewpoint(
             if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
                 continue
             if distance[u, v, w] >= required and so_far + 1.0 < cost[u, v, w]:
+                there = (u * ny + v) * nz + w
                 cost[u, v, w] = so_far + 1.0
-                came_from[u, v, w] = here
-                heapq.heappush(queue, (so_far + 1.0, (u * ny + v) * nz + w))
-    return _way_back(came_from, found)
-
-
-@kernel
-def _way_back(came_from: np.ndarray, found: int) -> Int[np.ndarray, "k 3"]:
-    """Cells from one back to where the search began; none if it is -1."""
-    _, ny, nz = came_from.shape
-    count, here = 0, found
-    while here >= 0:
-        count += 1
-        here = came_from[here // (ny * nz), here // nz % ny, here % nz]
-    path = np.empty((count, 3), dtype=np.int64)
-    here = found
-    for n in range(count):
-        path[n, 0], path[n, 1], path[n, 2] = here // (ny * nz), here // nz % ny, here % nz
-        here = came_from[path[n, 0], path[n, 1], path[n, 2]]
-    return path
+                came_from[there] = here
+                heapq.heappush(queue, (so_far + 1.0, there))
+    return way_back(came_from, found, ny, nz)
 
 
 @kernel
@@ -145,7 +131,7 @@ def _worth(
     evidence: np.ndarray,
     sight: Sight,
 ) -> float:
-    """What the targets that one sees are worth, nothing if none of the needed is among them."""
+    """Worth of the targets that are visible, nothing if none of the needed is among them."""
     worth = 0.0
     for n in range(len(targets)):
         if n == n_needed and worth == 0.0:

@@ -1,4 +1,4 @@
-"""Where a camera of a vehicle is, from the vehicle's pose and the camera's mount."""
+"""Position and rotation of a camera, from the vehicle's pose and the camera's mount."""
 
 from __future__ import annotations
 

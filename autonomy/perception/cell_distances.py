@@ -29,12 +29,7 @@ class CellDistances:
     """Distances at the middles of cells, asked for once and kept for a while."""
 
     def __init__(self, cell_m: float, remember_s: float) -> None:
-        """Begin with nothing.
-
-        Args:
-            cell_m: Edge of a cell.
-            remember_s: After how long everything is asked for again: a map may grow.
-        """
+        """Begin with nothing; after `remember_s` all is asked for again, as a map may grow."""
         self._cell_m = cell_m
         self._remember_s = remember_s
         self._keys = np.full(_N_SLOTS, _EMPTY, dtype=np.int64)
@@ -68,15 +63,9 @@ class CellDistances:
 def find_cells(
     points: Float[np.ndarray, "n 3"], cell: float, keys: Int[np.ndarray, " s"]
 ) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " k"], Float[np.ndarray, "k 3"]]:
-    """Slot of the cell of each point; cells that had none get one.
+    """Slots of the cells of points, slots that are new, and the middles of their cells.
 
-    Args:
-        points: In space.
-        cell: Edge of a cell.
-        keys: Of the cells in the table, changed; must not fill up.
-
-    Returns:
-        Slots of the points, slots that are new, and the middles of their cells.
+    The table of keys, one a slot, takes in the new cells; it must not fill up.
     """
     n = len(points)
     slots = np.empty(n, dtype=np.int64)

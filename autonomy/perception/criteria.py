@@ -1,4 +1,4 @@
-"""What a place to stand is judged by: each criterion once, for all cells of a map and in words."""
+"""Criteria of a place to stand: each one once, for all cells of a map and in words."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _SLOPE_SIGMAS = 2.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ground:
-    """What is under and about a vehicle centred on each cell, or on one; NaN if unknown."""
+    """The surroundings of a vehicle centred on each cell, or on one; NaN if unknown."""
 
     slope_rad: Float[np.ndarray, "*b"]
-    """Of the plane under the feet."""
+    """Slope of the plane under the feet."""
     slope_sigma_rad: Float[np.ndarray, "*b"]
-    """How uncertain the noise of depth makes it."""
+    """Standard deviation of the slope due to the noise of depth."""
     roughness_m: Float[np.ndarray, "*b"]
     """Height range about the plane under the feet, beyond what noise may do."""
     sigma_m: Float[np.ndarray, "*b"]
-    """How uncertain the heights of the cells under the feet are, root mean square."""
+    """Standard deviation of the heights of the cells under the feet, root mean square."""
     rise_m: Float[np.ndarray, "*b"]
-    """How far anything within the body's radius may rise above the plane; inf: it is unknown."""
+    """Greatest rise of anything within the body's radius above the plane; inf if it is unknown."""
 
     def at(self, cell: tuple[int, int]) -> Ground:
         """The same of one cell."""
@@ -40,9 +40,9 @@ class Criterion:
     """One thing that a place needs."""
 
     is_met: Callable[[Ground, LandingNeeds], Any]
-    """For each cell; False where it is unknown."""
+    """Whether each cell meets the criterion; False where that is unknown."""
     lack: Callable[[Ground, LandingNeeds], str]
-    """What is wrong with the one cell that does not meet it."""
+    """Says what is wrong with the one cell that does not meet it."""
 
 
 def _slope(ground: Ground, needs: LandingNeeds) -> str:
@@ -75,7 +75,7 @@ CRITERIA = (
     ),
     Criterion(lambda g, needs: g.rise_m <= needs.max_rise_m, _rise),
 )
-"""In the order in which they are told."""
+"""All criteria, in the order in which they are told."""
 
 
 def is_safe(ground: Ground, needs: LandingNeeds) -> Bool[np.ndarray, "*b"]:
@@ -84,6 +84,6 @@ def is_safe(ground: Ground, needs: LandingNeeds) -> Bool[np.ndarray, "*b"]:
 
 
 def first_lack(ground: Ground, needs: LandingNeeds) -> str | None:
-    """What is wrong with one cell first of all; None if it is safe."""
+    """The first thing that is wrong with one cell; None if it is safe."""
     lacks = (each.lack(ground, needs) for each in CRITERIA if not each.is_met(ground, needs))
     return next(lacks, None)

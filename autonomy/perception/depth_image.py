@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from autonomy.jit import kernel
 from autonomy.types import Vector3
@@ -14,8 +16,22 @@ from autonomy.types import Vector3
 # Pixels farther apart than the windows of stereo matching, whose errors are alike.
 _APART = 6
 _EVERY_ROW = 20
-# Median of |x| of a normal variable is .6745 sigma; a half second difference has sigma sqrt(1.5).
+# Median of |x| of a normal variable is 0.6745 sigma; a half second difference has sigma sqrt(1.5).
 _SIGMA_PER_MEDIAN = 1.0 / (0.6745 * math.sqrt(1.5))
+
+
+class Pixels(NamedTuple):
+    """A depth image as kernels take it; see `DepthImage`."""
+
+    depth: np.ndarray
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    eye: np.ndarray
+    """Position of the camera, ENU, m, (3,)."""
+    rotation: np.ndarray
+    """Optical axes to ENU, (3, 3)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,12 +51,12 @@ class DepthImage:
     position_enu_m: Vector3
     rotation_enu_from_optical: Float[np.ndarray, "3 3"]
 
-    @property
+    @cached_property
     def inverse_depth_sigma_pm(self) -> float:
         """Standard deviation of the inverse depth of a pixel, 1/m, as the image itself shows it.
 
         Inverse depth, or disparity, is linear over the image of a plane: what second differences
-        are left is noise. Their median lets nobody notice borders. Depth errs by its square times
+        are left is noise. The median ignores borders. Depth errs by its square times
         this.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -66,38 +82,50 @@ class DepthImage:
             cy=self.cy / 2,
         )
 
-    def points_enu_m(self) -> Float[np.ndarray, "n 3"]:
-        """The point that each pixel with a measurement shows, row by row."""
-        return back_project(
+    @cached_property
+    def pixels(self) -> Pixels:
+        """The image for kernels: depth in single precision, all else in double."""
+        return Pixels(
             np.ascontiguousarray(self.depth_m, dtype=np.float32),
-            np.array([self.fx, self.fy, self.cx, self.cy], dtype=float),
+            *(float(self.fx), float(self.fy), float(self.cx), float(self.cy)),
             np.array(self.position_enu_m, dtype=float),
             np.ascontiguousarray(self.rotation_enu_from_optical, dtype=float),
         )
 
+    def points_enu_m(self) -> Float[np.ndarray, "n 3"]:
+        """The point that each pixel with a measurement shows, row by row."""
+        return sample(self.pixels, 1, math.inf)[0]
+
 
 @kernel
-def back_project(
-    depth: Float[np.ndarray, "h w"],
-    intrinsics: Float[np.ndarray, " 4"],
-    position: Float[np.ndarray, " 3"],
-    rotation: Float[np.ndarray, "3 3"],
-) -> Float[np.ndarray, "n 3"]:
-    """Points of the pixels whose depth is finite and positive."""
-    points = np.empty((depth.size, 3))
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+def sample(
+    pixels: Pixels, stride: int, farthest: float
+) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "n 2"], Float[np.ndarray, " n"]]:
+    """Point in ENU, row and column, and depth of every pixel with a measurement.
+
+    Args:
+        pixels: The image.
+        stride: Between the rows and the columns that are looked at.
+        farthest: Greatest depth, m.
+    """
+    depth, fx, fy, cx, cy, eye, rotation = pixels
+    most = (depth.shape[0] // stride + 1) * (depth.shape[1] // stride + 1)
+    points, places = np.empty((most, 3)), np.empty((most, 2), dtype=np.int64)
+    depths = np.empty(most)
     n = 0
-    for v in range(depth.shape[0]):
+    for v in range(0, depth.shape[0], stride):
         y = (v - cy) / fy
-        for u in range(depth.shape[1]):
+        for u in range(0, depth.shape[1], stride):
             d = depth[v, u]
-            if 0.0 < d < np.inf:
+            if 0.0 < d <= farthest and d < np.inf:
                 x = (u - cx) / fx
                 for i in range(3):
                     ray = rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2]
-                    points[n, i] = position[i] + d * ray
+                    points[n, i] = eye[i] + d * ray
+                places[n, 0], places[n, 1] = v, u
+                depths[n] = d
                 n += 1
-    return points[:n]
+    return points[:n], places[:n], depths[:n]
 
 
 @kernel
@@ -158,7 +186,7 @@ def bound_hidden(
     east: Float[np.ndarray, " n"],
     north: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n n"]:
-    """How high anything may stand in each cell of a grid without breaking a line of sight.
+    """Greatest height of anything in each cell of a grid that breaks no line of sight.
 
     Cells are as wide as `step`; taken is the height of the line over their far side.
     """

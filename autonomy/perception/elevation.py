@@ -72,7 +72,7 @@ class ElevationMap:
 
     @property
     def is_observed(self) -> Bool[np.ndarray, "n n"]:
-        """Which cells were seen at least once."""
+        """Whether each cell was seen at least once."""
         return self.n_frames > 0
 
     @property
@@ -102,7 +102,7 @@ class ElevationMap:
 
     def add(self, image: DepthImage) -> None:
         """Fuse one depth image."""
-        points, eye = image.points_enu_m(), np.array(image.position_enu_m, dtype=float)
+        points, eye = image.points_enu_m(), image.pixels.eye
         inverse_sigma = image.inverse_depth_sigma_pm
         n = len(self.height_m)
         frame = rasterise(
@@ -153,17 +153,11 @@ def fuse(
     variance: Float[np.ndarray, "n n"],
     frame: Float[np.ndarray, "4 n n"],
 ) -> None:
-    """Take a frame, as `rasterise` makes it, into the layers of a map.
+    """Add a frame, as `rasterise` makes it, to the layers of a map.
 
-    Args:
-        height: Mean of the frames, weighted by their certainty.
-        top: Highest; a new extreme is taken at once, an old one let go of slowly.
-        bottom: Lowest, likewise.
-        n_frames: That have seen each cell.
-        weight: Sum of the frames' inverse variances, fading.
-        scatter: Sum of the squares of their differences over their variances, fading.
-        variance: Of the mean.
-        frame: Mean, top, bottom, and variance of the mean, 0 for unseen.
+    Top and bottom take a new extreme at once and let go of an old one slowly. `weight` is the sum
+    of the frames' inverse variances, `scatter` that of their squared differences from the mean over
+    their variances; both fade.
     """
     n = len(height)
     keep = 1.0 - 1.0 / MEMORY_FRAMES

@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 
 from autonomy.jit import kernel
 from autonomy.perception.cell_distances import CellDistances, StaticDistance
-from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.depth_image import DepthImage, sample
 
 STRIDE_PX = 2
 """Every second pixel of every second row is looked at."""
@@ -31,7 +31,7 @@ class Foreground:
     """Row and column, of the image."""
     depth_m: Float[np.ndarray, " n"]
     static_distance_m: Float[np.ndarray, " n"]
-    """To what the map has."""
+    """Distance from each point to the nearest surface of the map."""
 
 
 def find_foreground(
@@ -41,32 +41,19 @@ def find_foreground(
     *,
     within_m: float,
     range_m: float,
-    inverse_sigma_pm: float,
 ) -> Foreground:
-    """Samples of an image that the map does not explain.
+    """Samples of an image, up to a range, that the map does not explain.
 
-    Args:
-        image: Posed by the estimate.
-        cells: Remembers distances.
-        static_distance_m: The map.
-        within_m: A surface of the map explains what is so near: map, pose and cells err.
-        range_m: Depth beyond which nothing is looked at.
-        inverse_sigma_pm: Standard deviation of inverse depth.
+    A surface of the map explains what is nearer to it than `within_m`: map, pose and cells err.
     """
-    eye = np.array(image.position_enu_m, dtype=float)
-    points, pixels, depth_m = sample(
-        np.ascontiguousarray(image.depth_m, dtype=np.float32),
-        np.array([image.fx, image.fy, image.cx, image.cy], dtype=float),
-        eye,
-        np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
-        range_m,
-    )
+    points, pixels, depth_m = sample(image.pixels, STRIDE_PX, range_m)
     distance_m = cells.at(points, static_distance_m)
     is_far = distance_m > within_m
     points, pixels, depth_m = points[is_far], pixels[is_far], depth_m[is_far]
     distance_m = distance_m[is_far]
     # Sight lines, as long as depth may err.
-    error = _SIGMAS * inverse_sigma_pm * depth_m[:, None] * (points - eye)
+    sight = points - image.pixels.eye
+    error = _SIGMAS * image.inverse_depth_sigma_pm * depth_m[:, None] * sight
     is_doubtful = distance_m <= within_m + np.linalg.norm(error, axis=1)
     is_explained = np.zeros(len(points), dtype=bool)
     for share in _ALONG_SIGHT:
@@ -83,32 +70,16 @@ def find_foreground(
 
 
 def find_blobs(
-    foreground: Foreground,
-    shape: tuple[int, int],
-    *,
-    gap_m: float,
-    inverse_sigma_pm: float,
-    beyond_m: float,
-    least_samples: int,
+    foreground: Foreground, image: DepthImage, *, gap_m: float, beyond_m: float, least_samples: int
 ) -> list[Int[np.ndarray, " k"]]:
     """Samples that belong together, as indices, the largest blob first.
 
-    Args:
-        foreground: Of an image.
-        shape: Of that image.
-        gap_m: Neighbours whose depth differs by less, and what noise adds, are of one blob.
-        inverse_sigma_pm: Standard deviation of inverse depth.
-        beyond_m: A blob is one if some of its samples are farther than this from the map,
-        least_samples: and if so many are.
+    Neighbours whose depths differ by less than `gap_m`, and what noise adds, are of one blob. A
+    blob counts if `least_samples` of it are farther than `beyond_m` from the map.
     """
-    labels = connect(
-        foreground.pixels // STRIDE_PX,
-        foreground.depth_m,
-        (shape[0] + STRIDE_PX - 1) // STRIDE_PX,
-        (shape[1] + STRIDE_PX - 1) // STRIDE_PX,
-        gap_m,
-        _SIGMAS * inverse_sigma_pm,
-    )
+    n_rows, n_columns = (-(-n // STRIDE_PX) for n in image.depth_m.shape)
+    places, error = foreground.pixels // STRIDE_PX, _SIGMAS * image.inverse_depth_sigma_pm
+    labels = connect(places, foreground.depth_m, n_rows, n_columns, gap_m, error)
     order = np.argsort(labels, kind="stable")
     borders = np.flatnonzero(np.diff(labels[order])) + 1
     is_beyond = foreground.static_distance_m > beyond_m
@@ -121,35 +92,6 @@ def find_blobs(
 
 
 @kernel
-def sample(
-    depth: Float[np.ndarray, "h w"],
-    intrinsics: Float[np.ndarray, " 4"],
-    position: Float[np.ndarray, " 3"],
-    rotation: Float[np.ndarray, "3 3"],
-    farthest: float,
-) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "n 2"], Float[np.ndarray, " n"]]:
-    """Point, pixel and depth of every sample with a measurement."""
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
-    most = (depth.shape[0] // STRIDE_PX + 1) * (depth.shape[1] // STRIDE_PX + 1)
-    points, pixels = np.empty((most, 3)), np.empty((most, 2), dtype=np.int64)
-    depths = np.empty(most)
-    n = 0
-    for v in range(0, depth.shape[0], STRIDE_PX):
-        y = (v - cy) / fy
-        for u in range(0, depth.shape[1], STRIDE_PX):
-            d = depth[v, u]
-            if 0.0 < d <= farthest:
-                x = (u - cx) / fx
-                for i in range(3):
-                    ray = rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2]
-                    points[n, i] = position[i] + d * ray
-                pixels[n, 0], pixels[n, 1] = v, u
-                depths[n] = d
-                n += 1
-    return points[:n], pixels[:n], depths[:n]
-
-
-@kernel
 def connect(
     places: Int[np.ndarray, "n 2"],
     depths: Float[np.ndarray, " n"],
@@ -158,17 +100,10 @@ def connect(
     gap: float,
     inverse_error: float,
 ) -> Int[np.ndarray, " n"]:
-    """Label of the blob of each sample: the number of its first sample.
+    """Label of the blob of each sample, row by row: the number of its first sample.
 
-    Samples up to two apart hang together where their depths are alike: thin parts have holes.
-
-    Args:
-        places: Row and column of each sample on the grid of samples, row by row.
-        depths: Of the samples.
-        n_rows: Of the grid.
-        n_columns: Of the grid.
-        gap: Alike is what differs by less,
-        inverse_error: and by this times the square of depth.
+    Samples up to two apart belong together, because thin parts have holes, where their depths
+    differ by less than `gap` and `inverse_error` times the square of depth.
     """
     at = np.full((n_rows, n_columns), -1, dtype=np.int64)
     parent = np.arange(len(places))

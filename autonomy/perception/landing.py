@@ -1,4 +1,4 @@
-"""Where to land: slope, roughness and room on an elevation map, and the best place on it.
+"""Landing sites: slope, roughness and room on an elevation map, and the best place on it.
 
 A cell is safe as the vehicle's centre when, within the circle that holds its feet, everything was
 observed in several frames that agree, the fitted plane is level enough and nothing stands out of it
@@ -53,8 +53,6 @@ class LandingSite:
 
     position_enu_m: Vector3
     """On the plane under the feet, in the frame of the estimate."""
-    normal_enu: Vector3
-    """Of that plane, upwards."""
     slope_rad: float
     roughness_m: float
     """Height range about the plane under the feet."""
@@ -64,15 +62,13 @@ class LandingSite:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LandingMap(Ground):
-    """What is known about every cell; rows along north, columns along east."""
+    """All that is known about every cell; rows along north, columns along east."""
 
     surface_m: Float[np.ndarray, "n n"]
     """Height of the plane under the feet, ENU; NaN, like all that follows from it, where not all
     under the feet was observed."""
-    gradient: Float[np.ndarray, "2 n n"]
-    """Rise of the plane per metre to the east and to the north."""
     height_m: Float[np.ndarray, "n n"]
-    """Of the surface; without meaning where nothing was seen."""
+    """Height of the surface; without meaning where nothing was seen."""
     is_observed: Bool[np.ndarray, "n n"]
     is_safe: Bool[np.ndarray, "n n"]
     clearance_m: Float[np.ndarray, "n n"]
@@ -91,24 +87,16 @@ class LandingMap(Ground):
 
     @cached_property
     def cost(self) -> Float[np.ndarray, " m"]:
-        """Of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
+        """Cost of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
         room = self.clearance_m[self.is_observed]
         share = np.minimum(room / self.enough_clearance_m, 1.0)
         return np.where(room > 0, 0.5 * (1.0 - share), 1.0)
 
 
 def assess(
-    elevation: ElevationMap,
-    needs: LandingNeeds,
-    is_allowed: Bool[np.ndarray, "n n"] | None = None,
+    elevation: ElevationMap, needs: LandingNeeds, is_allowed: Bool[np.ndarray, "n n"] | None = None
 ) -> LandingMap:
-    """Judge every cell as a place for the vehicle's centre.
-
-    Args:
-        elevation: What was seen.
-        needs: Of the vehicle.
-        is_allowed: Cells that may be landed on; all of them if None.
-    """
+    """Judge every cell as a place for the vehicle's centre; None allows landing on all of them."""
     observed = elevation.is_observed
     # Heights about their mean, so that single precision keeps every digit that matters.
     level = float(np.mean(elevation.height_m[observed], dtype=float)) if observed.any() else 0.0
@@ -118,7 +106,6 @@ def assess(
     return LandingMap(
         **vars(ground),
         surface_m=plane[0].astype(float) + level,
-        gradient=plane[1:],
         height_m=elevation.height_m.copy(),
         is_observed=observed,
         is_safe=safe,
@@ -158,10 +145,7 @@ def _ground(
 
 
 def choose_site(
-    landing: LandingMap,
-    elevation: ElevationMap,
-    needs: LandingNeeds,
-    preferred_enu_m: Vector3,
+    landing: LandingMap, elevation: ElevationMap, needs: LandingNeeds, preferred_enu_m: Vector3
 ) -> LandingSite | None:
     """The best place to touch down, None if there is no safe one.
 
@@ -181,15 +165,12 @@ def choose_site(
 def site_at(
     landing: LandingMap, elevation: ElevationMap, place_enu_m: Vector3
 ) -> LandingSite | None:
-    """What a map holds of a place by now, safe or not; None where its ground was not observed."""
+    """A place by a map's present state, safe or not; None where its ground was not observed."""
     cell = elevation.cell(*place_enu_m[:2])
     if not _is_known(landing, cell):
         return None
-    gradient_east, gradient_north = landing.gradient[(slice(None), *cell)].tolist()
-    length = math.hypot(gradient_east, gradient_north, 1.0)
     return LandingSite(
         position_enu_m=(place_enu_m[0], place_enu_m[1], float(landing.surface_m[cell])),
-        normal_enu=(-gradient_east / length, -gradient_north / length, 1.0 / length),
         slope_rad=float(landing.slope_rad[cell]),
         roughness_m=float(landing.roughness_m[cell]),
         clearance_m=float(landing.clearance_m[cell]),

@@ -1,4 +1,4 @@
-"""Where the frame of the estimate lies in the map: an offset and a yaw, held up by depth images.
+"""Offset and yaw of the frame of the estimate in the map, held up by depth images.
 
     symbol   name                                        unit
     x        offset o (3) and yaw a of the anchor        m, rad
@@ -40,20 +40,20 @@ _HEIGHT_TO_ACROSS = 1.5
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AnchorFix:
-    """What came of one depth image."""
+    """The outcome of one depth image."""
 
     accepted: bool
     """Whether it was fused."""
     reason: str
     """Why, or why not, in a few words."""
     offset_enu_m: Vector3
-    """From the estimate to the map, as this image and all before have it."""
+    """Offset from the estimate to the map, by this image and all before."""
     yaw_rad: float
-    """From the estimate to the map, likewise."""
+    """Yaw from the estimate to the map, likewise."""
     residual_m: float
     """Mean distance of the explained points from the map's surfaces."""
     inlier_share: float
-    """Of the points, that the map explains."""
+    """Share of the points that the map explains."""
     sigma_m: float
     """Standard deviation of the offset, the worst horizontal direction."""
 
@@ -66,12 +66,7 @@ class MapAnchor:
     """
 
     def __init__(self, obstacles: Obstacles, cfg: MapAnchorCfg = _BARE_RECEIVER) -> None:
-        """Begin with nothing but what the estimate claims of itself.
-
-        Args:
-            obstacles: The map.
-            cfg: How far the estimate may be off.
-        """
+        """Begin with nothing but what the estimate claims of itself."""
         self._cfg = cfg
         self._matcher = MapMatcher(obstacles)
         self._claimed_m = (math.nan, math.nan)
@@ -90,18 +85,15 @@ class MapAnchor:
 
     @property
     def offset_enu_m(self) -> Vector3:
-        """What is added at present to a position of the estimate."""
+        """Offset that is added at present to a position of the estimate."""
         east, north, up, _ = self._in_use.tolist()
         return east, north, up
 
     def claim(self, horizontal_m: float, vertical_m: float = math.inf) -> None:
-        """Take over how good the autopilot says that its estimate is, as often as it says so.
+        """Adopt the standard deviations that the autopilot claims of its estimate, per axis.
 
-        A better one moves less from image to image, and is searched for less far.
-
-        Args:
-            horizontal_m: Standard deviation of the estimate, each horizontal axis.
-            vertical_m: Of its height; infinite for half as much again as across.
+        A better estimate moves less from image to image, and is searched for less far. An infinite
+        vertical deviation stands for half as much again as the horizontal one.
         """
         if (horizontal_m, vertical_m) == self._claimed_m:
             return
@@ -113,21 +105,11 @@ class MapAnchor:
             self._covariance = self._claimed_covariance()
 
     def stand_at(
-        self,
-        time_s: float,
-        position_est_m: Vector3,
-        position_map_m: Vector3,
-        sigma_m: float = 0.1,
+        self, time_s: float, position_est_m: Vector3, position_map_m: Vector3, sigma_m: float = 0.1
     ) -> None:
-        """Tell it a place where the vehicle is known to be: the pad that it starts from.
+        """Fuse the known position of the vehicle in the map: the pad that it starts from.
 
-        The offset in use jumps there: nothing flies yet.
-
-        Args:
-            time_s: Now.
-            position_est_m: Of the vehicle by the estimate, ENU.
-            position_map_m: Of the vehicle in the map, ENU.
-            sigma_m: How well that is known, each axis.
+        The offset in use jumps there: nothing flies yet. `sigma_m` holds for each axis.
         """
         self._let_drift(time_s)
         there = np.subtract(position_map_m, position_est_m)
@@ -136,12 +118,7 @@ class MapAnchor:
         self._used_at_s = time_s
 
     def update(self, time_s: float, image: DepthImage) -> AnchorFix:
-        """Register a depth image with the map, and fuse what it tells.
-
-        Args:
-            time_s: When it was taken.
-            image: Posed by the estimate.
-        """
+        """Register a depth image, posed by the estimate, with the map, and fuse what it tells."""
         self._let_drift(time_s)
         match = self._matcher.match(image, self._x, self._covariance)
         if match.is_doubtful:
@@ -239,7 +216,7 @@ class MapAnchor:
         self._covariance = self._covariance + walk
 
     def _objection(self, match: Match) -> str | None:
-        """What speaks against a match, None if nothing does."""
+        """The objection to a match, None if there is none."""
         if match.objection is not None:
             return match.objection
         least = self._cfg.least_inlier_share
@@ -257,7 +234,7 @@ class MapAnchor:
         self._covariance *= np.outer(shrink, shrink)
 
     def _variances(self, match: Match) -> Float[np.ndarray, " k"]:
-        """Of each measured direction, with what no image can do better."""
+        """Variance of each measured direction, including the floor below which no image gets."""
         floor = np.where(match.is_angle, self._cfg.fix_yaw_sigma_rad**2, self._cfg.fix_sigma_m**2)
         return match.variances + floor
 

@@ -1,4 +1,4 @@
-"""How far the estimate of a vehicle may be off the map, and how fast that changes."""
+"""Settings of the map anchor: the error of a vehicle's estimate, and how fast it changes."""
 
 from __future__ import annotations
 
@@ -7,39 +7,39 @@ from dataclasses import dataclass, replace
 
 _LEAST_SIGMA_M = 0.08
 _WALK_OF_SIGMA = 0.05
-"""A receiver that claims s wanders by .05 s a root second once odometry has smoothed it."""
+"""A receiver that claims s wanders by 0.05 s per root second once odometry has smoothed it."""
 _LEAST_WALK = 0.02
-"""Of odometry at 1 m/s."""
+"""Walk of odometry at 1 m/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MapAnchorCfg:
-    """How far the estimate may be off, and how fast that changes."""
+    """Error of the estimate, and how fast it changes."""
 
     horizontal_sigma_m: float = 1.8
-    """Of the estimate at the start, each axis."""
+    """Standard deviation of the estimate at the start, each axis."""
     vertical_sigma_m: float = 2.2
-    """Of the estimate at the start."""
+    """Standard deviation of the estimate's height at the start."""
     yaw_sigma_rad: float = math.radians(0.5)
-    """Of the estimate at the start."""
+    """Standard deviation of the estimate's yaw at the start."""
     horizontal_walk: float = 0.08
-    """How the error of the estimate moves, m/sqrt(s)."""
+    """Random walk of the estimate's error, m/sqrt(s), each axis."""
     vertical_walk: float = 0.15
-    """How the error of the estimate moves, m/sqrt(s)."""
+    """Random walk of the estimate's height error, m/sqrt(s)."""
     yaw_walk: float = math.radians(0.05)
-    """How the error of the estimate moves, rad/sqrt(s)."""
+    """Random walk of the estimate's yaw error, rad/sqrt(s)."""
     fix_sigma_m: float = 0.04
-    """Of the best fix: map and camera."""
+    """Standard deviation of the best fix, by the errors of map and camera."""
     fix_yaw_sigma_rad: float = math.radians(0.2)
-    """Of the best fix."""
+    """Standard deviation of the best fix's yaw."""
     least_inlier_share: float = 0.6
-    """Of the points, that the map must explain."""
+    """Least share of the points that the map must explain."""
     doubt_m: float = 0.4
-    """What an image that the map does not wholly explain adds to the deviation."""
+    """Deviation that an image adds that the map does not wholly explain."""
     slew_s: float = 0.5
-    """In which what the offset and yaw in use lack of the fused ones falls to 1/e."""
+    """Time in which the difference of offset and yaw in use to the fused ones falls to 1/e."""
     slew_mps: float = 0.5
-    """How fast the offset in use follows at most."""
+    """Greatest speed of the offset in use."""
 
     def for_accuracy(self, horizontal_m: float, vertical_m: float) -> MapAnchorCfg:
         """The same for an estimate that claims these standard deviations.

@@ -8,19 +8,19 @@ of them explain equally well is refused.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.point_spread import spread_points
-from autonomy.perception.registration import appraise, register, scan
-from autonomy.perception.solid_index import SolidIndex
+from autonomy.perception.registration import View, appraise, register, scan
+from autonomy.perception.solid_index import index_solids
 from autonomy.planning.obstacles import Obstacles
 
 _REACH_M = 1.0
-"""From how far a surface pulls a point."""
+"""Distance from which a surface pulls a point."""
 _N_POINTS = 700
 _N_SCANNED = 70
 _LEAST_POINTS = 80
@@ -30,13 +30,13 @@ _LEAST_SUPPORT = 12.0
 """Points of `_N_POINTS` that must lie across a direction before it counts as seen."""
 _LEAST_INFORMATION = 1e-6
 _KNOWN_M = 0.35
-"""With a standard deviation above it, all about is searched."""
+"""A larger standard deviation requires a search all about."""
 _SCAN_SIGMAS = 2.5
 _MAX_SCAN_REACH_M = 5.0
 _NODES_PER_REACH = 4
-"""Of the lattice, at most, from its middle to its edge."""
+"""Most nodes of the lattice from its middle to its edge."""
 _SCAN_STEP_M = np.array([0.5, 0.5, 0.4])
-"""At least."""
+"""Least distance between nodes."""
 _N_STARTS = 8
 _N_PLACES = 3
 _THINNING = 5
@@ -50,7 +50,7 @@ _RIVAL_COST = 2.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Match:
-    """Where an image fits."""
+    """The fit of an image."""
 
     objection: str | None
     """Why it is not to be used; None where it is."""
@@ -59,11 +59,11 @@ class Match:
     measured: Float[np.ndarray, " k"]
     """Values along the directions that were seen."""
     directions: Float[np.ndarray, "4 k"]
-    """Of offset and yaw, orthonormal."""
+    """Orthonormal directions of offset and yaw."""
     variances: Float[np.ndarray, " k"]
-    """Of the values."""
+    """Variances of the values."""
     is_angle: Bool[np.ndarray, " k"]
-    """Which of them is yaw."""
+    """Whether each direction is yaw."""
     residual_m: float
     inlier_share: float
 
@@ -72,23 +72,16 @@ class MapMatcher:
     """Lays depth images onto a map."""
 
     def __init__(self, obstacles: Obstacles) -> None:
-        self._solids = obstacles.solids
-        self._grid = SolidIndex.of(obstacles, reach_m=_REACH_M).grid
+        self._grid = index_solids(obstacles, reach_m=_REACH_M)
 
     def match(
         self, image: DepthImage, x: Float[np.ndarray, " 4"], covariance: Float[np.ndarray, "4 4"]
     ) -> Match:
-        """Where an image fits, by what was known before.
-
-        Args:
-            image: Posed by the estimate.
-            x: Offset and yaw from the estimate to the map.
-            covariance: Of them.
-        """
+        """Fit an image, posed by the estimate, given what was known of offset and yaw before."""
         points, sigmas = spread_points(image, _N_POINTS)
         if len(points) < _LEAST_POINTS:
             return _nothing(f"{len(points)} points measured; wanted: {_LEAST_POINTS}")
-        view = _View(
+        view = View(
             points=points,
             sigmas=sigmas,
             camera=np.array(image.position_enu_m),
@@ -98,7 +91,7 @@ class MapMatcher:
         )
         starts = [x]
         if covariance[:3, :3].diagonal().max() > _KNOWN_M**2:
-            starts = self._likely_places(view.thinned(), np.sqrt(covariance.diagonal()))
+            starts = self._likely_places(_thinned(view), np.sqrt(covariance.diagonal()))
         found = self._settled(view, starts, _NARROW_M)
         best = found[0]
         rival = _rival(found)
@@ -106,14 +99,12 @@ class MapMatcher:
             return _nothing(f"fits {math.dist(best.x[:3], rival.x[:3]):.1f} m away as well", best)
         return _seen(view, best)
 
-    def _likely_places(self, view: _View, deviations: np.ndarray) -> list[np.ndarray]:
+    def _likely_places(self, view: View, deviations: np.ndarray) -> list[np.ndarray]:
         """The best of a lattice about the prior, registered with a few points."""
         points = np.ascontiguousarray(view.points[:: max(1, len(view.points) // _N_SCANNED)])
         reach = np.minimum(_SCAN_SIGMAS * deviations[:3], _MAX_SCAN_REACH_M)
         step = np.maximum(reach / _NODES_PER_REACH, _SCAN_STEP_M)
-        offsets, costs = scan(
-            points, view.camera, view.prior, reach, step, self._solids, self._grid
-        )
+        offsets, costs = scan(points, view.camera, view.prior, reach, step, self._grid)
         starts = [view.prior]
         for k in np.argsort(costs, kind="stable"):
             if len(starts) > _N_STARTS or not np.isfinite(costs[k]):
@@ -126,27 +117,14 @@ class MapMatcher:
                 places.append(found.x)
         return places[:_N_PLACES]
 
-    def _settled(self, view: _View, starts: list[np.ndarray], widths: np.ndarray) -> list[_Found]:
-        """Where registrations from some starts end, the best first."""
+    def _settled(self, view: View, starts: list[np.ndarray], widths: np.ndarray) -> list[_Found]:
+        """The ends of registrations from some starts, the best first."""
         return sorted((self._settle(view, s, widths) for s in starts), key=lambda f: f.cost)
 
-    def _settle(self, view: _View, start: np.ndarray, widths: np.ndarray) -> _Found:
+    def _settle(self, view: View, start: np.ndarray, widths: np.ndarray) -> _Found:
         """Register from a start, and appraise the outcome."""
-        x = register(
-            view.points,
-            view.sigmas,
-            view.camera,
-            start,
-            view.prior,
-            view.information,
-            view.worth,
-            widths,
-            self._solids,
-            self._grid,
-        )
-        cost, share, residual_m, information, support = appraise(
-            view.points, view.sigmas, view.camera, x, view.worth, self._solids, self._grid
-        )
+        x = register(view, start, widths, self._grid)
+        cost, share, residual_m, information, support = appraise(view, x, self._grid)
         away = x - view.prior
         return _Found(
             x=x,
@@ -159,30 +137,8 @@ class MapMatcher:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _View:
-    """An image's points, and what was known before."""
-
-    points: Float[np.ndarray, "n 3"]
-    sigmas: Float[np.ndarray, " n"]
-    camera: Float[np.ndarray, " 3"]
-    prior: Float[np.ndarray, " 4"]
-    information: Float[np.ndarray, "4 4"]
-    worth: float
-    """Independent measurements that a point stands for."""
-
-    def thinned(self) -> _View:
-        """Every few points, worth as much as all."""
-        return replace(
-            self,
-            points=np.ascontiguousarray(self.points[::_THINNING]),
-            sigmas=np.ascontiguousarray(self.sigmas[::_THINNING]),
-            worth=self.worth * _THINNING,
-        )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class _Found:
-    """Where one registration ended."""
+    """The end of one registration."""
 
     x: Float[np.ndarray, " 4"]
     cost: float
@@ -190,6 +146,15 @@ class _Found:
     residual_m: float
     information: Float[np.ndarray, "4 4"]
     support: Float[np.ndarray, "3 3"]
+
+
+def _thinned(view: View) -> View:
+    """Every few points, worth as much as all."""
+    return view._replace(
+        points=np.ascontiguousarray(view.points[::_THINNING]),
+        sigmas=np.ascontiguousarray(view.sigmas[::_THINNING]),
+        worth=view.worth * _THINNING,
+    )
 
 
 def _rival(found: list[_Found]) -> _Found | None:
@@ -205,7 +170,7 @@ def _rival(found: list[_Found]) -> _Found | None:
     return None
 
 
-def _seen(view: _View, best: _Found) -> Match:
+def _seen(view: View, best: _Found) -> Match:
     """The directions that enough points lie across, and what the image says of them."""
     counts, axes = np.linalg.eigh(best.support * _N_POINTS / len(view.points))
     columns = [np.append(axes[:, k], 0.0) for k in range(3) if counts[k] >= _LEAST_SUPPORT]

@@ -136,10 +136,9 @@ class MoverTrack:
             yaw_rad=size.yaw_rad,
         )
 
-    def is_seen_through(self, image: DepthImage, inverse_sigma_pm: float) -> bool:
+    def is_seen_through(self, image: DepthImage) -> bool:
         """Whether an image shows what is behind the place where the obstacle should be."""
-        rotation = np.asarray(image.rotation_enu_from_optical, dtype=float)
-        sight = (self.mean[:3] - np.array(image.position_enu_m)) @ rotation
+        sight = (self.mean[:3] - image.pixels.eye) @ image.pixels.rotation
         if sight[2] < LEAST_HALF_M:
             return False
         half = min(self.size.along_m, self.size.across_m)
@@ -150,7 +149,8 @@ class MoverTrack:
         height, width = image.depth_m.shape
         inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
         depth_m = image.depth_m[row[inside], column[inside]]
-        behind_m = sight[2] + half + _SEEN_THROUGH_M + _SIGMAS * inverse_sigma_pm * sight[2] ** 2
+        doubt_m = _SIGMAS * image.inverse_depth_sigma_pm * sight[2] ** 2
+        behind_m = sight[2] + half + _SEEN_THROUGH_M + doubt_m
         return int(np.count_nonzero(depth_m > behind_m)) > _SURE_SHARE * len(grid)
 
 

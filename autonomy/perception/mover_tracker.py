@@ -1,11 +1,11 @@
 """Moving obstacles from onboard depth: what the map does not explain, followed over images.
 
 Each image's foreground falls into blobs, and blobs close together are one sighting. A sighting
-goes to the track that expected it, the best pairs first; what nobody expected begins a track,
+goes to the track that expected it, the best pairs first; an unexpected one begins a track,
 which counts once a few images have shown it. A track ends when images show what is behind the
 place where it should be, or when nothing was seen of it for a while.
 
-What does not move but is not on the map either, somebody who waits, is followed like the rest:
+An obstacle at rest that is not on the map, a person who waits, is followed like the rest:
 it is as much in the way.
 """
 
@@ -33,18 +33,18 @@ _COAST_NEW_S = 1.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MoverTrackerCfg:
-    """How moving obstacles are found and followed."""
+    """Settings for finding and following moving obstacles."""
 
     static_within_m: float = 0.35
-    """What is nearer than this to the map is taken for part of it."""
+    """A point nearer than this to the map counts as part of it."""
     mover_beyond_m: float = 0.55
     """Some of what moves must be farther than this from the map. Must cover the error of the
-    estimated pose and the 17 cm by which remembered distances err; who keeps nearer than this to
-    a wall is not seen."""
+    estimated pose and the 17 cm by which remembered distances err; a mover nearer than this to a
+    wall is not seen."""
     range_m: float = 16.0
     """Depth beyond which nothing is looked at."""
     most_depth_sigma_m: float = 0.3
-    """Nor where depth is no better known than this."""
+    """Depth known less well than this is ignored as well."""
     least_samples: int = 5
     """Fewer, so far from the map, are noise; a sample stands for two by two pixels."""
     most_size_m: float = 7.0
@@ -54,7 +54,7 @@ class MoverTrackerCfg:
     misses_to_end: int = 2
     """Images in a row that show what is behind it, after which it is gone."""
     coast_s: float = 5.0
-    """For how long an obstacle out of sight is believed to go on."""
+    """Time for which an obstacle out of sight is believed to go on."""
     gate: float = 16.0
     """Largest squared Mahalanobis distance of a sighting from its track."""
     remember_s: float = math.inf
@@ -67,7 +67,7 @@ class MoverTrackerCfg:
     most_growth_mps: float = 0.4
     """Fastest that radii grow, all of them as fast as the one that is known worst."""
     horizon_s: float = 4.0
-    """How far ahead predictions are believed."""
+    """Time for which predictions are believed."""
 
 
 class MoverTracker:
@@ -95,11 +95,9 @@ class MoverTracker:
         self._cells.forget_old(time_s)
         for track in self.tracks:
             track.predict(time_s)
-        inverse_sigma_pm = image.inverse_depth_sigma_pm
-        sightings = self._sightings(image, static_distance_m, inverse_sigma_pm)
-        seen, unexpected = self._match(sightings)
+        seen, unexpected = self._match(self._sightings(image, static_distance_m))
         for track in self.tracks:
-            if track not in seen and track.is_seen_through(image, inverse_sigma_pm):
+            if track not in seen and track.is_seen_through(image):
                 track.n_misses += 1
         self.tracks = [track for track in self.tracks if self._is_kept(track, time_s)]
         self.tracks += [MoverTrack(time_s, sighting) for sighting in unexpected]
@@ -111,7 +109,7 @@ class MoverTracker:
         return np.array(places).reshape(-1, 3)
 
     def moving(self, time_s: float) -> MovingObstacles:
-        """What moves, predicted from a time on."""
+        """Confirmed obstacles, predicted from a time on."""
         cfg = self._cfg
         tracks = [track for track in self.tracks if track.n_hits >= cfg.hits_to_confirm]
         position, velocity, half = (np.zeros((len(tracks), 3)) for _ in range(3))
@@ -136,38 +134,25 @@ class MoverTracker:
             horizon_s=cfg.horizon_s,
         )
 
-    def _sightings(
-        self, image: DepthImage, static_distance_m: StaticDistance, inverse_sigma_pm: float
-    ) -> list[Sighting]:
+    def _sightings(self, image: DepthImage, static_distance_m: StaticDistance) -> list[Sighting]:
         cfg = self._cfg
-        range_m = cfg.range_m
-        if inverse_sigma_pm > 0.0:
-            range_m = min(range_m, math.sqrt(cfg.most_depth_sigma_m / inverse_sigma_pm))
+        within_m, range_m = cfg.static_within_m, cfg.range_m
+        if image.inverse_depth_sigma_pm > 0.0:
+            known_m = math.sqrt(cfg.most_depth_sigma_m / image.inverse_depth_sigma_pm)
+            range_m = min(range_m, known_m)
         foreground = find_foreground(
-            image,
-            self._cells,
-            static_distance_m,
-            within_m=cfg.static_within_m,
-            range_m=range_m,
-            inverse_sigma_pm=inverse_sigma_pm,
+            image, self._cells, static_distance_m, within_m=within_m, range_m=range_m
         )
         blobs = find_blobs(
             foreground,
-            image.depth_m.shape,
+            image,
             gap_m=_BLOB_GAP_M,
-            inverse_sigma_pm=inverse_sigma_pm,
             beyond_m=cfg.mover_beyond_m,
             least_samples=cfg.least_samples,
         )
         blobs = _joined(foreground.points_enu_m, blobs[:_MOST_SIGHTINGS])
         return [
-            see(
-                image,
-                foreground,
-                blob,
-                within_m=cfg.static_within_m,
-                inverse_sigma_pm=inverse_sigma_pm,
-            )
+            see(image, foreground, blob, within_m=within_m)
             for blob in blobs
             if np.ptp(foreground.points_enu_m[blob], axis=0).max() <= cfg.most_size_m
         ]

@@ -1,4 +1,4 @@
-"""What a vehicle needs of a place to stand."""
+"""Needs of a vehicle for a place to stand."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LandingNeeds:
-    """What a vehicle needs to stand safely."""
+    """Needs of a vehicle to stand safely."""
 
     footprint_radius_m: float
-    """Of its feet, plus the scatter of a touchdown."""
+    """Radius of its feet, plus the scatter of a touchdown."""
     body_radius_m: float
-    """Of all of it, plus the scatter of a touchdown."""
+    """Radius of all of it, plus the scatter of a touchdown."""
     max_slope_rad: float = math.radians(10.0)
     max_roughness_m: float = 0.04
     """Largest height range about the plane under the feet. With one foot so much higher a stance
     of 0.28 m tilts by 8 deg; 0.06 let it stand on kerbs of 0.05 m."""
     max_rise_m: float = 0.06
-    """How far things within the body's radius may rise above the plane: below the rotors."""
+    """Greatest rise of things within the body's radius above the plane: below the rotors."""
     min_frames: int = 3
-    """In which all of the ground under the feet must have been seen."""
+    """Least number of frames that show all of the ground under the feet."""
     max_sigma_m: float = 0.02
-    """How uncertain the heights of the cells under the feet may be, root mean square."""
+    """Greatest deviation of the heights of the cells under the feet, root mean square."""
     enough_clearance_m: float = 0.8
     """Room beyond this makes a place no better."""
 

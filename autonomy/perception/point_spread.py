@@ -8,55 +8,33 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
-from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.depth_image import DepthImage, Pixels
 
 _NEAREST_M, _FARTHEST_M = 0.2, 30.0
 _SURFACE_SIGMA_M = 0.05
-"""Of surfaces as the map has them."""
+"""Error of the map's surfaces."""
 _TILT_SIGMA_RAD = 0.004
-"""Of the estimate's roll and pitch."""
+"""Error of the estimate's roll and pitch."""
 
 
 def spread_points(
     image: DepthImage, n_points: int
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Points from the camera, ENU, evenly over the image, and how well each is known.
+    """Points from the camera, ENU, and the standard deviation of each from its surface, m.
 
-    Args:
-        image: Where the camera is does not matter.
-        n_points: About how many of its pixels are taken, with a measurement or not.
-
-    Returns:
-        The points, and the standard deviation of the distance of each from its surface in m.
+    About `n_points` pixels are taken, evenly over the image, with a measurement or not.
     """
     height, width = image.depth_m.shape
-    return sample_points(
-        np.ascontiguousarray(image.depth_m, dtype=np.float32),
-        np.array([image.fx, image.fy, image.cx, image.cy]),
-        np.ascontiguousarray(image.rotation_enu_from_optical, dtype=float),
-        max(1, round(math.sqrt(height * width / n_points))),
-        image.inverse_depth_sigma_pm,
-    )
+    stride = max(1, round(math.sqrt(height * width / n_points)))
+    return sample_points(image.pixels, stride, image.inverse_depth_sigma_pm)
 
 
 @kernel
 def sample_points(
-    depth: Float[np.ndarray, "h w"],
-    intrinsics: Float[np.ndarray, " 4"],
-    rotation: Float[np.ndarray, "3 3"],
-    stride: int,
-    inverse_sigma: float,
+    pixels: Pixels, stride: int, inverse_sigma: float
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Every so many pixels as points from the camera, ENU, and the deviations of their distance.
-
-    Args:
-        depth: Along the optical axis, m.
-        intrinsics: fx, fy, cx, cy.
-        rotation: Optical axes to ENU.
-        stride: Between rows and columns.
-        inverse_sigma: Standard deviation of inverse depth, 1/m.
-    """
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    """Every so many pixels as points from the camera, ENU, and the deviations of their distance."""
+    depth, fx, fy, cx, cy, _, rotation = pixels
     most = (depth.shape[0] // stride + 1) * (depth.shape[1] // stride + 1)
     points, sigmas = np.empty((most, 3)), np.empty(most)
     n = 0

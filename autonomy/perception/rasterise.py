@@ -1,4 +1,4 @@
-"""What a depth image says of each cell of a grid: mean height, extremes, and how surely.
+"""A depth image on the cells of a grid: mean height, extremes, and how surely.
 
 Points are placed in their cells; a few wrong ones among them, matched with something else
 altogether, move neither the mean nor the extremes.
@@ -16,11 +16,11 @@ from autonomy.jit import kernel
 OUTLYING_SIGMAS = 3.0
 """Noise may put a point so far from the surface."""
 _FLOOR_M = 0.001
-"""Nobody knows the height of a cell better in one frame."""
+"""Least deviation of a cell's height by one frame."""
 _ALIKE_PIXELS = 4.0
 """Neighbouring pixels of stereo cameras err alike: so many say as much as one."""
 _FEW_POINTS = 40
-"""In cells of more points wrong ones do not move the mean by much."""
+"""Wrong points do not move the mean of a cell with more points by much."""
 
 
 @kernel

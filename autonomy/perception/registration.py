@@ -19,52 +19,54 @@ along normals); Fitzgibbon 2003, "Robust registration of 2D and 3D point sets" (
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
 from autonomy.perception.solid_index import Grid, nearest_plane
-from autonomy.planning.solids import Solids
 
 INLIER_SIGMAS = 3.0
 """A point farther from every surface is not explained by the map."""
 _SIGHT_EVERY = 4
-"""Of so many lines of sight one is followed."""
+"""One of so many lines of sight is followed."""
 _SIGHT_STEP_M = 0.05
 _GRAZING = 0.05
 """Cosine between a surface's normal and the line of sight from which on it is seen from behind."""
 _BACKWARDS_M = (0.06, 0.12, 0.25, 0.5, 0.9)
-"""How far a point in a solid is taken back towards the camera to find the side that was seen."""
+"""Steps from a point in a solid back towards the camera, to find the side that was seen."""
+
+
+class View(NamedTuple):
+    """Points of an image, and what was known of offset and yaw before."""
+
+    points: Float[np.ndarray, "n 3"]
+    """Points from the camera, ENU by the estimate."""
+    sigmas: Float[np.ndarray, " n"]
+    """Standard deviation of the distance of each from its surface, m."""
+    camera: Float[np.ndarray, " 3"]
+    """Position by the estimate."""
+    prior: Float[np.ndarray, " 4"]
+    information: Float[np.ndarray, "4 4"]
+    """Inverse of the prior's covariance."""
+    worth: float
+    """Independent measurements that a point stands for; neighbours err alike."""
 
 
 @kernel
 def register(
-    points: Float[np.ndarray, "n 3"],
-    sigmas: Float[np.ndarray, " n"],
-    camera: Float[np.ndarray, " 3"],
-    start: Float[np.ndarray, " 4"],
-    prior: Float[np.ndarray, " 4"],
-    prior_information: Float[np.ndarray, "4 4"],
-    worth: float,
-    widths: Float[np.ndarray, " k"],
-    solids: Solids,
-    grid: Grid,
+    view: View, start: Float[np.ndarray, " 4"], widths: Float[np.ndarray, " k"], grid: Grid
 ) -> Float[np.ndarray, " 4"]:
     """Offset and yaw that lay points onto surfaces.
 
     Args:
-        points: From the camera, ENU by the estimate.
-        sigmas: Standard deviation of the distance of each from its surface, m.
-        camera: Its position by the estimate.
+        view: Points and prior.
         start: Offset and yaw to begin from.
-        prior: What is known of them.
-        prior_information: Inverse of its covariance.
-        worth: Independent measurements that a point stands for; neighbours err alike.
-        widths: Of the biweight at each step, m; never below the points' own.
-        solids: The map.
-        grid: Its index.
+        widths: Widths of the biweight, step by step, m; never below the points' own.
+        grid: The map.
     """
+    points, sigmas, camera, prior, prior_information, worth = view
     x = start.copy()
     for width in widths:
         information = prior_information.copy()
@@ -74,7 +76,7 @@ def register(
         for i in range(len(points)):
             east = c * points[i, 0] - s * points[i, 1]
             north = s * points[i, 0] + c * points[i, 1]
-            d, j[0], j[1], j[2] = _surface(camera, x, east, north, points[i, 2], solids, grid)
+            d, j[0], j[1], j[2] = _surface(camera, x, east, north, points[i, 2], grid)
             cut = max(width, INLIER_SIGMAS * sigmas[i])
             if abs(d) >= min(cut, grid.reach):
                 continue
@@ -92,15 +94,9 @@ def register(
 
 @kernel
 def appraise(
-    points: Float[np.ndarray, "n 3"],
-    sigmas: Float[np.ndarray, " n"],
-    camera: Float[np.ndarray, " 3"],
-    x: Float[np.ndarray, " 4"],
-    worth: float,
-    solids: Solids,
-    grid: Grid,
+    view: View, x: Float[np.ndarray, " 4"], grid: Grid
 ) -> tuple[float, float, float, Float[np.ndarray, "4 4"], Float[np.ndarray, "3 3"]]:
-    """How well points lie on surfaces.
+    """Judge how well points lie on surfaces.
 
     Returns:
         Half the sum of squared deviations, those of unexplained points cut off, as `worth` counts
@@ -108,6 +104,7 @@ def appraise(
         mean distance in m; the information about offset and yaw; and how many points lie across
         each direction, a matrix whose eigenvalues are numbers of points.
     """
+    points, sigmas, camera, _, _, worth = view
     information, support = np.zeros((4, 4)), np.zeros((3, 3))
     cost, away, n_inliers = 0.0, 0.0, 0
     n_sights, n_blocked = 0, 0
@@ -116,11 +113,11 @@ def appraise(
     for i in range(len(points)):
         east = c * points[i, 0] - s * points[i, 1]
         north = s * points[i, 0] + c * points[i, 1]
-        d, j[0], j[1], j[2] = _surface(camera, x, east, north, points[i, 2], solids, grid)
+        d, j[0], j[1], j[2] = _surface(camera, x, east, north, points[i, 2], grid)
         deviation = abs(d) / sigmas[i]
         if i % _SIGHT_EVERY == 0 and deviation < INLIER_SIGMAS:
             n_sights += 1
-            if _is_blocked(camera, x, east, north, points[i, 2], sigmas[i], solids, grid):
+            if _is_blocked(camera, x, east, north, points[i, 2], sigmas[i], grid):
                 n_blocked += 1
         if deviation >= INLIER_SIGMAS:
             cost += 0.5 * worth * INLIER_SIGMAS**2
@@ -149,22 +146,12 @@ def scan(
     center: Float[np.ndarray, " 4"],
     reach: Float[np.ndarray, " 3"],
     step: Float[np.ndarray, " 3"],
-    solids: Solids,
     grid: Grid,
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, " m"]]:
-    """Mean distance of points from surfaces, cut off at the reach, over a lattice of offsets.
+    """Offsets on a lattice, and the mean distance of points from surfaces at each of them.
 
-    Args:
-        points: From the camera, ENU by the estimate.
-        camera: Its position by the estimate.
-        center: Offset and yaw at the middle of the lattice.
-        reach: How far the lattice goes from there, each axis.
-        step: Between its nodes, each axis.
-        solids: The map.
-        grid: Its index.
-
-    Returns:
-        The offsets, and the mean distances; infinite where the camera would be in a solid.
+    Distances are cut off at the grid's reach; the mean is infinite where the camera would be in a
+    solid. The lattice reaches so far from its centre, an offset with the yaw, along each axis.
     """
     n = np.zeros(3, dtype=np.int64)
     for i in range(3):
@@ -180,12 +167,12 @@ def scan(
                 offset[0] = center[0] + a * step[0]
                 offset[1] = center[1] + b * step[1]
                 offset[2] = center[2] + e * step[2]
-                if _surface(camera, offset, 0.0, 0.0, 0.0, solids, grid)[0] > 0.0:
+                if _surface(camera, offset, 0.0, 0.0, 0.0, grid)[0] > 0.0:
                     away = 0.0
                     for i in range(len(points)):
                         east = c * points[i, 0] - s * points[i, 1]
                         north = s * points[i, 0] + c * points[i, 1]
-                        d = _surface(camera, offset, east, north, points[i, 2], solids, grid)[0]
+                        d = _surface(camera, offset, east, north, points[i, 2], grid)[0]
                         away += min(abs(d), grid.reach)
                     costs[k] = away / len(points)
                 k += 1
@@ -199,7 +186,6 @@ def _surface(
     east: float,
     north: float,
     up: float,
-    solids: Solids,
     grid: Grid,
 ) -> tuple[float, float, float, float]:
     """Signed distance of a point to the nearest surface that the camera can see, and its normal.
@@ -209,16 +195,15 @@ def _surface(
     point beyond an edge, where no solid is on the line of sight, is drawn to the edge.
     """
     at_x, at_y, at_z = camera[0] + x[0] + east, camera[1] + x[1] + north, camera[2] + x[2] + up
-    d, n, m, o, _ = nearest_plane(at_x, at_y, at_z, solids, grid)
+    d, n, m, o, _ = nearest_plane(at_x, at_y, at_z, grid)
     away = math.sqrt(east * east + north * north + up * up)
     if away == 0.0 or d >= grid.reach or n * east + m * north + o * up <= _GRAZING * away:
         return d, n, m, o
     behind, is_through = (d, n, m, o), d < 0.0
     for back in _BACKWARDS_M:
         share = min(back / away, 1.0)
-        d, n, m, o, _ = nearest_plane(
-            at_x - share * east, at_y - share * north, at_z - share * up, solids, grid
-        )
+        near_x, near_y, near_z = at_x - share * east, at_y - share * north, at_z - share * up
+        d, n, m, o, _ = nearest_plane(near_x, near_y, near_z, grid)
         is_through = is_through or d < 0.0
         along = n * east + m * north + o * up
         if is_through and d < grid.reach and along < 0.0:
@@ -234,7 +219,6 @@ def _is_blocked(
     north: float,
     up: float,
     sigma: float,
-    solids: Solids,
     grid: Grid,
 ) -> bool:
     """Whether a solid stands between the camera and a point."""
@@ -248,7 +232,6 @@ def _is_blocked(
             camera[0] + x[0] + s * east,
             camera[1] + x[1] + s * north,
             camera[2] + x[2] + s * up,
-            solids,
             grid,
         )[0]
         if d < max(deep, -0.08):

@@ -20,7 +20,7 @@ from autonomy.perception.foreground import STRIDE_PX, Foreground
 LEAST_HALF_M = 0.15
 """Nothing that matters is thinner."""
 _USUAL_HALF_M = 0.3
-"""What is unseen behind the near side is as deep as half the width, up to this."""
+"""The unseen part behind the near side is as deep as half the width, up to this."""
 _NEAR_PERCENT, _FAR_PERCENT = 10.0, 90.0
 _EDGE_PERCENT = 2.0
 # Share of a spread that lies between these percentiles, for points even over it.
@@ -45,7 +45,7 @@ class Footprint:
     across_m: float
     up_m: float
     yaw_rad: float
-    """Of `along`, counter-clockwise from east."""
+    """Heading of `along`, counter-clockwise from east."""
 
     def reach_m(self, direction: Float[np.ndarray, " 2"]) -> float:
         """How far it reaches towards a horizontal unit direction: between its box and the ellipse.
@@ -60,7 +60,7 @@ class Footprint:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sighting:
-    """What one image shows of one obstacle."""
+    """One image's evidence of one obstacle."""
 
     points_enu_m: Float[np.ndarray, "n 3"]
     forward: Float[np.ndarray, " 2"]
@@ -77,7 +77,7 @@ class Sighting:
     depth_sigma_m: float
 
     def spread_m(self, yaw_rad: float) -> tuple[float, float]:
-        """How far its points spread along a heading and across it, without their noise."""
+        """Spread of its points along a heading and across it, without their noise."""
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         spreads = []
         for direction in (np.array([c, s]), np.array([-s, c])):
@@ -129,12 +129,7 @@ def _between(
 
 
 def see(
-    image: DepthImage,
-    foreground: Foreground,
-    blob: Int[np.ndarray, " k"],
-    *,
-    within_m: float,
-    inverse_sigma_pm: float,
+    image: DepthImage, foreground: Foreground, blob: Int[np.ndarray, " k"], *, within_m: float
 ) -> Sighting:
     """Edges of a blob.
 
@@ -143,12 +138,11 @@ def see(
     hidden because it is looked down on steeply or the image ends.
     """
     points, pixels = foreground.points_enu_m[blob], foreground.pixels[blob]
-    eye = np.array(image.position_enu_m, dtype=float)
-    sight = np.median(points, axis=0) - eye
+    sight = np.median(points, axis=0) - image.pixels.eye
     away = max(math.hypot(sight[0], sight[1]), 1e-6)
     forward = sight[:2] / away
     depth_m = float(np.median(foreground.depth_m[blob]))
-    depth_sigma_m = inverse_sigma_pm * depth_m**2
+    depth_sigma_m = image.inverse_depth_sigma_pm * depth_m**2
     ahead = points[:, :2] @ forward
     aside = points[:, 1] * forward[0] - points[:, 0] * forward[1]
     right_m, left_m = np.percentile(aside, [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
@@ -158,10 +152,9 @@ def see(
     below_m = float(np.median(lowest))
     behind_m = foreground.depth_m[blob] + _BEHIND_M
     nearer_m = foreground.depth_m[blob] - _BEHIND_M
-    is_left, is_right, is_top, _ = _cut_sides(
-        image, pixels, behind_m + _BEHIND_SIGMAS * depth_sigma_m
-    )
-    is_bottom = _cut_sides(image, pixels, nearer_m - _BEHIND_SIGMAS * depth_sigma_m)[3]
+    doubt_m = _BEHIND_SIGMAS * depth_sigma_m
+    is_left, is_right, is_top, _ = _cut_sides(image, pixels, behind_m + doubt_m)
+    is_bottom = _cut_sides(image, pixels, nearer_m - doubt_m)[3]
     is_hidden = is_bottom or -sight[2] > _STEEP * away
     hidden_m = _MOST_HIDDEN_BELOW_M if is_hidden else 2.0 * within_m
     return Sighting(

@@ -1,4 +1,4 @@
-"""Signed distance near the surfaces of many solids, fast: a grid that knows who is near.
+"""Signed distance near the surfaces of many solids, fast: a grid that knows which are near.
 
 Each cell of the grid lists the solids that come within `reach_m` of any point of it, so that the
 distance to the nearest one, cut off at the reach, is found among a few.
@@ -7,7 +7,6 @@ distance to the nearest one, cut off at the reach, is found among a few.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -23,69 +22,40 @@ _VAST_M = 300.0
 
 
 class Grid(NamedTuple):
-    """What kernels take."""
+    """Solids, and which of them are near each cell of a grid."""
 
+    solids: Solids
     corner: np.ndarray
-    """(3,)."""
+    """Lowest corner, ENU, m, (3,)."""
     cell: float
-    """Its width."""
+    """Width of a cell, m."""
     reach: float
+    """Distances beyond it read as this, m."""
     counts: np.ndarray
-    """(3,), of cells."""
+    """Cells along each axis, (3,)."""
     ends: np.ndarray
     """One past the last entry of each cell."""
     entries: np.ndarray
+    """Indices of the solids near the cells, cell by cell."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SolidIndex:
-    """Who is near, cell by cell."""
-
-    corner_enu_m: Float[np.ndarray, " 3"]
-    cell_m: float
-    reach_m: float
-    """Distances beyond it read as this."""
-    counts: Int[np.ndarray, " 3"]
-    ends: Int[np.ndarray, " cells"]
-    entries: Int[np.ndarray, " k"]
-
-    @classmethod
-    def of(cls, obstacles: Obstacles, *, reach_m: float, cell_m: float = 1.0) -> SolidIndex:
-        """Index all solids, in cells of `cell_m` or wider where there would be too many."""
-        solids = obstacles.solids
-        half = np.einsum("nij,nj->ni", np.abs(solids.rotations), solids.halves)
-        low, high = solids.centers - half - reach_m, solids.centers + half + reach_m
-        bounding = np.flatnonzero((high - low).max(axis=1) < _VAST_M)
-        if not bounding.size:
-            bounding = np.arange(len(low))
-        corner = low[bounding].min(axis=0) if len(low) else np.zeros(3)
-        span = (high[bounding].max(axis=0) - corner) if len(low) else np.ones(3)
-        while np.prod(np.ceil(span / cell_m)) > _MAX_CELLS:
-            cell_m *= 1.25
-        counts = np.maximum(np.ceil(span / cell_m), 1).astype(np.int64)
-        first = np.clip(np.floor((low - corner) / cell_m), 0, counts).astype(np.int64)
-        last = np.clip(np.floor((high - corner) / cell_m) + 1, 0, counts).astype(np.int64)
-        ends, entries = fill_cells(corner, cell_m, reach_m, counts, first, last, solids)
-        return cls(
-            corner_enu_m=corner,
-            cell_m=cell_m,
-            reach_m=reach_m,
-            counts=counts,
-            ends=ends,
-            entries=entries,
-        )
-
-    @property
-    def grid(self) -> Grid:
-        """What kernels take."""
-        return Grid(
-            self.corner_enu_m,
-            self.cell_m,
-            self.reach_m,
-            self.counts,
-            self.ends,
-            self.entries,
-        )
+def index_solids(obstacles: Obstacles, *, reach_m: float, cell_m: float = 1.0) -> Grid:
+    """Index all solids, in cells of `cell_m` or wider where there would be too many."""
+    solids = obstacles.solids
+    half = np.einsum("nij,nj->ni", np.abs(solids.rotations), solids.halves)
+    low, high = solids.centers - half - reach_m, solids.centers + half + reach_m
+    bounding = np.flatnonzero((high - low).max(axis=1) < _VAST_M)
+    if not bounding.size:
+        bounding = np.arange(len(low))
+    corner = low[bounding].min(axis=0) if len(low) else np.zeros(3)
+    span = (high[bounding].max(axis=0) - corner) if len(low) else np.ones(3)
+    while np.prod(np.ceil(span / cell_m)) > _MAX_CELLS:
+        cell_m *= 1.25
+    counts = np.maximum(np.ceil(span / cell_m), 1).astype(np.int64)
+    first = np.clip(np.floor((low - corner) / cell_m), 0, counts).astype(np.int64)
+    last = np.clip(np.floor((high - corner) / cell_m) + 1, 0, counts).astype(np.int64)
+    ends, entries = fill_cells(corner, cell_m, reach_m, counts, first, last, solids)
+    return Grid(solids, corner, cell_m, reach_m, counts, ends, entries)
 
 
 @kernel
@@ -98,16 +68,9 @@ def fill_cells(
     last: Int[np.ndarray, "n 3"],
     solids: Solids,
 ) -> tuple[Int[np.ndarray, " cells"], Int[np.ndarray, " k"]]:
-    """Solids near each cell: one past the last entry of each, and the entries.
+    """Solids within reach of each cell: one past the last entry of each, and the entries.
 
-    Args:
-        corner: Lowest corner of the grid.
-        cell: Width of a cell.
-        reach: How near is near.
-        counts: Cells along each axis.
-        first: First cell that the bounding box of each solid touches.
-        last: One past the last.
-        solids: All of them.
+    A solid's bounding box, wider by the reach, touches cells from `first` to before `last`.
     """
     n_cells = counts[0] * counts[1] * counts[2]
     found = np.zeros(n_cells + 1, dtype=np.int64)
@@ -140,13 +103,13 @@ def fill_cells(
 
 
 @kernel
-def nearest_plane(x: float, y: float, z: float, solids: Solids, grid: Grid) -> Plane:
+def nearest_plane(x: float, y: float, z: float, grid: Grid) -> Plane:
     """The plane that touches the solid nearest to a point below it, see `plane_between`.
 
     The distance is the reach, and the normal zero, where nothing is nearer; outside the grid every
     solid is asked.
     """
-    corner, cell, reach, counts, ends, entries = grid
+    solids, corner, cell, reach, counts, ends, entries = grid
     a = math.floor((x - corner[0]) / cell)
     b = math.floor((y - corner[1]) / cell)
     c = math.floor((z - corner[2]) / cell)

@@ -24,7 +24,7 @@ def disc(radius_m: float, resolution_m: float) -> Float[np.ndarray, "k k"]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowFit:
-    """What lies within a window about each cell; NaN where it is not all known."""
+    """The contents of a window about each cell; NaN where it is not all known."""
 
     plane: Float[np.ndarray, "3 n n"]
     """Least-squares plane: height over the cell, rise to east and north."""
@@ -41,10 +41,9 @@ def fit_planes(
 ) -> WindowFit:
     """Fit a plane in the window about each cell; beyond the border nothing is known."""
     half_widths = (window.sum(axis=1).astype(np.int64) - 1) // 2
-    count, (height_sum, east_sum, north_sum, variance_sum) = (
-        window.sum(),
-        window_sums(np.where(known, height, np.float32(np.nan)), variance, half_widths),
-    )
+    heights = np.where(known, height, np.float32(np.nan))
+    height_sum, east_sum, north_sum, variance_sum = window_sums(heights, variance, half_widths)
+    count = window.sum()
     moment = moment_m2(window, resolution_m) / resolution_m
     # A window of one cell has no slope to tell.
     plane = np.stack([height_sum / count, east_sum / (moment or 1.0), north_sum / (moment or 1.0)])
@@ -60,12 +59,7 @@ def window_sums(
     """Sums over a window about each cell; NaN where a height in it is, or the border cuts it.
 
     They are of heights, of heights times offsets in cells to the east and to the north, and of
-    variances.
-
-    Args:
-        height: NaN where it is not known.
-        variance: Of the heights.
-        half_widths: Cells of the window on either side of its middle, row by row.
+    variances. Row by row the window has `half_widths` cells on either side of its middle.
     """
     n, reach = len(height), len(half_widths) // 2
     # Running sums along each row: one more than there are columns.
@@ -112,13 +106,9 @@ def smoothed(
     known: Bool[np.ndarray, "n n"],
     apart: float,
 ) -> Float[np.ndarray, "n n"]:
-    """Mean over each cell and those of its eight neighbours that belong to the same surface.
+    """Mean over each known cell and those of its eight neighbours that are on the same surface.
 
-    Args:
-        height: Of the cells.
-        sigma: Their uncertainty; neighbours that are `apart` times that away are beyond an edge.
-        known: Which cells are; the others count for nothing.
-        apart: In sigmas.
+    A neighbour whose height differs by more than `apart` times sigma is beyond an edge.
     """
     n = len(height)
     mean = height.copy()
@@ -149,7 +139,7 @@ def highest(
     window: Float[np.ndarray, "k k"],
     resolution_m: float,
 ) -> Float[np.ndarray, "n n"]:
-    """How far a surface rises above each cell's plane within the window; inf beyond the border."""
+    """Rise of a surface above each cell's plane within the window; inf beyond the border."""
     return extremes(surface, np.zeros((0, 0)), plane, window, resolution_m)[0]
 
 
@@ -187,15 +177,9 @@ def extremes_about_planes(
 ) -> Float[np.ndarray, "2 n n"]:
     """Largest top minus plane, and plane minus bottom, over a window about each cell.
 
-    Args:
-        top: Heights, `reach` cells wider than the grid on every side.
-        bottom: The same, or empty.
-        height: Of each cell's plane over the cell.
-        east: Rise of each cell's plane per metre to the east (columns).
-        north: The same to the north (rows).
-        offsets: Rows and columns of the window's cells from its middle.
-        reach: The largest of them.
-        resolution: Size of a cell, m.
+    Top and bottom are `reach` cells wider than the grid on every side; bottom may be empty. A
+    cell's plane has a height over the cell and rises by `east` and `north` per metre; `offsets`
+    are rows and columns of the window's cells from its middle.
     """
     n = len(height)
     extremes = np.full((2, n, n), np.float32(-np.inf))

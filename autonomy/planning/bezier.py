@@ -15,10 +15,7 @@ Node = tuple[Any, Any, Any]
 def control_points(a: Node, b: Node, t: Any) -> list[list[Any]]:
     """Control points of position (6), velocity (5), acceleration (4) and jerk (3) of a piece.
 
-    Args:
-        a: Where the piece begins.
-        b: Where it ends.
-        t: How long it takes, s.
+    The piece leads from a to b in t seconds.
     """
     p0, v0, a0 = a
     p1, v1, a1 = b

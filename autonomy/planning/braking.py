@@ -48,16 +48,9 @@ def brake(
 ) -> Trajectory:
     """A certified trajectory to rest, as soon as it can be, away from what moves.
 
-    Args:
-        previous: Any trajectory.
-        at_time_s: Time of it from which the new one, at its time 0, takes over; beyond its end the
-            vehicle stands there.
-        obstacles: What stands, for the proof.
-        craft: What flies.
-        moving: What moves, predicted from `at_time_s` on; the vehicle also stands clear of it
-            after the stop, until the prediction's horizon. What is nearer than the margin
-            already is proved to come no nearer.
-        start: Where the vehicle is and how it moves then; None for where the plan has it.
+    The arguments are those of `replan`, but `previous` may be any trajectory, and `at_time_s` later
+    than its end, where the vehicle stands. After the stop the vehicle also stands clear of what
+    moves, until the prediction's horizon.
 
     Returns:
         A trajectory without a corridor: `plan_trajectory` goes on from its end.
@@ -133,7 +126,7 @@ def _stops(
 
 
 def _directions(velocity: np.ndarray) -> Float[np.ndarray, "26 3"]:
-    """To all sides, as seen along the horizontal motion; level, slanted, up and down."""
+    """Directions to all sides of the horizontal motion; level, slanted, up and down."""
     heading = math.atan2(velocity[1], velocity[0])
     angle = heading + np.arange(8) * math.pi / 4
     level = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(8)])

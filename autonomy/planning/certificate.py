@@ -27,7 +27,7 @@ _TOLERANCE = 0.01
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Certificate:
-    """What was proved."""
+    """Proved bounds of a trajectory."""
 
     min_clearance_m: float
     """Lower bound of the distance from the vehicle's sphere to obstacles, along the whole way."""
@@ -69,21 +69,14 @@ def certify(
     clearance_m = _clearance(trajectory, obstacles, moving, radius_m, margin_m)
     peaks = limit_peaks(trajectory, quadrotor)
     yaw = trajectory.yaw
-    turns = np.abs(np.diff(yaw.yaw_rad))
-    certificate = Certificate(
-        min_clearance_m=clearance_m,
-        max_yaw_rate_radps=float(turns.max(initial=0.0)) / yaw.step_s,
-        **peaks,
-    )
+    turn_radps = float(np.abs(np.diff(yaw.yaw_rad)).max(initial=0.0)) / yaw.step_s
+    certificate = Certificate(min_clearance_m=clearance_m, max_yaw_rate_radps=turn_radps, **peaks)
+    most_thrust = limits.max_specific_thrust_mps2(quadrotor)
     for name, value, limit in (
         ("horizontal speed", certificate.max_speed_horizontal_mps, limits.speed_horizontal_mps),
         ("vertical speed", certificate.max_speed_vertical_mps, limits.speed_vertical_mps),
         ("horizontal acceleration", certificate.max_acceleration_mps2, limits.acceleration_mps2),
-        (
-            "thrust over mass",
-            certificate.max_specific_thrust_mps2,
-            limits.max_specific_thrust_mps2(quadrotor),
-        ),
+        ("thrust over mass", certificate.max_specific_thrust_mps2, most_thrust),
         ("tilt", certificate.max_tilt_rad, limits.tilt_rad),
         ("body rate", certificate.max_body_rate_radps, limits.body_rate_radps),
         ("yaw rate", certificate.max_yaw_rate_radps, limits.yaw_rate_radps),
@@ -121,7 +114,7 @@ def _clearance(
 
 
 def _speed_bounds(trajectory: Trajectory) -> Float[np.ndarray, " n"]:
-    """What the speed of each piece nowhere exceeds: the longest control point of its velocity."""
+    """Bound of the speed of each piece: the longest control point of its velocity."""
     t = trajectory.durations_s[:, None]
     ends = []
     for since in (np.zeros(len(t)), trajectory.durations_s):

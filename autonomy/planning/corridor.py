@@ -24,10 +24,10 @@ from autonomy.planning.solids import Point, Solids, gap_to_sphere, plane_to_segm
 
 MAX_PLANES = 20
 REACHES_M = (6.0, 3.0, 1.5, 0.75)
-"""How far a polytope may extend beyond its leg along each axis: the first that needs few planes."""
+"""Reaches of a polytope beyond its leg along each axis: the first that needs few planes."""
 _SLACK_M = 1e-6
 _PARALLEL = 1e-10
-"""Of three planes' normals: the determinant below which they have no corner in common."""
+"""Determinant of three planes' normals below which they have no corner in common."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,7 +39,7 @@ class Corridor:
     gates_enu_m: Float[np.ndarray, "n_plus_1 3"]
     """Start, a point in each overlap, goal."""
     moving_mps: Float[np.ndarray, "n planes"] | None = None
-    """How fast offsets grow from time 0 on, in the frame of obstacles that move; None for not."""
+    """Growth of offsets from time 0 on, in the frame of obstacles that move; None without any."""
 
     @property
     def rates_mps(self) -> Float[np.ndarray, "n planes"]:
@@ -51,10 +51,7 @@ class Corridor:
 
 
 def straighten(
-    points_enu_m: Float[np.ndarray, "n 3"],
-    obstacles: Obstacles,
-    *,
-    enough_m: float,
+    points_enu_m: Float[np.ndarray, "n 3"], obstacles: Obstacles, *, enough_m: float
 ) -> Float[np.ndarray, "m 3"]:
     """Leave out points of a path wherever the straight line costs no clearance.
 

@@ -1,4 +1,4 @@
-"""What flies: how fast it may move, its mass and thrust, and how plans for it are made."""
+"""The craft that flies: its limits, its mass and thrust, and how plans for it are made."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from autonomy.planning.trajectory import Trajectory
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PlannerCfg:
-    """How a plan is made."""
+    """Settings of a plan."""
 
     vehicle_radius_m: float
-    """Of a sphere about the centre of mass that holds the vehicle."""
+    """Radius of a sphere about the centre of mass that holds the vehicle."""
     method: Literal["optimise", "primitives"] = "optimise"
     """Space and time optimised over a corridor, or the motion primitives of Mueller et al. 2015."""
     margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
     """Distances from that sphere to obstacles to aim at; the first that gives a plan is taken."""
     min_margin_m: float = 0.05
-    """What the proof demands beyond the sphere."""
+    """Distance that the proof demands beyond the sphere."""
     comfortable_m: float = 1.5
     """Beyond this distance to the sphere, closeness to obstacles has no price in the search."""
     max_piece_m: float = 12.0
@@ -54,10 +54,10 @@ class PlannerCfg:
 
 @dataclass(frozen=True, slots=True)
 class Craft:
-    """What a plan is made for."""
+    """The vehicle that a plan is made for."""
 
     limits: FlightLimits
-    """Of the motion."""
+    """Limits of the motion."""
     quadrotor: QuadrotorParams
     """Mass, thrust and drag."""
     cfg: PlannerCfg
@@ -76,13 +76,7 @@ class Craft:
         moving: MovingObstacles = NOTHING_MOVES,
         margin_m: float | None = None,
     ) -> Trajectory:
-        """The trajectory with its proved clearance.
-
-        Args:
-            trajectory: To be proved.
-            obstacles: What stands.
-            moving: What moves, predicted from the trajectory's time 0 on.
-            margin_m: Beyond the vehicle's sphere; None for `min_margin_m`.
+        """The trajectory with its clearance, proved by `certify`; margin None is `min_margin_m`.
 
         Raises:
             CertificateError: If it breaks the clearance or a limit.

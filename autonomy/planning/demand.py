@@ -1,4 +1,4 @@
-"""What a trajectory asks of the vehicle, by differential flatness with rotor drag.
+"""Demands of a trajectory on the vehicle, by differential flatness with rotor drag.
 
 Each limit bounds a convex function of a vector that moves smoothly. Between two samples such a
 function exceeds neither sample's value by more than the vector strays from the chord: dt^2 / 8
@@ -54,7 +54,7 @@ def excess(
     limits: FlightLimits,
     quadrotor: QuadrotorParams,
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """By what share each piece must lower its accelerations, and its body rates.
+    """Shares by which each piece must lower its accelerations, and its body rates.
 
     Gravity and drag cannot be lowered, so what thrust and tilt lack is told as a share of the
     acceleration at that place.

@@ -15,7 +15,7 @@ class UnreachableError(PlanningError):
     """No free path joins start and goal.
 
     Attributes:
-        narrowest_enu_m: Where the widest way is narrowest, None if there is none or nobody looked.
+        narrowest_enu_m: Where the widest way is narrowest, None if there is none or none was sought.
     """
 
     def __init__(self, message: str, narrowest_enu_m: tuple[float, float, float] | None = None):

@@ -1,4 +1,4 @@
-"""What is left of a plan, and where it could lead past what moves.
+"""The rest of a plan, and where it could lead past what moves.
 
 A plane in each piece keeps an obstacle that it comes near to on one side. Its side is where a guess
 of the path passes: the plan itself where that is clear, else bent to either side, above or below.
@@ -30,7 +30,7 @@ _MAX_PIECES = 20
 _EASE_M = 0.02
 """Beyond what is asked, so that a proof has something to go by."""
 _SLOW_SHARES = (0.6, 0.3)
-"""Of the plan's speed: what waiting for an obstacle to pass is tried with."""
+"""Shares of the plan's speed at which waiting for an obstacle to pass is tried."""
 
 
 def remainder(
@@ -59,7 +59,7 @@ def no_nearer(
 
 
 class Rest:
-    """What is left of a plan: free space and times, finer where something moves nearby."""
+    """The rest of a plan: free space and times, finer where something moves nearby."""
 
     def __init__(
         self, previous: Trajectory, corridor: Corridor, at_s: float, moving: MovingObstacles
@@ -92,7 +92,7 @@ class Rest:
             yield Corridor(planes=self.planes, gates_enu_m=self._gates), self.durations_s
             return
         hits = [i for i in near if self._distance[i].min() < keep_m]
-        # Who is met first is evaded; for others the side is kept that this evasion leads past.
+        # The one met first is evaded; for others the side is kept that this evasion leads past.
         hit = min(hits, key=lambda i: int(np.argmax(self._distance[i] < keep_m)), default=None)
         guesses = [(self._path, 1.0)] if hit is None else self._evasions(hit, keep_m)
         for path, speed_share in guesses:

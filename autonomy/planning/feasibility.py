@@ -1,4 +1,4 @@
-"""What a motion primitive may do: thrust, body rate, speed, tilt and room, compiled.
+"""Feasibility of a motion primitive: thrust, body rate, speed, tilt and room, compiled.
 
 Source: Mueller, Hehn and D'Andrea 2015, "A computationally efficient motion primitive for
 quadrocopter trajectory generation", recursive test of input feasibility. Speed, acceleration and
@@ -27,7 +27,7 @@ _LEAST_SECTION_S = 0.02
 def allowances(
     bounds: MotionBounds, limits: FlightLimits, quadrotor: QuadrotorParams, share: float
 ) -> Float[np.ndarray, " 8"]:
-    """What `first_feasible` allows: a share of the limits."""
+    """Bounds for `first_feasible`: a share of the limits."""
     return np.array(
         [
             *(share * bounds.as_array()),

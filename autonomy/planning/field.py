@@ -18,7 +18,7 @@ class DistanceField:
     """Centre of the cell with index (0, 0, 0)."""
     resolution_m: float
     distance_m: Float[np.ndarray, "nx ny nz"]
-    """From the centre of a cell to the nearest occupied cell; 0 in occupied cells."""
+    """Distance from the centre of a cell to the nearest occupied cell; 0 in occupied cells."""
 
     def __post_init__(self) -> None:
         """Refuse what is not a field."""
@@ -44,21 +44,6 @@ class DistanceField:
         return np.array(self.origin_enu_m), self.centres(np.array(self.distance_m.shape) - 1)
 
     def contains(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> np.ndarray:
-        """Which points lie in a cell of the grid."""
+        """Whether each point lies in a cell of the grid."""
         cells = self.cells(points_enu_m)
         return np.all((cells >= 0) & (cells < self.distance_m.shape), axis=-1)
-
-    def distance(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b"]:
-        """Distance at points between the cells, trilinear, m; 0 outside the grid."""
-        points = np.asarray(points_enu_m, dtype=float)
-        offset = (points - self.origin_enu_m) / self.resolution_m
-        last = np.array(self.distance_m.shape) - 1
-        inside = np.clip(offset, 0, last)
-        low = np.minimum(inside.astype(np.int64), np.maximum(last - 1, 0))
-        fraction = inside - low
-        total = np.zeros(points.shape[:-1])
-        for corner in np.ndindex(2, 2, 2):
-            weight = np.prod(np.where(corner, fraction, 1.0 - fraction), axis=-1)
-            x, y, z = np.moveaxis(np.minimum(low + corner, last), -1, 0)
-            total += weight * self.distance_m[x, y, z]
-        return np.where(self.contains(points), total, 0.0)

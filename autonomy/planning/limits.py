@@ -13,7 +13,7 @@ from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.planning.errors import LimitsError
 
 MIN_ACCELERATION_MPS2 = 0.2
-"""With less room than this to accelerate there is no sensible flight."""
+"""Less room than this to accelerate allows no sensible flight."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -26,13 +26,13 @@ class MotionBounds:
     acceleration_vertical_mps2: float
 
     def as_array(self) -> Float[np.ndarray, " 4"]:
-        """In the order of the fields."""
+        """The bounds in the order of the fields."""
         return np.array([getattr(self, name) for name in self.__slots__])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FlightLimits:
-    """What a trajectory may ask of the vehicle."""
+    """Limits of the motion that a trajectory may ask of the vehicle."""
 
     speed_horizontal_mps: float = 5.0
     speed_vertical_mps: float = 2.0
@@ -40,7 +40,7 @@ class FlightLimits:
     """Horizontal, m/s^2."""
     acceleration_vertical_mps2: float = 2.0
     thrust_fraction: float = 0.85
-    """Of the maximum collective thrust; the rest is left to torques."""
+    """Share of the maximum collective thrust; the rest is left to torques."""
     tilt_rad: float = math.radians(30.0)
     body_rate_radps: float = math.radians(180.0)
     """About the axes across the thrust: how fast the vehicle may tilt."""

@@ -18,7 +18,7 @@ from autonomy.jit import kernel
 
 
 class Movers(NamedTuple):
-    """Of n moving obstacles; what kernels take."""
+    """Arrays of n moving obstacles for kernels."""
 
     positions: np.ndarray
     """(n, 3)."""
@@ -42,14 +42,14 @@ class MovingObstacles:
     """Centres at time 0."""
     velocity_enu_mps: Float[np.ndarray, "n 3"]
     radius_m: Float[np.ndarray, " n"]
-    """How far the solid reaches beyond its box."""
+    """Reach of the solid beyond its box."""
     half_extent_m: Float[np.ndarray, "n 3"]
-    """Of the box, along its heading, to its left and up; zeros for a ball."""
+    """Half extents of the box along its heading, to its left and up; zeros for a ball."""
     yaw_rad: Float[np.ndarray, " n"]
     growth_mps: float = 0.2
-    """How fast the radius grows."""
+    """Growth of the radius with time."""
     horizon_s: float = 4.0
-    """How far ahead the prediction is believed; later the obstacles are left out."""
+    """Time for which the prediction is believed; later the obstacles are left out."""
 
     def __post_init__(self) -> None:
         """Refuse what is no prediction."""
@@ -97,16 +97,11 @@ class MovingObstacles:
 
     @cached_property
     def movers(self) -> Movers:
-        """What kernels take."""
+        """The obstacles as arrays for kernels."""
         heading = np.column_stack([np.cos(self.yaw_rad), np.sin(self.yaw_rad)])
-        arrays = (
-            self.position_enu_m,
-            self.velocity_enu_mps,
-            self.half_extent_m,
-            heading,
-            self.radius_m,
-        )
-        p, v, h, c, r = (np.ascontiguousarray(array, dtype=float) for array in arrays)
+        arrays = (self.position_enu_m, self.velocity_enu_mps, self.half_extent_m, heading)
+        p, v, h, c = (np.ascontiguousarray(array, dtype=float) for array in arrays)
+        r = np.ascontiguousarray(self.radius_m, dtype=float)
         return Movers(p, v, h, c, r, float(self.growth_mps), float(self.horizon_s))
 
     def distances(
@@ -130,7 +125,7 @@ class MovingObstacles:
         return gap - radius, away
 
     def reach_m(self, index: int, normal: Float[np.ndarray, " 3"]) -> float:
-        """How far an obstacle reaches from its centre towards a direction, at time 0."""
+        """Reach of an obstacle from its centre towards a direction, at time 0."""
         c, s = math.cos(self.yaw_rad[index]), math.sin(self.yaw_rad[index])
         local = np.array([c * normal[0] + s * normal[1], c * normal[1] - s * normal[0], normal[2]])
         return float(np.abs(local) @ self.half_extent_m[index] + self.radius_m[index])

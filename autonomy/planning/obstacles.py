@@ -14,7 +14,7 @@ from autonomy.planning.solids import Solids, distances_to_solids
 
 
 class Shape(IntEnum):
-    """How an obstacle's local extents are to be read."""
+    """Shape of an obstacle, which says how to read its local extents."""
 
     BOX = 0
     CYLINDER = 1
@@ -35,7 +35,7 @@ class Obstacles:
     """Full local extents."""
     shape: Int[np.ndarray, " n"]
     faces: Float[np.ndarray, "m 4"] = field(default_factory=lambda: np.zeros((0, 4)))
-    """Of hulls: outward unit normal n and offset d, local; a point x is beyond where n.x > d."""
+    """Faces of hulls: outward unit normal n and offset d, local; x is beyond where n.x > d."""
     faces_end: Int[np.ndarray, " n"]
     """One past the last face of each obstacle; its first is where the one before ends."""
 
@@ -61,7 +61,7 @@ class Obstacles:
 
     @cached_property
     def solids(self) -> Solids:
-        """What kernels take."""
+        """The obstacles as arrays for kernels."""
         return Solids(
             self.center_enu_m,
             rotation_matrices(self.quat_wxyz),

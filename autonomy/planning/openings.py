@@ -24,10 +24,10 @@ LEAST_WIDTH_M, LEAST_HEIGHT_M = 0.5, 0.8
 """Smaller ones are gaps between things."""
 _N_DIRECTIONS = 12
 _WIDER_M = 0.5
-"""How much wider it must be before and behind."""
+"""Excess of the width before and behind an opening."""
 _LINTEL_M = 0.2
 _STEPS_M = (0.5, 0.75, 1.0, 1.25)
-"""How far before and behind."""
+"""Distances before and behind an opening at which its width is compared."""
 _MAX_RUN_M = 6.0
 _OFFSETS_M: Float[np.ndarray, " n"] = np.linspace(-0.4, 0.4, 17)
 _BESIDE_M = np.linspace(-0.25, 0.25, 5)
@@ -60,7 +60,7 @@ def find_openings(field: DistanceField, obstacles: Obstacles) -> list[Opening]:
         field: Free space; its cells find openings that are wider than about two of them.
         obstacles: The same exactly, for the measures.
     """
-    from scipy import ndimage  # noqa: PLC0415 - start-up time: only where somebody asks
+    from scipy import ndimage  # noqa: PLC0415 - start-up time: loads only on demand
 
     is_free = np.ascontiguousarray(field.distance_m > 0)
     direction = narrow_cells(is_free, field.resolution_m)
@@ -163,11 +163,9 @@ def _is_wider(
 
 
 def _narrowest(
-    points_enu_m: Float[np.ndarray, "n 3"],
-    angle: Float[np.ndarray, " n"],
-    obstacles: Obstacles,
+    points_enu_m: Float[np.ndarray, "n 3"], angle: Float[np.ndarray, " n"], obstacles: Obstacles
 ) -> int:
-    """At which point it is least wide; of several the middle one."""
+    """Index of the point with the least width; of several the middle one."""
     ways = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))])
     width_m = _reach(points_enu_m, ways, obstacles) + _reach(points_enu_m, -ways, obstacles)
     least = np.flatnonzero(width_m < width_m.min() + 2 * _TOUCH_M)
@@ -175,11 +173,9 @@ def _narrowest(
 
 
 def _reach(
-    points_enu_m: Float[np.ndarray, "n 3"],
-    ways: Float[np.ndarray, "n 3"],
-    obstacles: Obstacles,
+    points_enu_m: Float[np.ndarray, "n 3"], ways: Float[np.ndarray, "n 3"], obstacles: Obstacles
 ) -> Float[np.ndarray, " n"]:
-    """How far it is from points to the obstacles along unit vectors, by sphere tracing."""
+    """Distance from points to the obstacles along unit vectors, by sphere tracing."""
     reach_m = np.zeros(len(points_enu_m))
     is_going = np.ones(len(points_enu_m), dtype=bool)
     for _ in range(_MARCH_STEPS):
@@ -259,7 +255,7 @@ def _opens(
 def _run(
     is_free: np.ndarray, i: int, j: int, k: int, x: float, y: float, z: float, most: float
 ) -> float:
-    """How many cells one can go from a cell before the next is not free or off the grid."""
+    """Number of cells from a cell to the last before one that is not free or off the grid."""
     gone = 0.5
     while gone < most:
         # Not round(): that of numbers halfway alternates.

@@ -29,14 +29,14 @@ from autonomy.planning.limits import MotionBounds
 from autonomy.planning.solver import Solver
 
 _STEP = 0.25
-"""Of the logarithms of the times: about what the search's first step changes them by."""
+"""Change of the logarithms of the times by the search's first step, about."""
 _FIRST_END_S = 1.5
 COLD = {"maxiter": 40, "ftol": 5e-4}
 WARM = {"maxiter": 2, "maxfun": 3, "ftol": 2e-3, "gtol": 0.2 * _STEP}
 """For times that were good a moment ago: good enough where a per cent of a time's change brings no
 more than two thousandths of a second."""
 EVADING = {"maxiter": 8, "maxfun": 8, "ftol": 2e-3}
-"""For times that were good without the obstacle."""
+"""Settings for times that were good without the obstacle."""
 _MAX_TIGHTENINGS = 5
 _MAX_STRETCHES = 25
 _STRICT_STRETCHES = 5

@@ -20,9 +20,9 @@ from autonomy.planning.openings import Opening, opening_at
 from autonomy.types import Vector3
 
 BEFORE_M = (0.5, 0.75, 1.0, 1.25)
-"""So far before and behind an opening a way through it begins and ends, where there is room."""
+"""Distances before and behind an opening at which a way through it may begin and end."""
 MOST_OPENINGS = 4
-"""In one way."""
+"""Most openings in one way."""
 _STEP_M = 0.05
 _TUBE_CELLS = 0.9
 """About a line, so that neighbours in a row join its ends."""
@@ -31,18 +31,11 @@ Search = Callable[[DistanceField], Int[np.ndarray, "n 3"]]
 
 
 def way_through_openings(
-    search: Search,
-    field: DistanceField,
-    obstacles: Obstacles,
-    needed_m: float,
+    search: Search, field: DistanceField, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, "n 3"]:
     """Centres of cells along a way, and the axes of openings where no cell has enough room.
 
-    Args:
-        search: Finds cells in a field.
-        field: Where the obstacles are.
-        obstacles: The same exactly.
-        needed_m: Distance to obstacles that the vehicle needs in an opening.
+    In an opening the vehicle needs a distance of `needed_m` to obstacles.
 
     Raises:
         UnreachableError: If there is no such way either.
@@ -103,7 +96,7 @@ def _lowered(opening: Opening, near: Vector3, needed_m: float) -> Float[np.ndarr
 def _end(
     center: np.ndarray, way: np.ndarray, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, " 3"] | None:
-    """Where the line into an opening begins on one side, None if it is not free."""
+    """Beginning of the line into an opening on one side, None if it is not free."""
     along_m = np.arange(0.0, BEFORE_M[-1] + _STEP_M, _STEP_M)
     room_m = obstacles.signed_distance(center + np.outer(along_m, way))[0]
     if np.any(room_m[along_m <= BEFORE_M[0]] < needed_m):

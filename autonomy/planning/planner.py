@@ -11,7 +11,7 @@ import numpy as np
 
 from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.corridor import build_corridor, refine, straighten
-from autonomy.planning.craft import Craft, PlannerCfg
+from autonomy.planning.craft import Craft
 from autonomy.planning.demand import excess
 from autonomy.planning.errors import BlockedError, CertificateError, LimitsError, PlanningError
 from autonomy.planning.field import DistanceField
@@ -55,11 +55,11 @@ def plan_trajectory(
         LimitsError: If the limits contradict themselves or the start's velocity.
         CertificateError: If no attempt could be proved.
     """
-    limits, quadrotor, cfg = craft.limits, craft.quadrotor, craft.cfg
-    bounds = bounds_for(start, limits, quadrotor)
-    _require_room(start.position_enu_m, "start", field, obstacles, cfg)
-    _require_room(goal_enu_m, "goal", field, obstacles, cfg)
-    task = _Task(start, goal_enu_m, field, obstacles, limits, bounds, quadrotor, cfg)
+    cfg = craft.cfg
+    bounds = bounds_for(start, craft.limits, craft.quadrotor)
+    _require_room(start.position_enu_m, "start", field, obstacles, craft.keep_m)
+    _require_room(goal_enu_m, "goal", field, obstacles, craft.keep_m)
+    task = _Task(start, goal_enu_m, field, obstacles, bounds, craft)
     # Cells tell too little room rather than too much. So in the end, before giving up, also search
     # where they may be wrong: what is flown is decided by the obstacles themselves.
     attempts = [(margin_m, 0.0) for margin_m in cfg.margins_m]
@@ -103,7 +103,7 @@ def bounds_for(
 
 
 def _require_room(
-    point_enu_m: Vector3, name: str, field: DistanceField, obstacles: Obstacles, cfg: PlannerCfg
+    point_enu_m: Vector3, name: str, field: DistanceField, obstacles: Obstacles, needed_m: float
 ) -> None:
     x, y, z = point_enu_m
     where = f"{name} ({x:.2f}, {y:.2f}, {z:.2f}) m"
@@ -113,7 +113,6 @@ def _require_room(
         low, high = field.bounds_enu_m
         raise BlockedError(f"{where} is outside the map; valid: {low.round(1)} to {high.round(1)}")
     distance_m, nearest = obstacles.signed_distance(np.array([point_enu_m]))
-    needed_m = cfg.vehicle_radius_m + cfg.min_margin_m
     if distance_m[0] <= needed_m:
         raise BlockedError(
             f"{where} is {distance_m[0]:.2f} m from obstacle {nearest[0]}; "
@@ -123,16 +122,14 @@ def _require_room(
 
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """What is to be planned."""
+    """The arguments of a plan."""
 
     start: FlatReference
     goal_enu_m: Vector3
     field: DistanceField
     obstacles: Obstacles
-    limits: FlightLimits
     bounds: MotionBounds
-    quadrotor: QuadrotorParams
-    cfg: PlannerCfg
+    craft: Craft
 
 
 def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
@@ -140,7 +137,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
 
     The search also enters cells whose distance lacks `doubt_m`.
     """
-    start, field, cfg = task.start, task.field, task.cfg
+    start, field, craft, cfg = task.start, task.field, task.craft, task.craft.cfg
     ends = np.array([start.position_enu_m, task.goal_enu_m])
     start_cell, goal_cell = field.cells(ends)
     wanted_m = cfg.vehicle_radius_m + margin_m
@@ -155,20 +152,20 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
         comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
     )
     if doubt_m > 0.0:
-        least_m = cfg.vehicle_radius_m + cfg.min_margin_m
-        points = way_through_openings(search, field, task.obstacles, max(least_m, required_m))
+        points = way_through_openings(search, field, task.obstacles, max(craft.keep_m, required_m))
     else:
         points = field.centres(search(field))
     points = np.concatenate([ends[:1], points[1:-1], ends[1:]])
     way = straighten(points, task.obstacles, enough_m=wanted_m + 0.1)
     if cfg.method == "primitives":
-        return _primitives(task, way)
+        flown = fly_primitives(as_node(start), way, task.obstacles, task.bounds, craft)
+        return with_yaw(*flown, start.yaw_rad, craft.limits)
     corridor = build_corridor(
         way,
         task.obstacles,
         field.bounds_enu_m,
         wanted_m=wanted_m,
-        least_m=cfg.vehicle_radius_m + cfg.min_margin_m,
+        least_m=craft.keep_m,
         max_leg_m=cfg.max_piece_m,
     )
     if math.hypot(*start.velocity_enu_mps) > _MOVING_MPS:
@@ -180,24 +177,11 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
         np.array([task.goal_enu_m, ZERO3, ZERO3]),
         corridor,
         task.bounds,
-        excess=functools.partial(excess, limits=task.limits, quadrotor=task.quadrotor),
+        excess=functools.partial(excess, limits=craft.limits, quadrotor=craft.quadrotor),
     )
     coefficients = coefficients_from_nodes(solution.nodes, solution.durations_s)
-    trajectory = with_yaw(coefficients, solution.durations_s, start.yaw_rad, task.limits)
+    trajectory = with_yaw(coefficients, solution.durations_s, start.yaw_rad, craft.limits)
     return dataclasses.replace(trajectory, corridor=corridor)
-
-
-def _primitives(task: _Task, way: np.ndarray) -> Trajectory:
-    coefficients, durations_s = fly_primitives(
-        as_node(task.start),
-        way,
-        task.obstacles,
-        task.bounds,
-        task.limits,
-        task.quadrotor,
-        radius_m=task.cfg.vehicle_radius_m + task.cfg.min_margin_m,
-    )
-    return with_yaw(coefficients, durations_s, task.start.yaw_rad, task.limits)
 
 
 def as_node(state: FlatReference) -> np.ndarray:

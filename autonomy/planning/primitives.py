@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.planning.craft import Craft
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.feasibility import allowances, first_feasible
-from autonomy.planning.limits import FlightLimits, MotionBounds
+from autonomy.planning.limits import MotionBounds
 from autonomy.planning.moving import NOTHING_MOVES
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.program import JERK_WEIGHT_M2PS5
@@ -30,7 +30,7 @@ _REACHES_M = (1.0, 2.0, 4.0, 7.0, 11.0, 16.0, 24.0)
 _SPEED_SHARES = (0.0, 0.35, 0.7, 0.95)
 _STRETCHES = (1.05, 1.25, 1.5, 1.9, 2.5, 3.5)
 _CRUISE_SHARE = 0.7
-"""Of the speed limit: what the rest of the way is expected to be flown at."""
+"""Share of the speed limit at which the rest of the way is expected to be flown."""
 _RESERVE = 0.98
 _MAX_EXPANSIONS = 400
 
@@ -39,8 +39,6 @@ _MAX_EXPANSIONS = 400
 class _Candidate:
     """A state that was reached, and what is left to try from it."""
 
-    node: np.ndarray
-    along_m: float
     coefficients: np.ndarray
     durations_s: np.ndarray
     ends: np.ndarray
@@ -53,27 +51,18 @@ def fly_primitives(
     way_enu_m: Float[np.ndarray, "m 3"],
     obstacles: Obstacles,
     bounds: MotionBounds,
-    limits: FlightLimits,
-    quadrotor: QuadrotorParams,
-    *,
-    radius_m: float,
+    craft: Craft,
 ) -> tuple[Float[np.ndarray, "n 6 3"], Float[np.ndarray, " n"]]:
     """Coefficients and durations of primitives from a state to rest at the end of a way.
 
-    Args:
-        start: Position, velocity and acceleration, rows, ENU.
-        way_enu_m: Vertices of a free polyline from the start to the goal.
-        obstacles: What to stay away from.
-        bounds: Speeds and accelerations.
-        limits: Thrust, tilt and body rate.
-        quadrotor: The vehicle.
-        radius_m: Distance to keep.
+    The start is position, velocity and acceleration, ENU, as rows; the way a free polyline from
+    there to the goal. Beside the bounds the craft's limits of thrust, tilt and body rate hold.
 
     Raises:
         CertificateError: If every choice of primitives ends where none goes on.
     """
     way = _Way(way_enu_m)
-    allowed = allowances(bounds, limits, quadrotor, _RESERVE)
+    allowed = allowances(bounds, craft.limits, craft.quadrotor, _RESERVE)
     stack = [_expand(start, 0.0, way, bounds)]
     taken: list[tuple[np.ndarray, float]] = []
     for _ in range(_MAX_EXPANSIONS):
@@ -85,7 +74,7 @@ def fly_primitives(
             allowed,
             obstacles.solids,
             NOTHING_MOVES.movers,
-            radius_m,
+            craft.keep_m,
         )
         if at < 0:
             stack.pop()
@@ -102,8 +91,9 @@ def fly_primitives(
         stack.append(_expand(last.ends[choice], along_m, way, bounds))
     x, y, z = start[0]
     raise CertificateError(
-        f"no string of motion primitives from ({x:.1f}, {y:.1f}, {z:.1f}) m keeps {radius_m:.2f} m "
-        "from obstacles and the limits; valid: more room, or method 'optimise'"
+        f"no string of motion primitives from ({x:.1f}, {y:.1f}, {z:.1f}) m keeps "
+        f"{craft.keep_m:.2f} m from obstacles and the limits; valid: more room, or method "
+        "'optimise'"
     )
 
 
@@ -161,8 +151,6 @@ def _expand(node: np.ndarray, along_m: float, way: _Way, bounds: MotionBounds) -
     to_go = to_go + np.where(to_go > 0, 1 - share, 0.0)
     cost = squared_jerk(coefficients, durations) / JERK_WEIGHT_M2PS5 + durations + to_go
     return _Candidate(
-        node=node,
-        along_m=along_m,
         coefficients=coefficients,
         durations_s=durations,
         ends=ends,

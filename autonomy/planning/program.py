@@ -33,9 +33,9 @@ PRICE = 4.0
 """Seconds a second of flight that its whole excess over a limit costs."""
 SQUARE_PRICE = 20.0
 JERK_WEIGHT_M2PS5 = 40.0
-"""How much squared jerk, integrated, is worth one second."""
+"""Integral of squared jerk that is worth one second."""
 OCTAGON = math.cos(math.pi / 8)
-"""Of an octagon inside the unit circle: distance of its sides from the middle."""
+"""Distance of the sides of an octagon inside the unit circle from its middle."""
 PLANES = (8, 12, 16, 24)
 """Sizes of polytopes that programs are built for."""
 PIECES = (1, 2, 3, 4, 6, 8, 10, 12, 16, 20)
@@ -52,8 +52,7 @@ class Program:
     solve: Any
     """x, f and multipliers from p, at fixed times."""
     gradient: Any
-    """Of the optimum with respect to log T, from x, p and the multipliers."""
-    n_unknowns: int
+    """Gradient of the optimum with respect to log T, from x, p and the multipliers."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,12 +67,12 @@ class Symbols:
     nodes: Any
     cost: Any
     rows: Any
-    """At most zero."""
+    """Rows that are at most zero."""
 
 
 @functools.cache
 def build(n_pieces: int, n_planes: int) -> Program:
-    """Build the QP of a size, once in a process; .1 to .4 s."""
+    """Build the QP of a size, once in a process; 0.1 to 0.4 s."""
     import casadi as ca  # noqa: PLC0415 - loads only where something is planned
 
     s = symbols(n_pieces, n_planes)
@@ -89,20 +88,13 @@ def build(n_pieces: int, n_planes: int) -> Program:
             {"error_on_fail": False, "piqp": {"preconditioner_iter": 1}},
         ),
         gradient=ca.Function(
-            "gradient",
-            [s.unknowns, parameters, multipliers],
-            [ca.gradient(lagrangian, s.log_t)],
+            "gradient", [s.unknowns, parameters, multipliers], [ca.gradient(lagrangian, s.log_t)]
         ),
-        n_unknowns=s.unknowns.shape[0],
     )
 
 
 def prepare(pieces: Iterable[int] = REPLANNED) -> None:
-    """Build programs ahead, so that no replan in flight waits for one; some three seconds.
-
-    Args:
-        pieces: For which numbers of pieces.
-    """
+    """Build programs for some numbers of pieces, so that no replan waits for one; some 3 s."""
     for n_pieces in pieces:
         for n_planes in PLANES[1:]:
             build(n_pieces, n_planes)
@@ -111,9 +103,7 @@ def prepare(pieces: Iterable[int] = REPLANNED) -> None:
 def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.ndarray, " n"]:
     """Into how many to cut each piece, the longest first, so that their number is built for.
 
-    Args:
-        lengths: Of the pieces, in metres or seconds.
-        least: How many there shall be at least.
+    Lengths are in metres or seconds; there will be `least` pieces or more.
     """
     counts = np.ones(len(lengths), dtype=np.int64)
     wanted = max(least, len(lengths))

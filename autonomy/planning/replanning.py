@@ -109,7 +109,7 @@ def _quickest(task: _Task, rest: Rest) -> tuple[Trajectory | None, PlanningError
 
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """What is to be planned."""
+    """The arguments of a replan."""
 
     begin: FlatReference
     obstacles: Obstacles

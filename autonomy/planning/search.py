@@ -180,7 +180,7 @@ def search_grid(
                     ahead = _empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
                     ahead += climb_price * max(w - top, 0)
                     heapq.heappush(queue, (total + ahead, ahead, there))
-    return _trace(came_from, is_done, last, ny, nz)
+    return way_back(came_from, last if is_done[last] else -1, ny, nz)
 
 
 @kernel
@@ -227,14 +227,15 @@ def widest_way(
 
 
 @kernel
-def _trace(
-    came_from: np.ndarray, is_done: np.ndarray, last: int, ny: int, nz: int
+def way_back(
+    came_from: Int[np.ndarray, " cells"], end: int, ny: int, nz: int
 ) -> Int[np.ndarray, "n 3"]:
-    count, here = 0, last if is_done[last] else -1
+    """Cells from one back to where a search began, by their predecessors; none if it is -1."""
+    count, here = 0, end
     while here >= 0:
         count, here = count + 1, came_from[here]
     path = np.empty((count, 3), dtype=np.int64)
-    here = last
+    here = end
     for n in range(count):
         path[n, 0], path[n, 1], path[n, 2] = here // (ny * nz), here // nz % ny, here % nz
         here = came_from[here]

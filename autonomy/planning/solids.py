@@ -33,7 +33,7 @@ Plane = tuple[float, float, float, float, float]
 
 
 class Solids(NamedTuple):
-    """Of n solids; what kernels take."""
+    """Arrays of n solids for kernels."""
 
     centers: np.ndarray
     """(n, 3), ENU."""

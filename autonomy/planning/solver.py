@@ -64,32 +64,25 @@ class Solver:
         return np.concatenate([start[None], inner / scale[:, :, None], goal[None]])
 
     def slack(self, log_times: np.ndarray) -> np.ndarray:
-        """By what share of its limits each piece exceeds them."""
+        """Share of its limits by which each piece exceeds them."""
         return np.array(self._solve(log_times)["x"]).ravel()[9 * (self._n - 1) :]
 
     def name_worst(self, log_times: np.ndarray) -> str:
-        """Which limit is exceeded most, by how much and where."""
+        """Name the limit that is exceeded most, by how much and where."""
         nodes, times, b = self.nodes(log_times), np.exp(log_times), self._bounds
         worst = (-math.inf, "")
         for k in range(self._n):
             _, velocity, acceleration, _ = control_points(
                 tuple(nodes[k]), tuple(nodes[k + 1]), times[k]
             )
-            v, a = np.array(velocity), np.array(acceleration)
+            v, a = np.array(velocity), np.array(acceleration) / self._share[k]
+            across, up = b.acceleration_horizontal_mps2, b.acceleration_vertical_mps2
             x, y, z = nodes[k, 0]
             for name, value, limit in (
                 ("horizontal speed", np.hypot(v[:, 0], v[:, 1]), b.speed_horizontal_mps),
                 ("vertical speed", abs(v[:, 2]), b.speed_vertical_mps),
-                (
-                    "horizontal acceleration",
-                    np.hypot(a[:, 0], a[:, 1]) / self._share[k],
-                    b.acceleration_horizontal_mps2,
-                ),
-                (
-                    "vertical acceleration",
-                    abs(a[:, 2]) / self._share[k],
-                    b.acceleration_vertical_mps2,
-                ),
+                ("horizontal acceleration", np.hypot(a[:, 0], a[:, 1]), across),
+                ("vertical acceleration", abs(a[:, 2]), up),
             ):
                 share = float(np.max(value)) / limit
                 where = f"after ({x:.1f}, {y:.1f}, {z:.1f}) m"
@@ -133,11 +126,8 @@ def _longest_first_piece_s(start: np.ndarray, corridor: Corridor) -> float:
         LimitsError: If not even the shortest will do.
     """
     p, v, a = start
-    normals, offsets, rates = (
-        corridor.planes[0, :, :3],
-        corridor.planes[0, :, 3],
-        corridor.rates_mps[0],
-    )
+    normals, offsets = corridor.planes[0, :, :3], corridor.planes[0, :, 3]
+    rates = corridor.rates_mps[0]
     times = np.geomspace(MIN_PIECE_S, MAX_PIECE_S, 120)[:, None]
     second, third = p + v * times / 5, p + 2 * v * times / 5 + a * times**2 / 20
     inside = np.all(second @ normals.T <= offsets + rates * times / 5, axis=1)

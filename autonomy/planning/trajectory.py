@@ -41,11 +41,11 @@ class YawProfile:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trajectory:
-    """What to fly, from time 0 to `duration_s`; before and after it stands still."""
+    """A motion to fly, from time 0 to `duration_s`; before and after it stands still."""
 
     durations_s: Float[np.ndarray, " n"]
     coefficients: Float[np.ndarray, "n 6 3"]
-    """Of rising powers of the time since a piece's beginning, ENU, m."""
+    """Coefficients of rising powers of the time since a piece's beginning, ENU, m."""
     yaw: YawProfile
     min_clearance_m: float = field(default=float("nan"))
     """Certified distance between the vehicle's sphere and the nearest obstacle."""
@@ -64,7 +64,7 @@ class Trajectory:
 
     @cached_property
     def _pieces(self) -> list[list[list[float]]]:
-        """By piece, axis and power: plain floats, because it is sampled at 50 Hz."""
+        """Coefficients by piece, axis and power: plain floats, because it is sampled at 50 Hz."""
         return np.swapaxes(self.coefficients, 1, 2).tolist()
 
     def sample(self, t_s: float) -> FlatReference:

@@ -12,7 +12,7 @@ from autonomy.planning.trajectory import YawProfile
 LOOK_AHEAD_S = 0.8
 STEP_S = 0.05
 _MIN_TRAVEL_M = 0.4
-"""With less horizontal travel ahead the direction means nothing and the heading stays."""
+"""Less horizontal travel ahead gives no direction, and the heading stays."""
 _BANDWIDTH_RADPS = 4.0
 
 

@@ -7,13 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from autonomy.planning import (
-    Craft,
-    MovingObstacles,
-    Obstacles,
-    PlannerCfg,
-    Trajectory,
-)
+from autonomy.planning import Craft, MovingObstacles, Obstacles, PlannerCfg, Trajectory
 from autonomy.types import Vector3
 
 _STEP_M = 0.05

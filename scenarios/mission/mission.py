@@ -46,7 +46,7 @@ class Mission:
     hover_enu_m: Vector3
     """Hover point from which the area is observed."""
     trajectory: Trajectory
-    """From above the start to the hover point; in a growing map, a stay above the start."""
+    """Way from above the start to the hover point; in a growing map, a stay above the start."""
 
 
 def plan_mission(

@@ -101,7 +101,7 @@ class Surroundings:
 
     @property
     def craft(self) -> Craft:
-        """What plans are made for."""
+        """The vehicle that plans are made for."""
         return Craft(self.limits, self.airframe.quadrotor, self.planner)
 
     def plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:
@@ -130,14 +130,7 @@ class Surroundings:
         Raises:
             PlanningError: If there is none, with the reason.
         """
-        return replan(
-            previous,
-            at_time_s,
-            self.obstacles,
-            self.craft,
-            moving=moving,
-            start=start,
-        )
+        return replan(previous, at_time_s, self.obstacles, self.craft, moving=moving, start=start)
 
     def leg(
         self,
@@ -200,14 +193,7 @@ class Surroundings:
         Raises:
             PlanningError: If no stop can be certified.
         """
-        return brake(
-            previous,
-            at_time_s,
-            self.obstacles,
-            self.craft,
-            moving=moving,
-            start=start,
-        )
+        return brake(previous, at_time_s, self.obstacles, self.craft, moving=moving, start=start)
 
     def hover_point(self, area: InteractionArea) -> Vector3 | None:
         """Hover point above an area, with free air all the way down; None if there is none.
@@ -246,18 +232,14 @@ def survey(
         MissionError: If the vehicle cannot leave the start.
     """
     limits = FlightLimits() if limits is None else limits
-    if map_source == "onboard":
-        return Surroundings(
-            scene=scene,
-            airframe=airframe,
-            map=unseen_map(scene, airframe, FIELD_RESOLUTION_M),
-            limits=limits,
-        )
     try:
-        given = given_map(scene, _radius_m(airframe), FIELD_RESOLUTION_M)
+        if map_source == "onboard":
+            known: Map = unseen_map(scene, airframe, FIELD_RESOLUTION_M)
+        else:
+            known = given_map(scene, _radius_m(airframe), FIELD_RESOLUTION_M)
     except NoFreeSpaceError as error:
         raise MissionError(str(error)) from None
-    return Surroundings(scene=scene, airframe=airframe, map=given, limits=limits)
+    return Surroundings(scene=scene, airframe=airframe, map=known, limits=limits)
 
 
 def _radius_m(airframe: Airframe) -> float:

@@ -143,11 +143,8 @@ class EnRoutePhases:
         flight = self._flight
         flight.n_holds += 1
         is_last = flight.n_holds > MAX_HOLDS
-        try:
-            flight.brake(start)
-        except PlanningError as error:
-            flight.given_up = flight.given_up or reason
-            return Phase.HAND_OVER, f"{reason}; no certified stop: {error}"
+        if step := self._brake(reason, start):
+            return step
         if flight.n_holds > 2 * MAX_HOLDS:
             return Phase.HAND_OVER, f"{reason}; held {2 * MAX_HOLDS} times"
         if is_last:
@@ -158,13 +155,20 @@ class EnRoutePhases:
 
     def stop_elsewhere(self, reason: str, start: FlatReference | None = None) -> Step:
         """Change to another stop: clear of approaching movers, or near the displaced vehicle."""
+        if step := self._brake(reason, start):
+            return step
+        flight = self._flight
+        flight.replans.append(Replan(time_us=flight.time_us, reason=reason))
+        return None
+
+    def _brake(self, reason: str, start: FlatReference | None) -> Step:
+        """Brake, or hand over to the autopilot where no stop can be certified."""
         flight = self._flight
         try:
             flight.brake(start)
         except PlanningError as error:
             flight.given_up = flight.given_up or reason
             return Phase.HAND_OVER, f"{reason}; no certified stop: {error}"
-        flight.replans.append(Replan(time_us=flight.time_us, reason=reason))
         return None
 
     def _resumed(self) -> Phase:

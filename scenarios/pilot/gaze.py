@@ -48,12 +48,7 @@ class Gaze:
         self._side = 1.0
 
     def turn(
-        self,
-        time_us: int,
-        setpoint: FlatReference,
-        course_rad: float | None,
-        *,
-        looks_around: bool,
+        self, time_us: int, setpoint: FlatReference, course_rad: float | None, *, looks_around: bool
     ) -> FlatReference:
         """Setpoint with the heading of the gaze; must be called for every setpoint.
 

@@ -90,8 +90,4 @@ class GroundPhases:
         flight = self._flight
         rest_enu_m = flight.telemetry.position_enu_m
         error_m = math.dist(rest_enu_m[:2], flight.chosen.position_enu_m[:2])
-        return PilotVerdict(
-            success=True,
-            reason="landed and disarmed",
-            touchdown_error_m=error_m,
-        )
+        return PilotVerdict(success=True, reason="landed and disarmed", touchdown_error_m=error_m)

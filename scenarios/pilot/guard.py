@@ -11,13 +11,7 @@ from scenarios.pilot.en_route_phases import EnRoutePhases
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.lookout import Lookout
-from scenarios.pilot.phases import (
-    IN_THE_AIR,
-    ON_THE_WAY,
-    TIME_LIMIT_S,
-    Phase,
-    Step,
-)
+from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
 
 SILENCE_S = 0.5
 """Time without a new position after which the position is unknown."""

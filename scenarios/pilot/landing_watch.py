@@ -56,10 +56,7 @@ class LandingWatch:
     """
 
     def __init__(
-        self,
-        surroundings: Surroundings,
-        area: InteractionArea,
-        hover_enu_m: Vector3,
+        self, surroundings: Surroundings, area: InteractionArea, hover_enu_m: Vector3
     ) -> None:
         """Start with an empty map of an area.
 

@@ -70,7 +70,7 @@ class Lookout:
         return self._way.hold(reason)
 
     def _unseen(self, phase: Phase) -> Step:
-        """In a growing map, check that the plan is still free and reaches as far as possible."""
+        """Check, in a growing map, that the plan is still free and reaches as far as possible."""
         flight = self._flight
         world = flight.mission.surroundings
         if world.is_known or phase not in ON_THE_WAY:

@@ -60,11 +60,7 @@ class Pilot:
     """
 
     def __init__(
-        self,
-        client: MavlinkClient,
-        mission: Mission,
-        frames: Frames,
-        cfg: PilotCfg = PilotCfg(),
+        self, client: MavlinkClient, mission: Mission, frames: Frames, cfg: PilotCfg = PilotCfg()
     ) -> None:
         """Prepare a flight.
 

@@ -50,7 +50,6 @@ def test_flat_ground_is_safe_and_the_preferred_point_is_taken():
     site = choose_site(landing, elevation, NEEDS, (0.2, -0.1, 0.0))
     assert site is not None
     assert site.position_enu_m == pytest.approx((0.2, -0.1, 0.0), abs=1e-4)
-    assert site.normal_enu == pytest.approx((0.0, 0.0, 1.0), abs=1e-4)
     assert site.slope_rad == pytest.approx(0.0, abs=1e-4)
     assert site.roughness_m == pytest.approx(0.0, abs=1e-4)
     assert site.clearance_m > 1.0
@@ -67,9 +66,6 @@ def test_slope_is_measured_and_judged(slope_deg, heading):
     site = site_at(landing, elevation, HERE)
     assert site is not None
     assert math.degrees(site.slope_rad) == pytest.approx(slope_deg, abs=0.3)
-    length = math.hypot(rise, 1.0)
-    normal = (-gradient[0] / length, -gradient[1] / length, 1.0 / length)
-    assert site.normal_enu == pytest.approx(normal, abs=0.006)
     if abs(slope_deg - 10.0) > 0.4:
         assert safe_at(elevation, landing, 0.0, 0.0) == (slope_deg < 10.0)
 
@@ -215,7 +211,8 @@ def test_every_cell_is_judged_as_if_it_were_fitted_alone(seed, roughness):
         fit, *_ = np.linalg.lstsq(design, elevation.height_m[foot].astype(float), rcond=None)
         plane = fit[0] + fit[1] * x + fit[2] * y
         assert landing.surface_m[row, column] == pytest.approx(fit[0], abs=1e-5)
-        assert tuple(landing.gradient[:, row, column]) == pytest.approx(tuple(fit[1:]), abs=1e-5)
+        slope = math.atan(math.hypot(fit[1], fit[2]))
+        assert landing.slope_rad[row, column] == pytest.approx(slope, abs=1e-5)
         span = np.max((elevation.top_m - plane)[foot]) - np.min((elevation.bottom_m - plane)[foot])
         assert landing.roughness_m[row, column] == pytest.approx(span, abs=3e-5)
         rise = np.max((elevation.ceiling_m - plane)[body])

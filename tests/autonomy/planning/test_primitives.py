@@ -19,6 +19,11 @@ LIMITS = FlightLimits()
 CFG = PlannerCfg(vehicle_radius_m=0.4, method="primitives")
 
 
+def keeping(distance_m):
+    cfg = PlannerCfg(vehicle_radius_m=distance_m, min_margin_m=0.0)
+    return Craft(LIMITS, quadrotor(), cfg)
+
+
 def dense(c, order, t):
     powers = [math.perm(n, order) * t[:, None] ** (n - order) * c[n] for n in range(order, 6)]
     return np.sum(powers, axis=0)
@@ -78,8 +83,8 @@ def test_a_way_without_room_is_given_up_with_a_reason():
     start = np.array([way[0], np.zeros(3), np.zeros(3)])
     bounds = LIMITS.motion_bounds(quadrotor())
     with pytest.raises(CertificateError, match=r"no string of motion primitives.*'optimise'"):
-        fly_primitives(start, way, GROUND, bounds, LIMITS, quadrotor(), radius_m=0.6)
+        fly_primitives(start, way, GROUND, bounds, keeping(0.6))
     slow = dataclasses.replace(bounds, speed_horizontal_mps=1.0)
-    c, t = fly_primitives(start, way, GROUND, slow, LIMITS, quadrotor(), radius_m=0.4)
+    c, t = fly_primitives(start, way, GROUND, slow, keeping(0.4))
     assert t.sum() > 6.0
     np.testing.assert_allclose(dense(c[-1], 0, t[-1:])[0], way[-1], atol=1e-6)
