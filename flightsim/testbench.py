@@ -139,8 +139,7 @@ class Testbench:
             self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
         self.plant = Plant(
-            self.world,
-            PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg),
+            self.world, PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg)
         )
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)

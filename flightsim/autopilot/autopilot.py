@@ -14,13 +14,7 @@ from flightsim.autopilot.events import Event, EventLog, Severity
 from flightsim.autopilot.failsafes import Failsafes
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.guided import GuidedRequests
-from flightsim.autopilot.modes import (
-    BatteryWarning,
-    FailsafeReason,
-    LandedState,
-    Mode,
-    SystemState,
-)
+from flightsim.autopilot.modes import BatteryWarning, FailsafeReason, LandedState, Mode, SystemState
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.plant_like import PlantLike
 from flightsim.autopilot.results import ACCEPTED, Reply, denied

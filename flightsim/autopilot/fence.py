@@ -8,12 +8,7 @@ from dataclasses import dataclass
 
 from autonomy.types import Vector3
 from flightsim.autopilot.mission_check import check_horizontal_place
-from flightsim.autopilot.mission_item import (
-    Cmd,
-    MissionError,
-    MissionFault,
-    MissionItem,
-)
+from flightsim.autopilot.mission_item import Cmd, MissionError, MissionFault, MissionItem
 from flightsim.frames import Geodetic, LocalFrame
 
 MAX_FENCE_ITEMS = 500

@@ -47,14 +47,14 @@ PLACE_COMMANDS = frozenset(
         Cmd.LOITER_TO_ALTITUDE,
         Cmd.LAND,
         Cmd.TAKEOFF,
-    },
+    }
 )
 """Items that fly to or at a place."""
 
 IGNORED_COMMANDS = frozenset(
     # servo, relay, region of interest, camera, gimbal, gripper, parachute off, video, trigger
     {181, 182, 183, 184, 195, 196, 197, 201, 202, 203, 204, 205, 206, 207, 211, 214, 530, 531, 532}
-    | {1000, 1001, 2000, 2001, 2003, 2500, 2501},
+    | {1000, 1001, 2000, 2001, 2003, 2500, 2501}
 )
 """Items for payloads that this vehicle does not carry: accepted, and skipped in flight."""
 

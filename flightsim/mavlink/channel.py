@@ -27,13 +27,7 @@ class Channel:
     """
 
     def __init__(
-        self,
-        name: str,
-        write: Write,
-        *,
-        profile: Profile,
-        clock: Clock,
-        is_datagram: bool,
+        self, name: str, write: Write, *, profile: Profile, clock: Clock, is_datagram: bool
     ) -> None:
         self.name = name
         self.profile: Profile = profile

@@ -46,10 +46,7 @@ class MissionService:
     """Transfers items between partners and the autopilot's stores."""
 
     def __init__(
-        self,
-        stores: Mapping[int, ItemStore],
-        partners: Partners,
-        statustext: StatustextSender,
+        self, stores: Mapping[int, ItemStore], partners: Partners, statustext: StatustextSender
     ) -> None:
         """Serve one store for each mission type."""
         self._stores = stores

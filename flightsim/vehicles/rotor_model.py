@@ -58,11 +58,7 @@ ROTORS_DTYPE = np.dtype(
 
 
 def new_rotors(
-    quadrotor: QuadrotorParams,
-    body_size_m: Vector3,
-    *,
-    dt_s: float,
-    axial_limit_mps: float = 25.0,
+    quadrotor: QuadrotorParams, body_size_m: Vector3, *, dt_s: float, axial_limit_mps: float = 25.0
 ) -> np.ndarray:
     """Create rotors at rest, as one record in an array of shape (1,).
 
