@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3, pressure_pa, temperature_k
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
@@ -38,7 +38,6 @@ class AirspeedCfg:
 
 
 def _configure(r: np.void, cfg: AirspeedCfg, start: SensorStart) -> None:
-    r["noise_pa"] = cfg.noise_pa
     r["zero_pa"] = cfg.zero_sigma_pa * start.rng.standard_normal()
     r["span"] = 1.0 + cfg.span_sigma * start.rng.standard_normal()
     r["origin_altitude_m"] = start.altitude_m
@@ -99,13 +98,8 @@ AIRSPEED = Sensor(
     name="airspeed",
     setting="airspeed",
     fields=(
-        ("differential_pa", "f8"),
-        ("indicated_mps", "f8"),
-        ("temperature_degc", "f8"),
-        ("noise_pa", "f8"),
-        ("zero_pa", "f8"),
-        ("span", "f8"),
-        ("origin_altitude_m", "f8"),
+        *fields("differential_pa", "indicated_mps", "temperature_degc"),
+        *fields("noise_pa", "zero_pa", "span", "origin_altitude_m"),
     ),
     n_normals=1,
     stream=12,

@@ -14,7 +14,7 @@ import numpy as np
 
 from autonomy.estimation.alignment import collect_fix
 from autonomy.estimation.fusion import fuse_gnss
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.types import Vector3, vector3
 from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
@@ -85,21 +85,14 @@ def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
     r["drift_enu_m"] = stationary * start.rng.standard_normal(3)
     for i in range(3):
         density = density_of(stationary[i], cfg.drift_correlation_s)
-        r["decay"], r["drift_sigma_m"][i] = drift_terms(
-            density, cfg.drift_correlation_s, 1.0 / cfg.rate_hz
-        )
-    for name, pair in (
-        ("position_sigma_m", cfg.position_noise_m),
-        ("velocity_sigma_mps", cfg.velocity_noise_mps),
-    ):
-        r[name] = (pair[0], pair[0], pair[1])
+        terms = drift_terms(density, cfg.drift_correlation_s, 1.0 / cfg.rate_hz)
+        r["decay"], r["drift_step_sigma_m"][i] = terms
+    (r["position_sigma_m"][:2], r["position_sigma_m"][2]) = cfg.position_noise_m
+    (r["velocity_sigma_mps"][:2], r["velocity_sigma_mps"][2]) = cfg.velocity_noise_mps
     r["delay_ticks"] = round(cfg.delay_s * start.tick_hz)
     r["reacquire_ticks"] = round(cfg.reacquire_s * start.tick_hz)
-    r["reacquired_sigma_m"] = cfg.reacquired_sigma_m
     r["settle_decay"] = math.exp(-1.0 / (cfg.settle_s * cfg.rate_hz))
     r["under_sky_ticks"] = r["reacquire_ticks"]
-    r["fix_type"], r["n_satellites"] = cfg.fix_type, cfg.n_satellites
-    r["reported_accuracy_m"] = cfg.reported_accuracy_m
 
 
 @kernel
@@ -129,7 +122,7 @@ def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
     r.tick = tick - r.delay_ticks
     r.settling_sigma_m *= r.settle_decay
     slot = r.tick % N_GNSS_PAST
-    advance_drift(r.drift_enu_m, r.decay, r.drift_sigma_m, normals, 0)
+    advance_drift(r.drift_enu_m, r.decay, r.drift_step_sigma_m, normals, 0)
     for i in range(3):
         r.present_sigma_m[i] = math.hypot(r.position_sigma_m[i], r.settling_sigma_m)
         noise = r.present_sigma_m[i] * normals[3 + i]
@@ -201,25 +194,16 @@ GNSS = Sensor(
     setting="gnss",
     grades=GRADES,
     fields=(
-        ("position_enu_m", "f8", 3),
-        ("velocity_enu_mps", "f8", 3),
-        ("drift_enu_m", "f8", 3),
-        ("decay", "f8"),
-        ("drift_sigma_m", "f8", 3),
-        ("position_sigma_m", "f8", 3),
-        ("velocity_sigma_mps", "f8", 3),
+        *fields("position_enu_m", "velocity_enu_mps", "drift_enu_m", shape=(3,)),
+        *fields("drift_step_sigma_m", "position_sigma_m", "velocity_sigma_mps", shape=(3,)),
         ("present_sigma_m", "f8", 3),  # white error of the last fix
-        ("reacquire_ticks", "i8"),
-        ("reacquired_sigma_m", "f8"),
         ("settle_decay", "f8"),  # from one fix to the next
         ("settling_sigma_m", "f8"),  # extra error just now
         ("under_sky_ticks", "i8"),  # since the last room
-        ("delay_ticks", "i8"),
-        ("fix_type", "i8"),
-        ("n_satellites", "i8"),
+        *fields("decay", "reacquired_sigma_m"),
+        *fields("reacquire_ticks", "delay_ticks", "fix_type", "n_satellites", kind="i8"),
         ("reported_accuracy_m", "f8", 2),
-        ("past_position_enu_m", "f8", (N_GNSS_PAST, 3)),
-        ("past_velocity_enu_mps", "f8", (N_GNSS_PAST, 3)),
+        *fields("past_position_enu_m", "past_velocity_enu_mps", shape=(N_GNSS_PAST, 3)),
     ),
     n_normals=9,
     stream=3,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.estimation.motion_capture import fuse_mocap
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.rotation import yaw_from_quat
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
@@ -30,8 +30,6 @@ class MocapCfg:
 
 
 def _configure(r: np.void, cfg: MocapCfg, start: SensorStart) -> None:
-    r["position_noise_m"] = cfg.position_noise_m
-    r["yaw_noise_rad"] = cfg.yaw_noise_rad
     r["delay_ticks"] = min(round(cfg.delay_s * start.tick_hz), r["period_ticks"])
 
 
@@ -62,9 +60,7 @@ MOCAP = Sensor(
     setting="mocap",
     fields=(
         ("position_enu_m", "f8", 3),
-        ("yaw_rad", "f8"),
-        ("position_noise_m", "f8"),
-        ("yaw_noise_rad", "f8"),
+        *fields("yaw_rad", "position_noise_m", "yaw_noise_rad"),
         ("delay_ticks", "i8"),
     ),
     n_normals=4,

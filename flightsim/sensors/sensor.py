@@ -63,7 +63,7 @@ class Sensor:
     start_stream: int | None = None
     """The same of what is drawn once; None for a branch of `stream`."""
     configure: Callable[[np.void, Any, SensorStart], None]
-    """Fills the fields of a record of zeros from the sensor's configuration."""
+    """Fills the fields that do not have the name of one of the configuration, which are filled."""
     read: Callable[[np.void, int], Any] = lambda r, _: r
     """The latest sample, of the record and the length of a control tick in us; see `reader`."""
     grades: Mapping[str, Any] | None = None
@@ -90,7 +90,10 @@ class Sensor:
         """A sensor before its first sample, in an array of shape (1,)."""
         records = np.zeros(1, self.dtype)
         r: np.void = records[0]
-        r["rate_hz"] = getattr(cfg, "rate_hz", start.tick_hz)
+        r["rate_hz"] = start.tick_hz
+        for name in records.dtype.names or ():
+            if hasattr(cfg, name):
+                r[name] = getattr(cfg, name)
         r["period_ticks"] = start.tick_hz // r["rate_hz"]
         r["n_normals"] = self.n_normals
         r["is_enabled"] = 1

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.estimation.odometry import fuse_vio
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.rotation import yaw_from_quat
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
@@ -44,11 +44,7 @@ class VioCfg:
 def _configure(r: np.void, cfg: VioCfg, start: SensorStart) -> None:
     r["last_position_enu_m"] = start.position_enu_m
     r["frame_yaw_rad"] = yaw_from_quat(np.array(start.quat_wxyz))
-    horizontal, vertical = cfg.position_walk
-    r["position_walk"] = (horizontal, horizontal, vertical)
-    r["yaw_walk"] = cfg.yaw_walk
-    r["position_noise_m"] = cfg.position_noise_m
-    r["yaw_noise_rad"] = cfg.yaw_noise_rad
+    r["walk_enu"][:2], r["walk_enu"][2] = cfg.position_walk
     r["delay_ticks"] = min(round(cfg.delay_s * start.tick_hz), r["period_ticks"])
 
 
@@ -57,23 +53,19 @@ def sample_vio(
     r: np.record, tick: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, normals: np.ndarray
 ) -> None:
     """Measure at a true pose; who reads it must wait `delay_ticks`."""
-    last, m = r.last_position_enu_m, r.odometer_m
-    dx, dy, dz = (
-        position_enu_m[0] - last[0],
-        position_enu_m[1] - last[1],
-        position_enu_m[2] - last[2],
-    )
+    last, now, m = r.last_position_enu_m, position_enu_m, r.odometer_m
+    dx, dy, dz = now[0] - last[0], now[1] - last[1], now[2] - last[2]
     root = math.sqrt(math.sqrt(dx * dx + dy * dy + dz * dz))
-    dx -= r.position_walk[0] * root * normals[0]
-    dy -= r.position_walk[1] * root * normals[1]
-    dz -= r.position_walk[2] * root * normals[2]
+    dx -= r.walk_enu[0] * root * normals[0]
+    dy -= r.walk_enu[1] * root * normals[1]
+    dz -= r.walk_enu[2] * root * normals[2]
     c, s = math.cos(r.frame_yaw_rad), math.sin(r.frame_yaw_rad)
     m[0] += c * dx + s * dy
     m[1] += c * dy - s * dx
     m[2] += dz
     r.frame_yaw_rad += r.yaw_walk * root * normals[3]
     for i in range(3):
-        last[i] = position_enu_m[i]
+        last[i] = now[i]
         r.position_vio_m[i] = m[i] + r.position_noise_m * normals[4 + i]
     yaw = yaw_from_quat(quat_wxyz) - r.frame_yaw_rad
     r.yaw_vio_rad = yaw + r.yaw_noise_rad * normals[7]
@@ -93,15 +85,9 @@ VIO = Sensor(
     name="vio",
     setting="vio",
     fields=(
-        ("position_vio_m", "f8", 3),
-        ("yaw_vio_rad", "f8"),
         ("odometer_m", "f8", 3),  # position without its white noise
-        ("frame_yaw_rad", "f8"),
-        ("last_position_enu_m", "f8", 3),
-        ("position_walk", "f8", 3),
-        ("yaw_walk", "f8"),
-        ("position_noise_m", "f8"),
-        ("yaw_noise_rad", "f8"),
+        *fields("position_vio_m", "last_position_enu_m", "walk_enu", shape=(3,)),
+        *fields("yaw_vio_rad", "frame_yaw_rad", "yaw_walk", "position_noise_m", "yaw_noise_rad"),
         ("delay_ticks", "i8"),
     ),
     n_normals=8,
