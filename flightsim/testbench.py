@@ -33,7 +33,7 @@ class TestbenchCfg:
     """Settings of a simulation."""
 
     vehicle: str = "iris"
-    """Airframe: iris, iris-rotors or hummingbird."""
+    """Airframe by its name; an unknown one is answered with the valid names."""
     seed: int = 0
     """Seed of every random draw: sensor noise, choice of the landing area."""
     gnss: Literal["rtk", "standard"] = "rtk"

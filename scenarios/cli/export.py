@@ -30,7 +30,8 @@ class ExportCfg:
     scene: str = "42"
     """Scene of the dataset by number, or a scene file."""
     vehicle: str = "iris"
-    """Airframe at the start: iris, iris-rotors, hummingbird, or none. A GLB has none."""
+    """Airframe at the start by its name, or none; an unknown one is answered with the valid names.
+    A GLB has none."""
     json: bool = False
     """Print one JSON object: file, format, scene, objects, areas, bytes, seconds."""
 
