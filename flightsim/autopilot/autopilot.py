@@ -16,12 +16,12 @@ from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.guided import GuidedRequests
 from flightsim.autopilot.modes import BatteryWarning, FailsafeReason, LandedState, Mode, SystemState
 from flightsim.autopilot.parameters import Parameters
-from flightsim.autopilot.plant_like import PlantLike
 from flightsim.autopilot.results import ACCEPTED, Reply, denied
 from flightsim.autopilot.status import BatteryView, Health, Home, PrearmReport
 from flightsim.autopilot.streams import DatalinkWatch, Sticks
 from flightsim.autopilot.vehicle import Vehicle
 from flightsim.frames import LocalFrame
+from flightsim.plant import Plant
 from flightsim.vehicles.airframe import Airframe
 
 _GUARD_EVERY = 5
@@ -46,7 +46,7 @@ class Autopilot:
 
     def __init__(
         self,
-        plant: PlantLike,
+        plant: Plant,
         frame: LocalFrame,
         *,
         airframe: Airframe,
@@ -55,7 +55,7 @@ class Autopilot:
         """Connect the parts.
 
         Args:
-            plant: Vehicle with sensors, estimator and inner loops.
+            plant: Vehicle, of which only the sensors and the estimate are read, never the truth.
             frame: Geodetic position of the local frame.
             airframe: Constants of the vehicle.
             initial_parameters: Values that replace defaults, read-only ones included.

@@ -65,7 +65,6 @@ FRAME_RELATIVE = frozenset({3, 6})
 FRAME_TERRAIN = frozenset({10, 11})
 """Frames with altitude above terrain, which is assumed at the height of home."""
 FRAME_LOCAL_NED = 1
-FRAME_MISSION = 2
 FRAME_LOCAL_ENU = 4
 GEODETIC_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
 

@@ -52,11 +52,6 @@ class Channel:
         return self._parser.n_messages > 0
 
     @property
-    def n_bad_frames(self) -> int:
-        """Number of candidate frames that were damaged, unknown or not frames at all."""
-        return self._parser.n_bad
-
-    @property
     def has_room(self) -> bool:
         """Whether the channel accepts more bytes; the excess of a stream stays in the kernel."""
         return self._parser.n_buffered < _STREAM_BACKLOG_BYTES
