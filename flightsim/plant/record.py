@@ -1,4 +1,4 @@
-"""The record of a plant: its engine, all of its parts, and what it logs."""
+"""Record of a plant: its engine, all of its parts, and its log."""
 
 from __future__ import annotations
 
@@ -62,4 +62,4 @@ PLANT_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""All that a plant is and knows, in one piece."""
+"""Complete state of a plant."""

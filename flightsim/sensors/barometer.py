@@ -46,7 +46,7 @@ def sample_barometer(r: np.record, tick: int, height_enu_m: float, normals: np.n
 def sense_barometer(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure where a sample is due, and let the filter use it."""
+    """Measure if a sample is due, and let the filter use it."""
     if not is_due(r, tick):
         return
     sample_barometer(r, tick, qpos[2], noise(r, tick, normals))

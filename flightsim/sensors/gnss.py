@@ -2,7 +2,7 @@
 
 The position error is a first-order Gauss-Markov process plus white noise; velocity has white
 noise. A fix is delivered `delay_s` after the time for which it is valid. In a room there is no
-fix; back under the sky the first one comes after `reacquire_s`, and its extra error decays.
+fix; back under the sky the first one comes after `reacquire_s`, and its additional error decays.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ class GnssCfg:
     position_noise_m: tuple[float, float]
     velocity_noise_mps: tuple[float, float]
     reported_accuracy_m: tuple[float, float]
-    """What the receiver says of itself: eph and epv."""
+    """Accuracy that the receiver claims: eph and epv."""
     reacquire_s: float = 1.0
-    """Under the sky again until the first fix; hot start and reacquisition of a u-blox F9 or M10
+    """Time from leaving a room to the first fix; hot start and reacquisition of a u-blox F9 or M10
     take 1 to 2 s by their data sheets."""
     reacquired_sigma_m: float = 1.5
-    """Extra white error of the first fix."""
+    """Additional white error of the first fix."""
     settle_s: float = 1.5
-    """In which the extra error falls to 1/e: below 1 cm after 8 s, where the F9's data sheet has
-    RTK fixed in less than 10 s."""
+    """Time in which that error falls to 1/e: below 1 cm after 8 s; the F9's data sheet has RTK fixed
+    in less than 10 s."""
 
 
 RTK = GnssCfg(
@@ -79,7 +79,7 @@ GRADES = {"rtk": RTK, "standard": STANDARD}
 
 
 def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
-    """A receiver that has tracked for long."""
+    """Switch on a receiver that has tracked satellites for long."""
     horizontal, vertical = cfg.drift_sigma_m
     stationary = np.array([horizontal, horizontal, vertical])
     r["drift_enu_m"] = stationary * start.rng.standard_normal(3)
@@ -141,7 +141,7 @@ def sense_gnss(
     rooms: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Follow the vehicle, and let the filter use the fix where one is due."""
+    """Follow the vehicle, and let the filter use the fix if one is due."""
     follow_gnss(r, tick, qpos[0:3], qvel[0:3])
     if not is_due(r, tick) or tick <= r.delay_ticks or not hears_satellites(r, rooms, qpos[0:3]):
         return
@@ -198,7 +198,7 @@ GNSS = Sensor(
         *fields("drift_step_sigma_m", "position_sigma_m", "velocity_sigma_mps", shape=(3,)),
         ("present_sigma_m", "f8", 3),  # white error of the last fix
         ("settle_decay", "f8"),  # from one fix to the next
-        ("settling_sigma_m", "f8"),  # extra error just now
+        ("settling_sigma_m", "f8"),  # its additional error now
         ("under_sky_ticks", "i8"),  # since the last room
         *fields("decay", "reacquired_sigma_m"),
         *fields("reacquire_ticks", "delay_ticks", "fix_type", "n_satellites", kind="i8"),

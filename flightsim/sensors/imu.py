@@ -54,7 +54,7 @@ ADIS16448 = ImuCfg(
     accel_bias_walk=0.006,
     accel_turn_on_sigma_mps2=0.196,
 )
-"""RotorS's default, an uncalibrated ADIS16448."""
+"""Default of RotorS, an uncalibrated ADIS16448."""
 
 PX4_IMU = ImuCfg(
     gyro_noise_density=8.7266e-4,
@@ -64,13 +64,13 @@ PX4_IMU = ImuCfg(
     accel_bias_walk=0.0,
     accel_turn_on_sigma_mps2=0.0,
 )
-"""PX4's gazebo-classic vehicles today: noisier, and calibrated."""
+"""Sensor of PX4's gazebo-classic vehicles today: noisier, and calibrated."""
 
 IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
 
 
 def _configure(r: np.void, cfg: ImuCfg, start: SensorStart) -> None:
-    """Switch it on at a true attitude and velocity."""
+    """Switch on the sensor at a true attitude and velocity."""
     dt_s = 1.0 / start.tick_hz
     r["dt_s"] = dt_s
     r["last_quat_wxyz"] = start.quat_wxyz

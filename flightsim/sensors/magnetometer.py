@@ -53,7 +53,7 @@ def sample_magnetometer(
 def sense_magnetometer(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure where a sample is due, and let the filter use it."""
+    """Measure if a sample is due, and let the filter use it."""
     if not is_due(r, tick):
         return
     sample_magnetometer(r, tick, qpos[3:7], noise(r, tick, normals))

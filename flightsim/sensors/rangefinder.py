@@ -1,4 +1,4 @@
-"""Downward rangefinder along body -z: what a ray from the centre of mass meets first."""
+"""Downward rangefinder along body -z: distance to what a ray from the centre of mass hits."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class RangefinderCfg:
 
     rate_hz: int = 50
     max_range_m: float = 30.0
-    """Nothing nearer than this reads as infinite."""
+    """Range of the sensor; the reading is infinite if there is nothing within it."""
     noise_m: float = 0.01
     relative_noise: float = 0.003
-    """Of the distance, added to `noise_m` in quadrature."""
+    """Share of the distance that is added to `noise_m` in quadrature."""
 
 
 def _configure(r: np.void, _cfg: RangefinderCfg, _start: SensorStart) -> None:

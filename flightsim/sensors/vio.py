@@ -1,10 +1,10 @@
-"""Visual-inertial odometry: pose in a frame that began at the start and drifts with the way flown.
+"""Visual-inertial odometry: pose in a frame that begins at the start and drifts with distance.
 
     m <- m + Rz(-a) (dp - s_p sqrt(|dp|) n),   a <- a + s_a sqrt(|dp|) n
 
 for the true step dp between two frames, position m and heading of the frame a: a random walk in
-position and another in heading, so that the error grows with the square root of the way and, where
-nothing ties the heading down, with its 3/2nd power.
+position and another in heading, so that the error grows with the square root of the distance and,
+where nothing constrains the heading, with its 3/2nd power.
 
 The default grade is that of a good filter on the EuRoC flights (Geneva et al. 2020, "OpenVINS: a
 research platform for visual-inertial estimation"): on flights of 36 to 130 m, aligned to the truth
@@ -31,13 +31,13 @@ class VioCfg:
 
     rate_hz: int = 25
     delay_s: float = 0.04
-    """From the exposure to the pose; at most one frame."""
+    """Time from the exposure to the pose; at most one frame."""
     position_walk: tuple[float, float] = (0.025, 0.02)
-    """m/sqrt(m flown)."""
+    """Random walk in m/sqrt(m flown)."""
     yaw_walk: float = 2.1e-3
-    """rad/sqrt(m flown): 0.12 degrees."""
+    """Random walk in rad/sqrt(m flown): 0.12 degrees."""
     position_noise_m: float = 0.01
-    """White, each axis."""
+    """White noise of each axis."""
     yaw_noise_rad: float = 4e-3
 
 
@@ -52,7 +52,7 @@ def _configure(r: np.void, cfg: VioCfg, start: SensorStart) -> None:
 def sample_vio(
     r: np.record, tick: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure at a true pose; who reads it must wait `delay_ticks`."""
+    """Measure at a true pose; the reading is valid for use after `delay_ticks`."""
     last, now, m = r.last_position_enu_m, position_enu_m, r.odometer_m
     dx, dy, dz = now[0] - last[0], now[1] - last[1], now[2] - last[2]
     root = math.sqrt(math.sqrt(dx * dx + dy * dy + dz * dz))
@@ -74,7 +74,7 @@ def sample_vio(
 
 @kernel
 def sense_vio(r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray) -> None:
-    """Fuse the pose that arrives just now, then take the next one."""
+    """Fuse the pose that arrives at this tick, then take the next one."""
     if has_arrived(r, tick) and f.is_aligned == 1:
         fuse_vio(f, r.position_vio_m, r.yaw_vio_rad, r.delay_ticks)
     if is_due(r, tick):
