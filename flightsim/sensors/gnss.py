@@ -46,8 +46,8 @@ class GnssCfg:
     reacquired_sigma_m: float = 1.5
     """Additional white error of the first fix."""
     settle_s: float = 1.5
-    """Time in which that error falls to 1/e: below 1 cm after 8 s; the F9's data sheet has RTK fixed
-    in less than 10 s."""
+    """Time in which that error falls to 1/e: below 1 cm after 8 s; the F9 has RTK fixed by its data
+    sheet in less than 10 s."""
 
 
 RTK = GnssCfg(
