@@ -34,7 +34,7 @@ class Autopilot:
     """Commander, navigator and failsafes on top of a plant; `update` once every 20 ms.
 
     Attributes:
-        parameters: Changed by `set_parameter` or `parameters.set`.
+        parameters: Changed by `parameters.set`.
         mission: Uploaded mission and its progress.
         fence: Uploaded geofence.
         rally: Uploaded rally points.
@@ -263,14 +263,6 @@ class Autopilot:
         for reason in report.reasons:
             self._events.say(Severity.WARNING, f"Preflight fail: {reason}")
         return report
-
-    def set_parameter(self, name: str, value: float) -> float:
-        """Change a parameter and return it as stored.
-
-        Raises:
-            ParameterError: If it is unknown, read-only or the value is out of range.
-        """
-        return self.parameters.set(name, value)
 
     # Streams
 
