@@ -52,6 +52,11 @@ def kernel(function: _F) -> _F:
         _config.CACHE_DIR = inherited  # nobody else's kernels belong under this digest
 
 
+def fields(*names: str, kind: str = "f8", shape: tuple[int, ...] = ()) -> list[tuple[Any, ...]]:
+    """Fields of one type for the `np.dtype` of a kernel's record."""
+    return [(name, kind, shape) for name in names]
+
+
 @functools.cache
 def cache_directory(module: str) -> Path:
     """Cache directory of a module's kernels, by the hash of all that they may call."""

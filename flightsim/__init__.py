@@ -21,13 +21,7 @@ if TYPE_CHECKING:
         MavlinkClient,
         Telemetry,
     )
-    from flightsim.plant import (
-        NotAlignedError,
-        PhysicsDivergedError,
-        Plant,
-        PlantCfg,
-        PlantError,
-    )
+    from flightsim.plant import NotAlignedError, PhysicsDivergedError, Plant, PlantCfg, PlantError
     from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
     from flightsim.simulator import Controller, Simulator
     from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError

@@ -44,11 +44,6 @@ class Timing:
     observers_s: float = 0.0
     idle_s: float = 0.0
 
-    @property
-    def busy_s(self) -> float:
-        """All time but sleep."""
-        return self.plant_s + self.autopilot_s + self.mavlink_s + self.observers_s
-
 
 class Simulator:
     """Steps all parts by 20 ms of simulated time, at the requested speed."""

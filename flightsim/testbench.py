@@ -33,7 +33,7 @@ class TestbenchCfg:
     """Settings of a simulation."""
 
     vehicle: str = "iris"
-    """Airframe: iris, iris-rotors or hummingbird."""
+    """Airframe by its name; an unknown one is answered with the valid names."""
     seed: int = 0
     """Seed of every random draw: sensor noise, choice of the landing area."""
     gnss: Literal["rtk", "standard"] = "rtk"
@@ -139,8 +139,7 @@ class Testbench:
             self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
         self.plant = Plant(
-            self.world,
-            PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg),
+            self.world, PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg)
         )
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)

@@ -8,8 +8,8 @@ from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_places import fence_breach, mission_obstacle
 from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, BatteryWarning, Mode
-from flightsim.autopilot.plant_like import PlantLike
 from flightsim.autopilot.status import Health, PrearmReport
+from flightsim.plant import Plant
 
 _STALE_US = 1_000_000
 _MAX_TILT_COSINE = 0.5
@@ -21,7 +21,7 @@ _GNSS_FIX_3D = 3
 class ArmingChecks:
     """Health and arming report, updated by `refresh`."""
 
-    def __init__(self, plant: PlantLike, flight: FlightContext, battery: BatteryMonitor) -> None:
+    def __init__(self, plant: Plant, flight: FlightContext, battery: BatteryMonitor) -> None:
         self._plant = plant
         self._flight = flight
         self._battery = battery
@@ -52,7 +52,6 @@ class ArmingChecks:
             is_rangefinder_ok=not isnan(sensors.range_m),
             is_attitude_ok=vehicle.is_attitude_ok,
             is_position_ok=vehicle.is_position_ok,
-            is_home_set=flight.home is not None,
             is_battery_ok=self._battery.warning < BatteryWarning.CRITICAL,
             is_geofence_ok=fence_breach(flight, vehicle.position_enu_m) is None,
             is_armable=is_armable,

@@ -14,20 +14,14 @@ from flightsim.autopilot.events import Event, EventLog, Severity
 from flightsim.autopilot.failsafes import Failsafes
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.guided import GuidedRequests
-from flightsim.autopilot.modes import (
-    BatteryWarning,
-    FailsafeReason,
-    LandedState,
-    Mode,
-    SystemState,
-)
+from flightsim.autopilot.modes import BatteryWarning, FailsafeReason, LandedState, Mode, SystemState
 from flightsim.autopilot.parameters import Parameters
-from flightsim.autopilot.plant_like import PlantLike
 from flightsim.autopilot.results import ACCEPTED, Reply, denied
 from flightsim.autopilot.status import BatteryView, Health, Home, PrearmReport
 from flightsim.autopilot.streams import DatalinkWatch, Sticks
 from flightsim.autopilot.vehicle import Vehicle
 from flightsim.frames import LocalFrame
+from flightsim.plant import Plant
 from flightsim.vehicles.airframe import Airframe
 
 _GUARD_EVERY = 5
@@ -40,7 +34,7 @@ class Autopilot:
     """Commander, navigator and failsafes on top of a plant; `update` once every 20 ms.
 
     Attributes:
-        parameters: Changed by `set_parameter` or `parameters.set`.
+        parameters: Changed by `parameters.set`.
         mission: Uploaded mission and its progress.
         fence: Uploaded geofence.
         rally: Uploaded rally points.
@@ -52,7 +46,7 @@ class Autopilot:
 
     def __init__(
         self,
-        plant: PlantLike,
+        plant: Plant,
         frame: LocalFrame,
         *,
         airframe: Airframe,
@@ -61,7 +55,7 @@ class Autopilot:
         """Connect the parts.
 
         Args:
-            plant: Vehicle with sensors, estimator and inner loops.
+            plant: Vehicle, of which only the sensors and the estimate are read, never the truth.
             frame: Geodetic position of the local frame.
             airframe: Constants of the vehicle.
             initial_parameters: Values that replace defaults, read-only ones included.
@@ -269,14 +263,6 @@ class Autopilot:
         for reason in report.reasons:
             self._events.say(Severity.WARNING, f"Preflight fail: {reason}")
         return report
-
-    def set_parameter(self, name: str, value: float) -> float:
-        """Change a parameter and return it as stored.
-
-        Raises:
-            ParameterError: If it is unknown, read-only or the value is out of range.
-        """
-        return self.parameters.set(name, value)
 
     # Streams
 

@@ -145,14 +145,7 @@ def acceleration_towards_goal(
 
 
 def _approach(
-    x: float,
-    v: float,
-    a: float,
-    v_max: float,
-    a_max: float,
-    j_max: float,
-    dt: float,
-    v_exit: float,
+    x: float, v: float, a: float, v_max: float, a_max: float, j_max: float, dt: float, v_exit: float
 ) -> float:
     """Acceleration of a motion that, braking now, would stop before the goal at x = 0."""
 

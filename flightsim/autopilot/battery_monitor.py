@@ -5,8 +5,8 @@ from __future__ import annotations
 from flightsim.autopilot.events import EventLog, Severity
 from flightsim.autopilot.modes import BatteryWarning
 from flightsim.autopilot.parameters import Parameters
-from flightsim.autopilot.plant_like import BatteryLike
 from flightsim.autopilot.status import BatteryView
+from flightsim.vehicles.battery import Battery
 
 _TEXTS = {
     BatteryWarning.LOW: (Severity.WARNING, "Low battery level, return advised"),
@@ -23,16 +23,9 @@ class BatteryMonitor:
         self._events = events
         self._n_cells = n_cells
         self.warning = BatteryWarning.NONE
-        self.view = BatteryView(
-            voltage_v=0.0,
-            current_a=0.0,
-            consumed_mah=0.0,
-            remaining=1.0,
-            warning=BatteryWarning.NONE,
-            n_cells=n_cells,
-        )
+        self.view = BatteryView(n_cells=n_cells)
 
-    def update(self, battery: BatteryLike, *, is_armed: bool) -> None:
+    def update(self, battery: Battery, *, is_armed: bool) -> None:
         """Read the battery; announce when it reaches the next warning level."""
         remaining = battery.remaining
         level = self._level(remaining)

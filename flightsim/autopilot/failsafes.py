@@ -67,11 +67,7 @@ _FENCE_ACTIONS = {
     5: Action.LAND,
 }
 BATTERY_REASONS = frozenset(
-    {
-        FailsafeReason.BATTERY_LOW,
-        FailsafeReason.BATTERY_CRITICAL,
-        FailsafeReason.BATTERY_EMERGENCY,
-    }
+    {FailsafeReason.BATTERY_LOW, FailsafeReason.BATTERY_CRITICAL, FailsafeReason.BATTERY_EMERGENCY}
 )
 """Reasons that the battery monitor announces in its own words."""
 _GOING_DOWN = frozenset({Mode.RETURN, Mode.LAND, Mode.DESCEND, Mode.TERMINATION})

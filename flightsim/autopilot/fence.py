@@ -8,12 +8,7 @@ from dataclasses import dataclass
 
 from autonomy.types import Vector3
 from flightsim.autopilot.mission_check import check_horizontal_place
-from flightsim.autopilot.mission_item import (
-    Cmd,
-    MissionError,
-    MissionFault,
-    MissionItem,
-)
+from flightsim.autopilot.mission_item import Cmd, MissionError, MissionFault, MissionItem
 from flightsim.frames import Geodetic, LocalFrame
 
 MAX_FENCE_ITEMS = 500
@@ -65,7 +60,6 @@ class FenceStore:
         self._frame = frame
         self.items: tuple[MissionItem, ...] = ()
         self.fences: tuple[PolygonFence | CircleFence, ...] = ()
-        self.revision = 0
         self._has_inclusion = False
 
     def __len__(self) -> int:
@@ -79,19 +73,11 @@ class FenceStore:
         """
         candidate = tuple(items)
         if len(candidate) > MAX_FENCE_ITEMS:
-            raise MissionError(
-                MissionFault.NO_SPACE,
-                f"{len(candidate)} fence items; at most {MAX_FENCE_ITEMS} fit",
-                index=None,
-            )
+            text = f"{len(candidate)} fence items; at most {MAX_FENCE_ITEMS} fit"
+            raise MissionError(MissionFault.NO_SPACE, text, index=None)
         self.fences = _fences(candidate, self._frame)
         self.items = candidate
-        self.revision += 1
         self._has_inclusion = any(fence.is_inclusion for fence in self.fences)
-
-    def clear(self) -> None:
-        """Remove the fence."""
-        self.replace(())
 
     def allows(self, position_enu_m: Vector3) -> bool:
         """Whether the fence allows a position."""
@@ -114,7 +100,6 @@ class RallyStore:
         self._frame = frame
         self.items: tuple[MissionItem, ...] = ()
         self.points_enu_m: tuple[Point2, ...] = ()
-        self.revision = 0
 
     def __len__(self) -> int:
         return len(self.items)
@@ -127,11 +112,8 @@ class RallyStore:
         """
         candidate = tuple(items)
         if len(candidate) > MAX_RALLY_ITEMS:
-            raise MissionError(
-                MissionFault.NO_SPACE,
-                f"{len(candidate)} rally points; at most {MAX_RALLY_ITEMS} fit",
-                index=None,
-            )
+            text = f"{len(candidate)} rally points; at most {MAX_RALLY_ITEMS} fit"
+            raise MissionError(MissionFault.NO_SPACE, text, index=None)
         points = []
         for index, item in enumerate(candidate):
             if item.command != Cmd.RALLY_POINT:
@@ -139,11 +121,6 @@ class RallyStore:
             points.append(_point(index, item, self._frame))
         self.points_enu_m = tuple(points)
         self.items = candidate
-        self.revision += 1
-
-    def clear(self) -> None:
-        """Remove the rally points."""
-        self.replace(())
 
 
 def _fences(
@@ -179,43 +156,30 @@ def _polygon(items: tuple[MissionItem, ...], start: int, frame: LocalFrame) -> P
     vertices = []
     for index in range(start, start + int(n_vertices)):
         if index >= len(items):
-            raise MissionError(
-                MissionFault.INVALID_SEQUENCE,
-                f"item {start}: polygon of {n_vertices:g} vertices has only {index - start}",
-                index=start,
-            )
+            text = f"item {start}: polygon of {n_vertices:g} vertices has only {index - start}"
+            raise MissionError(MissionFault.INVALID_SEQUENCE, text, index=start)
         item = items[index]
         if item.command != first.command or item.param1 != n_vertices:
-            raise MissionError(
-                MissionFault.INVALID_SEQUENCE,
-                f"item {index}: expected a vertex of the polygon that starts at item {start}",
-                index=index,
-            )
+            text = f"item {index}: expected a vertex of the polygon that starts at item {start}"
+            raise MissionError(MissionFault.INVALID_SEQUENCE, text, index=index)
         vertices.append(_point(index, item, frame))
     return PolygonFence(tuple(vertices), _POLYGONS[Cmd(first.command)])
 
 
 def _point(index: int, item: MissionItem, frame: LocalFrame) -> Point2:
     if not item.is_geodetic:
-        raise MissionError(
-            MissionFault.UNSUPPORTED_FRAME,
-            f"item {index}: frame {item.frame} is not global",
-            index=index,
-        )
+        text = f"item {index}: frame {item.frame} is not global"
+        raise MissionError(MissionFault.UNSUPPORTED_FRAME, text, index=index)
     check_horizontal_place(index, item)
     east_m, north_m, _ = frame.enu_from_geodetic(Geodetic(item.x, item.y, 0.0))
     return (east_m, north_m)
 
 
 def _invalid(index: int, param: int, what: str) -> MissionError:
-    return MissionError(
-        MissionFault.INVALID_PARAM, f"item {index}: {what}", index=index, param=param
-    )
+    text = f"item {index}: {what}"
+    return MissionError(MissionFault.INVALID_PARAM, text, index=index, param=param)
 
 
 def _unsupported(index: int, item: MissionItem, valid: str) -> MissionError:
-    return MissionError(
-        MissionFault.UNSUPPORTED_COMMAND,
-        f"item {index}: command {item.command} is not supported here; valid are {valid}",
-        index=index,
-    )
+    text = f"item {index}: command {item.command} is not supported here; valid are {valid}"
+    return MissionError(MissionFault.UNSUPPORTED_COMMAND, text, index=index)

@@ -48,13 +48,9 @@ class FlightLimits:
         speed_xy_mps = min(self._speeds.cruise_mps or p["MPC_XY_CRUISE"], p["MPC_XY_VEL_MAX"])
         climb_mps = self._speeds.climb_mps or p["MPC_Z_V_AUTO_UP"]
         descent_mps = self._speeds.descent_mps or p["MPC_Z_V_AUTO_DN"]
-        acceleration_mps2, jerk_mps3 = p["MPC_ACC_HOR"], p["MPC_JERK_AUTO"]
-        self.automatic = self._limits(
-            speed_xy_mps, climb_mps, descent_mps, acceleration_mps2, jerk_mps3
-        )
-        self.takeoff = self._limits(
-            speed_xy_mps, p["MPC_TKO_SPEED"], descent_mps, acceleration_mps2, jerk_mps3
-        )
+        gentle = (descent_mps, p["MPC_ACC_HOR"], p["MPC_JERK_AUTO"])
+        self.automatic = self._limits(speed_xy_mps, climb_mps, *gentle)
+        self.takeoff = self._limits(speed_xy_mps, p["MPC_TKO_SPEED"], *gentle)
         self.sticks = self._limits(
             min(p["MPC_VEL_MANUAL"], p["MPC_XY_VEL_MAX"]),
             p["MPC_Z_VEL_MAX_UP"],

@@ -133,11 +133,7 @@ class GuidedRequests:
         """A position with NaN replaced by the vehicle's own coordinates."""
         x, y, z = position_enu_m
         here = self._flight.vehicle.position_enu_m
-        return (
-            here[0] if isnan(x) else x,
-            here[1] if isnan(y) else y,
-            here[2] if isnan(z) else z,
-        )
+        return (here[0] if isnan(x) else x, here[1] if isnan(y) else y, here[2] if isnan(z) else z)
 
     def _place(
         self, latitude_deg: float | None, longitude_deg: float | None

@@ -47,11 +47,7 @@ def _capped(horizontal: float, vertical: float, share_xy: float, share_z: float)
 
 
 def corner_speed(
-    arriving: Vector3,
-    leaving: Vector3,
-    radius_m: float,
-    next_length_m: float,
-    limits: MotionLimits,
+    arriving: Vector3, leaving: Vector3, radius_m: float, next_length_m: float, limits: MotionLimits
 ) -> float:
     """Speed at which a corner may be entered `radius_m` before its waypoint.
 

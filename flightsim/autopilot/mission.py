@@ -4,17 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from flightsim.autopilot.mission_check import MAX_MISSION_ITEMS, check_mission
-from flightsim.autopilot.mission_item import Cmd, MissionError, MissionFault, MissionItem
-
-__all__ = [
-    "MAX_MISSION_ITEMS",
-    "Cmd",
-    "MissionError",
-    "MissionFault",
-    "MissionItem",
-    "MissionStore",
-]
+from flightsim.autopilot.mission_check import check_mission
+from flightsim.autopilot.mission_item import MissionItem
 
 
 class MissionStore:
@@ -46,10 +37,6 @@ class MissionStore:
         self.items = candidate
         self.revision += 1
         self.rewind()
-
-    def clear(self) -> None:
-        """Remove the mission."""
-        self.replace(())
 
     def rewind(self) -> None:
         """Restart at the first item."""

@@ -34,18 +34,12 @@ def check_mission(items: tuple[MissionItem, ...]) -> None:
         MissionError: Names the item, the parameter and the valid values.
     """
     if len(items) > MAX_MISSION_ITEMS:
-        raise MissionError(
-            MissionFault.NO_SPACE,
-            f"{len(items)} mission items; at most {MAX_MISSION_ITEMS} fit",
-            index=None,
-        )
+        text = f"{len(items)} mission items; at most {MAX_MISSION_ITEMS} fit"
+        raise MissionError(MissionFault.NO_SPACE, text, index=None)
     for index, item in enumerate(items):
         if item.command not in _COMMANDS:
-            raise MissionError(
-                MissionFault.UNSUPPORTED_COMMAND,
-                f"item {index}: command {item.command} is not supported",
-                index=index,
-            )
+            text = f"item {index}: command {item.command} is not supported"
+            raise MissionError(MissionFault.UNSUPPORTED_COMMAND, text, index=index)
         if item.command in PLACE_COMMANDS or (item.command == Cmd.SET_HOME and item.param1 != 1.0):
             _check_place(index, item)
         _check_parameters(index, item, len(items))
@@ -97,9 +91,5 @@ def _check_parameters(index: int, item: MissionItem, n_items: int) -> None:
 
 
 def _invalid(index: int, param: int, what: str, valid: str) -> MissionError:
-    return MissionError(
-        MissionFault.INVALID_PARAM,
-        f"item {index}: {what} is invalid; valid are {valid}",
-        index=index,
-        param=param,
-    )
+    text = f"item {index}: {what} is invalid; valid are {valid}"
+    return MissionError(MissionFault.INVALID_PARAM, text, index=index, param=param)

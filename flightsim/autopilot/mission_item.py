@@ -47,14 +47,14 @@ PLACE_COMMANDS = frozenset(
         Cmd.LOITER_TO_ALTITUDE,
         Cmd.LAND,
         Cmd.TAKEOFF,
-    },
+    }
 )
 """Items that fly to or at a place."""
 
 IGNORED_COMMANDS = frozenset(
     # servo, relay, region of interest, camera, gimbal, gripper, parachute off, video, trigger
     {181, 182, 183, 184, 195, 196, 197, 201, 202, 203, 204, 205, 206, 207, 211, 214, 530, 531, 532}
-    | {1000, 1001, 2000, 2001, 2003, 2500, 2501},
+    | {1000, 1001, 2000, 2001, 2003, 2500, 2501}
 )
 """Items for payloads that this vehicle does not carry: accepted, and skipped in flight."""
 
@@ -65,7 +65,6 @@ FRAME_RELATIVE = frozenset({3, 6})
 FRAME_TERRAIN = frozenset({10, 11})
 """Frames with altitude above terrain, which is assumed at the height of home."""
 FRAME_LOCAL_NED = 1
-FRAME_MISSION = 2
 FRAME_LOCAL_ENU = 4
 GEODETIC_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
 

@@ -27,24 +27,14 @@ class Mode(Enum):
     """Rotors stopped irrevocably; only disarming leaves this mode."""
 
 
-STICK_MODES = frozenset(
-    {Mode.MANUAL, Mode.STABILIZED, Mode.ACRO, Mode.ALTITUDE, Mode.POSITION},
-)
+STICK_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO, Mode.ALTITUDE, Mode.POSITION})
 """Modes steered by a pilot's sticks."""
 
 THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
 """Modes in which the throttle is thrust, so that they need sticks."""
 
 POSITION_MODES = frozenset(
-    {
-        Mode.POSITION,
-        Mode.HOLD,
-        Mode.TAKEOFF,
-        Mode.MISSION,
-        Mode.RETURN,
-        Mode.LAND,
-        Mode.ORBIT,
-    },
+    {Mode.POSITION, Mode.HOLD, Mode.TAKEOFF, Mode.MISSION, Mode.RETURN, Mode.LAND, Mode.ORBIT}
 )
 """Modes that need a valid position estimate."""
 

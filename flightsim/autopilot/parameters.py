@@ -116,20 +116,6 @@ class Parameters:
     def __contains__(self, name: object) -> bool:
         return name in self._index
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names in the order of their indices."""
-        return self._names
-
-    def get(self, name: str) -> float:
-        """Value of a parameter.
-
-        Raises:
-            UnknownParameterError: If there is none of this name.
-        """
-        self.spec(name)
-        return self._values[name]
-
     def index(self, name: str) -> int:
         """Index of a parameter.
 

@@ -32,7 +32,6 @@ class Health:
     is_rangefinder_ok: bool = False
     is_attitude_ok: bool = False
     is_position_ok: bool = False
-    is_home_set: bool = False
     is_battery_ok: bool = False
     is_geofence_ok: bool = False
     is_armable: bool = False
@@ -50,10 +49,10 @@ class PrearmReport:
 class BatteryView:
     """State of the battery as the autopilot sees it."""
 
-    voltage_v: float
-    current_a: float
-    consumed_mah: float
-    remaining: float
-    """State of charge, 0 to 1."""
-    warning: BatteryWarning
     n_cells: int
+    voltage_v: float = 0.0
+    current_a: float = 0.0
+    consumed_mah: float = 0.0
+    remaining: float = 1.0
+    """State of charge, 0 to 1."""
+    warning: BatteryWarning = BatteryWarning.NONE

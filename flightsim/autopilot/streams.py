@@ -56,11 +56,6 @@ class StickStream:
             self._sticks = sticks
             self._received_us = time_us
 
-    @property
-    def has_been_used(self) -> bool:
-        """Whether sticks have ever been received."""
-        return self._received_us is not None
-
     def is_alive(self, time_us: int) -> bool:
         """Whether sticks are still being received."""
         if self._received_us is None:

@@ -47,12 +47,6 @@ class PathMotion:
         """Whether the reference has come to rest at the goal."""
         return self._along.is_at_rest and self._across.is_at_rest and self._over.is_at_rest
 
-    @property
-    def distance_to_goal_m(self) -> float:
-        """Distance from the reference to the goal."""
-        (x, y, z), (gx, gy, gz) = self.position_enu_m, self.goal_enu_m
-        return sqrt((x - gx) ** 2 + (y - gy) ** 2 + (z - gz) ** 2)
-
     def reset(
         self,
         position_enu_m: Vector3,

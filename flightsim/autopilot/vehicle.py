@@ -6,7 +6,7 @@ from math import hypot, isfinite
 
 from autonomy.types import LEVEL, ZERO3, yaw_of
 from flightsim.autopilot.parameters import Parameters
-from flightsim.autopilot.plant_like import PlantLike
+from flightsim.plant import Plant
 
 TICK_S = 0.02
 
@@ -14,27 +14,7 @@ TICK_S = 0.02
 class Vehicle:
     """Estimates and readings of the present tick; never the truth."""
 
-    __slots__ = (
-        "_parameters",
-        "_plant",
-        "angular_rate_flu_radps",
-        "hover_thrust_fraction",
-        "is_attitude_ok",
-        "is_landed",
-        "is_position_ok",
-        "position_enu_m",
-        "quat_wxyz",
-        "range_m",
-        "resting_range_m",
-        "thrust_fraction",
-        "time_us",
-        "velocity_enu_mps",
-        "yaw_rad",
-    )
-
-    def __init__(
-        self, plant: PlantLike, parameters: Parameters, hover_thrust_fraction: float
-    ) -> None:
+    def __init__(self, plant: Plant, parameters: Parameters, hover_thrust_fraction: float) -> None:
         self._plant = plant
         self._parameters = parameters
         self.hover_thrust_fraction = hover_thrust_fraction

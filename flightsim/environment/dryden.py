@@ -125,23 +125,3 @@ def stationary_states(generator: np.random.Generator) -> Float[np.ndarray, " 5"]
     for first in (1, 3):
         x[first + 1] = 0.5 * x[first] + 0.5 * x[first + 1]
     return x
-
-
-def spectrum_along(
-    omega_radps: Float[np.ndarray, " n"], sigma_mps: float, time_constant_s: float
-) -> Float[np.ndarray, " n"]:
-    """One-sided spectrum of turbulence along the wind, m^2/s^2 per rad/s; its integral is sigma^2.
-
-    Source: MIL-F-8785C, 3.7.2.1, with spatial frequency times V for angular frequency.
-    """
-    T = time_constant_s
-    return sigma_mps**2 * 2.0 * T / math.pi / (1.0 + (T * omega_radps) ** 2)
-
-
-def spectrum_across(
-    omega_radps: Float[np.ndarray, " n"], sigma_mps: float, time_constant_s: float
-) -> Float[np.ndarray, " n"]:
-    """One-sided spectrum across the wind and upwards, as `spectrum_along`."""
-    square = (time_constant_s * omega_radps) ** 2
-    scale = sigma_mps**2 * time_constant_s / math.pi
-    return scale * (1.0 + 3.0 * square) / (1.0 + square) ** 2

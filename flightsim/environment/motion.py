@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from flightsim.environment.movers import MOVER_KINDS, MoverName, MovingObstacle, ObstacleStates
 from flightsim.environment.paths import smooth_path
 
@@ -21,35 +21,18 @@ _RATE_CHANGE_PER_S = 1.0
 _CONTACT_MARGIN_M = 2.0
 _STRAIGHT_UP = 1e-9
 
-TRAFFIC_DTYPE = np.dtype(
-    [("clock_s", "f8"), ("rate", "f8"), ("rate_cmd", "f8"), ("dt_s", "f8")], align=True
-)
+TRAFFIC_DTYPE = np.dtype(fields("clock_s", "rate", "rate_cmd", "dt_s"))
 """Clock shared by all movers."""
 
 MOVER_DTYPE = np.dtype(
     [
         ("first", "i8"),  # of its control points
-        ("n_points", "i8"),
-        ("is_loop", "i8"),
-        ("turns_round", "i8"),
-        ("spacing_m", "f8"),
-        ("length_m", "f8"),
-        ("speed_mps", "f8"),
-        ("acceleration_mps2", "f8"),
-        ("pause_s", "f8"),
-        ("phase_s", "f8"),
-        ("radius_m", "f8"),
-        ("height_m", "f8"),
-        ("body", "i8"),
-        ("geom", "i8"),
-        ("contact_bits", "i8"),
-        ("distance_m", "f8"),
-        ("distance_rate_mps", "f8"),
+        *fields("n_points", "is_loop", "turns_round", "body", "geom", "contact_bits", kind="i8"),
+        *fields("spacing_m", "length_m", "speed_mps", "acceleration_mps2", "pause_s", "phase_s"),
+        *fields("radius_m", "height_m", "distance_m", "distance_rate_mps", "yaw_rad"),
         ("turn", "f8"),  # half turns that it made at the ends of its path
-        ("tangent", "f8", 3),
-        ("yaw_rad", "f8"),
         ("position_enu_m", "f8", 3),  # middle of its underside
-        ("velocity_enu_mps", "f8", 3),
+        *fields("velocity_enu_mps", "tangent", shape=(3,)),
     ],
     align=True,
 )
@@ -75,12 +58,12 @@ def new_movers(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndar
         if not obstacle.is_loop:
             # A short path limits the speed that is reached.
             speed = min(speed, math.sqrt(path.length_m * kind.acceleration_mps2))
+        for name in ("turns_round", "acceleration_mps2", "pause_s", "radius_m"):
+            mover[name] = getattr(kind, name)
+        for name in ("spacing_m", "length_m", "is_loop"):
+            mover[name] = getattr(path, name)
         mover["first"], mover["n_points"] = first, len(path.points_enu_m)
-        mover["is_loop"], mover["turns_round"] = obstacle.is_loop, kind.turns_round
-        mover["spacing_m"], mover["length_m"] = path.spacing_m, path.length_m
-        mover["speed_mps"] = speed
-        mover["acceleration_mps2"], mover["pause_s"] = kind.acceleration_mps2, kind.pause_s
-        mover["radius_m"], mover["height_m"] = kind.radius_m, kind.size_m[2]
+        mover["speed_mps"], mover["height_m"] = speed, kind.size_m[2]
         one_way_s = path.length_m / speed + speed / kind.acceleration_mps2 + kind.pause_s
         period_s = path.length_m / speed if obstacle.is_loop else 2.0 * one_way_s
         mover["phase_s"] = obstacle.phase * period_s

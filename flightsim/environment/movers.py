@@ -29,7 +29,7 @@ class MoverError(ValueError):
     """A moving obstacle is invalid."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class MoverKind:
     """Properties common to all movers of a kind."""
 
@@ -41,7 +41,7 @@ class MoverKind:
     """Acceleration at the ends of a to-and-fro path."""
     pause_s: float
     """Time of rest at each end of such a path."""
-    turns_round: bool
+    turns_round: bool = False
     """Whether it turns round and returns face first, instead of moving backwards."""
 
     @property
@@ -53,26 +53,10 @@ class MoverKind:
 MOVER_KINDS: Mapping[MoverName, MoverKind] = MappingProxyType(
     {
         "person": MoverKind(
-            size_m=(0.32, 0.62, 1.76),
-            speed_mps=(0.8, 1.6),
-            acceleration_mps2=1.0,
-            pause_s=1.5,
-            turns_round=True,
+            (0.32, 0.62, 1.76), (0.8, 1.6), acceleration_mps2=1.0, pause_s=1.5, turns_round=True
         ),
-        "car": MoverKind(
-            size_m=(4.3, 1.8, 1.5),
-            speed_mps=(2.0, 5.0),
-            acceleration_mps2=1.5,
-            pause_s=1.0,
-            turns_round=False,
-        ),
-        "drone": MoverKind(
-            size_m=(0.6, 0.6, 0.2),
-            speed_mps=(1.0, 3.0),
-            acceleration_mps2=2.0,
-            pause_s=0.5,
-            turns_round=False,
-        ),
+        "car": MoverKind((4.3, 1.8, 1.5), (2.0, 5.0), acceleration_mps2=1.5, pause_s=1.0),
+        "drone": MoverKind((0.6, 0.6, 0.2), (1.0, 3.0), acceleration_mps2=2.0, pause_s=0.5),
     }
 )
 
@@ -165,8 +149,7 @@ def mover_primitives(kind: MoverName, number: int) -> tuple[Primitive, ...]:
             size_m=part.size_m,
             material=part.material,
             object_id=number,
-            collides=part.collides,
-            vertices_m=part.vertices_m,
+            collides=True,
         )
         for part in parts
     )

@@ -19,12 +19,7 @@ from jaxtyping import Bool, Float
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
 from flightsim.environment.floor import CELL_M, CLEARANCE_CAP_M, Columns, Floor
-from flightsim.environment.movers import (
-    MAX_MOVERS,
-    MOVER_KINDS,
-    MoverName,
-    MovingObstacle,
-)
+from flightsim.environment.movers import MAX_MOVERS, MOVER_KINDS, MoverName, MovingObstacle
 from flightsim.environment.paths import smooth_path
 from flightsim.environment.routes import distance_to_points, find_route, pull_straight
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.types import ZERO3, Vector3
 from flightsim.environment.dryden import N_NORMALS, N_STATES, stationary_states, step_turbulence
 from flightsim.environment.rooms import exposure
@@ -136,18 +136,16 @@ def turbulence_mps(text: str, wind_mps: float) -> float:
 
 AIR_NORMALS = N_NORMALS
 
+_TAKEN_OVER = ("turbulence_mps", "gust_mps", "gust_s", "gust_period_s")
+"""Fields of `WindCfg` that the record of the air has too."""
+
 AIR_DTYPE = np.dtype(
     [
         ("is_steady", "i8"),  # nothing to do in a tick
-        ("dt_s", "f8"),
         ("first_normal", "i8"),  # of its block among the plant's normals
+        *fields("dt_s", "gust_clock_s", *_TAKEN_OVER),
         ("steady_enu_mps", "f8", 3),
         ("axis_enu", "f8", 2),
-        ("turbulence_mps", "f8"),
-        ("gust_mps", "f8"),
-        ("gust_s", "f8"),
-        ("gust_period_s", "f8"),
-        ("gust_clock_s", "f8"),
         ("states", "f8", N_STATES),
         ("turbulence_wind_mps", "f8", 3),  # along, left, up
     ],
@@ -182,7 +180,7 @@ def set_wind(air: np.void, cfg: WindCfg, *, has_rooms: bool = False) -> None:
     air["is_steady"] = is_steady and (is_still or not has_rooms)
     air["steady_enu_mps"] = cfg.steady_enu_mps
     air["axis_enu"] = cfg.axis_enu
-    for name in ("turbulence_mps", "gust_mps", "gust_s", "gust_period_s"):
+    for name in _TAKEN_OVER:
         air[name] = getattr(cfg, name)
     air["gust_clock_s"] = 0.0
 

@@ -7,20 +7,29 @@ Nodes follow the hierarchy, `building_3` holds `room_7` holds `table_12`, and ca
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import trimesh
+from PIL import Image
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
 
-from aeroscene.scene import InteractionArea, Scene, SceneObject
+from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.shapes import MATERIALS, Material
 from flightsim.export.files import staged
-from flightsim.export.meshes import ObjectMesh, object_meshes
+from flightsim.export.meshes import (
+    AREA_RGB,
+    ObjectMesh,
+    area_facts,
+    area_name,
+    object_meshes,
+    object_name,
+    scene_facts,
+)
 from flightsim.looks.tessellation import Surface
 from flightsim.looks.textures import tile
 from flightsim.world import World
-
-if TYPE_CHECKING:
-    import trimesh
 
 ROOT = "scene_enu"
 """Node whose axes are east, north and up."""
@@ -28,11 +37,7 @@ ROOT = "scene_enu"
 _GLTF_FROM_ENU = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
-_AREA_RGBA = {
-    "small": (51, 166, 242, 160),
-    "medium": (51, 204, 102, 160),
-    "large": (250, 166, 38, 160),
-}
+_AREA_ALPHA = 160
 _AREA_LIFT_M = 0.02
 """Height at which areas are drawn above their supporting surface."""
 
@@ -50,10 +55,10 @@ def write_glb(world: World, folder: Path) -> Path:
 
 
 def _graph(world: World) -> trimesh.Scene:
-    import trimesh  # noqa: PLC0415 - heavy, and only this export needs it
-
     graph = trimesh.Scene(base_frame="world")
-    graph.graph.update(ROOT, "world", matrix=_GLTF_FROM_ENU, metadata=_scene_extras(world.scene))
+    start = {"start_position_enu_m": list(world.scene.start_position_enu_m)}
+    extras = scene_facts(world.scene) | start
+    graph.graph.update(ROOT, "world", matrix=_GLTF_FROM_ENU, metadata=extras)
     materials = {
         name: _material(MATERIALS[name])
         for name in dict.fromkeys(solid.material for solid in world.solids)
@@ -63,11 +68,6 @@ def _graph(world: World) -> trimesh.Scene:
     for area in world.scene.interaction_areas:
         _add_area(graph, area)
     return graph
-
-
-def object_name(obj: SceneObject) -> str:
-    """Name of an object's node."""
-    return f"{obj.category}_{obj.id}"
 
 
 def _add_object(
@@ -88,9 +88,6 @@ def _add_object(
 
 
 def _trimesh(skin: Surface, material: Any, look: Material) -> trimesh.Trimesh:
-    import trimesh  # noqa: PLC0415 - as above
-    from trimesh.visual import TextureVisuals  # noqa: PLC0415 - as above
-
     return trimesh.Trimesh(
         vertices=skin.vertices_m,
         faces=skin.triangles,
@@ -101,9 +98,6 @@ def _trimesh(skin: Surface, material: Any, look: Material) -> trimesh.Trimesh:
 
 
 def _material(look: Material) -> Any:
-    from PIL import Image  # noqa: PLC0415 - only this export needs it
-    from trimesh.visual.material import PBRMaterial  # noqa: PLC0415 - as above
-
     return PBRMaterial(
         name=look.name,
         # The texture carries the colour.
@@ -118,35 +112,15 @@ def _material(look: Material) -> Any:
 
 def _add_area(graph: trimesh.Scene, area: InteractionArea) -> None:
     """Add the area's polygon as a fan around its centroid."""
-    import trimesh  # noqa: PLC0415 - as above
-
     ring = np.array([area.centroid, *area.polygon])
     ring[:, 2] += _AREA_LIFT_M
     n = len(area.polygon)
     fan = [(0, 1 + i, 1 + (i + 1) % n) for i in range(n)]
-    name = f"{area.kind}_{area.id}_{area.drone_class}"
-    extras = {
-        "kind": area.kind,
-        "drone_class": area.drone_class,
-        "radius_m": area.radius,
-        "slope_rad": area.slope_rad,
-        "clearance_m": area.clearance_m,
-        "surface": area.surface,
-        "object_id": -1 if area.object_id is None else area.object_id,
-    }
-    mesh = trimesh.Trimesh(ring, fan, face_colors=_AREA_RGBA[area.drone_class], process=False)
+    name = area_name(area)
+    extras = {"kind": area.kind, **area_facts(area)}
+    rgba = (*(round(255 * c) for c in AREA_RGB[area.drone_class]), _AREA_ALPHA)
+    mesh = trimesh.Trimesh(ring, fan, face_colors=rgba, process=False)
     graph.graph.update(name, ROOT, matrix=np.eye(4), metadata=extras)
     graph.add_geometry(
         mesh, node_name=f"{name}_polygon", geom_name=f"{name}_polygon", parent_node_name=name
     )
-
-
-def _scene_extras(scene: Scene) -> dict[str, Any]:
-    return {
-        "scene_id": scene.scene_id,
-        "domain": scene.domain,
-        "start_position_enu_m": list(scene.start_position_enu_m),
-        "latitude_deg": scene.latitude_deg,
-        "longitude_deg": scene.longitude_deg,
-        "altitude_m": scene.altitude_m,
-    }

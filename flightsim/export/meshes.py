@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene import InteractionArea, Scene, SceneObject
 from aeroscene.scene.box import rotation_matrix
 from aeroscene.solids.shapes import Primitive
 from flightsim.looks.surfaces import Detail, surface_enu
@@ -21,6 +22,13 @@ from flightsim.looks.tessellation import Surface
 
 EXPORT_DETAIL = Detail(slices=20, stacks=12)
 """Detail of round shapes in files: between a camera's and a picture's."""
+
+AREA_RGB = {
+    "small": (0.20, 0.65, 0.95),
+    "medium": (0.20, 0.80, 0.40),
+    "large": (0.98, 0.65, 0.15),
+}
+"""Colours of areas by the drones that they are for."""
 
 Pose = Float[np.ndarray, "4 4"]
 
@@ -61,6 +69,34 @@ def object_meshes(
             skins=_skins(own, np.linalg.inv(pose), detail),
             solids=tuple(primitive for primitive in own if primitive.collides),
         )
+
+
+def object_name(obj: SceneObject) -> str:
+    """Name of an object's node."""
+    return f"{obj.category}_{obj.id}"
+
+
+def area_name(area: InteractionArea) -> str:
+    """Name of an area's node."""
+    return f"{area.kind}_{area.id}_{area.drone_class}"
+
+
+def area_facts(area: InteractionArea) -> dict[str, Any]:
+    """Annotation of an area for formats that carry numbers and text; object -1 is none."""
+    return {
+        "drone_class": area.drone_class,
+        "radius_m": area.radius,
+        "slope_rad": area.slope_rad,
+        "clearance_m": area.clearance_m,
+        "surface": area.surface,
+        "object_id": -1 if area.object_id is None else area.object_id,
+    }
+
+
+def scene_facts(scene: Scene) -> dict[str, Any]:
+    """What a scene is and where on the globe it lies."""
+    names = ("scene_id", "domain", "latitude_deg", "longitude_deg", "altitude_m")
+    return {name: getattr(scene, name) for name in names}
 
 
 def pose_matrix(position_m: tuple[float, ...], quat_wxyz: tuple[float, ...]) -> Pose:

@@ -16,18 +16,14 @@ import numpy as np
 
 from aeroscene.scene import InteractionArea
 from flightsim.export.files import staged, write_png
-from flightsim.export.meshes import EXPORT_DETAIL
+from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_name
 from flightsim.geom_groups import GeomGroup
 from flightsim.looks.drawing import add_looks
 from flightsim.world import World, add_ground, add_vehicle_at_start, new_spec
 from flightsim.world_geometry import add_solids
 
 _AREA_GROUP = 4
-_AREA_RGBA = {
-    "small": (0.20, 0.65, 0.95, 0.5),
-    "medium": (0.20, 0.80, 0.40, 0.5),
-    "large": (0.98, 0.65, 0.15, 0.5),
-}
+_AREA_ALPHA = 0.5
 
 
 def write_mjcf(world: World, folder: Path) -> Path:
@@ -59,7 +55,7 @@ def _spec(world: World) -> mujoco.MjSpec:
     count: Counter[str] = Counter()
     geoms = itertools.islice(spec.worldbody.geoms, n_looks, None)
     for geom, solid in zip(geoms, solids, strict=True):
-        label = _label(world, solid.object_id)
+        label = object_name(world.scene.object_by_id[solid.object_id])
         geom.name = f"{label}_{count[label]}"
         geom.group = int(GeomGroup.VEHICLE_SHAPE)
         count[label] += 1
@@ -71,27 +67,18 @@ def _spec(world: World) -> mujoco.MjSpec:
     return spec
 
 
-def _set(geom: mujoco.MjsGeom, values: dict[str, object]) -> None:
-    for name, value in values.items():
-        setattr(geom, name, value)
-
-
-def _label(world: World, object_id: int) -> str:
-    return f"{world.scene.object_by_id[object_id].category}_{object_id}"
-
-
 def _add_area(spec: mujoco.MjSpec, area: InteractionArea) -> None:
     """Add a disc with the area's radius in the area's plane."""
     normal = plane_normal(area)
     quat = np.empty(4)
     mujoco.mju_quatZ2Vec(quat, normal)
     spec.worldbody.add_site(
-        name=f"{area.kind}_{area.id}_{area.drone_class}",
+        name=area_name(area),
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
         pos=area.centroid,
         quat=quat,
         size=(area.radius, 0.005, 0.0),
-        rgba=_AREA_RGBA[area.drone_class],
+        rgba=(*AREA_RGB[area.drone_class], _AREA_ALPHA),
         group=_AREA_GROUP,
     )
 

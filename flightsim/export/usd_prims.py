@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, Vt
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
 
 from aeroscene.scene import AttributeValue, Vector3
 from aeroscene.solids.shapes import MATERIALS, Primitive
@@ -14,24 +17,17 @@ from flightsim.export.files import write_texture
 from flightsim.export.meshes import EXPORT_DETAIL, Pose
 from flightsim.looks.tessellation import ellipsoid
 
-if TYPE_CHECKING:
-    from pxr import Usd, UsdGeom, UsdShade
-
 _TAXONOMY = "class"
 """Taxonomy read by Isaac Sim's annotators."""
 
 
 def label(prim: Usd.Prim, name: str) -> None:
     """Give a prim its semantic label."""
-    from pxr import UsdSemantics  # noqa: PLC0415 - an extra
-
     UsdSemantics.LabelsAPI.Apply(prim, _TAXONOMY).CreateLabelsAttr([name])
 
 
 def describe(prim: Usd.Prim, facts: Mapping[str, AttributeValue]) -> None:
     """Attach facts as attributes `aeroscene:*`."""
-    from pxr import Sdf  # noqa: PLC0415 - an extra
-
     types = {
         bool: Sdf.ValueTypeNames.Bool,
         int: Sdf.ValueTypeNames.Int,
@@ -44,8 +40,6 @@ def describe(prim: Usd.Prim, facts: Mapping[str, AttributeValue]) -> None:
 
 def define_xform(stage: Usd.Stage, path: str, pose: Pose) -> Usd.Prim:
     """Define a frame at a pose in its parent's frame."""
-    from pxr import UsdGeom  # noqa: PLC0415 - an extra
-
     xform = UsdGeom.Xform.Define(stage, path)
     set_pose(xform, pose)
     return xform.GetPrim()
@@ -53,9 +47,6 @@ def define_xform(stage: Usd.Stage, path: str, pose: Pose) -> Usd.Prim:
 
 def set_pose(xformable: UsdGeom.Xformable, pose: Pose, scale: Vector3 | None = None) -> None:
     """Place a prim in its parent's frame by translation, orientation and scale."""
-    from pxr import Gf  # noqa: PLC0415 - an extra
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - slow to load
-
     w, x, y, z = Rotation.from_matrix(pose[:3, :3]).as_quat(scalar_first=True).tolist()
     xformable.AddTranslateOp().Set(Gf.Vec3d(*pose[:3, 3].tolist()))
     xformable.AddOrientOp().Set(Gf.Quatf(w, x, y, z))
@@ -63,10 +54,21 @@ def set_pose(xformable: UsdGeom.Xformable, pose: Pose, scale: Vector3 | None = N
         xformable.AddScaleOp().Set(Gf.Vec3f(*scale))
 
 
+def define_mesh(stage: Usd.Stage, path: str, points: np.ndarray, faces: np.ndarray) -> UsdGeom.Mesh:
+    """Define a mesh by its points (n, 3) and the corners of its faces (f, k)."""
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    points = points.astype(np.float32)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
+    counts = np.full(len(faces), faces.shape[1], dtype=np.int32)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(counts))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(0), points.max(0)])))
+    return mesh
+
+
 def define_solid(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim:
     """Define a collider of a primitive's size at the origin; a box is a unit cube to be scaled."""
-    from pxr import UsdGeom  # noqa: PLC0415 - an extra
-
     if solid.kind == "box":
         cube = UsdGeom.Cube.Define(stage, path)
         cube.CreateSizeAttr(1.0)
@@ -82,23 +84,12 @@ def define_solid(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim
 
 def _define_hull(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim:
     """Define a convex hull; engines scale no sphere unevenly, so ellipsoids are hulls too."""
-    from pxr import UsdGeom, UsdPhysics, Vt  # noqa: PLC0415 - an extra
-    from scipy.spatial import ConvexHull  # noqa: PLC0415 - slow to load
-
     if solid.kind == "ellipsoid":
         sphere = ellipsoid(np.array(solid.size_m), EXPORT_DETAIL.slices, EXPORT_DETAIL.stacks)
         points = sphere.vertices_m
     else:
         points = np.array(solid.vertices_m)
-    triangles = ConvexHull(points).simplices.astype(np.int32)
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points.astype(np.float32)))
-    counts = np.full(len(triangles), 3, dtype=np.int32)
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(counts))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(triangles.ravel()))
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    extent = np.stack([points.min(axis=0), points.max(axis=0)]).astype(np.float32)
-    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(extent))
+    mesh = define_mesh(stage, path, points, ConvexHull(points).simplices)
     shape = UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim())
     shape.CreateApproximationAttr(UsdPhysics.Tokens.convexHull)
     return mesh
@@ -106,8 +97,6 @@ def _define_hull(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim
 
 def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Material:
     """Define the look of a material (UsdPreviewSurface, texture in a file) and its friction."""
-    from pxr import Gf, Sdf, UsdPhysics, UsdShade  # noqa: PLC0415 - an extra
-
     look = MATERIALS[name]
     path = f"/World/Materials/{name}"
     material = UsdShade.Material.Define(stage, path)
@@ -130,8 +119,6 @@ def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Mater
 
 def _define_texture(stage: Usd.Stage, path: str, name: str) -> Any:
     """Output of a texture that repeats over the mesh's coordinates `st`."""
-    from pxr import Sdf, UsdShade  # noqa: PLC0415 - an extra
-
     reader = UsdShade.Shader.Define(stage, f"{path}/coordinates")
     reader.CreateIdAttr("UsdPrimvarReader_float2")
     reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")

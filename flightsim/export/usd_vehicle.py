@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mujoco
+from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from flightsim.export.meshes import pose_matrix
 from flightsim.export.usd_prims import define_xform, label, set_pose
 from flightsim.geom_groups import GeomGroup
 from flightsim.world import World
-
-if TYPE_CHECKING:
-    from pxr import Usd
 
 VEHICLE_PATH = "/World/Vehicle"
 _GEOM = mujoco.mjtGeom
@@ -24,8 +22,6 @@ _ASPECT = 4.0 / 3.0
 
 def add_vehicle(stage: Usd.Stage, world: World) -> None:
     """Add the vehicle of a world, standing at the start."""
-    from pxr import Gf, UsdGeom, UsdPhysics  # noqa: PLC0415 - an extra
-
     quadrotor = world.airframe.quadrotor
     pose = pose_matrix(tuple(world.rest_qpos[:3]), tuple(world.rest_qpos[3:7]))
     prim = define_xform(stage, VEHICLE_PATH, pose)
@@ -48,8 +44,6 @@ def add_vehicle(stage: Usd.Stage, world: World) -> None:
 
 
 def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
-    from pxr import Gf, UsdGeom, UsdPhysics  # noqa: PLC0415 - an extra
-
     is_solid = model.geom_group[index] == GeomGroup.VEHICLE_SHAPE
     path = f"{VEHICLE_PATH}/{'solids' if is_solid else 'looks'}/geom_{index}"
     size = model.geom_size[index].tolist()
@@ -83,8 +77,6 @@ def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
 
 def _set_round(gprim: Any, size: list[float]) -> None:
     """Set radius and length of a capsule or a cylinder; MuJoCo gives half lengths."""
-    from pxr import UsdGeom  # noqa: PLC0415 - an extra
-
     gprim.CreateAxisAttr(UsdGeom.Tokens.z)
     gprim.CreateRadiusAttr(size[0])
     gprim.CreateHeightAttr(2 * size[1])
@@ -92,8 +84,6 @@ def _set_round(gprim: Any, size: list[float]) -> None:
 
 def _add_camera(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
     """Add a camera; USD's camera axes are MuJoCo's: x right, y up, looking along -z."""
-    from pxr import Gf, UsdGeom  # noqa: PLC0415 - an extra
-
     name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_CAMERA, index)
     camera = UsdGeom.Camera.Define(stage, f"{VEHICLE_PATH}/cameras/{name}")
     half_rad = math.radians(float(model.cam_fovy[index])) / 2

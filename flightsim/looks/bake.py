@@ -9,12 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.solids.shapes import Primitive
-from flightsim.looks.light import (
-    SUN_DIRECTION,
-    is_sunward,
-    normals_for_light,
-    surface_light,
-)
+from flightsim.looks.light import SUN_DIRECTION, is_sunward, normals_for_light, surface_light
 from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.rays import RayScene
 from flightsim.looks.shadows import cast, casters

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from flightsim.looks.light import SUN_DIRECTION
 from flightsim.looks.mesh import WorldMesh
@@ -49,7 +49,6 @@ _STEPS = (1, 2, 4)
 class Seen:
     """First hits of rays from the eye, one per pixel."""
 
-    has_surface: Bool[np.ndarray, "h w"]
     depth_m: Float[np.ndarray, "h w"]
     rgb: Float[np.ndarray, "h w 3"]
     """Light on the surface, as factors of its colour."""
@@ -115,7 +114,7 @@ class PixelLight:
             triangle[band] = hits.triangle.reshape(depth[band].shape)
         same = _Neighbours(depth, normal)
         light_rgb = same.averaged(rgb, _STEPS) + same.averaged(sun[..., None], (1,)) * _SUN_RGB
-        return Seen(triangle != NOTHING, depth, _exposed(light_rgb), triangle)
+        return Seen(depth, _exposed(light_rgb), triangle)
 
 
 @dataclass(frozen=True, eq=False)

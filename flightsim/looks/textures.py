@@ -7,6 +7,7 @@ world is the same on every machine. Tiles repeat seamlessly; the material sets t
 from __future__ import annotations
 
 import functools
+import inspect
 import zlib
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -25,62 +26,13 @@ LARGE_TILE_PIXELS = 256
 
 PATTERNS: Mapping[str, Pattern] = MappingProxyType(
     {
-        "asphalt": ground.asphalt,
-        "bark": ground.bark,
-        "cobbles": ground.cobbles,
-        "crops": ground.crops,
-        "grass": ground.grass,
-        "gravel": ground.gravel,
-        "leaves": ground.leaves,
-        "meadow": ground.meadow,
-        "paving": ground.paving,
-        "sand": ground.sand,
-        "soil": ground.soil,
-        "water": ground.water,
-        "ashlar": masonry.ashlar,
-        "boards": masonry.boards,
-        "brick": masonry.brick,
-        "cladding": masonry.cladding,
-        "concrete": masonry.concrete,
-        "corrugated": masonry.corrugated,
-        "felt": masonry.felt,
-        "plaster": masonry.plaster,
-        "roof_tiles": masonry.roof_tiles,
-        "stone_wall": masonry.stone_wall,
-        "cardboard": indoors.cardboard,
-        "carpet": indoors.carpet,
-        "ceiling": indoors.ceiling,
-        "ceramic": indoors.ceramic,
-        "container": indoors.container,
-        "fabric": indoors.fabric,
-        "glass": indoors.glass,
-        "metal": indoors.metal,
-        "paint": indoors.paint,
-        "parquet": indoors.parquet,
-        "plastic": indoors.plastic,
-        "print": indoors.print_,
-        "rubber": indoors.rubber,
-        "screen": indoors.screen,
-        "solar": indoors.solar,
-        "dado": indoors.dado,
-        "papered": indoors.papered,
-        "skirting": indoors.skirting,
-        "tiles": indoors.tiles,
-        "wallpaper": indoors.wallpaper,
-        "wood": indoors.wood,
-        "worn_paint": indoors.worn_paint,
-        "balconies": facades.balconies,
-        "brickwork": facades.brickwork,
-        "curtain_wall": facades.curtain_wall,
-        "entrance": facades.entrance,
-        "punched": facades.punched,
-        "ribbon": facades.ribbon,
-        "shop_front": facades.shop_front,
-        "shuttered": facades.shuttered,
-        "stonework": facades.stonework,
+        name.rstrip("_"): pattern
+        for module in (ground, masonry, indoors, facades)
+        for name, pattern in inspect.getmembers(module, inspect.isfunction)
+        if pattern.__module__ == module.__name__ and not name.startswith("_")
     }
 )
-"""All patterns by the names that materials use."""
+"""Patterns by the names that materials use: every public function of the patterns' modules."""
 
 _LARGE = frozenset(
     {"grass", *(name for name in PATTERNS if PATTERNS[name].__module__ == facades.__name__)}

@@ -27,13 +27,7 @@ class Channel:
     """
 
     def __init__(
-        self,
-        name: str,
-        write: Write,
-        *,
-        profile: Profile,
-        clock: Clock,
-        is_datagram: bool,
+        self, name: str, write: Write, *, profile: Profile, clock: Clock, is_datagram: bool
     ) -> None:
         self.name = name
         self.profile: Profile = profile
@@ -56,11 +50,6 @@ class Channel:
     def is_heard(self) -> bool:
         """Whether a valid message ever came from this partner."""
         return self._parser.n_messages > 0
-
-    @property
-    def n_bad_frames(self) -> int:
-        """Number of candidate frames that were damaged, unknown or not frames at all."""
-        return self._parser.n_bad
 
     @property
     def has_room(self) -> bool:

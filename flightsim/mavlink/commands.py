@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
+from flightsim.autopilot.mission_item import FRAME_GLOBAL, GEODETIC_FRAMES
 from flightsim.autopilot.results import CommandResult, Reply, denied
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import dialect as mav
@@ -30,8 +30,6 @@ _RESULTS = {
 }
 _PROGRESS_UNKNOWN = 255
 UNSUPPORTED = Reply(CommandResult.UNSUPPORTED)
-
-_PLACE_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +59,7 @@ class Command:
 
     def place_fault(self) -> str | None:
         """Description of an invalid place, or None if it is valid."""
-        if self.frame not in _PLACE_FRAMES:
+        if self.frame not in GEODETIC_FRAMES:
             return f"frame {self.frame} is no global one; valid are 0, 3, 5, 6, 10, 11"
         if not self.is_here and not (abs(self.x) <= 90.0 and abs(self.y) <= 180.0):
             return f"latitude {self.x:g}, longitude {self.y:g} is off the globe"

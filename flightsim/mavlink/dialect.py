@@ -6,6 +6,7 @@ checksum. Packing takes 4 to 6 us with pymavlink's message objects and 0.6 us wi
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -13,9 +14,7 @@ from typing import Any
 # `development` is `common` plus messages proposed for it, among them AVAILABLE_MODES.
 from pymavlink.dialects.v20 import development as dialect
 
-MARKER_V1 = 0xFE
 MARKER_V2 = 0xFD
-MAX_PAYLOAD_BYTES = 255
 _V1_IDS = 256
 
 _crc16: Callable[[bytes], int] = dialect.mcrf4xx or (lambda data: dialect.x25crc(data).crc)
@@ -36,19 +35,6 @@ class Layout:
         fields: Field names in wire order (larger types first, extensions last).
         base_size: Bytes without the extension fields, all that MAVLink 1 carries.
     """
-
-    __slots__ = (
-        "_defaults",
-        "_id_v2",
-        "_lengths",
-        "_struct",
-        "base_size",
-        "crc_seed",
-        "fields",
-        "message_id",
-        "name",
-        "pack",
-    )
 
     def __init__(
         self,
@@ -108,16 +94,8 @@ class Layout:
 
 def _size_without_last(wire_format: str, n_fields: int) -> int:
     """Size of a struct format without its last n fields, each a letter with an optional count."""
-    parts: list[str] = []
-    count = ""
-    for character in wire_format[1:]:
-        if character.isdigit():
-            count += character
-        else:
-            parts.append(count + character)
-            count = ""
-    kept = parts[: len(parts) - n_fields]
-    return struct.calcsize("<" + "".join(kept))
+    parts = re.findall(r"\d*\D", wire_format[1:])
+    return struct.calcsize("<" + "".join(parts[: len(parts) - n_fields]))
 
 
 def _flatten(value: Any, length: int, *, is_text: bool) -> Sequence[Any]:

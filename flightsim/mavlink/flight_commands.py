@@ -116,8 +116,7 @@ class FlightCommands:
         if fault:
             return denied(fault)
         return self._autopilot.takeoff(
-            given(c.altitude_amsl_m(self._view.home_altitude_m)),
-            yaw_rad=_yaw_of_degrees(c.param4),
+            given(c.altitude_amsl_m(self._view.home_altitude_m)), yaw_rad=_yaw_of_degrees(c.param4)
         )
 
     def _land(self, c: Command) -> Reply:

@@ -11,7 +11,8 @@ from typing import Protocol
 
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.fence import MAX_FENCE_ITEMS, MAX_RALLY_ITEMS
-from flightsim.autopilot.mission import MAX_MISSION_ITEMS, MissionError, MissionItem
+from flightsim.autopilot.mission_check import MAX_MISSION_ITEMS
+from flightsim.autopilot.mission_item import MissionError, MissionItem
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
@@ -46,10 +47,7 @@ class MissionService:
     """Transfers items between partners and the autopilot's stores."""
 
     def __init__(
-        self,
-        stores: Mapping[int, ItemStore],
-        partners: Partners,
-        statustext: StatustextSender,
+        self, stores: Mapping[int, ItemStore], partners: Partners, statustext: StatustextSender
     ) -> None:
         """Serve one store for each mission type."""
         self._stores = stores

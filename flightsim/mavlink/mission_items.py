@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from flightsim.autopilot.mission import MissionError, MissionFault, MissionItem
-from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
+from flightsim.autopilot.mission_item import (
+    GEODETIC_FRAMES,
+    MissionError,
+    MissionFault,
+    MissionItem,
+)
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 
-_DEGREES_E7_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
 _LOCAL_FRAMES = frozenset(
     number
     for number, entry in mav.enums["MAV_FRAME"].items()
@@ -39,7 +42,7 @@ def result_of(error: MissionError) -> int:
 
 def scale_of(frame: int) -> float:
     """Units of x and y in integer messages, per degree or metre of this frame."""
-    if frame in _DEGREES_E7_FRAMES:
+    if frame in GEODETIC_FRAMES:
         return 1e7
     return 1e4 if frame in _LOCAL_FRAMES else 1.0
 
@@ -63,11 +66,8 @@ def check_frames(items: Iterable[MissionItem]) -> None:
     """
     for index, item in enumerate(items):
         if item.frame in _LOCAL_FRAMES:
-            raise MissionError(
-                MissionFault.UNSUPPORTED_FRAME,
-                f"item {index}: frame {item.frame} is local; valid are global frames and 2",
-                index=index,
-            )
+            text = f"item {index}: frame {item.frame} is local; valid are global frames and 2"
+            raise MissionError(MissionFault.UNSUPPORTED_FRAME, text, index=index)
 
 
 def item_from_message(message: Message) -> MissionItem:

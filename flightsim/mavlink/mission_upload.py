@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from flightsim.autopilot.mission import MissionItem
+from flightsim.autopilot.mission_item import MissionItem
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.mission_items import item_from_message
 from flightsim.mavlink.parsing import Message

@@ -22,10 +22,7 @@ class TelemetryService:
     """Streams to each partner at its own rates; a payload is packed once for all of them."""
 
     def __init__(
-        self,
-        producers: Mapping[str, Producer],
-        partners: Partners,
-        now_us: Callable[[], int],
+        self, producers: Mapping[str, Producer], partners: Partners, now_us: Callable[[], int]
     ) -> None:
         self._producers: dict[int, tuple[Layout, Producer]] = {
             LAYOUTS[name].message_id: (LAYOUTS[name], producer)

@@ -6,12 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from autonomy.types import ControlLevel, Quaternion, State
-from flightsim.frames import (
-    swap_enu_ned,
-    swap_flu_frd,
-    swap_quat_enu_flu_ned_frd,
-    swap_yaw_enu_ned,
-)
+from flightsim.frames import swap_enu_ned, swap_flu_frd, swap_quat_enu_flu_ned_frd, swap_yaw_enu_ned
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.view import VehicleView

@@ -24,11 +24,7 @@ class VehicleView:
     """
 
     def __init__(
-        self,
-        plant: Plant,
-        autopilot: Autopilot,
-        frame: LocalFrame,
-        local_origin_enu_m: Vector3,
+        self, plant: Plant, autopilot: Autopilot, frame: LocalFrame, local_origin_enu_m: Vector3
     ) -> None:
         self.plant = plant
         self.autopilot = autopilot

@@ -1,4 +1,4 @@
-"""Configuration of the plant, and what can be wrong with it."""
+"""Configuration of the plant, and its errors."""
 
 from __future__ import annotations
 
@@ -25,8 +25,7 @@ ADVANCE_HZ = 50
 """Calls of `Plant.advance` a simulated second: the rate of everything that is not the plant."""
 
 _PRESSURE_GRADIENT_PAPM = 11.6
-"""Of the standard atmosphere near 400 m above the sea."""
-
+"""Pressure gradient of the standard atmosphere near 400 m above the sea."""
 
 _AIDED_BY = {"gnss": ("gnss", "auto"), "vio": ("vio", "auto"), "mocap": ("mocap",)}
 
@@ -36,11 +35,11 @@ class PlantError(ValueError):
 
 
 class NotAlignedError(RuntimeError):
-    """A setpoint for a plant whose estimator does not know yet how the vehicle lies."""
+    """A setpoint was given before the estimator knew the attitude."""
 
 
 class PhysicsDivergedError(RuntimeError):
-    """The physics engine met numbers that it could not go on with."""
+    """The physics engine could not continue from its numbers."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -48,16 +47,16 @@ class PlantCfg:
     """A simulated vehicle below its autopilot: physics, sensors, estimator and inner loops."""
 
     seed: int
-    """Of every random number that the plant draws."""
+    """Seed of every random number that the plant draws."""
     gnss: Literal["rtk", "standard"] = "rtk"
     """Decimetre or metre grade."""
     aiding: Literal["gnss", "vio", "mocap", "auto"] = "gnss"
-    """What tells where the vehicle is: satellites (not heard in rooms), visual-inertial odometry,
-    motion capture; auto has satellites and odometry. All but gnss know where they start."""
+    """Position source: satellites (no fix in rooms), visual-inertial odometry or motion capture;
+    auto has satellites and odometry. All but gnss know where they start."""
     imu: Literal["px4", "adis16448"] = "px4"
     """PX4's noise, of a calibrated IMU, or RotorS's, whose biases cost a degree of tilt."""
     state: Literal["estimate", "truth"] = "estimate"
-    """What the controller knows of the vehicle; the truth is for benchmarks of control alone."""
+    """State that the controller gets; the truth is for benchmarks of control alone."""
     physics_hz: int = 500
     control_hz: int = 250
     """Rate of the IMU, the estimator and the controller."""
@@ -71,9 +70,9 @@ class PlantCfg:
     mocap: MocapCfg = field(default_factory=MocapCfg)
     airspeed: AirspeedCfg = field(default_factory=AirspeedCfg)
     estimator: EstimatorCfg | None = None
-    """None: tuned to the sensors, `estimator_cfg_for`."""
+    """Tuning of the estimator; None tunes it to the sensors by `estimator_cfg_for`."""
     controller: ControllerCfg | None = None
-    """None: gains for the airframe, `autonomy.control.cfg.controller_cfg_for`."""
+    """Gains; None takes `autonomy.control.cfg.controller_cfg_for` of the airframe."""
 
     def has(self, sensor: str) -> bool:
         """Whether a sensor, by its name, is switched on at the start."""
@@ -110,10 +109,10 @@ class PlantCfg:
 
 
 def estimator_cfg_for(plant: PlantCfg) -> EstimatorCfg:
-    """Tuning for the sensors of a plant, as by their data sheets.
+    """Tuning for the sensors of a plant by their data sheets.
 
-    Noise as they have it, a twentieth more for the IMU, whose samples are integrated with errors of
-    their own; floors where a sheet says zero, which nothing real keeps.
+    The noise is theirs, a twentieth more for the IMU, whose integration adds errors; where a sheet
+    says zero, which no real sensor keeps, there are floors.
     """
     imu, gnss, vio, mocap = IMUS[plant.imu], GRADES[plant.gnss], plant.vio, plant.mocap
     dt_s = 1.0 / plant.control_hz

@@ -58,7 +58,7 @@ def advance(
 def _tell_state(
     x: np.record, e: np.record, f: np.record, qpos: np.ndarray, qvel: np.ndarray
 ) -> None:
-    """What the controller may know: the estimate, or the truth for benchmarks of control alone."""
+    """State that the controller may know: the estimate, or the truth for benchmarks of control."""
     is_true = e.knows_truth == 1
     for i in range(3):
         change = (qvel[i] - x.velocity_enu_mps[i]) * e.tick_hz
@@ -81,7 +81,7 @@ def _move_world(
     qpos: np.ndarray,
     qvel: np.ndarray,
 ) -> None:
-    """Let the air and everything that moves by itself move by a control tick."""
+    """Advance the air and the movers by a control tick."""
     e, air, n = p.engine, p.air, len(movers)
     first = air.first_normal + e.tick % e.tick_hz * AIR_NORMALS
     gusts = normals[first : first + AIR_NORMALS]

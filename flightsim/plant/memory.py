@@ -1,4 +1,4 @@
-"""The memory of the plant: its record, and what has no fixed size beside it."""
+"""Memory of the plant: its record, and the arrays without a fixed size."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from flightsim.sensors.sensor import NormalStream, SensorStart
 from flightsim.vehicles.rotor_model import drag_model, new_rotors
 from flightsim.world import World
 
-# Numbers of the streams that no sensor has, beside those in `SENSORS`; spent ones stay as they are.
+# Numbers of the streams besides those in `SENSORS`; a number in use never changes.
 _AIR_STREAM, _FIRST_AIR_STREAM, _START_STREAM = 9, 10, 11
 
 
@@ -46,7 +46,7 @@ class PlantMemory:
         plant: Its only record, as a view.
         qpos: True pose of the vehicle (7,) in MuJoCo's memory.
         qvel: Its true velocity (6,): linear in the world, angular in the body.
-        history: `HISTORY_DTYPE`, a row for each control tick of an advance.
+        history: `HISTORY_DTYPE`, one row per control tick of an advance.
         setpoint_flat: The setpoint as doubles.
         movers: `MOVER_DTYPE`, a row for each moving obstacle.
     """
@@ -82,7 +82,7 @@ class PlantMemory:
             self._air_stream.draw()
 
     def set_wind(self, cfg: WindCfg) -> None:
-        """Let another wind blow from the next advance on."""
+        """Change the wind from the next advance on."""
         was_smooth = self.plant["air"]["turbulence_mps"] == 0.0
         set_wind(self.plant["air"], cfg, has_rooms=len(self._rooms) > 0)
         self.plant["rotors"]["wind_enu_mps"] = cfg.steady_enu_mps
@@ -90,7 +90,7 @@ class PlantMemory:
             self._air_stream.draw()
 
     def _name_movers(self, world: World) -> None:
-        """Tell the movers which bodies and geoms of the model are theirs."""
+        """Record the body and the geom of each mover in the model."""
         for index, mover in enumerate(self.movers):
             mover["body"] = world.mover_body_id(index)
             mover["geom"] = world.model.body_geomadr[mover["body"]]
@@ -98,7 +98,7 @@ class PlantMemory:
             place_mover(mover, self._mover_points, 0.0, 1.0)
 
     def _connect(self, world: World, cfg: PlantCfg, data: mujoco.MjData) -> None:
-        """Set the clock, and say where in MuJoCo's memory everything lies."""
+        """Set the clock and the addresses in MuJoCo's memory."""
         e, model, body = self.plant["engine"], world.model, world.vehicle_body_id
         e["tick_us"] = self.tick_us = 1_000_000 // cfg.control_hz
         e["tick_hz"] = cfg.control_hz
@@ -177,7 +177,7 @@ class PlantMemory:
 
 
 def _seed(cfg: PlantCfg, *stream: int) -> np.random.SeedSequence:
-    """The seed of a stream by its number, as `SeedSequence.spawn` counts them."""
+    """Seed of a stream by its number, as `SeedSequence.spawn` counts them."""
     return np.random.SeedSequence(cfg.seed, spawn_key=stream)
 
 

@@ -1,7 +1,7 @@
 """The plant: everything that runs faster than 50 Hz, behind a call every 20 ms.
 
 Physics, rotors, sensors, estimator and controller run in one kernel (`flightsim.plant.kernel`).
-Its memory is a few records; what Python reads of it is built when asked for.
+Its memory is a few records; objects for Python are built from it on request.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _ADVANCE_US = 1_000_000 // ADVANCE_HZ
 
 
 class Plant:
-    """A vehicle in its world, from setpoints to what its sensors and its estimator say.
+    """A vehicle in its world, from setpoints to readings of its sensors and its estimator.
 
     Deterministic: the same world, configuration and setpoints give the same history, bit for bit.
     """
@@ -69,10 +69,8 @@ class Plant:
         self._memory = PlantMemory(world, cfg, self.data)
         self._arguments = self._memory.arguments()
         self._record = self._memory.plant
-        self._filter, self._rotor_speeds = (
-            self._record["filter"],
-            self._record["rotors"]["speed_radps"],
-        )
+        self._filter: np.void = self._record["filter"]
+        self._rotor_speeds: np.ndarray = self._record["rotors"]["speed_radps"]
         qpos, qvel = self._memory.qpos, self._memory.qvel
         self._true_views = (qpos[:3], qvel[:3], qpos[3:7], qvel[3:6])
         self._estimate_views = tuple(self._filter[name] for name in _ESTIMATE)
@@ -108,7 +106,7 @@ class Plant:
             self._record["engine"]["has_power"] = 0
 
     def _read_afresh(self) -> None:
-        """Forget what has been read out of the record before."""
+        """Drop the objects built from the record of the tick before."""
         self._truth = self._estimate = self._status = None
 
     def _state(self, views: tuple[np.ndarray, ...]) -> State:
@@ -215,7 +213,7 @@ class Plant:
 
     @property
     def filter(self) -> np.void:
-        """The filter's own record (`autonomy.estimation.error_state`), for those who judge it."""
+        """Record of the filter (`autonomy.estimation.error_state`), for judging it."""
         return self._filter
 
     @property
@@ -227,7 +225,7 @@ class Plant:
 
     @property
     def wind(self) -> WindCfg:
-        """What wind blows; set it to let another blow from the next advance on."""
+        """Present wind; a new one that is set blows from the next advance on."""
         return self._wind
 
     @wind.setter
@@ -242,12 +240,12 @@ class Plant:
 
     @property
     def obstacles_true(self) -> ObstacleStates:
-        """Where everything that moves by itself is now."""
+        """True states of the movers now."""
         return obstacle_states(self.world.obstacles, self._memory.movers)
 
     @property
     def traffic_speed(self) -> float:
-        """How fast the movers' time runs, 1 as it is and 0 not at all; it changes gradually."""
+        """Rate of the movers' time, 1 for real and 0 for a standstill; it changes gradually."""
         return float(self._record["traffic"]["rate_cmd"])
 
     @traffic_speed.setter

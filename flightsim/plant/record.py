@@ -1,4 +1,4 @@
-"""The record of a plant: its engine, all of its parts, and what it logs."""
+"""Record of a plant: its engine, all of its parts, and its log."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from autonomy.control import CONTROLLER_DTYPE, SETPOINT_DTYPE, STATE_DTYPE
 from autonomy.estimation.error_state import FILTER_DTYPE
+from autonomy.jit import fields
 from flightsim.environment.motion import TRAFFIC_DTYPE
 from flightsim.environment.wind import AIR_DTYPE
 from flightsim.plant.sensing import SENSORS
@@ -14,31 +15,16 @@ from flightsim.vehicles.rotor_model import ROTORS_DTYPE
 ENGINE_DTYPE = np.dtype(
     [
         ("tick", "i8"),  # control ticks since the start
-        ("tick_us", "i8"),
-        ("tick_hz", "i8"),
-        ("steps_per_tick", "i8"),
-        ("ticks_per_advance", "i8"),
-        ("has_new_setpoint", "i8"),
-        ("has_power", "i8"),
+        *fields("tick_us", "tick_hz", "steps_per_tick", "ticks_per_advance", kind="i8"),
+        *fields("has_new_setpoint", "has_power", "contact_ticks", kind="i8"),
         ("knows_truth", "i8"),  # the controller, instead of the estimate
-        ("contact_ticks", "i8"),
-        ("step_address", "i8"),
-        ("ray_address", "i8"),
-        ("model_address", "i8"),
-        ("data_address", "i8"),
+        *fields("step_address", "ray_address", "model_address", "data_address", kind="i8"),
         # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
-        ("qpos_address", "i8"),
-        ("qvel_address", "i8"),
-        ("applied_address", "i8"),
+        *fields("qpos_address", "qvel_address", "applied_address", kind="i8"),
         # of the world: constraint forces, poses of movers, what geoms and bodies may touch
-        ("constraint_address", "i8"),
-        ("mocap_pos_address", "i8"),
-        ("mocap_quat_address", "i8"),
-        ("geom_bits_address", "i8"),
-        ("body_bits_address", "i8"),
-        ("n_constraints", "i8"),
-        ("n_geoms", "i8"),
-        ("n_bodies", "i8"),
+        *fields("constraint_address", "mocap_pos_address", "mocap_quat_address", kind="i8"),
+        *fields("geom_bits_address", "body_bits_address", kind="i8"),
+        *fields("n_constraints", "n_geoms", "n_bodies", kind="i8"),
         ("vehicle_body", "i4"),
         ("no_command", "f8", 4),
     ],
@@ -47,26 +33,16 @@ ENGINE_DTYPE = np.dtype(
 
 HISTORY_DTYPE = np.dtype(
     [
-        ("time_us", "i8"),
-        ("position_true_enu_m", "f8", 3),
-        ("velocity_true_enu_mps", "f8", 3),
-        ("quat_true_wxyz", "f8", 4),
-        ("angular_rate_true_flu_radps", "f8", 3),
-        ("wind_enu_mps", "f8", 3),
-        ("position_est_enu_m", "f8", 3),
-        ("velocity_est_enu_mps", "f8", 3),
-        ("quat_est_wxyz", "f8", 4),
-        ("angular_rate_est_flu_radps", "f8", 3),
-        ("accel_flu_mps2", "f8", 3),
-        ("gyro_flu_radps", "f8", 3),
-        ("rotor_command_radps", "f8", 4),
-        ("rotor_speed_radps", "f8", 4),
+        *fields("time_us", "is_touching", kind="i8"),
         ("setpoint_level", "f8"),
-        ("setpoint_position_enu_m", "f8", 3),
-        ("setpoint_velocity_enu_mps", "f8", 3),
-        ("reference_position_enu_m", "f8", 3),
-        ("reference_velocity_enu_mps", "f8", 3),
-        ("is_touching", "i8"),
+        *fields("position_true_enu_m", "velocity_true_enu_mps", shape=(3,)),
+        *fields("angular_rate_true_flu_radps", "wind_enu_mps", shape=(3,)),
+        *fields("position_est_enu_m", "velocity_est_enu_mps", shape=(3,)),
+        *fields("angular_rate_est_flu_radps", "accel_flu_mps2", "gyro_flu_radps", shape=(3,)),
+        *fields("setpoint_position_enu_m", "setpoint_velocity_enu_mps", shape=(3,)),
+        *fields("reference_position_enu_m", "reference_velocity_enu_mps", shape=(3,)),
+        *fields("quat_true_wxyz", "quat_est_wxyz", shape=(4,)),
+        *fields("rotor_command_radps", "rotor_speed_radps", shape=(4,)),
     ],
     align=True,
 )
@@ -86,4 +62,4 @@ PLANT_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""All that a plant is and knows, in one piece."""
+"""Complete state of a plant."""

@@ -1,4 +1,4 @@
-"""The sensors of a plant: which there are, in what order they measure, and what they say."""
+"""Sensors of a plant: the list, the order in which they measure, and their readings."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ SENSORS: tuple[Sensor, ...] = (
 def sense(
     p: np.record, qpos: np.ndarray, qvel: np.ndarray, rooms: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Let every sensor measure that is due, and the filter use what it says.
+    """Let every sensor that is due measure, and the filter use the sample.
 
     Args:
         p: `PLANT_DTYPE`, changed.
         qpos: True pose (7,): position ENU, attitude wxyz.
         qvel: True velocity (6,): linear ENU, angular FLU.
-        rooms: Where no satellite is heard (n, 8).
-        normals: Of the present second, of all sensors.
+        rooms: Rooms without satellite signals (n, 8).
+        normals: Standard normals of the present second for all sensors.
     """
     f, tick = p.filter, p.engine.tick
     sense_imu(p.imu, f, tick, qpos, qvel, p.rotors.speed_radps, normals)
@@ -78,7 +78,7 @@ def _sense_range(
 
 
 class SensorReadings:
-    """The latest sample of every sensor, read out of the plant's record when asked for."""
+    """Latest sample of every sensor, read out of the plant's record on request."""
 
     __slots__ = ("_records", "_tick_us")
 

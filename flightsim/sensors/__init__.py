@@ -1,1 +1,1 @@
-"""What the vehicle senses: inertial, GNSS, air pressure, magnetic field, range, RGB-D."""
+"""Sensors of the vehicle: inertial, GNSS, air pressure, magnetic field, range, RGB-D."""

@@ -5,8 +5,8 @@
     rho      density of the air                            kg/m^3
     q        differential pressure, sign(v) rho v^2 / 2    Pa
 
-A sample has white noise, a zero and a span that are wrong for good. The speed that it is told as
-(indicated) takes the density at sea level, so that it is below v in thin air.
+A sample has white noise and constant errors of zero and span. The indicated speed assumes the
+density at sea level, so that it is below v in thin air.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3, pressure_pa, temperature_k
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 _GAS_CONSTANT_JPKGK = 287.053
-"""Of dry air."""
+"""Specific gas constant of dry air."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -32,13 +32,12 @@ class AirspeedCfg:
     noise_pa: float = 1.0
     """RMS of a sample: PX4's gazebo-classic and gz airspeed sensors (0.01 hPa)."""
     zero_sigma_pa: float = 0.1
-    """Of the reading in still air, drawn once: half of what Sensirion's SDP33 is accurate to."""
+    """Reading in still air, drawn once: half of the error that Sensirion states for its SDP33."""
     span_sigma: float = 0.015
-    """Of the reading's scale, drawn once: half of that sensor's 3 %."""
+    """Error of the scale, drawn once: half of that sensor's 3 %."""
 
 
 def _configure(r: np.void, cfg: AirspeedCfg, start: SensorStart) -> None:
-    r["noise_pa"] = cfg.noise_pa
     r["zero_pa"] = cfg.zero_sigma_pa * start.rng.standard_normal()
     r["span"] = 1.0 + cfg.span_sigma * start.rng.standard_normal()
     r["origin_altitude_m"] = start.altitude_m
@@ -78,7 +77,7 @@ def sense_airspeed(
     air_velocity_enu_mps: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Measure where a sample is due; the filter estimates the wind without it."""
+    """Measure if a sample is due; the filter estimates the wind without it."""
     if is_due(r, tick):
         row = noise(r, tick, normals)
         sample_airspeed(r, tick, qpos[2], qpos[3:7], air_velocity_enu_mps, qvel[0:3], row)
@@ -99,13 +98,8 @@ AIRSPEED = Sensor(
     name="airspeed",
     setting="airspeed",
     fields=(
-        ("differential_pa", "f8"),
-        ("indicated_mps", "f8"),
-        ("temperature_degc", "f8"),
-        ("noise_pa", "f8"),
-        ("zero_pa", "f8"),
-        ("span", "f8"),
-        ("origin_altitude_m", "f8"),
+        *fields("differential_pa", "indicated_mps", "temperature_degc"),
+        *fields("noise_pa", "zero_pa", "span", "origin_altitude_m"),
     ),
     n_normals=1,
     stream=12,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.estimation.fusion import fuse_barometer
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa, temperature_k
 from flightsim.sensors.drift import drift_terms
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
@@ -26,10 +26,8 @@ class BarometerCfg:
 
 
 def _configure(r: np.void, cfg: BarometerCfg, start: SensorStart) -> None:
-    r["decay"], r["drift_sigma_pa"] = drift_terms(
-        cfg.drift_density_pa, cfg.drift_correlation_s, 1.0 / cfg.rate_hz
-    )
-    r["noise_pa"] = cfg.noise_pa
+    density, correlation_s = cfg.drift_density_pa, cfg.drift_correlation_s
+    r["decay"], r["drift_sigma_pa"] = drift_terms(density, correlation_s, 1.0 / cfg.rate_hz)
     r["origin_altitude_m"] = start.altitude_m
 
 
@@ -48,7 +46,7 @@ def sample_barometer(r: np.record, tick: int, height_enu_m: float, normals: np.n
 def sense_barometer(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure where a sample is due, and let the filter use it."""
+    """Measure if a sample is due, and let the filter use it."""
     if not is_due(r, tick):
         return
     sample_barometer(r, tick, qpos[2], noise(r, tick, normals))
@@ -73,14 +71,8 @@ BAROMETER = Sensor(
     name="baro",
     setting="barometer",
     fields=(
-        ("pressure_pa", "f8"),
-        ("altitude_m", "f8"),
-        ("temperature_degc", "f8"),
-        ("drift_pa", "f8"),
-        ("decay", "f8"),
-        ("drift_sigma_pa", "f8"),
-        ("noise_pa", "f8"),
-        ("origin_altitude_m", "f8"),
+        *fields("pressure_pa", "altitude_m", "temperature_degc"),
+        *fields("drift_pa", "decay", "drift_sigma_pa", "noise_pa", "origin_altitude_m"),
     ),
     n_normals=2,
     stream=4,

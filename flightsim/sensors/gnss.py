@@ -2,7 +2,7 @@
 
 The position error is a first-order Gauss-Markov process plus white noise; velocity has white
 noise. A fix is delivered `delay_s` after the time for which it is valid. In a room there is no
-fix; back under the sky the first one comes after `reacquire_s`, and its extra error decays.
+fix; back under the sky the first one comes after `reacquire_s`, and its additional error decays.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from autonomy.estimation.alignment import collect_fix
 from autonomy.estimation.fusion import fuse_gnss
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.types import Vector3
 from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
@@ -39,15 +39,15 @@ class GnssCfg:
     position_noise_m: tuple[float, float]
     velocity_noise_mps: tuple[float, float]
     reported_accuracy_m: tuple[float, float]
-    """What the receiver says of itself: eph and epv."""
+    """Accuracy that the receiver claims: eph and epv."""
     reacquire_s: float = 1.0
-    """Under the sky again until the first fix; hot start and reacquisition of a u-blox F9 or M10
+    """Time from leaving a room to the first fix; hot start and reacquisition of a u-blox F9 or M10
     take 1 to 2 s by their data sheets."""
     reacquired_sigma_m: float = 1.5
-    """Extra white error of the first fix."""
+    """Additional white error of the first fix."""
     settle_s: float = 1.5
-    """In which the extra error falls to 1/e: below 1 cm after 8 s, where the F9's data sheet has
-    RTK fixed in less than 10 s."""
+    """Time in which that error falls to 1/e: below 1 cm after 8 s; the F9 has RTK fixed by its data
+    sheet in less than 10 s."""
 
 
 RTK = GnssCfg(
@@ -79,27 +79,20 @@ GRADES = {"rtk": RTK, "standard": STANDARD}
 
 
 def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
-    """A receiver that has tracked for long."""
+    """Switch on a receiver that has tracked satellites for long."""
     horizontal, vertical = cfg.drift_sigma_m
     stationary = np.array([horizontal, horizontal, vertical])
     r["drift_enu_m"] = stationary * start.rng.standard_normal(3)
     for i in range(3):
         density = density_of(stationary[i], cfg.drift_correlation_s)
-        r["decay"], r["drift_sigma_m"][i] = drift_terms(
-            density, cfg.drift_correlation_s, 1.0 / cfg.rate_hz
-        )
-    for name, pair in (
-        ("position_sigma_m", cfg.position_noise_m),
-        ("velocity_sigma_mps", cfg.velocity_noise_mps),
-    ):
-        r[name] = (pair[0], pair[0], pair[1])
+        terms = drift_terms(density, cfg.drift_correlation_s, 1.0 / cfg.rate_hz)
+        r["decay"], r["drift_step_sigma_m"][i] = terms
+    (r["position_sigma_m"][:2], r["position_sigma_m"][2]) = cfg.position_noise_m
+    (r["velocity_sigma_mps"][:2], r["velocity_sigma_mps"][2]) = cfg.velocity_noise_mps
     r["delay_ticks"] = round(cfg.delay_s * start.tick_hz)
     r["reacquire_ticks"] = round(cfg.reacquire_s * start.tick_hz)
-    r["reacquired_sigma_m"] = cfg.reacquired_sigma_m
     r["settle_decay"] = math.exp(-1.0 / (cfg.settle_s * cfg.rate_hz))
     r["under_sky_ticks"] = r["reacquire_ticks"]
-    r["fix_type"], r["n_satellites"] = cfg.fix_type, cfg.n_satellites
-    r["reported_accuracy_m"] = cfg.reported_accuracy_m
 
 
 @kernel
@@ -129,7 +122,7 @@ def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
     r.tick = tick - r.delay_ticks
     r.settling_sigma_m *= r.settle_decay
     slot = r.tick % N_GNSS_PAST
-    advance_drift(r.drift_enu_m, r.decay, r.drift_sigma_m, normals, 0)
+    advance_drift(r.drift_enu_m, r.decay, r.drift_step_sigma_m, normals, 0)
     for i in range(3):
         r.present_sigma_m[i] = math.hypot(r.position_sigma_m[i], r.settling_sigma_m)
         noise = r.present_sigma_m[i] * normals[3 + i]
@@ -148,7 +141,7 @@ def sense_gnss(
     rooms: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Follow the vehicle, and let the filter use the fix where one is due."""
+    """Follow the vehicle, and let the filter use the fix if one is due."""
     follow_gnss(r, tick, qpos[0:3], qvel[0:3])
     if not is_due(r, tick) or tick <= r.delay_ticks or not hears_satellites(r, rooms, qpos[0:3]):
         return
@@ -207,25 +200,16 @@ GNSS = Sensor(
     setting="gnss",
     grades=GRADES,
     fields=(
-        ("position_enu_m", "f8", 3),
-        ("velocity_enu_mps", "f8", 3),
-        ("drift_enu_m", "f8", 3),
-        ("decay", "f8"),
-        ("drift_sigma_m", "f8", 3),
-        ("position_sigma_m", "f8", 3),
-        ("velocity_sigma_mps", "f8", 3),
+        *fields("position_enu_m", "velocity_enu_mps", "drift_enu_m", shape=(3,)),
+        *fields("drift_step_sigma_m", "position_sigma_m", "velocity_sigma_mps", shape=(3,)),
         ("present_sigma_m", "f8", 3),  # white error of the last fix
-        ("reacquire_ticks", "i8"),
-        ("reacquired_sigma_m", "f8"),
         ("settle_decay", "f8"),  # from one fix to the next
-        ("settling_sigma_m", "f8"),  # extra error just now
+        ("settling_sigma_m", "f8"),  # its additional error now
         ("under_sky_ticks", "i8"),  # since the last room
-        ("delay_ticks", "i8"),
-        ("fix_type", "i8"),
-        ("n_satellites", "i8"),
+        *fields("decay", "reacquired_sigma_m"),
+        *fields("reacquire_ticks", "delay_ticks", "fix_type", "n_satellites", kind="i8"),
         ("reported_accuracy_m", "f8", 2),
-        ("past_position_enu_m", "f8", (N_GNSS_PAST, 3)),
-        ("past_velocity_enu_mps", "f8", (N_GNSS_PAST, 3)),
+        *fields("past_position_enu_m", "past_velocity_enu_mps", shape=(N_GNSS_PAST, 3)),
     ),
     n_normals=9,
     stream=3,

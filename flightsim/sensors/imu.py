@@ -15,7 +15,7 @@ import numpy as np
 from autonomy.estimation.alignment import collect_imu
 from autonomy.estimation.predict import predict
 from autonomy.estimation.wind import fuse_drag
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.rotation import (
     matrix_from_quat,
@@ -54,7 +54,7 @@ ADIS16448 = ImuCfg(
     accel_bias_walk=0.006,
     accel_turn_on_sigma_mps2=0.196,
 )
-"""RotorS's default, an uncalibrated ADIS16448."""
+"""Default of RotorS, an uncalibrated ADIS16448."""
 
 PX4_IMU = ImuCfg(
     gyro_noise_density=8.7266e-4,
@@ -64,13 +64,13 @@ PX4_IMU = ImuCfg(
     accel_bias_walk=0.0,
     accel_turn_on_sigma_mps2=0.0,
 )
-"""PX4's gazebo-classic vehicles today: noisier, and calibrated."""
+"""Sensor of PX4's gazebo-classic vehicles today: noisier, and calibrated."""
 
 IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
 
 
 def _configure(r: np.void, cfg: ImuCfg, start: SensorStart) -> None:
-    """Switch it on at a true attitude and velocity."""
+    """Switch on the sensor at a true attitude and velocity."""
     dt_s = 1.0 / start.tick_hz
     r["dt_s"] = dt_s
     r["last_quat_wxyz"] = start.quat_wxyz
@@ -157,21 +157,11 @@ IMU = Sensor(
     setting="imu",
     grades=IMUS,
     fields=(
-        ("accel_flu_mps2", "f8", 3),
-        ("gyro_flu_radps", "f8", 3),
-        ("accel_bias_flu_mps2", "f8", 3),
-        ("gyro_bias_flu_radps", "f8", 3),
-        ("last_velocity_enu_mps", "f8", 3),
-        ("last_quat_wxyz", "f8", 4),
-        ("dt_s", "f8"),
-        ("accel_sigma", "f8"),
-        ("gyro_sigma", "f8"),
-        ("accel_decay", "f8"),
-        ("gyro_decay", "f8"),
-        ("accel_drift_sigma", "f8", 3),
-        ("gyro_drift_sigma", "f8", 3),
-        ("work_quat", "f8", 4),
-        ("work_vector", "f8", 3),
+        *fields("accel_flu_mps2", "accel_bias_flu_mps2", "accel_drift_sigma", shape=(3,)),
+        *fields("gyro_flu_radps", "gyro_bias_flu_radps", "gyro_drift_sigma", shape=(3,)),
+        *fields("dt_s", "accel_sigma", "gyro_sigma", "accel_decay", "gyro_decay"),
+        *fields("last_velocity_enu_mps", "work_vector", shape=(3,)),
+        *fields("last_quat_wxyz", "work_quat", shape=(4,)),
         ("work_R", "f8", (3, 3)),
     ),
     n_normals=12,

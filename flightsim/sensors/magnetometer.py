@@ -9,7 +9,7 @@ import numpy as np
 
 from autonomy.estimation.alignment import collect_vector
 from autonomy.estimation.fusion import fuse_magnetometer
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.rotation import matrix_from_quat
 from autonomy.types import Vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
@@ -53,7 +53,7 @@ def sample_magnetometer(
 def sense_magnetometer(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure where a sample is due, and let the filter use it."""
+    """Measure if a sample is due, and let the filter use it."""
     if not is_due(r, tick):
         return
     sample_magnetometer(r, tick, qpos[3:7], noise(r, tick, normals))
@@ -76,12 +76,8 @@ MAGNETOMETER = Sensor(
     name="mag",
     setting="magnetometer",
     fields=(
-        ("field_flu_ut", "f8", 3),
-        ("field_enu_ut", "f8", 3),
-        ("drift_flu_ut", "f8", 3),
-        ("decay", "f8"),
-        ("drift_sigma_ut", "f8", 3),
-        ("noise_ut", "f8"),
+        *fields("field_flu_ut", "field_enu_ut", "drift_flu_ut", "drift_sigma_ut", shape=(3,)),
+        *fields("decay", "noise_ut"),
         ("R", "f8", (3, 3)),
     ),
     n_normals=6,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.estimation.motion_capture import fuse_mocap
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.rotation import yaw_from_quat
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
@@ -22,16 +22,14 @@ class MocapCfg:
 
     rate_hz: int = 125
     delay_s: float = 0.008
-    """From the exposure to the pose; at most one frame."""
+    """Time from the exposure to the pose; at most one frame."""
     position_noise_m: float = 1e-3
-    """Each axis."""
+    """White noise of each axis."""
     yaw_noise_rad: float = 3e-3
-    """Markers 0.2 m apart, each wrong by half a millimetre."""
+    """White noise, as of markers 0.2 m apart with errors of half a millimetre."""
 
 
 def _configure(r: np.void, cfg: MocapCfg, start: SensorStart) -> None:
-    r["position_noise_m"] = cfg.position_noise_m
-    r["yaw_noise_rad"] = cfg.yaw_noise_rad
     r["delay_ticks"] = min(round(cfg.delay_s * start.tick_hz), r["period_ticks"])
 
 
@@ -39,7 +37,7 @@ def _configure(r: np.void, cfg: MocapCfg, start: SensorStart) -> None:
 def sample_mocap(
     r: np.record, tick: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure at a true pose; who reads it must wait `delay_ticks`."""
+    """Measure at a true pose; the reading is valid for use after `delay_ticks`."""
     for i in range(3):
         r.position_enu_m[i] = position_enu_m[i] + r.position_noise_m * normals[i]
     r.yaw_rad = yaw_from_quat(quat_wxyz) + r.yaw_noise_rad * normals[3]
@@ -50,7 +48,7 @@ def sample_mocap(
 def sense_mocap(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Fuse the pose that arrives just now, then take the next one."""
+    """Fuse the pose that arrives at this tick, then take the next one."""
     if has_arrived(r, tick) and f.is_aligned == 1:
         fuse_mocap(f, r.position_enu_m, r.yaw_rad, r.delay_ticks)
     if is_due(r, tick):
@@ -62,9 +60,7 @@ MOCAP = Sensor(
     setting="mocap",
     fields=(
         ("position_enu_m", "f8", 3),
-        ("yaw_rad", "f8"),
-        ("position_noise_m", "f8"),
-        ("yaw_noise_rad", "f8"),
+        *fields("yaw_rad", "position_noise_m", "yaw_noise_rad"),
         ("delay_ticks", "i8"),
     ),
     n_normals=4,

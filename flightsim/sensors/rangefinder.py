@@ -1,4 +1,4 @@
-"""Downward rangefinder along body -z: what a ray from the centre of mass meets first."""
+"""Downward rangefinder along body -z: distance to what a ray from the centre of mass hits."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from flightsim.sensors.sensor import Sensor, SensorStart
 
 
@@ -17,17 +17,14 @@ class RangefinderCfg:
 
     rate_hz: int = 50
     max_range_m: float = 30.0
-    """Nothing nearer than this reads as infinite."""
+    """Range of the sensor; the reading is infinite if there is nothing within it."""
     noise_m: float = 0.01
     relative_noise: float = 0.003
-    """Of the distance, added to `noise_m` in quadrature."""
+    """Share of the distance that is added to `noise_m` in quadrature."""
 
 
-def _configure(r: np.void, cfg: RangefinderCfg, _start: SensorStart) -> None:
+def _configure(r: np.void, _cfg: RangefinderCfg, _start: SensorStart) -> None:
     r["range_m"] = math.nan
-    r["max_range_m"] = cfg.max_range_m
-    r["noise_m"] = cfg.noise_m
-    r["relative_noise"] = cfg.relative_noise
 
 
 @kernel
@@ -56,10 +53,7 @@ RANGEFINDER = Sensor(
     name="range",
     setting="rangefinder",
     fields=(
-        ("range_m", "f8"),
-        ("max_range_m", "f8"),
-        ("noise_m", "f8"),
-        ("relative_noise", "f8"),
+        *fields("range_m", "max_range_m", "noise_m", "relative_noise"),
         ("ray", "f8", 6),  # origin and direction in the world
         ("ray_geom", "i4", 1),  # what it meets
     ),

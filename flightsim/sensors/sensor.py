@@ -1,7 +1,7 @@
-"""What every sensor has: a record within the plant's, a clock, a stream of noise and a reading.
+"""Parts of every sensor: a record within the plant's, a clock, a stream of noise and a reading.
 
-A sensor is one file that ends in a `Sensor`, which names its parts; `flightsim.plant.sensing` lists
-them all and lets them measure.
+Each sensor is a file that ends in a `Sensor`, which names its parts; `flightsim.plant.sensing`
+lists all sensors and lets them measure.
 """
 
 from __future__ import annotations
@@ -32,61 +32,57 @@ _CLOCK_FIELDS = (
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SensorStart:
-    """Where and how a sensor is switched on."""
+    """State in which a sensor is switched on."""
 
     tick_hz: int
     """Control ticks a second."""
     rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
-    """For errors that are drawn once."""
+    """Random stream of errors that are drawn once."""
     position_enu_m: Vector3 | np.ndarray = ZERO3
     velocity_enu_mps: Vector3 | np.ndarray = ZERO3
     quat_wxyz: Quaternion | np.ndarray = LEVEL
     altitude_m: float = 0.0
-    """Of the scene's z = 0 above mean sea level."""
+    """Altitude of the scene's z = 0 above mean sea level."""
     field_enu_ut: Vector3 = FIELD_ENU_UT
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sensor:
-    """The parts of a sensor.
-
-    Attributes:
-        dtype: Of its record: the clock, then `fields`.
-    """
+    """The parts of a sensor."""
 
     name: str
-    """In the plant's record, in `plant.sensors` and where it is switched off and on."""
+    """Name in the plant's record, in `plant.sensors` and for switching it off and on."""
     setting: str
-    """Field of `PlantCfg` that configures it."""
+    """Field of `PlantCfg` that configures the sensor."""
     fields: Sequence[tuple[Any, ...]]
-    """Of its record, beside the clock."""
+    """Fields of the sensor's record besides the clock."""
     n_normals: int
-    """Standard normals that a sample takes."""
+    """Number of standard normals that a sample takes."""
     stream: int
-    """Number of its stream of noise, its own for ever: the next free one for a new sensor."""
+    """Number of the stream of noise, never changed: a new sensor takes the next free one."""
     start_stream: int | None = None
-    """The same of what is drawn once; None for a branch of `stream`."""
+    """Number of the stream of what is drawn once; None for a branch of `stream`."""
     configure: Callable[[np.void, Any, SensorStart], None]
-    """Fills the fields of a record of zeros from the sensor's configuration."""
+    """Fills a record of zeros, but for fields that the configuration has by the same name."""
     read: Callable[[np.void, int], Any] = lambda r, _: r
-    """The latest sample, of the record and the length of a control tick in us; see `reader`."""
+    """Latest sample, from the record and the length of a control tick in us; see `reader`."""
     grades: Mapping[str, Any] | None = None
     """Configurations by name, where the setting is a name."""
     gauge: tuple[str, Callable[[Any], float]] | None = None
-    """What a recording plots of a reading, with its legend."""
+    """Legend and value that a recording plots of a reading."""
 
     @property
     def dtype(self) -> np.dtype:
-        """Of its record."""
+        """Type of the sensor's record: the clock, then `fields`."""
         return np.dtype([*_CLOCK_FIELDS, *self.fields], align=True)
 
     @property
     def start_streams(self) -> tuple[int, ...]:
-        """Numbers of the stream, and of its branch, of what is drawn once."""
+        """Key of the stream of what is drawn once: its number, or number and branch."""
         return (self.stream, 0) if self.start_stream is None else (self.start_stream,)
 
     def cfg(self, plant_cfg: Any) -> Any:
-        """Its configuration within a `PlantCfg`."""
+        """Configuration of the sensor within a `PlantCfg`."""
         setting = getattr(plant_cfg, self.setting)
         return self.grades[setting] if self.grades else setting
 
@@ -94,7 +90,10 @@ class Sensor:
         """A sensor before its first sample, in an array of shape (1,)."""
         records = np.zeros(1, self.dtype)
         r: np.void = records[0]
-        r["rate_hz"] = getattr(cfg, "rate_hz", start.tick_hz)
+        r["rate_hz"] = start.tick_hz
+        for name in records.dtype.names or ():
+            if hasattr(cfg, name):
+                r[name] = getattr(cfg, name)
         r["period_ticks"] = start.tick_hz // r["rate_hz"]
         r["n_normals"] = self.n_normals
         r["is_enabled"] = 1
@@ -167,10 +166,10 @@ def _unpacker(
 
 
 class NormalStream:
-    """Standard normals of one second: drawn in blocks one costs 11 ns, alone in Python far more.
+    """Standard normals of one second; a number drawn in a block costs 11 ns, alone far more.
 
-    Every sensor has its own stream, so that another rate or another number of draws in one leaves
-    the errors of the others as they were.
+    Every sensor has its own stream, so that another rate or number of draws in one sensor leaves
+    the errors of the others unchanged.
     """
 
     def __init__(self, seed: np.random.SeedSequence, block: np.ndarray) -> None:
@@ -178,5 +177,5 @@ class NormalStream:
         self._block = block
 
     def draw(self) -> None:
-        """Fill the block anew."""
+        """Fill the block with new numbers."""
         self._generator.standard_normal(out=self._block)

@@ -1,10 +1,10 @@
-"""Visual-inertial odometry: pose in a frame that began at the start and drifts with the way flown.
+"""Visual-inertial odometry: pose in a frame that begins at the start and drifts with distance.
 
     m <- m + Rz(-a) (dp - s_p sqrt(|dp|) n),   a <- a + s_a sqrt(|dp|) n
 
 for the true step dp between two frames, position m and heading of the frame a: a random walk in
-position and another in heading, so that the error grows with the square root of the way and, where
-nothing ties the heading down, with its 3/2nd power.
+position and another in heading, so that the error grows with the square root of the distance and,
+where nothing constrains the heading, with its 3/2nd power.
 
 The default grade is that of a good filter on the EuRoC flights (Geneva et al. 2020, "OpenVINS: a
 research platform for visual-inertial estimation"): on flights of 36 to 130 m, aligned to the truth
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.estimation.odometry import fuse_vio
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.rotation import yaw_from_quat
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
@@ -31,24 +31,20 @@ class VioCfg:
 
     rate_hz: int = 25
     delay_s: float = 0.04
-    """From the exposure to the pose; at most one frame."""
+    """Time from the exposure to the pose; at most one frame."""
     position_walk: tuple[float, float] = (0.025, 0.02)
-    """m/sqrt(m flown)."""
+    """Random walk in m/sqrt(m flown)."""
     yaw_walk: float = 2.1e-3
-    """rad/sqrt(m flown): 0.12 degrees."""
+    """Random walk in rad/sqrt(m flown): 0.12 degrees."""
     position_noise_m: float = 0.01
-    """White, each axis."""
+    """White noise of each axis."""
     yaw_noise_rad: float = 4e-3
 
 
 def _configure(r: np.void, cfg: VioCfg, start: SensorStart) -> None:
     r["last_position_enu_m"] = start.position_enu_m
     r["frame_yaw_rad"] = yaw_from_quat(np.array(start.quat_wxyz))
-    horizontal, vertical = cfg.position_walk
-    r["position_walk"] = (horizontal, horizontal, vertical)
-    r["yaw_walk"] = cfg.yaw_walk
-    r["position_noise_m"] = cfg.position_noise_m
-    r["yaw_noise_rad"] = cfg.yaw_noise_rad
+    r["walk_enu"][:2], r["walk_enu"][2] = cfg.position_walk
     r["delay_ticks"] = min(round(cfg.delay_s * start.tick_hz), r["period_ticks"])
 
 
@@ -56,24 +52,20 @@ def _configure(r: np.void, cfg: VioCfg, start: SensorStart) -> None:
 def sample_vio(
     r: np.record, tick: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure at a true pose; who reads it must wait `delay_ticks`."""
-    last, m = r.last_position_enu_m, r.odometer_m
-    dx, dy, dz = (
-        position_enu_m[0] - last[0],
-        position_enu_m[1] - last[1],
-        position_enu_m[2] - last[2],
-    )
+    """Measure at a true pose; the reading is valid for use after `delay_ticks`."""
+    last, now, m = r.last_position_enu_m, position_enu_m, r.odometer_m
+    dx, dy, dz = now[0] - last[0], now[1] - last[1], now[2] - last[2]
     root = math.sqrt(math.sqrt(dx * dx + dy * dy + dz * dz))
-    dx -= r.position_walk[0] * root * normals[0]
-    dy -= r.position_walk[1] * root * normals[1]
-    dz -= r.position_walk[2] * root * normals[2]
+    dx -= r.walk_enu[0] * root * normals[0]
+    dy -= r.walk_enu[1] * root * normals[1]
+    dz -= r.walk_enu[2] * root * normals[2]
     c, s = math.cos(r.frame_yaw_rad), math.sin(r.frame_yaw_rad)
     m[0] += c * dx + s * dy
     m[1] += c * dy - s * dx
     m[2] += dz
     r.frame_yaw_rad += r.yaw_walk * root * normals[3]
     for i in range(3):
-        last[i] = position_enu_m[i]
+        last[i] = now[i]
         r.position_vio_m[i] = m[i] + r.position_noise_m * normals[4 + i]
     yaw = yaw_from_quat(quat_wxyz) - r.frame_yaw_rad
     r.yaw_vio_rad = yaw + r.yaw_noise_rad * normals[7]
@@ -82,7 +74,7 @@ def sample_vio(
 
 @kernel
 def sense_vio(r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray) -> None:
-    """Fuse the pose that arrives just now, then take the next one."""
+    """Fuse the pose that arrives at this tick, then take the next one."""
     if has_arrived(r, tick) and f.is_aligned == 1:
         fuse_vio(f, r.position_vio_m, r.yaw_vio_rad, r.delay_ticks)
     if is_due(r, tick):
@@ -93,15 +85,9 @@ VIO = Sensor(
     name="vio",
     setting="vio",
     fields=(
-        ("position_vio_m", "f8", 3),
-        ("yaw_vio_rad", "f8"),
         ("odometer_m", "f8", 3),  # position without its white noise
-        ("frame_yaw_rad", "f8"),
-        ("last_position_enu_m", "f8", 3),
-        ("position_walk", "f8", 3),
-        ("yaw_walk", "f8"),
-        ("position_noise_m", "f8"),
-        ("yaw_noise_rad", "f8"),
+        *fields("position_vio_m", "last_position_enu_m", "walk_enu", shape=(3,)),
+        *fields("yaw_vio_rad", "frame_yaw_rad", "yaw_walk", "position_noise_m", "yaw_noise_rad"),
         ("delay_ticks", "i8"),
     ),
     n_normals=8,

@@ -121,114 +121,59 @@ def _add_collision_shape(body: Any, airframe: Airframe) -> None:
     body.add_geom(name="fuselage", type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
     for i, (rotor, leg) in enumerate(zip(airframe.quadrotor.rotors, _legs(airframe), strict=True)):
         hub = rotor.position_flu_m
-        body.add_geom(
-            name=f"disc{i}",
-            type=_CYLINDER,
-            pos=hub,
-            size=(airframe.rotor_radius_m, _DISC_HALF_THICKNESS_M, 0.0),
-            **_CONTACT,
-        )
-        body.add_geom(
-            name=f"arm{i}",
-            type=_CAPSULE,
-            fromto=(0.0, 0.0, 0.0, hub[0], hub[1], 0.0),
-            size=(_ARM_RADIUS_M, 0.0, 0.0),
-            **_CONTACT,
-        )
-        body.add_geom(
-            name=f"leg{i}",
-            type=_CAPSULE,
-            fromto=(*leg[0], *leg[1]),
-            size=(_LEG_RADIUS_M, 0.0, 0.0),
-            **_CONTACT,
-        )
+        disc = (airframe.rotor_radius_m, _DISC_HALF_THICKNESS_M, 0.0)
+        body.add_geom(name=f"disc{i}", type=_CYLINDER, pos=hub, size=disc, **_CONTACT)
+        for name, ends, radius_m in (
+            (f"arm{i}", (0.0, 0.0, 0.0, hub[0], hub[1], 0.0), _ARM_RADIUS_M),
+            (f"leg{i}", (*leg[0], *leg[1]), _LEG_RADIUS_M),
+        ):
+            size = (radius_m, 0.0, 0.0)
+            body.add_geom(name=name, type=_CAPSULE, fromto=ends, size=size, **_CONTACT)
 
 
 def _add_fuselage_looks(body: Any, airframe: Airframe) -> None:
-    length, width, height = airframe.body_size_m
-    body.add_geom(
-        type=_BOX, size=(0.46 * length, 0.42 * width, 0.22 * height), rgba=_CARBON, **_LOOKS
-    )
-    body.add_geom(
-        type=_ELLIPSOID,
-        pos=(-0.02 * length, 0.0, 0.15 * height),
-        size=(0.52 * length, 0.5 * width, 0.55 * height),
-        rgba=_SHELL,
-        **_LOOKS,
-    )
-    body.add_geom(
-        type=_ELLIPSOID,
-        pos=(0.27 * length, 0.0, 0.17 * height),
-        size=(0.27 * length, 0.42 * width, 0.48 * height),
-        rgba=_FRONT,
-        **_LOOKS,
-    )
-    body.add_geom(
-        type=_BOX,
-        pos=(-0.08 * length, 0.0, -0.36 * height),
-        size=(0.32 * length, 0.3 * width, 0.16 * height),
-        rgba=_METAL,
-        **_LOOKS,
-    )
+    x, y, z = airframe.body_size_m
+    _show(body, _BOX, (0.46 * x, 0.42 * y, 0.22 * z), _CARBON)
+    _show(body, _ELLIPSOID, (0.52 * x, 0.5 * y, 0.55 * z), _SHELL, (-0.02 * x, 0.0, 0.15 * z))
+    _show(body, _ELLIPSOID, (0.27 * x, 0.42 * y, 0.48 * z), _FRONT, (0.27 * x, 0.0, 0.17 * z))
+    _show(body, _BOX, (0.32 * x, 0.3 * y, 0.16 * z), _METAL, (-0.08 * x, 0.0, -0.36 * z))
     # The mast and puck of the GNSS antenna.
-    body.add_geom(
-        type=_CYLINDER,
-        pos=(-0.25 * length, 0.0, 0.85 * height),
-        size=(0.22 * width, 0.09 * height, 0.0),
-        rgba=_CARBON,
-        **_LOOKS,
-    )
+    _show(body, _CYLINDER, (0.22 * y, 0.09 * z, 0.0), _CARBON, (-0.25 * x, 0.0, 0.85 * z))
     for mount in airframe.cameras:
-        body.add_geom(
-            type=_ELLIPSOID,
-            pos=mount.position_flu_m,
-            size=(0.014, 0.014, 0.014),
-            rgba=_LENS,
-            **_LOOKS,
-        )
-    for top, sole in _legs(airframe):
-        body.add_geom(
-            type=_CAPSULE,
-            fromto=(*top, *sole),
-            size=(_LEG_RADIUS_M, 0.0, 0.0),
-            rgba=_CARBON,
-            **_LOOKS,
-        )
+        _show(body, _ELLIPSOID, (0.014, 0.014, 0.014), _LENS, mount.position_flu_m)
+    for ends in _legs(airframe):
+        _show_tube(body, *ends, _LEG_RADIUS_M, _CARBON)
 
 
 def _add_rotor_looks(body: Any, airframe: Airframe, hub_flu_m: Vector3, spin: int) -> None:
     x, y, z = hub_flu_m
     is_front = x > 0.05
     radius = airframe.rotor_radius_m
-    body.add_geom(
-        type=_CAPSULE,
-        fromto=(0.0, 0.0, 0.0, x, y, 0.0),
-        size=(_ARM_RADIUS_M, 0.0, 0.0),
-        rgba=_FRONT if is_front else _SHELL,
-        **_LOOKS,
-    )
+    arm_rgba = _FRONT if is_front else _SHELL
+    _show_tube(body, (0.0, 0.0, 0.0), (x, y, 0.0), _ARM_RADIUS_M, arm_rgba)
     # The motor ends just below the disc.
     motor_half_m = (z + 0.012) / 2
-    body.add_geom(
-        type=_CYLINDER,
-        pos=(x, y, z - motor_half_m - 0.002),
-        size=(0.018, motor_half_m, 0.0),
-        rgba=_METAL,
-        **_LOOKS,
-    )
-    heading = math.atan2(y, x) + spin * math.radians(50.0)
-    body.add_geom(
-        type=_BOX,
-        pos=hub_flu_m,
-        quat=(math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)),
-        size=(0.97 * radius, 0.010, 0.0015),
-        rgba=_CARBON,
-        **_LOOKS,
-    )
-    body.add_geom(
-        type=_CYLINDER,
-        pos=(x, y, z),
-        size=(radius, 0.003, 0.0),
-        rgba=_DISC_FRONT if is_front else _DISC_REAR,
-        **_LOOKS,
-    )
+    middle_flu_m = (x, y, z - motor_half_m - 0.002)
+    _show(body, _CYLINDER, (0.018, motor_half_m, 0.0), _METAL, middle_flu_m)
+    blades = quat_about_up(math.atan2(y, x) + spin * math.radians(50.0))
+    _show(body, _BOX, (0.97 * radius, 0.010, 0.0015), _CARBON, hub_flu_m, quat=blades)
+    disc_rgba = _DISC_FRONT if is_front else _DISC_REAR
+    _show(body, _CYLINDER, (radius, 0.003, 0.0), disc_rgba, hub_flu_m)
+
+
+def _show(
+    body: Any,
+    shape: mujoco.mjtGeom,
+    size_m: Vector3,
+    rgba: tuple[float, ...],
+    middle_flu_m: Vector3 = (0.0, 0.0, 0.0),
+    **more: Any,
+) -> None:
+    body.add_geom(type=shape, pos=middle_flu_m, size=size_m, rgba=rgba, **more, **_LOOKS)
+
+
+def _show_tube(
+    body: Any, start_flu_m: Vector3, end_flu_m: Vector3, radius_m: float, rgba: tuple[float, ...]
+) -> None:
+    ends, size = (*start_flu_m, *end_flu_m), (radius_m, 0.0, 0.0)
+    body.add_geom(type=_CAPSULE, fromto=ends, size=size, rgba=rgba, **_LOOKS)

@@ -23,7 +23,7 @@ import math
 import numpy as np
 
 from autonomy.estimation import DragModel
-from autonomy.jit import kernel
+from autonomy.jit import fields, kernel
 from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.rotation import matrix_from_quat
 from autonomy.types import Vector3
@@ -32,37 +32,30 @@ from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
 # Drag coefficient of a box across the wind (Hoerner 1965, Fluid-Dynamic Drag, chapter 3).
 _BOX_DRAG_COEFFICIENT = 1.05
 
+_COEFFICIENTS = (
+    *("thrust_constant", "torque_per_thrust_m", "drag_coefficient"),
+    *("rolling_moment_coefficient", "max_speed_radps"),
+)
+"""Fields of `RotorParams` that the record has too."""
+
 ROTORS_DTYPE = np.dtype(
     [
-        ("speed_radps", "f8", 4),
         ("effectiveness", "f8", 4),  # 1 sound, 0 failed
-        ("wind_enu_mps", "f8", 3),
-        ("position_flu_m", "f8", (4, 3)),
-        ("spin", "f8", 4),
-        ("thrust_constant", "f8", 4),
-        ("torque_per_thrust_m", "f8", 4),
-        ("drag_coefficient", "f8", 4),
-        ("rolling_moment_coefficient", "f8", 4),
-        ("max_speed_radps", "f8", 4),
-        ("share_up", "f8", 4),  # of the way to the command in one step
-        ("share_down", "f8", 4),
+        *fields("share_up", "share_down", shape=(4,)),  # of the way to the command in one step
+        *fields("speed_radps", "spin", *_COEFFICIENTS, shape=(4,)),
         ("axial_limit_mps", "f8"),
         ("fuselage_drag", "f8", 3),  # rho / 2 CdA, kg/m
+        *fields("wind_enu_mps", "air_velocity_flu_mps", shape=(3,)),
+        *fields("force_flu_n", "torque_flu_nm", shape=(3,)),
+        ("position_flu_m", "f8", (4, 3)),
         ("R", "f8", (3, 3)),
-        ("air_velocity_flu_mps", "f8", 3),
-        ("force_flu_n", "f8", 3),
-        ("torque_flu_nm", "f8", 3),
     ],
     align=True,
 )
 
 
 def new_rotors(
-    quadrotor: QuadrotorParams,
-    body_size_m: Vector3,
-    *,
-    dt_s: float,
-    axial_limit_mps: float = 25.0,
+    quadrotor: QuadrotorParams, body_size_m: Vector3, *, dt_s: float, axial_limit_mps: float = 25.0
 ) -> np.ndarray:
     """Create rotors at rest, as one record in an array of shape (1,).
 
@@ -76,15 +69,7 @@ def new_rotors(
     r = records[0]
     rotors = quadrotor.rotors
     r["effectiveness"] = 1.0
-    r["position_flu_m"] = [rotor.position_flu_m for rotor in rotors]
-    r["spin"] = [rotor.spin for rotor in rotors]
-    for name in (
-        "thrust_constant",
-        "torque_per_thrust_m",
-        "drag_coefficient",
-        "rolling_moment_coefficient",
-        "max_speed_radps",
-    ):
+    for name in ("position_flu_m", "spin", *_COEFFICIENTS):
         r[name] = [getattr(rotor, name) for rotor in rotors]
     r["share_up"] = [1.0 - math.exp(-dt_s / rotor.time_constant_up_s) for rotor in rotors]
     r["share_down"] = [1.0 - math.exp(-dt_s / rotor.time_constant_down_s) for rotor in rotors]

@@ -43,7 +43,7 @@ class SimBenchCfg(AnyBenchCfg):
     scene: str = "42"
     """Scene of the dataset by number, or a scene JSON file."""
     vehicle: str = "iris"
-    """Airframe: iris, iris-rotors or hummingbird."""
+    """Airframe by its name; an unknown one is answered with the valid names."""
     seconds: float = 60.0
     """Simulated seconds of each flight; those with cameras take a fifth."""
 
@@ -143,7 +143,7 @@ class PlanBenchCfg(AnyBenchCfg):
     scenes: int = 20
     """Number of shipped scenes over which the pairs are spread."""
     vehicle: str = "iris"
-    """Airframe: iris, iris-rotors or hummingbird."""
+    """Airframe by its name; an unknown one is answered with the valid names."""
     seed: int = 0
     """Seed of the places and of crossing traffic."""
     joint: int = 8
@@ -173,7 +173,7 @@ class EstimateBenchCfg(AnyBenchCfg):
     count: int = 100
     """Number of flights in each case."""
     vehicle: str = "iris"
-    """Airframe: iris, iris-rotors or hummingbird."""
+    """Airframe by its name; an unknown one is answered with the valid names."""
     seconds: float = 30.0
     """Seconds of curves in each flight, after 6.5 s of rest and take-off."""
     seed: int = 0
@@ -204,7 +204,7 @@ class ControlBenchCfg(AnyBenchCfg):
     flights: int = 10
     """Number of figure eights of each vehicle in 5 m/s of wind with moderate turbulence."""
     vehicles: tuple[str, ...] = ("hummingbird", "iris")
-    """Airframes to fly: iris, iris-rotors or hummingbird."""
+    """Airframes to fly, by their names; an unknown one is answered with the valid names."""
     seed: int = 0
     """Seed of the noise, the wind and the attitudes."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
@@ -30,7 +31,8 @@ class ExportCfg:
     scene: str = "42"
     """Scene of the dataset by number, or a scene file."""
     vehicle: str = "iris"
-    """Airframe at the start: iris, iris-rotors, hummingbird, or none. A GLB has none."""
+    """Airframe at the start by its name, or none; an unknown one is answered with the valid names.
+    A GLB has none."""
     json: bool = False
     """Print one JSON object: file, format, scene, objects, areas, bytes, seconds."""
 
@@ -40,9 +42,6 @@ def run(cfg: ExportCfg) -> int:
     # The whole simulator: only where something is exported.
     from aeroscene.sources import open_scene  # noqa: PLC0415
     from flightsim.export.files import ExportError  # noqa: PLC0415
-    from flightsim.export.glb import write_glb  # noqa: PLC0415
-    from flightsim.export.mjcf import write_mjcf  # noqa: PLC0415
-    from flightsim.export.usd import write_usd  # noqa: PLC0415
     from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
     from flightsim.world import build_world  # noqa: PLC0415
 
@@ -50,7 +49,7 @@ def run(cfg: ExportCfg) -> int:
     has_vehicle = cfg.vehicle != _NO_VEHICLE
     airframe = airframe_by_name(cfg.vehicle if has_vehicle else "iris")
     world = build_world(open_scene(cfg.scene), airframe, vehicle=has_vehicle)
-    write = {"mjcf": write_mjcf, "glb": write_glb, "usd": write_usd}[cfg.to]
+    write = getattr(import_module(f"flightsim.export.{cfg.to}"), f"write_{cfg.to}")
     try:
         path = write(world, cfg.out)
     except ExportError as error:

@@ -117,9 +117,7 @@ class MavlinkClient:
         """
         self._pipe = pipe
         self._mav = mavlink.MAVLink(
-            None,
-            srcSystem=1,
-            srcComponent=mavlink.MAV_COMP_ID_ONBOARD_COMPUTER,
+            None, srcSystem=1, srcComponent=mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
         )
         self._mav.robust_parsing = True
         self._reader = TelemetryReader(frame)

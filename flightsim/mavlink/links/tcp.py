@@ -67,11 +67,7 @@ class TcpServerLink:
     """A listening port; every connection gets its own channel."""
 
     def __init__(
-        self,
-        *,
-        port: int,
-        profile: Profile = "normal",
-        bind_address: str = "127.0.0.1",
+        self, *, port: int, profile: Profile = "normal", bind_address: str = "127.0.0.1"
     ) -> None:
         self.name = f"tcp:{port}"
         self._local = (bind_address, port)

@@ -5,7 +5,7 @@ from functools import cache
 
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.events import Statustext
-from flightsim.autopilot.mission import MissionItem
+from flightsim.autopilot.mission_item import MissionItem
 from flightsim.autopilot.modes import LandedState, Mode
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.plant import Plant

@@ -161,7 +161,7 @@ def test_a_heading_can_be_set_while_holding():
 
 def test_return_climbs_flies_home_descends_and_lands():
     bench = Bench().take_off(3.0)
-    bench.pilot.set_parameter("RTL_RETURN_ALT", 15)
+    bench.pilot.parameters.set("RTL_RETURN_ALT", 15)
     bench.pilot.goto(bench.geodetic(30.0, 0.0, 4.0))
     bench.run(12.0)
     assert bench.pilot.return_to_launch().is_accepted

@@ -39,7 +39,7 @@ def test_forced_arming_skips_the_checks():
 
 def test_a_satellite_fix_is_asked_for_where_a_parameter_says_so():
     bench = Bench()
-    bench.pilot.set_parameter("COM_ARM_WO_GPS", 0)
+    bench.pilot.parameters.set("COM_ARM_WO_GPS", 0)
     assert bench.pilot.run_prearm_checks().is_ok
     bench.plant.set_sensor_enabled("gnss", is_enabled=False)
     bench.run(1.0)
@@ -91,8 +91,8 @@ def test_a_vehicle_that_cannot_lift_off_disarms():
 
 def test_a_negative_time_switches_disarming_off():
     bench = Bench()
-    bench.pilot.set_parameter("COM_DISARM_PRFLT", -1)
-    bench.pilot.set_parameter("COM_DISARM_LAND", -1)
+    bench.pilot.parameters.set("COM_DISARM_PRFLT", -1)
+    bench.pilot.parameters.set("COM_DISARM_LAND", -1)
     bench.take_off()
     bench.pilot.land()
     bench.run(25.0)

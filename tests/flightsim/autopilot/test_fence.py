@@ -5,7 +5,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from flightsim.autopilot.fence import FenceStore, PolygonFence, RallyStore
-from flightsim.autopilot.mission import Cmd, MissionError, MissionFault, MissionItem
+from flightsim.autopilot.mission_item import Cmd, MissionError, MissionFault, MissionItem
 from flightsim.frames import Geodetic, LocalFrame
 
 FRAME = LocalFrame(Geodetic(47.4, 8.5, 488.0))

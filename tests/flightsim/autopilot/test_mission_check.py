@@ -4,14 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flightsim.autopilot.mission import (
-    MAX_MISSION_ITEMS,
-    Cmd,
-    MissionError,
-    MissionFault,
-    MissionItem,
-    MissionStore,
-)
+from flightsim.autopilot.mission import MissionStore
+from flightsim.autopilot.mission_check import MAX_MISSION_ITEMS
+from flightsim.autopilot.mission_item import Cmd, MissionError, MissionFault, MissionItem
 
 NAN = math.nan
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 
 from autonomy.types import ControlLevel
-from flightsim.autopilot.mission import Cmd, MissionItem
+from flightsim.autopilot.mission_item import Cmd, MissionItem
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import CommandResult
 from tests.flightsim.autopilot.bench import NAN, Bench
@@ -199,7 +199,7 @@ def test_a_new_mission_in_flight_is_flown_from_its_beginning():
     bench.pilot.mission.replace([waypoint(bench, -5.0, 0.0, 6.0, hold_s=1.0)])
     bench.run(12.0)
     assert bench.position == pytest.approx((-5.0, 0.0, 6.0), abs=0.4)
-    bench.pilot.mission.clear()
+    bench.pilot.mission.replace(())
     bench.run(2.0)
     assert bench.position == pytest.approx((-5.0, 0.0, 6.0), abs=0.4)
 

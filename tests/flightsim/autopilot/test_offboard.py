@@ -71,7 +71,7 @@ def test_mixed_axes_are_followed():
 
 def test_bare_velocities_are_held_to_the_vehicle_maxima():
     bench = flying()
-    bench.pilot.set_parameter("MPC_XY_VEL_MAX", 4.0)
+    bench.pilot.parameters.set("MPC_XY_VEL_MAX", 4.0)
     bench.stream(velocity(30.0, 40.0, 0.0), 3.0)
     assert bench.pilot.setpoint.velocity_enu_mps == pytest.approx((2.4, 3.2, 0.0))
     assert bench.speed_mps < 4.5

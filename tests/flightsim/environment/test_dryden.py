@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from flightsim.environment.dryden import (
     horizontal_ratio,
     length_scales_m,
-    spectrum_across,
-    spectrum_along,
     stationary_states,
     step_turbulence,
 )
@@ -22,6 +20,22 @@ STATIONARY[1:3, 1:3] = STATIONARY[3:5, 3:5] = [[1.0, 0.5], [0.5, 0.5]]
 heights_m = st.floats(0.0, 400.0)
 speeds_mps = st.floats(0.0, 40.0)
 ticks_s = st.sampled_from([0.002, 0.004, 0.02])
+
+
+def spectrum_along(omega_radps, sigma_mps, time_constant_s):
+    """One-sided spectrum of turbulence along the wind, m^2/s^2 per rad/s; its integral is sigma^2.
+
+    Source: MIL-F-8785C, 3.7.2.1, with spatial frequency times V for angular frequency.
+    """
+    T = time_constant_s
+    return sigma_mps**2 * 2.0 * T / math.pi / (1.0 + (T * omega_radps) ** 2)
+
+
+def spectrum_across(omega_radps, sigma_mps, time_constant_s):
+    """One-sided spectrum across the wind and upwards, as `spectrum_along`."""
+    square = (time_constant_s * omega_radps) ** 2
+    scale = sigma_mps**2 * time_constant_s / math.pi
+    return scale * (1.0 + 3.0 * square) / (1.0 + square) ** 2
 
 
 def linear_system(height_m, speed_mps, dt_s):

@@ -29,19 +29,19 @@ def test_parameters_begin_as_the_options_say(bench):
 
 def test_the_air_follows_the_parameters(bench):
     pilot, plant = bench.autopilot, bench.plant
-    pilot.set_parameter("SIM_WIND_TURB", 0.0)
-    pilot.set_parameter("SIM_WIND_DIR", 180.0)
-    pilot.set_parameter("SIM_WIND_SPD", 7.0)
+    pilot.parameters.set("SIM_WIND_TURB", 0.0)
+    pilot.parameters.set("SIM_WIND_DIR", 180.0)
+    pilot.parameters.set("SIM_WIND_SPD", 7.0)
     bench.simulator.step()
     assert plant.air_velocity_true_enu_mps == pytest.approx((0.0, 7.0, 0.0), abs=1e-9)
-    pilot.set_parameter("SIM_WIND_GUST", 2.0)
+    pilot.parameters.set("SIM_WIND_GUST", 2.0)
     assert plant.wind.gust_mps == 2.0
     with pytest.raises(ParameterValueError, match="0 to 30 m/s"):
-        pilot.set_parameter("SIM_WIND_SPD", 31.0)
+        pilot.parameters.set("SIM_WIND_SPD", 31.0)
 
 
 def test_the_traffic_follows_its_parameter(bench):
-    bench.autopilot.set_parameter("SIM_TRAFFIC_SPD", 0.0)
+    bench.autopilot.parameters.set("SIM_TRAFFIC_SPD", 0.0)
     assert bench.plant.traffic_speed == 0.0
 
 
