@@ -64,7 +64,7 @@ def draw_landing(story: FlightStory, paths: Sequence[Path]) -> None:
     landing, needs = story.landing, _needs(story)
     figure = style.new_figure(*_SIZE_IN)
     area = "" if story.area is None else f", {story.area.kind} area {story.area.id}"
-    figure.suptitle(f"{story.title}{area}", x=0.008, ha="left", fontsize=14, color=style.INK)
+    style.title(figure, f"{story.title}{area}")
     panels = figure.subplots(2, 3).ravel()
     _draw_picture(panels[0], story, landing)
     for axes, layer in zip(panels[1:5], _layers(landing, needs, _level_m(story)), strict=True):
@@ -222,17 +222,9 @@ def _draw_marks(axes: Axes, story: FlightStory, needs: LandingNeeds) -> None:
         return
     place = story.touchdown_enu_m[:2]
     for radius_m, pattern in ((needs.footprint_radius_m, "solid"), (needs.body_radius_m, "dashed")):
-        for colour, width in (("white", 3.0), (style.INK, 1.3)):
-            axes.add_patch(
-                Circle(
-                    place,
-                    radius_m,
-                    fill=False,
-                    edgecolor=colour,
-                    linewidth=width,
-                    linestyle=pattern if colour != "white" else "solid",
-                )
-            )
+        for colour, width, line in (("white", 3.0, "solid"), (style.INK, 1.3, pattern)):
+            looks = {"edgecolor": colour, "linewidth": width, "linestyle": line}
+            axes.add_patch(Circle(place, radius_m, fill=False, **looks))
     axes.plot(*place, "+", color="white", markersize=11, markeredgewidth=3)
     axes.plot(*place, "+", color=style.INK, markersize=10, markeredgewidth=1.3)
 

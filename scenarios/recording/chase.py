@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from flightsim.geom_groups import GeomGroup
 from flightsim.world import World
 
@@ -52,13 +52,8 @@ class ChaseEye:
         if math.hypot(u, v) > _MOVING_MPS:
             turn_rad = math.remainder(math.atan2(v, u) - self._heading_rad, math.tau)
             self._heading_rad += turn_rad * min(1.0, step_s / _TURN_S)
-        away = np.array(
-            [
-                -_BEHIND_M * math.cos(self._heading_rad),
-                -_BEHIND_M * math.sin(self._heading_rad),
-                _ABOVE_M,
-            ]
-        )
+        cos, sin = math.cos(self._heading_rad), math.sin(self._heading_rad)
+        away = np.array([-_BEHIND_M * cos, -_BEHIND_M * sin, _ABOVE_M])
         full_m = float(np.linalg.norm(away))
         away /= full_m
         hit_m = mujoco.mj_ray(
@@ -67,5 +62,4 @@ class ChaseEye:
         room_m = full_m if hit_m < 0 else min(full_m, max(_LEAST_M, _CLEAR_OF_WALLS * hit_m))
         grown_m = self._distance_m + (full_m - self._distance_m) * min(1.0, step_s / _APPROACH_S)
         self._distance_m = min(room_m, grown_m)
-        x, y, z = (position_enu_m + self._distance_m * away).tolist()
-        return (x, y, z)
+        return vector3(position_enu_m + self._distance_m * away)
