@@ -254,13 +254,9 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
         return
     said = f"parts {', '.join(training.parts)}"
     if "steps" in figures:
-        losses = {"loss": "loss", "held_out_loss": "held out loss"}
-        parts = [
-            f"{words} {figures[name]:.4f}" for name, words in losses.items() if name in figures
-        ]
-        said = (
-            f"{figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, {', '.join(parts)}"
-        )
+        names = [name for name in ("loss", "held_out_loss") if name in figures]
+        losses = ", ".join(f"{name.replace('_', ' ')} {figures[name]:.4f}" for name in names)
+        said = f"{figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, {losses}"
     print(f"{path}: {said}")
     if not is_done:
         sys.stderr.write(f"{_PROG}: stopped and saved; --resume goes on from here\n")
