@@ -89,12 +89,7 @@ def validity_rows(scenes: Sequence[Scene], where: str, target: float | None) -> 
 
 
 def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> Iterator[Row]:
-    """Results and cost of the projection for all draws, including rejected ones.
-
-    Args:
-        draws: All draws.
-        on_scene: Called after each check.
-    """
+    """Results and cost of the projection for all draws, including rejected ones."""
     n_sound = 0
     for draw in draws:
         n_sound += fault(draw.projected) is None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -24,7 +23,7 @@ from flightsim.vehicles import Airframe, AirframeError
 from flightsim.world import WorldError
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.scoring import FlightLog
-from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge
+from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge, rounded
 
 if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
@@ -246,8 +245,3 @@ class Sitl:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
-
-
-def rounded(figure: float | None) -> float | None:
-    """To a millimetre or a thousandth of a degree; None where there is no figure."""
-    return None if figure is None or math.isnan(figure) else round(figure, 3)
