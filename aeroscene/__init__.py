@@ -17,19 +17,7 @@ if TYPE_CHECKING:
     from aeroscene.validation import Finding, validate
     from aeroscene.version import __version__
 else:
-    __getattr__, __dir__ = public_names(
-        __name__,
-        {
-            "aeroscene.areas.landing": "derive_interaction_areas",
-            "aeroscene.learning.generation": "Generator Request generate_scene",
-            "aeroscene.scene": "InteractionArea OrientedBox Scene SceneError SceneObject",
-            "aeroscene.scene.catalogue": "CATALOGUE Category category_id",
-            "aeroscene.scene.io": "read_scene write_scene",
-            "aeroscene.sources": "open_scene",
-            "aeroscene.validation": "Finding validate",
-            "aeroscene.version": "__version__",
-        },
-    )
+    __getattr__, __dir__ = public_names(__name__, __file__)
 
 __all__ = [
     "CATALOGUE",

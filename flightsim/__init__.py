@@ -34,23 +34,7 @@ if TYPE_CHECKING:
     )
     from flightsim.world import World, WorldError, build_world
 else:
-    __getattr__, __dir__ = public_names(
-        __name__,
-        {
-            "autonomy": "ControlLevel FlatReference QuadrotorParams RotorParams Setpoint State",
-            "flightsim.environment.traffic": "TrafficCfg",
-            "flightsim.environment.wind": "WindCfg",
-            "flightsim.mavlink.client": "PX4_HOLD PX4_LAND PX4_OFFBOARD PX4_RETURN BytePipe "
-            "Command MavlinkClient Telemetry",
-            "flightsim.plant": "NotAlignedError PhysicsDivergedError Plant PlantCfg PlantError",
-            "flightsim.sensors.cameras": "CameraError Cameras RgbdFrame depth_noise",
-            "flightsim.simulator": "Controller Simulator",
-            "flightsim.testbench": "Testbench TestbenchCfg TestbenchError",
-            "flightsim.vehicles": "Airframe AirframeError BatteryParams CameraMount "
-            "airframe_by_name",
-            "flightsim.world": "World WorldError build_world",
-        },
-    )
+    __getattr__, __dir__ = public_names(__name__, __file__)
 
 __all__ = [
     "PX4_HOLD",

@@ -18,20 +18,7 @@ if TYPE_CHECKING:
     from scenarios.run.sitl import INPUT_ERRORS, Sitl
     from scenarios.run.trial import TrialResult, Verdict
 else:
-    __getattr__, __dir__ = public_names(
-        __name__,
-        {
-            "scenarios.mission.mission": "Mission plan_mission",
-            "scenarios.mission.surroundings": "MissionError",
-            "scenarios.pilot": "Pilot PilotCfg",
-            "scenarios.recording": "Recorder RecordingError RunInfo",
-            "scenarios.recording.summary": "RecordingSummary summarise",
-            "scenarios.run.cfg": "SitlCfg",
-            "scenarios.run.companion": "Aboard Companion",
-            "scenarios.run.sitl": "INPUT_ERRORS Sitl",
-            "scenarios.run.trial": "TrialResult Verdict",
-        },
-    )
+    __getattr__, __dir__ = public_names(__name__, __file__)
 
 __all__ = [
     "INPUT_ERRORS",

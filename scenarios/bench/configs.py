@@ -5,10 +5,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Any, Literal
+
+import tyro
 
 _MOST_SCENES = 1016
 _N_GENERATED = 24
+
+
+def _default(says: str) -> Any:
+    """What happens without an option whose own default is None."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {says})")
 
 
 class BenchError(ValueError):
@@ -48,7 +55,6 @@ class SimBenchCfg(AnyBenchCfg):
     """Simulated seconds of each flight; those with cameras take a fifth."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options before anything starts."""
         _check("seconds", self.seconds, 1.0)
 
     @property
@@ -69,7 +75,6 @@ class SceneBenchCfg(AnyBenchCfg):
     """Number of scenes, spread over the corpus."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options before anything starts."""
         _check("count", self.count, 1, _MOST_SCENES)
 
     @property
@@ -86,16 +91,16 @@ class GenerateBenchCfg(AnyBenchCfg):
     and after feasibility; docs/metrics.md explains each figure.
     """
 
-    scenes: str | None = None
+    scenes: Annotated[str | None, _default("none")] = None
     """Judge existing scenes instead: shipped, or a folder with a dataset or with output of
     `aeroscene generate`."""
-    count: int | None = None
+    count: Annotated[int | None, _default("24; with --scenes all")] = None
     """Number of scenes, a third in each domain; figures of sets need 64 or more. With --scenes, the
-    number of first scenes to judge. [default: 24; with --scenes all]"""
+    number of first scenes to judge."""
     seed: int = 0
     """Seed of the first scene; the others count up from it."""
-    checkpoint: Path | None = None
-    """File written by `aeroscene train`. [default: the one that ships with the preset]"""
+    checkpoint: Annotated[Path | None, _default("the one that ships with the preset")] = None
+    """File written by `aeroscene train`."""
     preset: Literal["default", "paper"] = "default"
     """The model that ships, default or paper; its targets apply to a checkpoint too."""
     device: str = "auto"
@@ -104,7 +109,6 @@ class GenerateBenchCfg(AnyBenchCfg):
     """Folder made by `aeroscene dataset build`, with the scenes to compare with."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options before anything starts."""
         _check("count", self.n_generated, 2, _MOST_SCENES)
         _check("seed", self.seed, 0)
         chosen = (self.checkpoint, self.preset, self.device)
@@ -150,7 +154,6 @@ class PlanBenchCfg(AnyBenchCfg):
     """Plans compared with the joint optimum of states and times by ipopt, some seconds each."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options before anything starts."""
         _check("scenes", self.scenes, 1, _MOST_SCENES)
         _check("count", self.count, self.scenes)
         _check("joint", self.joint, 0)
@@ -180,7 +183,6 @@ class EstimateBenchCfg(AnyBenchCfg):
     """Seed of the first flight; the others count up from it."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options before anything starts."""
         _check("count", self.count, 1)
         _check("seconds", self.seconds, 1.0)
         _check("seed", self.seed, 0)
@@ -209,7 +211,6 @@ class ControlBenchCfg(AnyBenchCfg):
     """Seed of the noise, the wind and the attitudes."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options before anything starts."""
         _check("count", self.count, 1)
         _check("flights", self.flights, 1)
         _check("seed", self.seed, 0)
@@ -240,7 +241,6 @@ class LandBenchCfg(AnyBenchCfg):
     """Seed of the areas and of all errors."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options before anything starts."""
         _check("areas", self.areas, 1)
         _check("flights", self.flights, 0)
         _check("seed", self.seed, 0)

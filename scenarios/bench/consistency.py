@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
 from autonomy.estimation.error_state import ATTITUDE, POSITION, VELOCITY
 from flightsim.plant import Plant
@@ -53,14 +54,8 @@ def attitude_error(
     true_wxyz: Float[np.ndarray, " 4"], estimate_wxyz: Float[np.ndarray, " 4"]
 ) -> Float[np.ndarray, " 3"]:
     """Rotation vector in the world that turns the estimated attitude into the true one, rad."""
-    w, v = estimate_wxyz[0], -estimate_wxyz[1:]
-    scalar = true_wxyz[0] * w - true_wxyz[1:] @ v
-    vector = true_wxyz[0] * v + w * true_wxyz[1:] + np.cross(true_wxyz[1:], v)
-    norm = float(np.linalg.norm(vector))
-    if norm == 0.0:
-        return np.zeros(3)
-    angle = 2.0 * np.arctan2(norm, abs(scalar))
-    return np.copysign(1.0, scalar) * angle / norm * vector
+    true, estimate = Rotation.from_quat([true_wxyz, estimate_wxyz], scalar_first=True)
+    return (true * estimate.inv()).as_rotvec()
 
 
 def nees(plant: Plant) -> dict[str, float]:

@@ -20,7 +20,7 @@ from scenarios.bench.configs import ControlBenchCfg
 from scenarios.bench.figure_eight import FigureEight, Track, come_back, fly, take_off
 from scenarios.bench.manoeuvres import meadow
 from scenarios.bench.recovery import Recovery, recover
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher, lower
 
 PEAK_ACCELERATION_MPS2 = 7.0
 WIND_MPS = 5.0
@@ -42,13 +42,8 @@ _LOST_RAD = math.radians(90.0)
 _BACK_M = 0.2
 
 
-def rows(cfg: ControlBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
-    """Fly and judge all parts.
-
-    Args:
-        cfg: Number of flights in each part.
-        on_progress: Called before each part with its title and the share done.
-    """
+def rows(cfg: ControlBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Fly and judge all parts."""
     compile_kernels()
     for i, name in enumerate(cfg.vehicles):
         done = i / len(cfg.vehicles)
@@ -74,11 +69,11 @@ def _tracking(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
             target = LARGEST_RMSE_M[state, air] if name == _TARGET_VEHICLE else None
             title = f"{name}, figure eight by {state}, {air}"
             rmse_m = math.sqrt(np.mean(np.square(errors_m)))
-            yield Row(metric=title, value=rmse_m, unit="m RMSE", target=target, better="lower")
+            yield lower(title, rmse_m, "m RMSE", target)
             if n_flights > 1:
                 worst_m = max(errors_m)
                 metric = f"{title}, worst flight"
-                yield Row(metric=metric, value=worst_m, unit="m RMSE", better="lower")
+                yield lower(metric, worst_m, "m RMSE")
 
 
 def _wind(from_deg: float) -> WindCfg:
@@ -109,12 +104,10 @@ def _saturation(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
         tilt_rad = max(tilt_rad, largest_rad)
         sunk_m = max(sunk_m, -away.error_true_m[:, 2].min())
     title = f"{name}, references beyond its limits"
-    yield Row(
-        metric=f"{title}: lost", value=float(n_lost), unit="flights", target=0.0, better="lower"
-    )
+    yield lower(f"{title}: lost", float(n_lost), "flights", 0.0)
     tilt_deg = math.degrees(tilt_rad)
-    yield Row(metric=f"{title}: largest tilt", value=tilt_deg, unit="degrees", better="lower")
-    yield Row(metric=f"{title}: height lost", value=sunk_m, unit="m", better="lower")
+    yield lower(f"{title}: largest tilt", tilt_deg, "degrees")
+    yield lower(f"{title}: height lost", sunk_m, "m")
 
 
 def _recovery(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
@@ -122,7 +115,7 @@ def _recovery(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
     trials = [recover(world, cfg.seed, rng) for _ in range(cfg.count)]
     share = 100.0 * float(np.mean([trial.is_recovered for trial in trials]))
     title = f"{name}, recovery from any attitude and rate"
-    yield Row(metric=title, value=share, unit="%", target=LEAST_RECOVERED_PERCENT)
+    yield higher(title, share, "%", LEAST_RECOVERED_PERCENT)
     yield from _spread(f"{title}: height lost", "m", trials, lambda trial: trial.height_lost_m)
     yield from _spread(f"{title}: upright after", "s", trials, lambda trial: trial.upright_s)
 
@@ -133,4 +126,4 @@ def _spread(
     values = [value(trial) for trial in trials]
     for name, share in (("median", 50.0), ("p95", 95.0), ("most", 100.0)):
         figure = float(np.percentile(values, share))
-        yield Row(metric=f"{title}, {name}", value=figure, unit=unit, better="lower")
+        yield lower(f"{title}, {name}", figure, unit)

@@ -7,7 +7,8 @@ against the truth is compared with the covariance that the filter claims.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -23,7 +24,7 @@ from scenarios.bench.configs import EstimateBenchCfg
 from scenarios.bench.consistency import BLOCKS, band, errors, nees
 from scenarios.bench.filter_step import step_us
 from scenarios.bench.manoeuvres import curves, fly, meadow, visit
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher, lower
 
 STEP_LIMIT_US = 20.0
 JUMP_LIMIT_M = 0.1
@@ -75,12 +76,8 @@ class _Log:
     error: list[dict[str, np.ndarray]] = field(default_factory=list)
 
 
-def rows(cfg: EstimateBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
+def rows(cfg: EstimateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Run every part of the benchmark.
-
-    Args:
-        cfg: Flights to make.
-        on_progress: Called before each part with its title and the share done.
 
     Raises:
         AirframeError: If there is no such vehicle.
@@ -111,13 +108,10 @@ def fly_case(world: World, case: Case, cfg: EstimateBenchCfg) -> Flights:
             PlantCfg(seed=seed, aiding=case.aiding, gnss=case.gnss, imu=case.imu, wind=case.wind),
         )
         log = _Log()
-
-        def look(time_s: float, plant: Plant = plant, log: _Log = log) -> None:
+        for time_s in fly(plant, curves(np.random.default_rng((seed, 1))), cfg.seconds):
             if math.isclose(time_s, round(time_s), abs_tol=1e-6):
                 log.nees.append(nees(plant))
                 log.error.append(errors(plant))
-
-        fly(plant, curves(np.random.default_rng((seed, 1))), cfg.seconds, look)
         logs.append(log)
         air = plant.air_velocity_true_enu_mps
         winds.append(np.subtract(plant.wind_est_enu_mps, air[:2]))
@@ -139,22 +133,18 @@ def _consistency_rows(case: Case, flights: Flights) -> Iterator[Row]:
         by_instant = values.mean(axis=0)
         is_inside = (by_instant >= limits.low) & (by_instant <= limits.high)
         metric, mean = f"{case.title}: NEES of {block}", float(values.mean())
-        yield Row(
-            metric=f"{metric}, not above", value=mean, unit="", target=limits.high, better="lower"
-        )
-        yield Row(metric=f"{metric}, not below", value=mean, unit="", target=limits.low)
-        yield Row(metric=f"{metric}, seconds inside", value=100.0 * is_inside.mean(), unit="%")
+        yield lower(f"{metric}, not above", mean, "", limits.high)
+        yield higher(f"{metric}, not below", mean, "", limits.low)
+        yield higher(f"{metric}, seconds inside", 100.0 * is_inside.mean(), "%")
 
 
 def _error_rows(case: Case, flights: Flights) -> Iterator[Row]:
     for block, error in flights.error.items():
         unit, scale = _UNITS[block]
         rms = scale * math.sqrt(np.mean(np.sum(error**2, axis=-1)))
-        yield Row(
-            metric=f"{case.title}: error of {block}, RMS", value=rms, unit=unit, better="lower"
-        )
+        yield lower(f"{case.title}: error of {block}, RMS", rms, unit)
     wind = math.sqrt(np.mean(np.sum(flights.wind_error_mps**2, axis=-1)))
-    yield Row(metric=f"{case.title}: error of wind, RMS", value=wind, unit="m/s", better="lower")
+    yield lower(f"{case.title}: error of wind, RMS", wind, "m/s")
 
 
 def _innovation_rows(case: Case, flights: Flights) -> Iterator[Row]:
@@ -163,7 +153,7 @@ def _innovation_rows(case: Case, flights: Flights) -> Iterator[Row]:
         MEASUREMENTS, flights.innovation_square_sum, flights.n_innovations, strict=True
     ):
         if n > 0:
-            yield Row(metric=f"{case.title}: NIS of {kind}", value=square / n, unit="")
+            yield higher(f"{case.title}: NIS of {kind}", square / n, "")
 
 
 def _door_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
@@ -173,34 +163,20 @@ def _door_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
         plant = Plant(world, PlantCfg(seed=seed, aiding="auto"))
         history: list[np.ndarray] = []
         is_fixed: list[bool] = []
-
-        def look(
-            _: float,
-            plant: Plant = plant,
-            history: list[np.ndarray] = history,
-            is_fixed: list[bool] = is_fixed,
-        ) -> None:
+        for _ in fly(plant, visit(np.random.default_rng((seed, 2))), _VISIT_S):
             history.append(plant.history.copy())
             is_fixed.append(plant.sensors.gnss.fix_type > 1)
-
-        fly(plant, visit(np.random.default_rng((seed, 2))), _VISIT_S, look)
         h = np.concatenate(history)
         jumps.append(largest_jump(h))
         error = np.linalg.norm(h["position_est_enu_m"] - h["position_true_enu_m"], axis=1)
         errors_m.append(error)
         indoors.append(np.repeat(~np.array(is_fixed), len(plant.history)))
     is_lost, error_m = np.concatenate(indoors), np.concatenate(errors_m)
-    yield Row(
-        metric="through a door: largest jump of the estimate",
-        value=max(jumps),
-        unit="m",
-        target=JUMP_LIMIT_M,
-        better="lower",
-    )
+    yield lower("through a door: largest jump of the estimate", max(jumps), "m", JUMP_LIMIT_M)
     for name, where in (("without fix", is_lost), ("with fix", ~is_lost)):
         rms = math.sqrt(np.mean(error_m[where] ** 2)) if where.any() else math.nan
-        yield Row(metric=f"through a door: error {name}, RMS", value=rms, unit="m", better="lower")
-    yield Row(metric="through a door: time without fix", value=100.0 * is_lost.mean(), unit="%")
+        yield lower(f"through a door: error {name}, RMS", rms, "m")
+    yield higher("through a door: time without fix", 100.0 * is_lost.mean(), "%")
 
 
 def largest_jump(history: np.ndarray) -> float:
@@ -213,16 +189,10 @@ def largest_jump(history: np.ndarray) -> float:
 
 def _step_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
     plant = Plant(world, PlantCfg(seed=cfg.seed, aiding="auto"))
-    fly(plant, curves(np.random.default_rng(cfg.seed)), 1.0, lambda _: None)
+    deque(fly(plant, curves(np.random.default_rng(cfg.seed)), 1.0), maxlen=0)
     filters = np.array([plant.filter])
     for metric, has_all in (
         ("step of the filter, mean at the sensors' rates", False),
         ("step of the filter with every measurement", True),
     ):
-        yield Row(
-            metric=metric,
-            value=step_us(filters, has_all=has_all),
-            unit="us",
-            target=STEP_LIMIT_US,
-            better="lower",
-        )
+        yield lower(metric, step_us(filters, has_all=has_all), "us", STEP_LIMIT_US)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import resource
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -33,9 +33,8 @@ from scenarios.bench.quality import (
     validity_rows,
 )
 from scenarios.bench.reference import Splits, group_figures, open_corpus
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher, lower
 
-OnProgress = Callable[[str, float], None]
 Preset = Literal["default", "paper"]
 
 MOST_SECONDS = {"default": 2.0, "paper": 15.0}
@@ -52,10 +51,6 @@ _N_TIMED = 6
 
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Generate scenes one by one and judge them.
-
-    Args:
-        cfg: Scenes to generate.
-        on_progress: Called with a title and the share done.
 
     Raises:
         SceneError: If checkpoint, device or corpus cannot be used.
@@ -126,18 +121,18 @@ def _speed_rows(
     wall_s, n_objects = [c.wall_s for c in costs], [len(c.made.raw.objects) for c in costs]
     most_s = MOST_GPU_SECONDS if is_gpu and cfg.preset == "default" else MOST_SECONDS[cfg.preset]
     median_s = float(np.median(wall_s))
-    yield _lower("one scene, median", median_s, "s", most_s)
-    yield _lower("one scene, p95", float(np.quantile(wall_s, 0.95)), "s", None)
-    yield _lower("its CPU time, median", float(np.median([c.cpu_s for c in costs])), "CPU s", None)
+    yield lower("one scene, median", median_s, "s", most_s)
+    yield lower("one scene, p95", float(np.quantile(wall_s, 0.95)), "s")
+    yield lower("its CPU time, median", float(np.median([c.cpu_s for c in costs])), "CPU s")
     on_progress("timing the stages", 0.55)
     stages = _stages(generator, costs)
-    yield _lower("its skeleton, median", stages.skeleton_s, "s", None)
-    yield _lower("its sampling, median", stages.sampling_s, "s", None)
-    yield _lower("its feasibility, areas and validation, median", stages.rest_s, "s", None)
-    yield Row(metric="its objects, mean", value=float(np.mean(n_objects)), unit="objects")
+    yield lower("its skeleton, median", stages.skeleton_s, "s")
+    yield lower("its sampling, median", stages.sampling_s, "s")
+    yield lower("its feasibility, areas and validation, median", stages.rest_s, "s")
+    yield higher("its objects, mean", float(np.mean(n_objects)), "objects")
     if is_gpu:
         yield from _gpu_rows(generator, cfg, stages.rest_s)
-    yield _lower("peak memory", _peak_memory_gb(), "GB", MOST_MEMORY_GB)
+    yield lower("peak memory", _peak_memory_gb(), "GB", MOST_MEMORY_GB)
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,15 +178,11 @@ def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, rest_s: float) -> Ite
     n_made = sum(1 for _ in generator.generate(requests, batch_size=_BATCH_SIZE))
     wall_s = time.perf_counter() - start_s
     model_s = max(wall_s - n_made * rest_s, 1e-3)
-    yield Row(
-        metric=f"sampling in batches of {_BATCH_SIZE}",
-        value=n_made / model_s,
-        unit="scenes / s",
-        target=LEAST_GPU_RATE if cfg.preset == "default" else None,
-    )
-    yield Row(metric="the same with feasibility", value=n_made / wall_s, unit="scenes / s")
+    least = LEAST_GPU_RATE if cfg.preset == "default" else None
+    yield higher(f"sampling in batches of {_BATCH_SIZE}", n_made / model_s, "scenes / s", least)
+    yield higher("the same with feasibility", n_made / wall_s, "scenes / s")
     memory_gb = torch.cuda.max_memory_allocated() / 1e9
-    yield _lower("peak memory of the GPU", memory_gb, "GB", None)
+    yield lower("peak memory of the GPU", memory_gb, "GB")
 
 
 def _validity_rows(
@@ -212,7 +203,3 @@ def _peak_memory_gb() -> float:
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     # Kilobytes on Linux, bytes on macOS.
     return peak / 1e9 if sys.platform == "darwin" else peak * 1024 / 1e9
-
-
-def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
-    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")

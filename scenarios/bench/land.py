@@ -14,7 +14,8 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,7 +33,7 @@ from scenarios.bench.landing_flight import Landing, fly_landing
 from scenarios.bench.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, LookRig
 from scenarios.bench.landing_truth import ExactGround
 from scenarios.bench.plan_pairs import scene_numbers
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import rank_areas
 from scenarios.mission.surroundings import MissionError, Surroundings, survey
 from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
@@ -45,8 +46,6 @@ _AREAS_A_SCENE = 10
 _PERCHES_A_SCENE = 2
 _N_UPDATES = 40
 _LOOK_SHARE = 0.85
-
-OnProgress = Callable[[str, float], None]
 
 
 @dataclass(kw_only=True, slots=True)
@@ -69,51 +68,41 @@ class _Tally:
 
 
 def rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Observe areas, fly to some and time the map.
-
-    Args:
-        cfg: Number of areas and flights.
-        on_progress: Called before each scene with a title and the share done.
-    """
+    """Observe areas, fly to some and time the map."""
     numbers = scene_numbers(max(2, math.ceil(cfg.areas / _AREAS_A_SCENE)))
     landing, perching = _Tally(), _Tally()
     for index, number in enumerate(numbers):
         on_progress(f"scene {number}", _LOOK_SHARE * index / len(numbers))
         airframe = airframe_by_name(VEHICLES[index % len(VEHICLES)])
         share = cfg.areas * (index + 1) // len(numbers) - landing.n_areas
-        _look_at_scene(number, airframe, share, cfg, landing, perching)
+        _look_at_scene(number, airframe, share, cfg, (landing, perching))
     yield from _site_rows("", landing, MOST_UNSAFE_SITES)
     yield from _cell_rows(landing)
     yield from _site_rows("perches: ", perching, None)
     on_progress("map update", _LOOK_SHARE)
-    yield _lower("map update, 320 x 240, least", _update_ms(cfg), "CPU ms", MOST_UPDATE_MS)
+    yield lower("map update, 320 x 240, least", _update_ms(cfg), "CPU ms", MOST_UPDATE_MS)
     yield from _flight_rows(cfg, on_progress)
     on_progress("done", 1.0)
 
 
 def _look_at_scene(
-    number: int,
-    airframe: Airframe,
-    n_areas: int,
-    cfg: LandBenchCfg,
-    landing: _Tally,
-    perching: _Tally,
+    number: int, airframe: Airframe, n_areas: int, cfg: LandBenchCfg, tallies: tuple[_Tally, _Tally]
 ) -> None:
     scene = open_scene(str(number))
     rng = np.random.default_rng([cfg.seed, number])
+    landing, perching = tallies
     try:
         surroundings, world = survey(scene, airframe), build_world(scene, airframe)
     except (MissionError, WorldError):
         return  # the vehicle cannot leave the start, or stand there
     ground = ExactGround(world)
-    with LookRig(world, DEPTH_CAMERAS.get(cfg.camera)) as rig:
+    with closing(LookRig(world, DEPTH_CAMERAS.get(cfg.camera))) as rig:
         for areas, most, tally in (
             (rank_areas(scene, airframe, cfg.seed), n_areas, landing),
             (_perches(scene, airframe), _PERCHES_A_SCENE, perching),
         ):
-            order = rng.permutation(len(areas)).tolist()
             n_done = 0
-            for place in order:
+            for place in rng.permutation(len(areas)).tolist():
                 hover = surroundings.hover_point(areas[place]) if n_done < most else None
                 if hover is not None:
                     n_done += 1
@@ -208,39 +197,39 @@ def _flight_rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     if not landings:
         return
     done = [landing for landing in landings if landing.is_success]
-    yield Row(metric=f"flown: landed, of {len(landings)}", value=_share(done, landings), unit="%")
+    yield higher(f"flown: landed, of {len(landings)}", _share(done, landings), "%")
     for reason in (landing.reason for landing in landings if not landing.is_success):
-        yield _lower(f"flown: {reason}", 1, "flights", None)
+        yield lower(f"flown: {reason}", 1, "flights")
     if n_without:
-        yield _lower("flown: scenes without a mission", n_without, "scenes", None)
+        yield lower("flown: scenes without a mission", n_without, "scenes")
     errors = [landing.touchdown_error_m or 0.0 for landing in done]
     speeds = [landing.touchdown_speed_mps for landing in done]
     tilts = [landing.tilt_at_rest_deg for landing in done]
-    yield _lower("flown: touchdown error, median", _median(errors), "m", MOST_TOUCHDOWN_ERROR_M)
-    yield _lower("flown: touchdown error, worst", _worst(errors), "m", None)
-    yield _lower(
+    yield lower("flown: touchdown error, median", _median(errors), "m", MOST_TOUCHDOWN_ERROR_M)
+    yield lower("flown: touchdown error, worst", _worst(errors), "m")
+    yield lower(
         "flown: vertical speed at touchdown, worst", _worst(speeds), "m/s", MOST_TOUCHDOWN_SPEED_MPS
     )
-    yield _lower("flown: tilt at rest, worst", _worst(tilts), "deg", None)
+    yield lower("flown: tilt at rest, worst", _worst(tilts), "deg")
     n_aborts = sum(landing.n_aborts for landing in landings)
-    yield _lower("flown: descents called off", n_aborts, "descents", None)
+    yield lower("flown: descents called off", n_aborts, "descents")
 
 
 def _site_rows(prefix: str, tally: _Tally, target: float | None) -> Iterator[Row]:
-    yield Row(metric=f"{prefix}areas looked at", value=tally.n_areas, unit="areas")
+    yield higher(f"{prefix}areas looked at", tally.n_areas, "areas")
     if not tally.n_areas:
         return
     found = 100 * tally.n_found / tally.n_areas
-    yield Row(metric=f"{prefix}areas with a site to land on", value=found, unit="%")
+    yield higher(f"{prefix}areas with a site to land on", found, "%")
     for title, sites, promised in (
         ("unsafe sites, as first chosen", tally.chosen, target),
         ("unsafe sites, committed to 1 m above", tally.committed, target),
         ("committed to, unsafe within the scatter", tally.without_margin, None),
     ):
-        yield _lower(f"{prefix}{title}", _percent(sites), f"% of {len(sites)}", promised)
-    yield _lower(f"{prefix}descents called off", tally.aborts.total(), "descents", None)
+        yield lower(f"{prefix}{title}", _percent(sites), f"% of {len(sites)}", promised)
+    yield lower(f"{prefix}descents called off", tally.aborts.total(), "descents")
     for word, count in sorted(tally.aborts.items()):
-        yield _lower(f"{prefix}called off: {word}", count, "descents", None)
+        yield lower(f"{prefix}called off: {word}", count, "descents")
 
 
 def _cell_rows(tally: _Tally) -> Iterator[Row]:
@@ -248,11 +237,11 @@ def _cell_rows(tally: _Tally) -> Iterator[Row]:
         ("unsafe cells among those taken for safe", tally.unsafe_cells, MOST_UNSAFE_CELLS),
         ("safe cells missed", tally.missed_cells, None),
     ):
-        yield _lower(title, _percent(cells), f"% of {len(cells)}", target)
+        yield lower(title, _percent(cells), f"% of {len(cells)}", target)
     errors = tally.slope_errors_deg
-    yield _lower("slope error, median", _median(errors), "deg", None)
+    yield lower("slope error, median", _median(errors), "deg")
     p95 = float(np.quantile(errors, 0.95)) if errors else math.nan
-    yield _lower("slope error, p95", p95, "deg", None)
+    yield lower("slope error, p95", p95, "deg")
 
 
 def _share(part: list[Landing], whole: list[Landing]) -> float:
@@ -269,7 +258,3 @@ def _median(values: list[float]) -> float:
 
 def _worst(values: list[float]) -> float:
     return max(values) if values else math.nan
-
-
-def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
-    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")

@@ -7,12 +7,11 @@ camera; the watch fuses with a pose that has the estimator's errors.
 from __future__ import annotations
 
 import math
-from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
-from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.spatial.transform import Rotation
 
 from aeroscene.scene import InteractionArea
 from autonomy.perception import LandingSite
@@ -92,11 +91,7 @@ class LookRig:
     def __init__(self, world: World, camera: DepthNoiseCfg | None) -> None:
         self._camera = camera
         self._data = world.new_data()
-        with ExitStack() as stack:
-            self._renderer = stack.enter_context(
-                closing(open_camera_renderer(world, WIDTH_PX, HEIGHT_PX))
-            )
-            self._stack = stack.pop_all()
+        self._renderer = open_camera_renderer(world, WIDTH_PX, HEIGHT_PX)
 
     def frame(
         self, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, rng: np.random.Generator
@@ -110,13 +105,7 @@ class LookRig:
 
     def close(self) -> None:
         """Release the renderer."""
-        self._stack.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
+        self._renderer.close()
 
 
 class Looker:
@@ -184,13 +173,13 @@ class Looker:
         for wander in (self._position_error, self._turn_error, self._wobble, self._tilt):
             wander.step()
         believed = commanded_enu_m + self._wobble.value
-        quat = _product(_turned(np.array([0.0, 0.0, self._yaw_rad])), _turned(self._tilt.value))
+        yaw = Rotation.from_rotvec([0.0, 0.0, self._yaw_rad])
+        attitude = yaw * Rotation.from_rotvec(self._tilt.value)
         true = believed - self._position_error.value
-        frame = self._rig.frame(true, quat, self._rng)
-        believed_quat = _product(_turned(self._turn_error.value), quat)
-        telemetry = Telemetry(
-            position_enu_m=vector3(believed), quat_wxyz=tuple(believed_quat.tolist())
-        )
+        frame = self._rig.frame(true, attitude.as_quat(scalar_first=True), self._rng)
+        seen_as = Rotation.from_rotvec(self._turn_error.value) * attitude
+        quat = tuple(seen_as.as_quat(scalar_first=True).tolist())
+        telemetry = Telemetry(position_enu_m=vector3(believed), quat_wxyz=quat)
         self._time_us += FRAME_PERIOD_US
         watch.fuse(self._time_us, posed_image(frame, self._mount, telemetry))
 
@@ -212,16 +201,3 @@ class Looker:
             is_safe=watch.map.is_safe[rows, columns],
             slope_rad=watch.map.slope_rad[rows, columns],
         )
-
-
-def _turned(turn_rad: np.ndarray) -> np.ndarray:
-    """Quaternion of a rotation vector."""
-    angle = float(np.linalg.norm(turn_rad))
-    axis = turn_rad / angle if angle > 0.0 else turn_rad
-    return np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)])
-
-
-def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.array(
-        [a[0] * b[0] - a[1:] @ b[1:], *(a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:]))]
-    )

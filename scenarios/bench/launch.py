@@ -10,6 +10,8 @@ import subprocess
 import sys
 import time
 
+from scenarios.doctor.network import is_free
+
 LOOPBACK = "127.0.0.1"
 _TIMEOUT_S = 60.0
 _HEARTBEAT_ID = b"\x00\x00\x00"
@@ -61,15 +63,6 @@ def _free_instance() -> int:
     for instance in range(99, 9, -1):
         udp = [port + instance for port in (_GCS_PORT, _SDK_PORT, *_VEHICLE_PORTS)]
         tcp = _TCP_PORT + 10 * instance
-        if all(_is_free(socket.SOCK_DGRAM, p) for p in udp) and _is_free(socket.SOCK_STREAM, tcp):
+        if all(is_free(socket.SOCK_DGRAM, p) for p in udp) and is_free(socket.SOCK_STREAM, tcp):
             return instance
     raise LaunchError("no instance from 10 to 99 has all its ports free")
-
-
-def _is_free(kind: int, port: int) -> bool:
-    with socket.socket(socket.AF_INET, kind) as probe:
-        try:
-            probe.bind((LOOPBACK, port))
-        except OSError:
-            return False
-    return True

@@ -13,7 +13,7 @@ from aeroscene.scene.io import read_scene
 from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import FEASIBLE, LEAST_SOUND, comparison, statistics_rows
 from scenarios.bench.reference import Splits, group_figures, open_corpus
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher
 from scenarios.bench.soundness import fault
 
 SHIPPED = "shipped"
@@ -22,15 +22,9 @@ MOST_CHECKED = 256
 """Most scenes checked for soundness, at a quarter of a second each; evenly chosen if there are
 more, since every scene of a dataset was validated when it was made."""
 
-OnProgress = Callable[[str, float], None]
-
 
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Judge finished scenes by the figures that `bench generate` gives after feasibility.
-
-    Args:
-        cfg: Scenes to judge.
-        on_progress: Called with a title and the share done.
 
     Raises:
         SceneError: If scenes or corpus cannot be used.
@@ -85,10 +79,5 @@ def _soundness_rows(scenes: Sequence[Scene], on_progress: OnProgress) -> Iterato
     for number, scene in enumerate(chosen):
         on_progress("checking that scenes are sound", 0.1 + 0.6 * number / len(chosen))
         n_sound += fault(scene) is None
-    yield Row(metric="scenes checked", value=len(chosen), unit=f"of {len(scenes)}")
-    yield Row(
-        metric=f"scenes sound, {FEASIBLE}",
-        value=100 * n_sound / len(chosen),
-        unit="%",
-        target=LEAST_SOUND,
-    )
+    yield higher("scenes checked", len(chosen), f"of {len(scenes)}")
+    yield higher(f"scenes sound, {FEASIBLE}", 100 * n_sound / len(chosen), "%", LEAST_SOUND)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -97,14 +97,16 @@ def visit(rng: np.random.Generator) -> Path:
     return setpoint
 
 
-def fly(plant: Plant, path: Path, seconds: float, on_advance: Callable[[float], None]) -> None:
-    """Rest, take off, then follow a path; `on_advance` gets the time since the take-off.
+def fly(plant: Plant, path: Path, seconds: float) -> Iterator[float]:
+    """Rest, take off, then follow a path.
 
     Args:
         plant: Plant at rest at its start.
         path: Path to fly.
         seconds: Length of the path, s.
-        on_advance: Called every 20 ms of the path.
+
+    Yields:
+        Time since the take-off, s, after every 20 ms of the path.
     """
     start = plant.truth.position_enu_m
     above: Vector3 = (start[0], start[1], HEIGHT_M)
@@ -116,4 +118,4 @@ def fly(plant: Plant, path: Path, seconds: float, on_advance: Callable[[float], 
     for k in range(round(seconds * ADVANCE_HZ)):
         plant.apply(path(k / ADVANCE_HZ))
         plant.advance()
-        on_advance((k + 1) / ADVANCE_HZ)
+        yield (k + 1) / ADVANCE_HZ

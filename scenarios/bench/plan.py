@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -32,7 +32,7 @@ from scenarios.bench.configs import PlanBenchCfg
 from scenarios.bench.joint_optimum import joint_optimum
 from scenarios.bench.plan_crossing import Crossing, fly_past_a_crossing
 from scenarios.bench.plan_pairs import draw_pairs, scene_numbers
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import plan_mission
 from scenarios.mission.surroundings import MissionError, Surroundings, survey
 
@@ -43,8 +43,6 @@ N_PIECES = 8
 _CHECK_STEP_S = 0.004
 _TOLERANCE = 0.011
 """Tolerance that the certificate grants on a limit, plus rounding."""
-
-OnProgress = Callable[[str, float], None]
 
 
 @dataclass(kw_only=True, slots=True)
@@ -67,12 +65,7 @@ class _Tally:
 
 
 def rows(cfg: PlanBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Plan missions and pairs in scenes, replan some and compare with other planners.
-
-    Args:
-        cfg: Number of scenes, pairs and comparisons.
-        on_progress: Called before each scene with a title and the share done.
-    """
+    """Plan missions and pairs in scenes, replan some and compare with other planners."""
     airframe = airframe_by_name(cfg.vehicle)
     tally = _Tally()
     numbers = scene_numbers(cfg.scenes)
@@ -217,11 +210,11 @@ def _rows(tally: _Tally) -> Iterator[Row]:
     yield _share("solved where a path exists", n_solved, pairs, LEAST_SOLVED)
     yield _share("plans that are sound, checked apart", tally.n_sound, max(n_solved, 1), 100.0)
     for name, count in sorted(tally.failures.items()):
-        yield Row(metric=f"failed: {name}", value=count, unit="pairs", better="lower")
+        yield lower(f"failed: {name}", count, "pairs")
     yield from _times("plan", tally.plans_ms, None)
     yield from _times("whole mission", tally.missions_ms, MOST_MISSION_MS)
     if tally.n_no_mission:
-        yield Row(metric="scenes without a mission", value=tally.n_no_mission, unit="scenes")
+        yield higher("scenes without a mission", tally.n_no_mission, "scenes")
     yield from _times(f"replan {N_PIECES} pieces, warm", tally.replans_ms, MOST_REPLAN_MS)
     n_avoided = sum(crossing.is_avoided for crossing in tally.crossings)
     n_crossings = len(tally.crossings)
@@ -233,28 +226,24 @@ def _rows(tally: _Tally) -> Iterator[Row]:
         n_gone_on = sum(crossing.has_gone_on for crossing in tally.crossings)
         yield _share("on the way to the goal again after that", n_gone_on, n_crossings, None)
         n_braked = sum(crossing.has_braked for crossing in tally.crossings)
-        yield Row(metric="of these, stopped or stepped aside", value=n_braked, unit="flights")
+        yield higher("of these, stopped or stepped aside", n_braked, "flights")
     if tally.above_optimum:
         above = tally.above_optimum
         title = f"cost above the joint optimum, of {len(above)}"
-        yield _lower(f"{title}, median", float(np.median(above)), "%", MOST_ABOVE_OPTIMUM)
-        yield _lower(f"{title}, worst", max(above), "%", None)
+        yield lower(f"{title}, median", float(np.median(above)), "%", MOST_ABOVE_OPTIMUM)
+        yield lower(f"{title}, worst", max(above), "%")
     yield _share("Mueller 2015: solved", tally.n_primitives, max(n_solved, 1), None)
     yield from _times("Mueller 2015: plan", tally.primitives_ms, None)
     for name, ratios in (("cost", tally.primitives_cost), ("flight time", tally.primitives_time)):
         value = float(np.median(ratios)) if ratios else math.nan
-        yield _lower(f"Mueller 2015: {name}, median", value, "times ours", None)
+        yield lower(f"Mueller 2015: {name}, median", value, "times ours")
 
 
 def _share(metric: str, count: int, of: int, target: float | None) -> Row:
-    return Row(metric=metric, value=100 * count / of, unit="%", target=target)
+    return higher(metric, 100 * count / of, "%", target)
 
 
 def _times(what: str, values_ms: list[float], target: float | None) -> Iterator[Row]:
     for name, share, promised in (("median", 0.5, target), ("p95", 0.95, None)):
         value = float(np.quantile(values_ms, share)) if values_ms else math.nan
-        yield _lower(f"{what}, {name}", value, "CPU ms", promised)
-
-
-def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
-    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")
+        yield lower(f"{what}, {name}", value, "CPU ms", promised)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from aeroscene.solids.freespace import VoxelField, reachable
-from autonomy.types import Vector3
+from autonomy.types import Vector3, vector3
 from scenarios.mission.surroundings import Surroundings
 
 SHIPPED_SCENES = 1016
@@ -63,5 +63,4 @@ def _point(
     point = point + rng.uniform(-0.4, 0.4, 3) * world.field.resolution_m
     if world.clearance_m(point[None])[0] <= world.planner.min_margin_m:
         return None
-    x, y, z = point.tolist()
-    return (x, y, z)
+    return vector3(point)

@@ -13,7 +13,7 @@ from aeroscene.metrics.comparison import ComparisonRow, Figures, comparison_rows
 from aeroscene.metrics.displacement import displacement
 from aeroscene.metrics.paper_table import paper_table
 from aeroscene.scene import Scene
-from scenarios.bench.row import Row
+from scenarios.bench.row import Row, higher, lower
 from scenarios.bench.soundness import fault
 
 LEAST_SOUND = 99.0
@@ -85,35 +85,25 @@ def validity_rows(scenes: Sequence[Scene], where: str, target: float | None) -> 
         ("rightly supported", [verdict.is_supported for verdict in verdicts], None),
     ):
         share = float(100 * np.concatenate(shares).mean())
-        yield Row(metric=f"objects {what}, {where}", value=share, unit="%", target=least)
+        yield higher(f"objects {what}, {where}", share, "%", least)
 
 
 def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> Iterator[Row]:
-    """Results and cost of the projection for all draws, including rejected ones.
-
-    Args:
-        draws: All draws.
-        on_scene: Called after each check.
-    """
+    """Results and cost of the projection for all draws, including rejected ones."""
     n_sound = 0
     for draw in draws:
         n_sound += fault(draw.projected) is None
         on_scene()
-    yield Row(
-        metric="draws sound, after",
-        value=100 * n_sound / len(draws),
-        unit="%",
-        target=LEAST_SOUND,
-    )
+    yield higher("draws sound, after", 100 * n_sound / len(draws), "%", LEAST_SOUND)
     rejected = 100 * sum(draw.is_rejected for draw in draws) / len(draws)
-    yield _lower("draws rejected", rejected, "%", None)
+    yield lower("draws rejected", rejected, "%")
     by = displacement([draw.raw for draw in draws], [draw.projected for draw in draws])
-    yield _lower("displacement, median", by.median_m, "m", MOST_MEDIAN_M)
-    yield _lower("displacement, mean", by.mean_m, "m", None)
-    yield _lower("displacement, p95", by.p95_m, "m", None)
-    yield _lower("objects moved by over 1 cm", 100 * by.moved_share, "%", None)
-    yield _lower("objects resized by over 1 cm", 100 * by.resized_share, "%", None)
-    yield _lower("objects dropped", 100 * by.dropped_share, "%", MOST_DROPPED)
+    yield lower("displacement, median", by.median_m, "m", MOST_MEDIAN_M)
+    yield lower("displacement, mean", by.mean_m, "m")
+    yield lower("displacement, p95", by.p95_m, "m")
+    yield lower("objects moved by over 1 cm", 100 * by.moved_share, "%")
+    yield lower("objects resized by over 1 cm", 100 * by.resized_share, "%")
+    yield lower("objects dropped", 100 * by.dropped_share, "%", MOST_DROPPED)
 
 
 def comparison(figures: Mapping[str, Figures]) -> Iterator[Row]:
@@ -144,14 +134,8 @@ def _target(key: str, group: str, table: Mapping[str, ComparisonRow]) -> float |
 
 
 def _compared(row: ComparisonRow, group: str, target: float | None) -> Row:
-    is_lower = row.better == "lower"
-    return Row(
-        metric=f"{row.title}, {group}",
-        value=row.values[group],
-        unit=row.unit,
-        target=target,
-        better="lower" if is_lower else "higher",
-    )
+    row_of = lower if row.better == "lower" else higher
+    return row_of(f"{row.title}, {group}", row.values[group], row.unit, target)
 
 
 def statistics_rows(scenes: Sequence[Scene]) -> Iterator[Row]:
@@ -161,10 +145,6 @@ def statistics_rows(scenes: Sequence[Scene]) -> Iterator[Row]:
     for row in paper_table(summaries, categories):
         if row.is_average and row.deviation is not None:
             title, value = row.title.strip().lower(), row.ours["total"] or 0.0
-            yield Row(metric=f"{title}, mean", value=value, unit=f"paper {row.paper['total']:g}")
+            yield higher(f"{title}, mean", value, f"paper {row.paper['total']:g}")
             off = 100 * abs(row.deviation)
-            yield _lower(f"{title}, off the paper's", off, "%", MOST_DEVIATION)
-
-
-def _lower(metric: str, value: float, unit: str, target: float | None) -> Row:
-    return Row(metric=metric, value=value, unit=unit, target=target, better="lower")
+            yield lower(f"{title}, off the paper's", off, "%", MOST_DEVIATION)

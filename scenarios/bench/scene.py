@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import mujoco
 import numpy as np
@@ -23,7 +23,7 @@ from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.configs import SceneBenchCfg
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher, lower
 
 MOST_CURATION_S = 1.0
 """Mean time limit; two cores then make 1,016 scenes in under ten minutes."""
@@ -53,13 +53,8 @@ class _Cost:
     frames_per_s: float
 
 
-def rows(cfg: SceneBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
-    """Measure scenes spread evenly over the corpus and its domains.
-
-    Args:
-        cfg: Number of scenes.
-        on_progress: Called before each scene with a title and the share done.
-    """
+def rows(cfg: SceneBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Measure scenes spread evenly over the corpus and its domains."""
     costs: list[_Cost] = []
     # One-time loading and painting must count for no scene.
     _measure(0)
@@ -145,29 +140,17 @@ def _frames_per_s(world: World, places: np.ndarray) -> float:
 
 def _rows(costs: Sequence[_Cost]) -> Iterator[Row]:
     curation_s = [cost.curation_s for cost in costs]
-    yield Row(
-        metric="curation, landing areas included, mean",
-        value=float(np.mean(curation_s)),
-        unit="CPU s / scene",
-        target=MOST_CURATION_S,
-        better="lower",
-    )
+    mean_s = float(np.mean(curation_s))
+    yield lower("curation, landing areas included, mean", mean_s, "CPU s / scene", MOST_CURATION_S)
     compile_ms = [cost.compile_ms for cost in costs]
+    steps_us, rates = [cost.step_us for cost in costs], [cost.frames_per_s for cost in costs]
     width, height = _SIZE_PX
+    camera = f"RGB-D {width} x {height} forward"
     yield from _spread("curation", curation_s, "CPU s / scene", None, None)
     yield from _spread("scene to model", compile_ms, "ms", MOST_COMPILE_MS, MOST_COMPILE_MS)
     yield from _spread("its looks", [cost.looks_ms for cost in costs], "ms", None, None)
-    yield from _spread(
-        "mj_step, airborne", [cost.step_us for cost in costs], "us", MOST_STEP_US, None
-    )
-    yield from _spread(
-        f"RGB-D {width} x {height} forward",
-        [cost.frames_per_s for cost in costs],
-        "frames / CPU s",
-        LEAST_FRAMES_PER_S,
-        None,
-        better="higher",
-    )
+    yield from _spread("mj_step, airborne", steps_us, "us", MOST_STEP_US, None)
+    yield from _spread(camera, rates, "frames / CPU s", LEAST_FRAMES_PER_S, None, higher)
 
 
 def _spread(
@@ -176,15 +159,9 @@ def _spread(
     unit: str,
     median_target: float | None,
     p95_target: float | None,
-    better: Literal["higher", "lower"] = "lower",
+    row: Callable[[str, float, str, float | None], Row] = lower,
 ) -> Iterator[Row]:
     """Rows of the median scene and of the 95th percentile."""
-    tail = 0.95 if better == "lower" else 0.05
+    tail = 0.95 if row is lower else 0.05
     for name, share, target in (("median", 0.5, median_target), ("p95", tail, p95_target)):
-        yield Row(
-            metric=f"{what}, {name}",
-            value=float(np.quantile(values, share)),
-            unit=unit,
-            target=target,
-            better=better,
-        )
+        yield row(f"{what}, {name}", float(np.quantile(values, share)), unit, target)

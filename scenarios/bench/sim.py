@@ -15,22 +15,21 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
-from autonomy.types import ControlLevel, Setpoint
 from flightsim.autopilot.modes import LandedState
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.links import UdpLink
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.sensors.cameras import Cameras
-from flightsim.simulator import Observer
+from flightsim.simulator import TICK_US, Observer
 from flightsim.testbench import Testbench, TestbenchCfg
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.clients import Clients
 from scenarios.bench.configs import BenchError, SimBenchCfg
+from scenarios.bench.figure_eight import hold
 from scenarios.bench.launch import seconds_to_first_heartbeat
-from scenarios.bench.row import Row
+from scenarios.bench.row import OnProgress, Row, higher, lower
 
-TICK_US = 20_000
 LEAST_SPEED = 30.0
 """Target in simulated seconds per CPU second for the whole stack without cameras."""
 LONGEST_LAUNCH_S = 3.0
@@ -60,12 +59,8 @@ class _Flight:
     n_messages: int
 
 
-def rows(cfg: SimBenchCfg, on_progress: Callable[[str, float], None]) -> Iterator[Row]:
+def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Run every part of the benchmark.
-
-    Args:
-        cfg: Flights to make.
-        on_progress: Called before each part with its title and the share done.
 
     Raises:
         SceneError: If there is no such scene.
@@ -87,36 +82,20 @@ def rows(cfg: SimBenchCfg, on_progress: Callable[[str, float], None]) -> Iterato
     on_progress("recording with cameras", 0.55)
     yield _recorded(cfg, scene, camera_hz=CAMERA_HZ)
     on_progress("launch", 0.9)
-    yield Row(
-        metric="launch to first heartbeat",
-        value=seconds_to_first_heartbeat(cfg.scene, cfg.vehicle),
-        unit="s",
-        target=LONGEST_LAUNCH_S,
-        better="lower",
-    )
+    launch_s = seconds_to_first_heartbeat(cfg.scene, cfg.vehicle)
+    yield lower("launch to first heartbeat", launch_s, "s", LONGEST_LAUNCH_S)
     on_progress("done", 1.0)
 
 
 def _whole_stack(cfg: SimBenchCfg, scene: Scene) -> Iterator[Row]:
     flight = _fly(cfg, scene, cfg.seconds)
-    yield Row(
-        metric="whole stack, two UDP clients",
-        value=flight.sim_s / flight.cpu_s,
-        unit=_SPEED_UNIT,
-        target=LEAST_SPEED,
-    )
-    yield Row(
-        metric="whole stack, by the wall clock",
-        value=flight.sim_s / flight.wall_s,
-        unit="simulated s / wall s",
-    )
+    sim_s = flight.sim_s
+    yield higher("whole stack, two UDP clients", sim_s / flight.cpu_s, _SPEED_UNIT, LEAST_SPEED)
+    yield higher("whole stack, by the wall clock", sim_s / flight.wall_s, "simulated s / wall s")
     for part, tick_us in flight.shares_us.items():
-        yield Row(metric=f"tick of 20 ms: {part}", value=tick_us, unit="us", better="lower")
-    yield Row(
-        metric="MAVLink received by both clients",
-        value=flight.n_messages / flight.sim_s,
-        unit="messages / simulated s",
-    )
+        yield lower(f"tick of 20 ms: {part}", tick_us, "us")
+    rate = flight.n_messages / sim_s
+    yield higher("MAVLink received by both clients", rate, "messages / simulated s")
 
 
 def _fly(
@@ -132,14 +111,8 @@ def _fly(
             UdpLink(local_port=0, remote_port=port, profile=profile)
             for port, profile in zip(clients.ports, ("normal", "onboard"), strict=True)
         )
-        bench = stack.enter_context(
-            Testbench(
-                scene,
-                bench_cfg,
-                has_network=False,
-                extra_links=(gcs, sdk),
-            )
-        )
+        bench = Testbench(scene, bench_cfg, has_network=False, extra_links=(gcs, sdk))
+        stack.enter_context(bench)
         _take_off(bench)
         if equip is not None:
             bench.observers += equip(bench, stack)
@@ -187,8 +160,7 @@ def _fly_square(bench: Testbench, seconds: float) -> None:
     leg = 0
     while plant.time_us < end_us:
         dx, dy = _CORNERS_M[leg % len(_CORNERS_M)]
-        place = frame.geodetic_from_enu((east + dx, north + dy, up))
-        reply = autopilot.goto(place)
+        reply = autopilot.goto(frame.geodetic_from_enu((east + dx, north + dy, up)))
         if not reply.is_accepted:
             raise BenchError(f"flight to a corner refused: {reply.reason}")
         bench.simulator.run(until_us=min(end_us, plant.time_us + round(_LEG_S * 1e6)))
@@ -201,20 +173,14 @@ def _plant_alone(world: World, seconds: float) -> Row:
     east, north, up = plant.truth.position_enu_m
     for _ in range(100):
         plant.advance()
-    plant.apply(
-        Setpoint(
-            level=ControlLevel.TRAJECTORY,
-            position_enu_m=(east, north, up + _CLIMB_M),
-            yaw_rad=0.0,
-        )
-    )
+    plant.apply(hold((east, north, up + _CLIMB_M)))
     cpu_s = time.process_time()
     for _ in range(round(seconds * 1e6 / TICK_US)):
         plant.advance()
     cpu_s = time.process_time() - cpu_s
     if plant.truth.position_enu_m[2] < up + 1.0:
         raise BenchError("the plant alone did not climb")
-    return Row(metric="plant alone", value=seconds / cpu_s, unit=_SPEED_UNIT)
+    return higher("plant alone", seconds / cpu_s, _SPEED_UNIT)
 
 
 def _physics_alone(world: World) -> Row:
@@ -227,7 +193,7 @@ def _physics_alone(world: World) -> Row:
     cpu_s = time.process_time()
     mujoco.mj_step(model, data, nstep=_N_STEPS)
     step_us = 1e6 * (time.process_time() - cpu_s) / _N_STEPS
-    return Row(metric="mj_step alone, airborne", value=step_us, unit="us", better="lower")
+    return lower("mj_step alone, airborne", step_us, "us")
 
 
 def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
@@ -235,16 +201,13 @@ def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
     seconds = cfg.seconds * (_CAMERA_SHARE if camera_hz else 1.0)
     flight = _fly(cfg, scene, seconds, lambda bench, stack: _equip(bench, stack, camera_hz))
     suffix = f" and both cameras at {camera_hz} Hz" if camera_hz else ""
-    return Row(
-        metric=f"whole stack with recording{suffix}",
-        value=flight.sim_s / flight.cpu_s,
-        unit=_SPEED_UNIT,
-    )
+    return higher(f"whole stack with recording{suffix}", flight.sim_s / flight.cpu_s, _SPEED_UNIT)
 
 
 def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Observer]:
     """Observers that record a run to a temporary file."""
     from scenarios.recording import Recorder, RunInfo  # noqa: PLC0415 - half a second
+    from scenarios.run.watching import shutter  # noqa: PLC0415
 
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="aeroscene-")))
     cfg = bench.cfg
@@ -262,12 +225,4 @@ def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Obser
         return
     cameras = stack.enter_context(Cameras(bench.plant))
     cameras.listen(recorder.log_frame)
-    names = [mount.name for mount in bench.airframe.cameras]
-    period_us = 1_000_000 // camera_hz
-
-    def take_pictures() -> None:
-        if bench.plant.time_us % period_us < TICK_US:
-            for name in names:
-                cameras.render(name)
-
-    yield take_pictures
+    yield shutter(bench, cameras, camera_hz)

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from scenarios.bench.configs import (
@@ -26,6 +25,7 @@ from scenarios.bench.configs import (
 )
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
+from scenarios.cli.progress import share_bar
 
 _PROG = "aeroscene bench"
 
@@ -68,14 +68,8 @@ def run(cfg: BenchCfg) -> int:
     from scenarios.bench.launch import LaunchError  # noqa: PLC0415
 
     try:
-        with Progress(console=Console(stderr=True), transient=True) as progress:
-            task = progress.add_task("", total=1.0)
-            rows = tuple(
-                _module(cfg.bench).rows(
-                    cfg.bench,
-                    lambda title, share: progress.update(task, description=title, completed=share),
-                )
-            )
+        with share_bar() as on_progress:
+            rows = tuple(_module(cfg.bench).rows(cfg.bench, on_progress))
     except (SceneError, AirframeError, BenchError, LaunchError) as error:
         fail(_PROG, str(error))
     if cfg.bench.json:
@@ -97,10 +91,7 @@ def _module(bench: AnyBenchCfg) -> Any:
 
 
 def _to_plain(bench: AnyBenchCfg, rows: tuple[Row, ...]) -> dict[str, Any]:
-    options = {
-        name: str(value) if isinstance(value, Path) else value
-        for name, value in asdict(bench).items()
-    }
+    options = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(bench).items()}
     del options["json"]
     return {"bench": _NAMES[type(bench)], **options, "rows": [row.to_plain() for row in rows]}
 

@@ -10,7 +10,8 @@ import math
 import re
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from types import FrameType
 from typing import Any, NoReturn
 
 import tyro
@@ -92,6 +93,23 @@ def fail(prog: str, message: str) -> NoReturn:
     """Say in one line on standard error what was wrong, and exit with status 2."""
     sys.stderr.write(f"{prog}: error: {' '.join(message.split())}\n")
     sys.exit(EXIT_BAD_INPUT)
+
+
+def fail_on_file(prog: str, error: OSError) -> NoReturn:
+    """Say which file cannot be read or written, and why; exit with status 2."""
+    where = f"file {error.filename!r}: " if error.filename else ""
+    fail(prog, f"{where}{(error.strerror or str(error)).lower()}")
+
+
+@contextlib.contextmanager
+def handling_signals(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Have Ctrl-C and an end from outside call a handler; after that they do what they did."""
+    before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
 def print_json(facts: Mapping[str, Any]) -> None:

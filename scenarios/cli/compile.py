@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rich.console import Console
-from rich.progress import Progress
-
 from scenarios.cli.command_line import EXIT_DONE
+from scenarios.cli.progress import share_bar
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,9 +20,6 @@ def run(_: CompileCfg) -> int:
     """Compile."""
     from scenarios.run.kernels import compile_everything  # noqa: PLC0415 - all that compiles
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=1.0)
-        compile_everything(
-            lambda title, share: bar.update(task, description=title, completed=share)
-        )
+    with share_bar() as on_progress:
+        compile_everything(on_progress)
     return EXIT_DONE

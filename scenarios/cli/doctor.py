@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
+from scenarios.cli.progress import share_bar
 from scenarios.doctor.diagnosis import Diagnosis, diagnose
 
 _STYLES = {"ok": "green", "note": "yellow", "problem": "bold red"}
@@ -27,11 +27,8 @@ class DoctorCfg:
 
 def run(cfg: DoctorCfg) -> int:
     """Check everything and print it."""
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("", total=1.0)
-        diagnosis = diagnose(
-            lambda title, share: progress.update(task, description=title, completed=share)
-        )
+    with share_bar() as on_progress:
+        diagnosis = diagnose(on_progress)
     if cfg.json:
         print_json(diagnosis.to_json())
     else:

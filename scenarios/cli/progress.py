@@ -1,8 +1,8 @@
-"""A bar on standard error for work that goes scene by scene."""
+"""Bars on standard error: for work in parts, and for work that goes scene by scene."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol
 
@@ -32,6 +32,18 @@ class _Rate(ProgressColumn):
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
         return Text("" if speed is None else f"{speed:.1f} {task.fields['unit']}/s")
+
+
+@contextmanager
+def share_bar() -> Iterator[Callable[[str, float], None]]:
+    """A bar for work in parts, gone when all is done.
+
+    Yields:
+        What to call with the title of a part and the share that is done, 0 to 1.
+    """
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=1.0)
+        yield lambda title, share: progress.update(task, description=title, completed=share)
 
 
 @contextmanager

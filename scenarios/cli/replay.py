@@ -102,16 +102,32 @@ def _film(recording: Path, video: Path) -> None:
 
 def _show(cfg: ReplayCfg) -> None:
     from scenarios.recording.summary import readable  # noqa: PLC0415
+
+    with readable(cfg.recording) as source:
+        show(cfg.viewer, source, f"{cfg.recording} plays")
+
+
+def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> None:
+    """Open an .rrd file in a viewer until the user closes it.
+
+    Args:
+        kind: Which viewer; auto opens a window where there is a display.
+        source: The file.
+        what: Subject and verb of the line that says where it can be seen.
+
+    Raises:
+        ViewerError: If the viewer cannot be opened.
+        RerunMissingError: If rerun's program is not installed.
+    """
     from scenarios.recording.viewer import Viewer, has_display  # noqa: PLC0415
 
     # An end from outside must end the viewer too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    kind = cfg.viewer
     if kind == "auto":
         kind = "native" if has_display() else "web"
-    with readable(cfg.recording) as source, Viewer(kind, source) as viewer:
+    with Viewer(kind, source) as viewer:
         if viewer.url is not None:
-            print(f"{cfg.recording} plays at {viewer.url}\nCtrl-C ends it.", flush=True)
+            print(f"{what} at {viewer.url}\nCtrl-C ends it.", flush=True)
         try:
             viewer.wait()
         except KeyboardInterrupt:
@@ -127,10 +143,8 @@ def _print_summary(summary: RecordingSummary, *, is_json: bool) -> None:
     for name, value in _headline(summary):
         head.add_row(name, value)
     console.print(head)
-    for title, figures in (
-        ("verdict", summary.verdict or {}),
-        ("rows of each entity", summary.entities),
-    ):
+    parts = {"verdict": summary.verdict or {}, "rows of each entity": summary.entities}
+    for title, figures in parts.items():
         if figures:
             table = Table("name", "value", title=title, title_justify="left")
             for name, value in figures.items():

@@ -15,7 +15,13 @@ import tyro
 from rich.console import Console
 
 from flightsim.testbench import TestbenchError
-from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, execute, print_json
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_NEGATIVE,
+    execute,
+    handling_signals,
+    print_json,
+)
 from scenarios.cli.status_line import StatusLine
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
@@ -150,7 +156,7 @@ def _keep_open(console: Console, viewer: Viewer) -> None:
 
 @contextlib.contextmanager
 def _stop_on_signals() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C and termination into a request; a second Ctrl-C interrupts at once."""
+    """Turn Ctrl-C and termination into a request; a second one interrupts at once."""
     requested: list[int] = []
 
     def request(number: int, _: FrameType | None) -> None:
@@ -158,13 +164,8 @@ def _stop_on_signals() -> Iterator[Callable[[], bool]]:
             raise KeyboardInterrupt
         requested.append(number)
 
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, request) for number in numbers]
-    try:
+    with handling_signals(request):
         yield lambda: bool(requested)
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""`aeroscene train`."""
+"""`aeroscene train`: a model that generates scenes, trained step by step."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from scenarios.cli.command_line import (
     EXIT_INTERRUPTED,
     default_hint,
     fail,
+    fail_on_file,
+    handling_signals,
     print_json,
 )
 from scenarios.cli.progress import progress_bar
@@ -91,8 +93,7 @@ def run(cfg: TrainCfg) -> int:
     except SceneError as error:
         fail(_PROG, str(error))
     except OSError as error:
-        where = f"file {error.filename!r}: " if error.filename else ""
-        fail(_PROG, f"{where}{(error.strerror or str(error)).lower()}")
+        fail_on_file(_PROG, error)
     _report(cfg, plan, training, is_done=is_done)
     return EXIT_DONE if is_done else EXIT_INTERRUPTED
 
@@ -120,12 +121,8 @@ def _asked_to_stop() -> Iterator[threading.Event]:
         event.set()
         signal.signal(number, signal.default_int_handler)
 
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with handling_signals(ask):
         yield event
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _open_state(cfg: TrainCfg) -> TrainingState | None:
@@ -249,14 +246,11 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
         }
         print_json(facts | figures)
         return
-    losses = ", ".join(
-        f"{name.replace('_', ' ')} {figures[name]:.4f}"
-        for name in ("loss", "held_out_loss")
-        if name in figures
-    )
-    spent = ""
+    said = f"parts {', '.join(training.parts)}"
     if "steps" in figures:
-        spent = f"{figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, "
-    print(f"{path}: {spent}{losses}" if spent else f"{path}: parts {', '.join(training.parts)}")
+        names = [name for name in ("loss", "held_out_loss") if name in figures]
+        losses = ", ".join(f"{name.replace('_', ' ')} {figures[name]:.4f}" for name in names)
+        said = f"{figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, {losses}"
+    print(f"{path}: {said}")
     if not is_done:
         sys.stderr.write(f"{_PROG}: stopped and saved; --resume goes on from here\n")

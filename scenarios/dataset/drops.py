@@ -33,7 +33,7 @@ LEAST_SHARE = 0.99
 """Share of the drops that must come to rest on their areas."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Drop:
     """Judged result of one fall on one area."""
 
@@ -138,15 +138,8 @@ def _drop_in_scene(reader: SceneSet[Entry], task: _Task[Entry]) -> list[Drop]:
     drops = []
     for number, yaw_rad in task.drops:
         area = scene.landing_areas[number]
-        fall = vehicle.fall(area, yaw_rad)
-        drops.append(
-            Drop(
-                scene_id=scene.scene_id,
-                area_id=area.id,
-                drone_class=area.drone_class,
-                faults=tuple(_faults(fall, area)),
-            )
-        )
+        faults = tuple(_faults(vehicle.fall(area, yaw_rad), area))
+        drops.append(Drop(scene.scene_id, area.id, area.drone_class, faults))
     return drops
 
 

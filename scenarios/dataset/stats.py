@@ -86,10 +86,7 @@ class Statistics:
 
 
 def statistics(
-    dataset: SceneSet[Entry],
-    beside: Mapping[str, Sequence[Layout]],
-    jobs: int,
-    bar: Bar,
+    dataset: SceneSet[Entry], beside: Mapping[str, Sequence[Layout]], jobs: int, bar: Bar
 ) -> Statistics:
     """Read and count all scenes.
 

@@ -20,3 +20,9 @@ class Check:
     value: str
     remedy: str = ""
     """Remedy; empty if none is needed."""
+
+
+def judged(name: str, value: str, remedy: str, *, is_fine: bool, fault: Status = "note") -> Check:
+    """An item that is fine, or has a fault and a remedy."""
+    status: Status = "ok" if is_fine else fault
+    return Check(name=name, status=status, value=value, remedy="" if is_fine else remedy)

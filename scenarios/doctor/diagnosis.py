@@ -50,14 +50,8 @@ def diagnose(
             for check in group():
                 checks.append(check)  # noqa: PERF402 - what came before a failure counts
         except Exception as error:  # noqa: BLE001 - whatever breaks is the finding
-            checks.append(
-                Check(
-                    name=title,
-                    status="problem",
-                    value=f"{type(error).__name__}: {' '.join(str(error).split())}",
-                    remedy=REINSTALL,
-                )
-            )
+            value = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            checks.append(Check(name=title, status="problem", value=value, remedy=REINSTALL))
     on_progress("done", 1.0)
     return Diagnosis(
         can_fly=all(check.status != "problem" for check in checks), checks=tuple(checks)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from typing import TYPE_CHECKING
 
-from scenarios.doctor.check import Check
+from scenarios.doctor.check import Check, judged
 
 if TYPE_CHECKING:
     from flightsim.testbench import Testbench
@@ -43,11 +45,8 @@ def check_flight() -> Iterator[Check]:
     cfg = TestbenchCfg(vehicle=_VEHICLE, speed="max")
     with Testbench(open_scene(_SCENE), cfg, has_network=False) as bench:
         ready_s = time.perf_counter() - start_s
-        yield Check(
-            name="world",
-            status="ok",
-            value=f"scene {_SCENE} with {_VEHICLE} ready in {ready_s:.2f} s",
-        )
+        value = f"scene {_SCENE} with {_VEHICLE} ready in {ready_s:.2f} s"
+        yield Check(name="world", status="ok", value=value)
         yield _take_off(bench)
         yield from _check_cameras(bench)
 
@@ -63,45 +62,28 @@ def _take_off(bench: Testbench) -> Check:
     simulator.run(until_us=plant.time_us + round(_CLIMB_S * 1e6))
     factor = plant.time_us * 1e-6 / (time.perf_counter() - start_s)
     climb_m = plant.truth.position_enu_m[2] - start_m
-    if climb_m < _LEAST_CLIMB_M:
+    is_fine = climb_m >= _LEAST_CLIMB_M
+    value = f"climbed {climb_m:.1f} m at {factor:.0f} x real time"
+    if not is_fine:
         reasons = "; ".join((*autopilot.prearm.reasons, takeoff.reason, arm.reason)).strip("; ")
-        return Check(
-            name="take-off",
-            status="problem",
-            value=f"climbed {climb_m:.2f} m ({reasons})",
-            remedy="please report it with this table",
-        )
-    return Check(
-        name="take-off", status="ok", value=f"climbed {climb_m:.1f} m at {factor:.0f} x real time"
-    )
+        value = f"climbed {climb_m:.2f} m ({reasons})"
+    remedy = "please report it with this table"
+    return judged("take-off", value, remedy, is_fine=is_fine, fault="problem")
 
 
 def _check_cameras(bench: Testbench) -> Iterator[Check]:
     from flightsim.sensors.cameras import open_camera_renderer  # noqa: PLC0415
 
-    renderer = open_camera_renderer(bench.world, _WIDTH_PX, _HEIGHT_PX)
-    try:
-        frame_ms: list[float] = []
-        is_blank = False
+    camera, best_ms, is_blank = bench.airframe.cameras[0].name, math.inf, False
+    with closing(open_camera_renderer(bench.world, _WIDTH_PX, _HEIGHT_PX)) as renderer:
         for _ in range(_N_FRAMES):
             start_s = time.perf_counter()
-            frame = renderer.render(
-                bench.plant.data, bench.airframe.cameras[0].name, bench.plant.time_us
-            )
-            frame_ms.append(1e3 * (time.perf_counter() - start_s))
+            frame = renderer.render(bench.plant.data, camera, bench.plant.time_us)
+            best_ms = min(best_ms, 1e3 * (time.perf_counter() - start_s))
             is_blank = bool(frame.rgb.max() == frame.rgb.min())
-    finally:
-        renderer.close()
-    yield Check(
-        name="renderer",
-        status="problem" if is_blank else "ok",
-        value=f"{renderer.backend} ({renderer.reason})",
-        remedy="its image is blank: update the graphics driver" if is_blank else "",
-    )
-    best_ms = min(frame_ms)
-    yield Check(
-        name="camera frame",
-        status="ok" if best_ms <= _SMOOTH_FRAME_MS else "note",
-        value=f"{best_ms:.1f} ms for {_WIDTH_PX} x {_HEIGHT_PX} with depth",
-        remedy="" if best_ms <= _SMOOTH_FRAME_MS else "record at a lower --camera-hz",
-    )
+    backend = f"{renderer.backend} ({renderer.reason})"
+    remedy = "its image is blank: update the graphics driver"
+    yield judged("renderer", backend, remedy, is_fine=not is_blank, fault="problem")
+    value = f"{best_ms:.1f} ms for {_WIDTH_PX} x {_HEIGHT_PX} with depth"
+    is_smooth = best_ms <= _SMOOTH_FRAME_MS
+    yield judged("camera frame", value, "record at a lower --camera-hz", is_fine=is_smooth)

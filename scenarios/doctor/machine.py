@@ -11,7 +11,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from scenarios.doctor.check import REINSTALL, Check
+from scenarios.dataset.pool import default_jobs
+from scenarios.doctor.check import REINSTALL, Check, judged
 
 SUPPORTED_PYTHONS = ((3, 11), (3, 12), (3, 13))
 LIBRARIES = (
@@ -34,23 +35,19 @@ _LEAST_MEMORY_MB = 1000
 
 def check_machine() -> Iterator[Check]:
     """Check interpreter, processor and memory."""
-    version = platform.python_version()
-    is_supported = sys.version_info[:2] in SUPPORTED_PYTHONS
-    yield Check(
-        name="python",
-        status="ok" if is_supported else "problem",
-        value=f"{version} on {platform.platform(terse=True)}",
-        remedy="" if is_supported else "install Python 3.11, 3.12 or 3.13",
+    yield judged(
+        "python",
+        f"{platform.python_version()} on {platform.platform(terse=True)}",
+        "install Python 3.11, 3.12 or 3.13",
+        is_fine=sys.version_info[:2] in SUPPORTED_PYTHONS,
+        fault="problem",
     )
-    yield Check(name="processor", status="ok", value=f"{_processor()}, {_usable_cores()} cores")
+    yield Check(name="processor", status="ok", value=f"{_processor()}, {default_jobs()} cores")
     memory_mb = _memory_mb()
+    value = "unknown" if memory_mb is None else f"{memory_mb / 1000:.1f} GB"
+    remedy = "a flight with cameras takes about 1 GB: close something"
     is_enough = memory_mb is None or memory_mb >= _LEAST_MEMORY_MB
-    yield Check(
-        name="memory",
-        status="ok" if is_enough else "note",
-        value="unknown" if memory_mb is None else f"{memory_mb / 1000:.1f} GB",
-        remedy="" if is_enough else "a flight with cameras takes about 1 GB: close something",
-    )
+    yield judged("memory", value, remedy, is_fine=is_enough)
 
 
 def check_libraries() -> Iterator[Check]:
@@ -87,39 +84,28 @@ def check_storage() -> Iterator[Check]:
     cache = Path(os.environ.get("AEROSCENE_CACHE_DIR") or platformdirs.user_cache_dir("aeroscene"))
     is_writable = _is_writable(cache)
     size_mb = sum(p.stat().st_size for p in cache.rglob("*") if p.is_file()) / 1e6
-    yield Check(
-        name="cache",
-        status="ok" if is_writable else "note",
-        value=f"{cache}, {size_mb:.0f} MB" + ("" if is_writable else ", not writable"),
-        remedy="" if is_writable else "make it writable, or set AEROSCENE_CACHE_DIR to a folder",
-    )
+    value = f"{cache}, {size_mb:.0f} MB" + ("" if is_writable else ", not writable")
+    remedy = "make it writable, or set AEROSCENE_CACHE_DIR to a folder"
+    yield judged("cache", value, remedy, is_fine=is_writable)
     free_gb = shutil.disk_usage(Path.cwd()).free / 1e9
     yield Check(name="disk", status="ok", value=f"{free_gb:.0f} GB free for recordings")
 
 
+def _linux_says(file: str, name: str) -> str | None:
+    """First value of a name in a file of /proc; None where there is none."""
+    information = Path("/proc") / file
+    lines = information.read_text().splitlines() if information.exists() else []
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith(name)), None)
+
+
 def _processor() -> str:
-    """Name of the processor."""
-    information = Path("/proc/cpuinfo")
-    if information.exists():
-        for line in information.read_text().splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
-
-
-def _usable_cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return _linux_says("cpuinfo", "model name") or platform.processor() or platform.machine()
 
 
 def _memory_mb() -> float | None:
     """Memory available to a new program; None if the system does not report it."""
-    information = Path("/proc/meminfo")
-    if information.exists():
-        for line in information.read_text().splitlines():
-            if line.startswith("MemAvailable"):
-                return int(line.split()[1]) * 1.024e-3
+    if (available := _linux_says("meminfo", "MemAvailable")) is not None:
+        return int(available.split()[0]) * 1.024e-3
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") * 1e-6
     except (ValueError, OSError):

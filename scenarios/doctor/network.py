@@ -6,7 +6,7 @@ import errno
 import socket
 from collections.abc import Iterator, Mapping
 
-from scenarios.doctor.check import Check
+from scenarios.doctor.check import Check, judged
 
 _LOOPBACK = "127.0.0.1"
 _VEHICLE_PORTS: Mapping[str, tuple[int, int]] = {
@@ -20,16 +20,12 @@ _CLIENT_PORTS: Mapping[str, int] = {"UDP 14550": 14550, "UDP 14540": 14540}
 def check_ports() -> Iterator[Check]:
     """Check that the vehicle's MAVLink ports are free, and whether clients listen already."""
     for name, (kind, port) in _VEHICLE_PORTS.items():
-        is_free = _is_free(kind, port)
-        yield Check(
-            name=name,
-            status="ok" if is_free else "note",
-            value="free" if is_free else "in use",
-            remedy="" if is_free else "end what uses it, or fly with --instance 1",
-        )
+        has_room = is_free(kind, port)
+        remedy = "end what uses it, or fly with --instance 1"
+        yield judged(name, "free" if has_room else "in use", remedy, is_fine=has_room)
     for name, port in _CLIENT_PORTS.items():
-        is_free = _is_free(socket.SOCK_DGRAM, port)
-        value = "no client listens yet" if is_free else "a client listens"
+        has_room = is_free(socket.SOCK_DGRAM, port)
+        value = "no client listens yet" if has_room else "a client listens"
         yield Check(name=f"client at {name}", status="ok", value=value)
 
 
@@ -50,7 +46,8 @@ def check_viewer() -> Iterator[Check]:
     yield Check(name="viewer", status="ok", value=kinds)
 
 
-def _is_free(kind: int, port: int) -> bool:
+def is_free(kind: int, port: int) -> bool:
+    """Whether nobody has a loopback port, by kind of socket."""
     with socket.socket(socket.AF_INET, kind) as probe:
         if kind == socket.SOCK_STREAM:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -48,12 +48,8 @@ class Backdrop:
         frame = self.frame
         local = (points_enu_m - np.array(frame.position_enu_m)) @ frame.rotation_enu_from_optical
         depth_m = np.where(local[:, 2] > _NEAR_M, local[:, 2], np.nan)
-        places = np.column_stack(
-            [
-                frame.fx * local[:, 0] / depth_m + frame.cx,
-                frame.fy * local[:, 1] / depth_m + frame.cy,
-            ]
-        )
+        across, down = frame.fx * local[:, 0] / depth_m, frame.fy * local[:, 1] / depth_m
+        places = np.column_stack([across + frame.cx, down + frame.cy])
         height, width = frame.depth_m.shape
         column = np.clip(np.nan_to_num(places[:, 0]), 0, width - 1).round().astype(int)
         row = np.clip(np.nan_to_num(places[:, 1]), 0, height - 1).round().astype(int)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,9 +44,7 @@ def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
     flown = thinned(story.track)
     above, aside, is_opened = _backdrops(story, world, flown)
     figure = style.new_figure(*_SIZE_IN)
-    figure.suptitle(
-        textwrap.shorten(story.title, 150), x=0.008, ha="left", fontsize=14, color=style.INK
-    )
+    style.title(figure, textwrap.shorten(story.title, 150))
     grid = figure.add_gridspec(2, 2, height_ratios=[2.55, 1.0])
     panels = [figure.add_subplot(grid[place]) for place in ((0, 0), (0, 1))]
     view = View(panels[0], above)
@@ -67,12 +66,7 @@ def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
 def thinned(track: Track) -> Track:
     """Every so many points of a track, the last among them."""
     keep = np.unique(np.append(np.arange(0, len(track.time_s), _STRIDE), len(track.time_s) - 1))
-    return Track(
-        time_s=track.time_s[keep],
-        true_enu_m=track.true_enu_m[keep],
-        est_enu_m=track.est_enu_m[keep],
-        ref_enu_m=track.ref_enu_m[keep],
-    )
+    return Track(**{row.name: getattr(track, row.name)[keep] for row in fields(Track)})
 
 
 def _backdrops(story: FlightStory, world: World, flown: Track) -> tuple[Backdrop, Backdrop, bool]:
@@ -145,17 +139,6 @@ def _explain(axes: Axes, story: FlightStory, corner: Corner) -> None:
             Line2D([], [], color=style.AREA, label=f"{story.area.kind} area {story.area.id}")
         )
     symbols = [("o", "start"), *([("*", "touchdown point")] if story.touchdown_enu_m else [])]
-    for marker, words in symbols:
-        shown.append(
-            Line2D(
-                [],
-                [],
-                marker=marker,
-                color="white",
-                markeredgecolor=style.INK,
-                label=words,
-                linestyle="none",
-                markersize=9,
-            )
-        )
+    looks = {"color": "white", "markeredgecolor": style.INK, "linestyle": "none", "markersize": 9}
+    shown += [Line2D([], [], marker=marker, label=words, **looks) for marker, words in symbols]
     axes.legend(handles=shown, loc=corner, fontsize=9, framealpha=0.85, edgecolor=style.RULE)

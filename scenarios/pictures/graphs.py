@@ -95,25 +95,16 @@ def _draw_phases(axes: Axes, story: FlightStory, begin_s: float, end_s: float) -
             continue
         axes.axvspan(left, right, color=_BANDS[number % 2], zorder=0, linewidth=0)
         if right - left > _LABELLED_SHARE * (end_s - begin_s):
-            axes.text(
-                (left + right) / 2,
-                0.96,
-                name,
-                transform=axes.get_xaxis_transform(),
-                fontsize=9,
-                color=style.PALE,
-                rotation=90,
-                ha="center",
-                va="top",
-            )
+            place = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top"}
+            looks = {"fontsize": 9, "color": style.PALE, "rotation": 90}
+            axes.text((left + right) / 2, 0.96, name, **place, **looks)
 
 
 def _span(time_s: np.ndarray, is_flying: np.ndarray) -> tuple[float, float]:
     """From a second before the rotors turn to a second after."""
     shown = time_s[is_flying] if is_flying.any() else time_s
-    return max(float(time_s[0]), float(shown[0]) - 1.0), min(
-        float(time_s[-1]), float(shown[-1]) + 1.0
-    )
+    first_s, *_, last_s = time_s.tolist()
+    return max(first_s, float(shown[0]) - 1.0), min(last_s, float(shown[-1]) + 1.0)
 
 
 def _distance(a_m: np.ndarray, b_m: np.ndarray) -> np.ndarray:

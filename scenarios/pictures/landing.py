@@ -37,15 +37,15 @@ _ROOM_ABOVE_M = 1.5
 """The picture from above shows what is lower than this above the touchdown point."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _Layer:
     """A panel: values by cell, in which colours, and the limit that a vehicle sets."""
 
     title: str
     unit: str
     values: Float[np.ndarray, "n n"]
-    colours: str
     top: float
+    colours: str = "viridis"
     low: float = 0.0
     limit: float | None = None
 
@@ -64,7 +64,7 @@ def draw_landing(story: FlightStory, paths: Sequence[Path]) -> None:
     landing, needs = story.landing, _needs(story)
     figure = style.new_figure(*_SIZE_IN)
     area = "" if story.area is None else f", {story.area.kind} area {story.area.id}"
-    figure.suptitle(f"{story.title}{area}", x=0.008, ha="left", fontsize=14, color=style.INK)
+    style.title(figure, f"{story.title}{area}")
     panels = figure.subplots(2, 3).ravel()
     _draw_picture(panels[0], story, landing)
     for axes, layer in zip(panels[1:5], _layers(landing, needs, _level_m(story)), strict=True):
@@ -95,39 +95,17 @@ def _level_m(story: FlightStory) -> float:
 def _layers(landing: LandingLayers, needs: LandingNeeds, level_m: float) -> list[_Layer]:
     relief_m = landing.height_m - level_m
     reach_m = max(_RELIEF_M, float(np.nanquantile(np.abs(relief_m), _USUAL)))
-    slope_limit_deg = math.degrees(needs.max_slope_rad)
+    slope_deg, steepest_deg = np.degrees(landing.slope_rad), math.degrees(needs.max_slope_rad)
+    roughness_cm, roughest_cm = 100 * landing.roughness_m, 100 * needs.max_roughness_m
+    clearance_m = landing.clearance_m
+    widest_m = max(needs.enough_clearance_m, float(np.nanmax(clearance_m)))
     return [
         _Layer(
-            title="elevation against the touchdown point",
-            unit="m",
-            values=relief_m,
-            colours="RdYlBu_r",
-            low=-reach_m,
-            top=reach_m,
+            "elevation against the touchdown point", "m", relief_m, reach_m, "RdYlBu_r", -reach_m
         ),
-        _Layer(
-            title="slope under the feet",
-            unit="degrees",
-            values=np.degrees(landing.slope_rad),
-            colours="viridis",
-            top=2 * slope_limit_deg,
-            limit=slope_limit_deg,
-        ),
-        _Layer(
-            title="roughness under the feet",
-            unit="cm",
-            values=100 * landing.roughness_m,
-            colours="viridis",
-            top=200 * needs.max_roughness_m,
-            limit=100 * needs.max_roughness_m,
-        ),
-        _Layer(
-            title="clearance to the nearest unsafe place",
-            unit="m",
-            values=landing.clearance_m,
-            colours="cividis",
-            top=max(needs.enough_clearance_m, float(np.nanmax(landing.clearance_m))),
-        ),
+        _Layer("slope under the feet", "degrees", slope_deg, 2 * steepest_deg, limit=steepest_deg),
+        _Layer("roughness under the feet", "cm", roughness_cm, 2 * roughest_cm, limit=roughest_cm),
+        _Layer("clearance to the nearest unsafe place", "m", clearance_m, widest_m, "cividis"),
     ]
 
 
@@ -222,17 +200,9 @@ def _draw_marks(axes: Axes, story: FlightStory, needs: LandingNeeds) -> None:
         return
     place = story.touchdown_enu_m[:2]
     for radius_m, pattern in ((needs.footprint_radius_m, "solid"), (needs.body_radius_m, "dashed")):
-        for colour, width in (("white", 3.0), (style.INK, 1.3)):
-            axes.add_patch(
-                Circle(
-                    place,
-                    radius_m,
-                    fill=False,
-                    edgecolor=colour,
-                    linewidth=width,
-                    linestyle=pattern if colour != "white" else "solid",
-                )
-            )
+        for colour, width, line in (("white", 3.0, "solid"), (style.INK, 1.3, pattern)):
+            looks = {"edgecolor": colour, "linewidth": width, "linestyle": line}
+            axes.add_patch(Circle(place, radius_m, fill=False, **looks))
     axes.plot(*place, "+", color="white", markersize=11, markeredgewidth=3)
     axes.plot(*place, "+", color=style.INK, markersize=10, markeredgewidth=1.3)
 

@@ -38,12 +38,7 @@ class View:
         for spine in axes.spines.values():
             spine.set_visible(False)
 
-    def path(
-        self,
-        points_enu_m: Float[np.ndarray, "n 3"],
-        colour: str,
-        width: float,
-    ) -> None:
+    def path(self, points_enu_m: Float[np.ndarray, "n 3"], colour: str, width: float) -> None:
         """A line of one colour."""
         segments, is_hidden = self._segments(points_enu_m)
         for part, alpha in ((~is_hidden, 1.0), (is_hidden, _HIDDEN_ALPHA)):
@@ -64,13 +59,8 @@ class View:
         self._add(shown, width + 1.4, colors=style.INK, capstyle="round")
         scale = Normalize(0.0, top_mps)
         options = {"cmap": style.SPEED_MAP, "norm": scale, "capstyle": "round"}
-        self._add(
-            segments[is_hidden],
-            width,
-            array=speed_mps[1:][is_hidden],
-            alpha=_HIDDEN_ALPHA,
-            **options,
-        )
+        pale = {"alpha": _HIDDEN_ALPHA, **options}
+        self._add(segments[is_hidden], width, array=speed_mps[1:][is_hidden], **pale)
         return self._add(shown, width, array=speed_mps[1:][~is_hidden], **options)
 
     def _segments(

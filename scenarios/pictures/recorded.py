@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.scene.io import scene_from_json
+from autonomy.types import Vector3, vector3
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.pictures.story import (
@@ -148,9 +149,8 @@ def _movers(rows: RecordedRows) -> tuple[MoverPath, ...]:
     for entity in rows.entities:
         if entity.startswith(f"{layout.TRAFFIC}/"):
             _, points = rows.vectors(entity, "Transform3D:translation")
-            paths.append(
-                MoverPath(name=entity.rpartition("/")[2], points_enu_m=points.astype(float))
-            )
+            name = entity.rpartition("/")[2]
+            paths.append(MoverPath(name=name, points_enu_m=points.astype(float)))
     return tuple(path for path in paths if len(path.points_enu_m))
 
 
@@ -158,23 +158,16 @@ def _area(scene: Scene, area_id: int | None) -> InteractionArea | None:
     return next((area for area in scene.interaction_areas if area.id == area_id), None)
 
 
-def _touchdown(rows: RecordedRows) -> tuple[float, float, float] | None:
+def _touchdown(rows: RecordedRows) -> Vector3 | None:
     found = rows.rows(layout.TOUCHDOWN, "Points3D:positions")
-    if not found:
-        return None
-    x, y, z = found[-1][1][0]
-    return (x, y, z)
+    return vector3(np.array(found[-1][1][0])) if found else None
 
 
 def _landing(rows: RecordedRows) -> LandingLayers | None:
     """The last map whose layers were written."""
-    found = {
-        name: rows.rows(layout.LANDING_GRID, name)
-        for name in (
-            *("east_m", "north_m", "is_observed", "is_safe"),
-            *("height_m", "slope_rad", "roughness_m", "clearance_m"),
-        )
-    }
+    layers = ("height_m", "slope_rad", "roughness_m", "clearance_m")
+    names = ("east_m", "north_m", "is_observed", "is_safe", *layers)
+    found = {name: rows.rows(layout.LANDING_GRID, name) for name in names}
     if not all(found.values()):
         return None
     last = {name: np.array(values[-1][1]) for name, values in found.items()}
@@ -189,9 +182,6 @@ def _landing(rows: RecordedRows) -> LandingLayers | None:
     return LandingLayers(
         east_m=last["east_m"],
         north_m=last["north_m"],
-        height_m=spread("height_m"),
-        slope_rad=spread("slope_rad"),
-        roughness_m=spread("roughness_m"),
-        clearance_m=spread("clearance_m"),
+        **{name: spread(name) for name in layers},
         is_safe=spread("is_safe") == 1.0,
     )

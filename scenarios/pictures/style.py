@@ -59,6 +59,11 @@ def plain(axes: Axes) -> None:
         spine.set_color(RULE)
 
 
+def title(figure: Figure, text: str) -> None:
+    """The title of a page, at its upper left."""
+    figure.suptitle(text, x=0.008, ha="left", fontsize=14, color=INK)
+
+
 def heading(axes: Axes, text: str) -> None:
     """The title of a panel."""
     axes.set_title(text, loc="left", fontsize=11, color=INK)

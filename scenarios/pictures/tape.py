@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,11 +65,7 @@ class FlightTape:
             self._plans.append(planned_leg(plant.time_us * 1e-6, self._plan))
 
     def story(self, ending: str) -> FlightStory:
-        """What was gathered.
-
-        Args:
-            ending: How the run ended, in a few words.
-        """
+        """Everything that was gathered, with a few words about how the run ended."""
         plant, pilot = self._plant, self._pilot
         scene, airframe = plant.world.scene, plant.world.airframe
         known = FlightStory(
@@ -81,12 +78,8 @@ class FlightTape:
         if pilot is None:
             return known
         landing = pilot.landing_map
-        return FlightStory(
-            scene=scene,
-            airframe=airframe,
-            title=known.title,
-            track=known.track,
-            movers=known.movers,
+        return replace(
+            known,
             phases=tuple((t.time_us * 1e-6, t.target.value) for t in pilot.transitions),
             plans=tuple(self._plans),
             area=pilot.area,

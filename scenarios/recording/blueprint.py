@@ -119,20 +119,15 @@ def _overview(scene: Scene, goal_enu_m: Vector3 | None) -> rrb.EyeControls3D:
 
 
 def _camera_views(cameras: Sequence[str]) -> rrb.Container:
-    views: list[rrb.View] = []
-    for camera in cameras:
-        views += [
-            rrb.Spatial2DView(
-                name=f"{camera} colour",
-                origin=layout.camera(camera),
-                contents=[layout.camera(camera), layout.camera_rgb(camera)],
-            ),
-            rrb.Spatial2DView(
-                name=f"{camera} depth",
-                origin=layout.camera(camera),
-                contents=[layout.camera(camera), layout.camera_depth(camera)],
-            ),
-        ]
+    views = [
+        rrb.Spatial2DView(
+            name=f"{camera} {what}",
+            origin=layout.camera(camera),
+            contents=[layout.camera(camera), images(camera)],
+        )
+        for camera in cameras
+        for what, images in (("colour", layout.camera_rgb), ("depth", layout.camera_depth))
+    ]
     return rrb.Grid(*views, grid_columns=2)
 
 
@@ -169,7 +164,7 @@ def _plot(name: str, *entities: str) -> rrb.TimeSeriesView:
 
 
 def _axis_plots(what: str, unit: str) -> rrb.Container:
-    """A plot for each axis: what is true, what is believed, what is to be."""
+    """A plot for each axis, with the true, the estimated and the reference value."""
     plots = [
         rrb.TimeSeriesView(name=f"{axis}, {unit}", origin=f"{layout.STATE}/{what}/{axis}")
         for axis in layout.AXES

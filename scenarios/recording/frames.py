@@ -34,10 +34,8 @@ class FrameLog:
     def log(self, frame: RgbdFrame) -> None:
         """Write a frame at the stream's present time."""
         self._log_pinhole(frame)
-        self._stream.log(
-            layout.camera_rgb(frame.camera),
-            rr.Image(frame.rgb).compress(jpeg_quality=JPEG_QUALITY),
-        )
+        colour = rr.Image(frame.rgb).compress(jpeg_quality=JPEG_QUALITY)
+        self._stream.log(layout.camera_rgb(frame.camera), colour)
         self._stream.log(
             layout.camera_depth(frame.camera),
             rr.EncodedDepthImage(

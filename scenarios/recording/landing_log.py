@@ -40,13 +40,7 @@ class LandingLog:
         self._chosen_enu_m: Vector3 | None = None
 
     def log(self, time_us: int, landing: LandingMap, touchdown_enu_m: Vector3 | None) -> None:
-        """Write a map and the touchdown point on it.
-
-        Args:
-            time_us: When it was known.
-            landing: The map.
-            touchdown_enu_m: The point that was chosen; None if none was.
-        """
+        """Write a map as known at a time, and the touchdown point chosen on it, if one was."""
         set_sim_time(self._stream, time_us)
         cells_enu_m, cost = landing.cells_enu_m, landing.cost
         self._log_points(layout.LANDING_SAFETY, cells_enu_m, _mixed(cost, _SAFE_RGB, _UNSAFE_RGB))
@@ -57,8 +51,8 @@ class LandingLog:
         if touchdown_enu_m is not None:
             point = rr.Points3D([touchdown_enu_m], colors=_TOUCHDOWN_RGB, radii=_TOUCHDOWN_RADIUS_M)
             self._stream.log(layout.TOUCHDOWN, point)
-        if is_new and touchdown_enu_m is not None:
-            self._log_choice(time_us, touchdown_enu_m)
+            if is_new:
+                self._log_choice(time_us, touchdown_enu_m)
         self._chosen_enu_m = touchdown_enu_m
 
     def _is_elsewhere(self, place_enu_m: Vector3) -> bool:
@@ -102,11 +96,7 @@ class LandingLog:
         )
 
     def _log_points(
-        self,
-        entity: str,
-        cells_enu_m: Float[np.ndarray, "n 3"],
-        colours: UInt8[np.ndarray, "n 3"],
-        width: int = 1,
+        self, entity: str, cells_enu_m: np.ndarray, colours: np.ndarray, width: int = 1
     ) -> None:
         points = rr.Points3D(cells_enu_m, colors=colours, radii=width * _CELL_RADIUS_M)
         self._stream.log(entity, points)

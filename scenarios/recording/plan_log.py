@@ -30,13 +30,7 @@ class PlanLog:
         stream.log(layout.EARLIER_PLANS, thin, static=True)
 
     def log(self, time_us: int, points_enu_m: Float[np.ndarray, "n 3"], duration_s: float) -> None:
-        """Write a plan that is taken up at a time.
-
-        Args:
-            time_us: When.
-            points_enu_m: Along all of it, evenly in time.
-            duration_s: Of it.
-        """
+        """Write a plan that is taken up at a time, by points evenly in time along all of it."""
         set_sim_time(self._stream, time_us)
         if self._last is not None:
             self._log_earlier(time_us, *self._last)

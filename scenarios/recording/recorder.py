@@ -199,11 +199,7 @@ class Recorder:
         self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
 
     def conclude(self, verdict: Mapping[str, Any]) -> None:
-        """Write what waits and the verdict; the file is finished too where nobody watches live.
-
-        Args:
-            verdict: The figures of the run, as plain data.
-        """
+        """Write what waits and the run's figures; finish the file too where nobody watches live."""
         self.flush()
         log_verdict(self._stream, self._info, verdict)
         if self.url is None:

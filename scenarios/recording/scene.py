@@ -65,10 +65,7 @@ def _group_path(objects: Mapping[int, SceneObject], object_id: int) -> str:
 
 
 def _log_group(
-    stream: rr.RecordingStream,
-    path: str,
-    members: Sequence[Primitive],
-    categories: Mapping[int, int],
+    stream: rr.RecordingStream, path: str, members: list[Primitive], categories: Mapping[int, int]
 ) -> None:
     kinds: dict[str, list[Primitive]] = defaultdict(list)
     for primitive in members:
@@ -180,36 +177,26 @@ def _log_ground(stream: rr.RecordingStream, scene: Scene) -> None:
 
 
 def _log_areas(
-    stream: rr.RecordingStream,
-    path: str,
-    rgb: tuple[int, int, int],
-    areas: Sequence[InteractionArea],
+    stream: rr.RecordingStream, path: str, rgb: tuple[int, ...], areas: Sequence[InteractionArea]
 ) -> None:
     if not areas:
         return
     lifted = [np.array(a.polygon) + np.array((0.0, 0.0, _AREA_LIFT_M)) for a in areas]
-    stream.log(
-        f"{path}/outline",
-        rr.LineStrips3D(
-            [np.vstack([polygon, polygon[:1]]) for polygon in lifted],
-            colors=[rgb] * len(areas),
-            radii=0.03,
-            labels=[f"{a.kind} {a.drone_class} {a.id}" for a in areas],
-            show_labels=False,
-        ),
-        static=True,
+    outlines = rr.LineStrips3D(
+        [np.vstack([polygon, polygon[:1]]) for polygon in lifted],
+        colors=[rgb] * len(areas),
+        radii=0.03,
+        labels=[f"{a.kind} {a.drone_class} {a.id}" for a in areas],
+        show_labels=False,
     )
+    stream.log(f"{path}/outline", outlines, static=True)
     triangles = np.concatenate([polygon_triangles(polygon) for polygon in lifted])
-    n_corners = 3 * len(triangles)
-    stream.log(
-        f"{path}/fill",
-        rr.Mesh3D(
-            vertex_positions=triangles.reshape(-1, 3).astype(np.float32),
-            vertex_normals=[(0.0, 0.0, 1.0)] * n_corners,
-            albedo_factor=(*rgb, _AREA_FILL_ALPHA),
-        ),
-        static=True,
+    fill = rr.Mesh3D(
+        vertex_positions=triangles.reshape(-1, 3).astype(np.float32),
+        vertex_normals=[(0.0, 0.0, 1.0)] * (3 * len(triangles)),
+        albedo_factor=(*rgb, _AREA_FILL_ALPHA),
     )
+    stream.log(f"{path}/fill", fill, static=True)
 
 
 def polygon_triangles(polygon_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3 3"]:
@@ -220,9 +207,6 @@ def polygon_triangles(polygon_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarr
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(footprint))
     height_m = {tuple(corner[:2]): corner[2] for corner in polygon_enu_m}
     mean_m = float(polygon_enu_m[:, 2].mean())
-    return np.array(
-        [
-            [(x, y, height_m.get((x, y), mean_m)) for x, y in piece.exterior.coords[:3]]
-            for piece in pieces
-        ]
-    ).reshape(-1, 3, 3)
+    corners = [corner for piece in pieces for corner in piece.exterior.coords[:3]]
+    lifted = [(x, y, height_m.get((x, y), mean_m)) for x, y in corners]
+    return np.array(lifted).reshape(-1, 3, 3)

@@ -46,6 +46,8 @@ def _rotors(prefix: str) -> tuple[str, ...]:
     return tuple(f"{prefix} {i + 1}" for i in range(4))
 
 
+_ACCELERATIONS, _RATES = _axes("acceleration", " m/s²", _BODY), _axes("rate", " rad/s", _BODY)
+
 SERIES: tuple[ScalarSeries, ...] = (
     *(
         ScalarSeries(
@@ -60,20 +62,8 @@ SERIES: tuple[ScalarSeries, ...] = (
         )
     ),
     ScalarSeries(layout.WIND, "wind_enu_mps", _axes("air", " m/s"), _AXES),
-    ScalarSeries(
-        layout.ACCELERATION,
-        "accel_flu_mps2",
-        _axes("acceleration", " m/s²", _BODY),
-        _AXES,
-        is_fast=True,
-    ),
-    ScalarSeries(
-        layout.ANGULAR_RATE,
-        "gyro_flu_radps",
-        _axes("rate", " rad/s", _BODY),
-        _AXES,
-        is_fast=True,
-    ),
+    ScalarSeries(layout.ACCELERATION, "accel_flu_mps2", _ACCELERATIONS, _AXES, is_fast=True),
+    ScalarSeries(layout.ANGULAR_RATE, "gyro_flu_radps", _RATES, _AXES, is_fast=True),
     ScalarSeries(
         layout.MOTOR_COMMAND, "rotor_command_radps", _rotors("command"), _ROTORS, is_fast=True
     ),
@@ -82,10 +72,7 @@ SERIES: tuple[ScalarSeries, ...] = (
 
 DERIVED: tuple[ScalarSeries, ...] = (
     ScalarSeries(
-        layout.POSITION_ERROR,
-        "",
-        (*_axes("position", " m"), "distance m"),
-        (*_AXES, _GREY),
+        layout.POSITION_ERROR, "", (*_axes("position", " m"), "distance m"), (*_AXES, _GREY)
     ),
     ScalarSeries(layout.ATTITUDE_ERROR, "", ("attitude deg",), (_ORANGE,)),
 )
@@ -95,8 +82,5 @@ DERIVED: tuple[ScalarSeries, ...] = (
 def log_legends(stream: rr.RecordingStream) -> None:
     """Write names and colours of all series."""
     for series in (*SERIES, *DERIVED):
-        stream.log(
-            series.entity,
-            rr.SeriesLines(names=series.legend, colors=series.colours, widths=1.2),
-            static=True,
-        )
+        lines = rr.SeriesLines(names=series.legend, colors=series.colours, widths=1.2)
+        stream.log(series.entity, lines, static=True)

@@ -22,22 +22,13 @@ SAMPLE_TICKS = 5
 
 _Gauge = tuple[str, str, tuple[int, int, int], "Callable[[Plant], float]"]
 
+_ACROSS, _UPWARDS = f"{layout.POSITION_SIGMA}/horizontal", f"{layout.POSITION_SIGMA}/vertical"
 _GAUGES: tuple[_Gauge, ...] = (
     (layout.BATTERY_VOLTAGE, "voltage V", (240, 210, 70), lambda p: p.battery.voltage_v),
     (layout.BATTERY_CURRENT, "current A", (230, 80, 80), lambda p: p.battery.current_a),
     (layout.BATTERY_REMAINING, "remaining %", (90, 200, 90), lambda p: 100 * p.battery.remaining),
-    (
-        f"{layout.POSITION_SIGMA}/horizontal",
-        "sigma horizontal m",
-        (190, 120, 255),
-        lambda p: p.estimator.sigma_horizontal_m,
-    ),
-    (
-        f"{layout.POSITION_SIGMA}/vertical",
-        "sigma vertical m",
-        (60, 200, 190),
-        lambda p: p.estimator.sigma_vertical_m,
-    ),
+    (_ACROSS, "sigma horizontal m", (190, 120, 255), lambda p: p.estimator.sigma_horizontal_m),
+    (_UPWARDS, "sigma vertical m", (60, 200, 190), lambda p: p.estimator.sigma_vertical_m),
 )
 _SENSORS_RGB = ((255, 150, 50), (60, 200, 190), (190, 120, 255), (240, 210, 70))
 
@@ -71,28 +62,23 @@ class StatusLog:
         self._gauges = (*_GAUGES, *_sensor_gauges())
         for entity, name, rgb, _ in self._gauges:
             stream.log(entity, rr.SeriesLines(names=name, colors=rgb, widths=1.2), static=True)
-        stream.log(
-            layout.ARMED,
-            rr.StateConfiguration(values=list(_ARMED_RGB), colors=list(_ARMED_RGB.values())),
-            static=True,
-        )
+        colours = list(_ARMED_RGB.values())
+        states = rr.StateConfiguration(values=list(_ARMED_RGB), colors=colours)
+        stream.log(layout.ARMED, states, static=True)
 
     def on_tick(self, plant: Plant, autopilot: Autopilot | None) -> None:
         """Look at the vehicle after a tick."""
         time_us = plant.time_us
         if autopilot is not None:
-            self._set_states(time_us, autopilot)
+            failsafe = autopilot.failsafe
+            self._set_state(time_us, layout.MODE, autopilot.mode.value)
+            self._set_state(time_us, layout.ARMED, "armed" if autopilot.is_armed else "disarmed")
+            self._set_state(time_us, layout.LANDED, autopilot.landed_state.value)
+            self._set_state(time_us, layout.FAILSAFE, failsafe.value if failsafe else "none")
         if self._ticks % SAMPLE_TICKS == 0:
             self._times_us.append(time_us)
             self._samples.append(tuple(read(plant) for _, _, _, read in self._gauges))
         self._ticks += 1
-
-    def _set_states(self, time_us: int, autopilot: Autopilot) -> None:
-        self._set_state(time_us, layout.MODE, autopilot.mode.value)
-        self._set_state(time_us, layout.ARMED, "armed" if autopilot.is_armed else "disarmed")
-        self._set_state(time_us, layout.LANDED, autopilot.landed_state.value)
-        failsafe = autopilot.failsafe
-        self._set_state(time_us, layout.FAILSAFE, "none" if failsafe is None else failsafe.value)
 
     def flush(self) -> None:
         """Write the samples that wait."""

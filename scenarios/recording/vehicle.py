@@ -21,38 +21,25 @@ _REAR_RGBA = (70, 160, 255, 150)
 def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
     """Write fuselage, arms, rotor discs, legs and camera mounts; the pose comes with the flight."""
     hubs = np.array([r.position_flu_m for r in airframe.quadrotor.rotors])
-    stream.log(
-        layout.FUSELAGE,
-        rr.Boxes3D(sizes=[airframe.body_size_m], colors=[_BODY_RGB], fill_mode="solid"),
-        static=True,
+    body = rr.Boxes3D(sizes=[airframe.body_size_m], colors=[_BODY_RGB], fill_mode="solid")
+    stream.log(layout.FUSELAGE, body, static=True)
+    discs = rr.Cylinders3D(
+        centers=hubs,
+        radii=airframe.rotor_radius_m,
+        lengths=0.01,
+        colors=[_FRONT_RGBA if x > 1e-3 else _REAR_RGBA for x in hubs[:, 0]],
+        fill_mode="solid",
     )
-    stream.log(
-        layout.ROTORS,
-        rr.Cylinders3D(
-            centers=hubs,
-            radii=airframe.rotor_radius_m,
-            lengths=0.01,
-            colors=[_FRONT_RGBA if x > 1e-3 else _REAR_RGBA for x in hubs[:, 0]],
-            fill_mode="solid",
-        ),
-        static=True,
-    )
-    stream.log(
-        layout.FRAME,
-        rr.LineStrips3D(_frame_strips(airframe, hubs), colors=[_ARM_RGB], radii=0.008),
-        static=True,
-    )
+    stream.log(layout.ROTORS, discs, static=True)
+    bars = rr.LineStrips3D(_frame_strips(airframe, hubs), colors=[_ARM_RGB], radii=0.008)
+    stream.log(layout.FRAME, bars, static=True)
     # A dot of constant size on the screen: the vehicle is small in a whole scene.
     marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
     stream.log(layout.MARKER, marker, static=True)
     for mount in airframe.cameras:
-        stream.log(
-            layout.camera(mount.name),
-            rr.Transform3D(
-                translation=mount.position_flu_m, mat3x3=rotation_flu_from_optical(mount)
-            ),
-            static=True,
-        )
+        turn = rotation_flu_from_optical(mount)
+        pose = rr.Transform3D(translation=mount.position_flu_m, mat3x3=turn)
+        stream.log(layout.camera(mount.name), pose, static=True)
 
 
 def rotation_flu_from_optical(mount: CameraMount) -> Float[np.ndarray, "3 3"]:

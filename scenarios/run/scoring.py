@@ -23,34 +23,21 @@ SURFACE_TOLERANCE_M = 0.15
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FlightScore:
-    """Figures of one flight."""
+    """Figures of one flight; the defaults are of a run that was stopped before its first step."""
 
-    position_rmse_m: float
+    position_rmse_m: float = math.nan
     """Estimated against true position from arming on, root mean square of the 3-D distance."""
-    attitude_rmse_deg: float
+    attitude_rmse_deg: float = math.nan
     """Estimated against true attitude from arming on, root mean square of the angle between."""
-    has_flown: bool
-    contacts_before_touchdown: int
+    has_flown: bool = False
+    contacts_before_touchdown: int = 0
     """Separate contacts between lift-off and the first one with the area to land on."""
-    has_touched_area: bool
-    is_inside_area: bool
+    has_touched_area: bool = False
+    is_inside_area: bool = False
     """Whether the vehicle's centre ended over the area's polygon, in contact with it."""
-    touchdown_error_m: float | None
+    touchdown_error_m: float | None = None
     """Horizontal distance of the resting place from the chosen touchdown point."""
-    tilt_at_rest_deg: float
-
-
-NOTHING_FLOWN = FlightScore(
-    position_rmse_m=math.nan,
-    attitude_rmse_deg=math.nan,
-    has_flown=False,
-    contacts_before_touchdown=0,
-    has_touched_area=False,
-    is_inside_area=False,
-    touchdown_error_m=None,
-    tilt_at_rest_deg=0.0,
-)
-"""A run that was stopped before its first step."""
+    tilt_at_rest_deg: float = 0.0
 
 
 class FlightLog:
@@ -82,7 +69,7 @@ class FlightLog:
             leg_length_m: Resting height of the vehicle's origin above its soles.
         """
         if not self._history:
-            return NOTHING_FLOWN
+            return FlightScore()
         return score_flight(np.concatenate(self._history), area, touchdown_enu_m, leg_length_m)
 
 

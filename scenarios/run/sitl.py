@@ -1,10 +1,9 @@
-"""One run of the testbench: simulate, record, show, and, if asked, fly our own mission."""
+"""One run of the testbench: simulate, let a pilot fly if there is one, and judge the flight."""
 
 from __future__ import annotations
 
 import json
 import logging
-import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -12,20 +11,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from aeroscene.files import replacing
 from aeroscene.scene import Scene, SceneError
-from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
-from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
-from flightsim.simulator import TICK_US
+from flightsim.sensors.cameras import CameraError, Cameras, depth_noise
 from flightsim.testbench import Testbench, TestbenchError
 from flightsim.vehicles import Airframe, AirframeError
 from flightsim.world import WorldError
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.scoring import FlightLog
-from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge
+from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge, rounded
 
 if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
@@ -89,22 +87,19 @@ class Sitl:
         self._cameras: Cameras | None = None
         with ExitStack() as stack:
             self._stack = stack
-            self.bench = stack.enter_context(
-                Testbench(
-                    scene or open_scene(cfg.scene),
-                    cfg.bench,
-                    airframe=airframe,
-                    has_network=has_network,
-                )
-            )
+            scene = scene or open_scene(cfg.scene)
+            bench = Testbench(scene, cfg.bench, airframe=airframe, has_network=has_network)
+            self.bench = stack.enter_context(bench)
             self.log = FlightLog(self.bench.plant)
             self.bench.observers.append(self.log.on_tick)
             self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
             self.companion = self.pilot if pilot is None else pilot(self._aboard())
-            if self.companion is not None:
-                self._let_fly(self.companion)
+            if (companion := self.companion) is not None:
+                self.bench.observers.append(lambda: companion.update(bench.plant.time_us))
             if cfg.record is not None or cfg.viewer != "off":
-                self._record(stack)
+                from scenarios.run.watching import watch  # noqa: PLC0415 - imports rerun
+
+                self.recorder, self.viewer = watch(self, stack)
             self._tape = None if cfg.pictures is None else self._open_tape()
             self._stack = stack.pop_all()
 
@@ -124,17 +119,11 @@ class Sitl:
         return Aboard(
             client=bench.connect(),
             link=bench.pilot_link.client,
-            render=self._render,
+            # Opens the cameras only where somebody looks.
+            render=lambda camera: self.cameras.render(camera),  # noqa: PLW0108
             scene=bench.scene,
             airframe=bench.airframe,
         )
-
-    def _render(self, camera: str) -> RgbdFrame:
-        return self.cameras.render(camera)
-
-    def _let_fly(self, companion: Companion) -> None:
-        plant = self.bench.plant
-        self.bench.observers.append(lambda: companion.update(plant.time_us))
 
     def _our_pilot(self) -> Pilot:
         # casadi and the kernels of planning and perception: only where our pilot flies.
@@ -158,48 +147,6 @@ class Sitl:
         brief = PilotCfg(expects_traffic=bench.cfg.traffic_cfg.has_any)
         return Pilot(bench.connect(), mission, self.cameras.render, brief)
 
-    def _record(self, stack: ExitStack) -> None:
-        # rerun takes half a second to import: only where somebody records or looks.
-        from scenarios.recording import Recorder, RecordingError, RunInfo  # noqa: PLC0415
-        from scenarios.recording.viewer import DATA_PORT, Viewer, ViewerError, free_port  # noqa: PLC0415
-
-        cfg, bench = self.cfg, self.bench
-        info = RunInfo(
-            scene=bench.scene.scene_id,
-            vehicle=bench.airframe.name,
-            seed=cfg.bench.seed,
-            config=cfg.to_plain(),
-        )
-        try:
-            recorder = Recorder(
-                cfg.record,
-                scene=bench.scene,
-                primitives=scene_primitives(bench.scene),
-                airframe=bench.airframe,
-                info=info,
-                goal_enu_m=None if self.pilot is None else self.pilot.area.centroid,
-                serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
-            )
-            stack.enter_context(recorder)
-            if cfg.viewer != "off" and recorder.url is not None:
-                self.viewer = stack.enter_context(Viewer(cfg.viewer, recorder.url))
-        except (RecordingError, ViewerError) as error:
-            raise TestbenchError(str(error)) from error
-        if cfg.camera_hz > 0:
-            cameras = self.cameras
-            cameras.listen(recorder.log_frame)
-            self.bench.observers.append(self._shutter(cameras))
-        if self.pilot is not None:
-            from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415
-
-            pilot_log = PilotLog(self.pilot, recorder)
-            self.bench.observers.append(lambda: pilot_log.on_tick(bench.plant.time_us))
-        bench.server.statustext.listeners.append(
-            lambda severity, text: recorder.log_statustext(bench.plant.time_us, severity, text)
-        )
-        self.bench.observers.append(lambda: recorder.on_tick(bench.plant, bench.autopilot))
-        self.recorder = recorder
-
     def _open_tape(self) -> FlightTape:
         from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
 
@@ -219,19 +166,6 @@ class Sitl:
             _LOG.warning("%s", error)
             return []
 
-    def _shutter(self, cameras: Cameras) -> Callable[[], None]:
-        """Renders each camera at the configured rate."""
-        plant = self.bench.plant
-        names = [mount.name for mount in self.bench.airframe.cameras]
-        period_us = round(1e6 / self.cfg.camera_hz)
-
-        def on_tick() -> None:
-            if plant.time_us % period_us < TICK_US:
-                for name in names:
-                    cameras.render(name)
-
-        return on_tick
-
     def run(self, should_stop: Callable[[], bool] = lambda: False) -> TrialResult:
         """Simulate, judge what was flown, and write the verdict into and beside the recording.
 
@@ -242,11 +176,9 @@ class Sitl:
         Returns:
             The verdict and the figures; without a demo there is no verdict, only figures.
         """
-        wall_start_s, cpu_start_s = time.perf_counter(), time.process_time()
+        wall_s, cpu_s = time.perf_counter(), time.process_time()
         self._simulate(should_stop)
-        result = self._judge(
-            wall_s=time.perf_counter() - wall_start_s, cpu_s=time.process_time() - cpu_start_s
-        )
+        result = self._judge(time.perf_counter() - wall_s, time.process_time() - cpu_s)
         self._write(result)
         return result
 
@@ -273,13 +205,12 @@ class Sitl:
             summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
             if self.pilot is not None:
                 summary |= decisions(self.pilot)
-            write_text(self.cfg.record.with_suffix(".json"), json.dumps(summary, indent=2) + "\n")
+            with replacing(self.cfg.record.with_suffix(".json")) as file:
+                file.write(json.dumps(summary, indent=2).encode() + b"\n")
         self.pictures = self._draw(result.reason)
 
     def _judge(self, wall_s: float, cpu_s: float) -> TrialResult:
-        cfg, plant = self.cfg.bench, self.bench.plant
-        sim_s = plant.time_us * 1e-6
-        companion = self.companion
+        companion, sim_s = self.companion, self.bench.plant.time_us * 1e-6
         area = None if companion is None else companion.area
         touchdown_enu_m = None if area is None else area.centroid
         if self.pilot is not None:
@@ -291,7 +222,7 @@ class Sitl:
             reason="ended" if verdict is None else verdict.reason,
             scene=self.bench.scene.scene_id,
             vehicle=self.bench.airframe.name,
-            seed=cfg.seed,
+            seed=self.cfg.bench.seed,
             area=None if area is None else area.id,
             sim_seconds=round(sim_s, 2),
             wall_seconds=round(wall_s, 2),
@@ -314,15 +245,3 @@ class Sitl:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
-
-
-def rounded(figure: float | None) -> float | None:
-    """To a millimetre or a thousandth of a degree; None where there is no figure."""
-    return None if figure is None or math.isnan(figure) else round(figure, 3)
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    temporary = path.with_name(f".{path.name}.part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)

@@ -1,7 +1,8 @@
-"""A trial: one flight of our own pilot to a landing area, judged by the truth."""
+"""A trial: one flight of a pilot, judged by the truth."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -53,6 +54,11 @@ class Verdict:
 
     success: bool
     reason: str
+
+
+def rounded(figure: float | None) -> float | None:
+    """To a millimetre or a thousandth of a degree; None where there is no figure."""
+    return None if figure is None or math.isnan(figure) else round(figure, 3)
 
 
 def decisions(pilot: Pilot) -> dict[str, list[dict[str, Any]]]:

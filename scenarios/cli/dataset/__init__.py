@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import tyro
 
 from aeroscene.scene import SceneError
-from scenarios.cli.command_line import fail
+from scenarios.cli.command_line import fail, fail_on_file
 from scenarios.cli.dataset import build, show, stats, unpack, validate
 from scenarios.cli.scene_numbers import SceneNumbersError
 from scenarios.dataset.pool import WorkerDiedError
@@ -49,5 +49,4 @@ def run(cfg: DatasetCfg) -> int:
     except (SceneError, SceneNumbersError, WorkerDiedError) as error:
         fail(prog, str(error))
     except OSError as error:
-        where = f"file {error.filename!r}: " if error.filename else ""
-        fail(prog, f"{where}{(error.strerror or str(error)).lower()}")
+        fail_on_file(prog, error)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-import sys
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +12,7 @@ from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.command_line import EXIT_DONE
 from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.replay import show
 from scenarios.dataset.pool import default_jobs
 
 _LARGEST_SHEET = 200
@@ -88,24 +87,14 @@ def _view(dataset: SceneSet[Any], viewer: Literal["auto", "native", "web"]) -> i
     # rerun: only where something is opened in it.
     from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
     from scenarios.recording.scene_file import write_scene_recording  # noqa: PLC0415
-    from scenarios.recording.viewer import Viewer, ViewerError, has_display  # noqa: PLC0415
+    from scenarios.recording.viewer import ViewerError  # noqa: PLC0415
 
-    # An end from outside must end the viewer too.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    kind = viewer
-    if kind == "auto":
-        kind = "native" if has_display() else "web"
     scene = dataset.read(dataset.entries[0])
     with tempfile.TemporaryDirectory(prefix="aeroscene-") as folder:
         path = Path(folder) / f"{scene.scene_id}.rrd"
         write_scene_recording(scene, path)
         try:
-            with Viewer(kind, path) as opened:
-                if opened.url is not None:
-                    print(f"{scene.scene_id} is shown at {opened.url}\nCtrl-C ends it.", flush=True)
-                opened.wait()
-        except KeyboardInterrupt:
-            sys.stderr.write("\n")
+            show(viewer, path, f"{scene.scene_id} is shown")
         except (ViewerError, RerunMissingError) as error:
             raise DatasetError(str(error)) from None
     return EXIT_DONE

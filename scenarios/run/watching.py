@@ -1,0 +1,86 @@
+"""What is kept and shown of a run while it goes on: a recording, a viewer, cameras.
+
+rerun takes half a second to import: only runs that are recorded or watched import this module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from aeroscene.solids.shapes import scene_primitives
+from flightsim.sensors.cameras import Cameras
+from flightsim.simulator import TICK_US
+from flightsim.testbench import Testbench, TestbenchError
+from scenarios.recording import Recorder, RecordingError, RunInfo
+from scenarios.recording.viewer import DATA_PORT, Viewer, ViewerError, free_port
+from scenarios.run.cfg import SitlCfg
+
+if TYPE_CHECKING:
+    from scenarios.pilot import Pilot
+    from scenarios.run.sitl import Sitl
+
+
+def watch(sitl: Sitl, stack: ExitStack) -> tuple[Recorder, Viewer | None]:
+    """Record a run from now on, and show it live if that is asked for.
+
+    Args:
+        sitl: The run.
+        stack: Closes recorder and viewer.
+
+    Raises:
+        TestbenchError: If the file or the viewer cannot be had.
+    """
+    bench, cfg, pilot = sitl.bench, sitl.cfg, sitl.pilot
+    viewer = None
+    try:
+        recorder = stack.enter_context(_recorder(bench, cfg, pilot))
+        if cfg.viewer != "off" and recorder.url is not None:
+            viewer = stack.enter_context(Viewer(cfg.viewer, recorder.url))
+    except (RecordingError, ViewerError) as error:
+        raise TestbenchError(str(error)) from error
+    plant = bench.plant
+    if cfg.camera_hz > 0:
+        sitl.cameras.listen(recorder.log_frame)
+        bench.observers.append(shutter(bench, sitl.cameras, cfg.camera_hz))
+    if pilot is not None:
+        from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415 - imports the pilot
+
+        pilot_log = PilotLog(pilot, recorder)
+        bench.observers.append(lambda: pilot_log.on_tick(plant.time_us))
+    bench.server.statustext.listeners.append(
+        lambda severity, text: recorder.log_statustext(plant.time_us, severity, text)
+    )
+    bench.observers.append(lambda: recorder.on_tick(plant, bench.autopilot))
+    return recorder, viewer
+
+
+def _recorder(bench: Testbench, cfg: SitlCfg, pilot: Pilot | None) -> Recorder:
+    return Recorder(
+        cfg.record,
+        scene=bench.scene,
+        primitives=scene_primitives(bench.scene),
+        airframe=bench.airframe,
+        info=RunInfo(
+            scene=bench.scene.scene_id,
+            vehicle=bench.airframe.name,
+            seed=cfg.bench.seed,
+            config=cfg.to_plain(),
+        ),
+        goal_enu_m=None if pilot is None else pilot.area.centroid,
+        serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
+    )
+
+
+def shutter(bench: Testbench, cameras: Cameras, rate_hz: float) -> Callable[[], None]:
+    """Renders every camera of the vehicle at a rate; call it after each tick."""
+    names = [mount.name for mount in bench.airframe.cameras]
+    period_us = round(1e6 / rate_hz)
+
+    def on_tick() -> None:
+        if bench.plant.time_us % period_us < TICK_US:
+            for name in names:
+                cameras.render(name)
+
+    return on_tick
