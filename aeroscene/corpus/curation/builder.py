@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 
@@ -12,6 +13,8 @@ from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import category_id
 from aeroscene.scene.overlap import iou
 
+Attributes = Mapping[str, AttributeValue]
+"""What the box of an object does not say."""
 TOUCH_M = 0.001
 """Overlaps below this count as touching."""
 MAX_IOU = 0.01
@@ -91,29 +94,23 @@ class Builder:
     def place(
         self,
         name: str,
-        frame: Frame,
-        u: float,
-        v: float,
+        spot: Frame,
         size: Vector3,
         *,
-        base: float,
-        turn: float = 0.0,
+        base: float | None = None,
         parent: Placed | None = None,
         within: Placed | None = None,
         margin: float = 0.0,
         domain: ObjectDomain | None = None,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         """Put an object into the scene, or return None where it does not fit.
 
         Args:
             name: Category.
-            frame: Frame of `u`, `v` and `turn`.
-            u: Place of the centre along the frame's x axis, m.
-            v: Place of the centre along the frame's y axis, m.
+            spot: Place and heading of the centre.
             size: Full extents, m.
-            base: Height of the underside, m.
-            turn: Heading relative to the frame.
+            base: Height of the underside, m; by default the parent's top, or else the ground.
             parent: What carries or contains the object: the two may overlap. With the parent's
                 own line it may share as little as two strangers may.
             within: Object whose outline must hold this one's.
@@ -121,7 +118,8 @@ class Builder:
             domain: Indoor or outdoor; the parent's by default.
             attributes: What the box does not say.
         """
-        spot = frame.moved(u, v, turn)
+        if base is None:
+            base = parent.top if parent else 0.0
         size = (round(size[0], 3), round(size[1], 3), round(size[2], 3))
         box = _occupant(spot, size, base, margin, len(self.objects))
         line = frozenset() if parent is None else self._ancestors[parent.id] | {parent.id}
@@ -140,7 +138,7 @@ class Builder:
                 size,
             ),
             domain=domain,
-            attributes=attributes or {},
+            attributes=dict(attributes or {}),
         )
         if any(_share_too_much(obj, self.objects[i]) for i in line if i != obj.parent_id):
             return None
@@ -151,15 +149,13 @@ class Builder:
         self._ancestors[obj.id] = line
         return Placed(obj.id, name, spot, size, base, domain)
 
-    def reserve(
-        self, frame: Frame, u: float, v: float, size: Vector3, base: float, turn: float = 0.0
-    ) -> None:
+    def reserve(self, spot: Frame, size: Vector3, base: float) -> None:
         """Keep a box of air free of everything that is placed from now on."""
-        self._occupants.append(_occupant(frame.moved(u, v, turn), size, base, 0.0, -1))
+        self._occupants.append(_occupant(spot, size, base, 0.0, -1))
 
-    def is_free(self, frame: Frame, u: float, v: float, size: Vector3, base: float) -> bool:
+    def is_free(self, spot: Frame, size: Vector3, base: float) -> bool:
         """Whether nothing stands in a box."""
-        return not self._is_taken(_occupant(frame.moved(u, v), size, base, 0.0, -1), frozenset())
+        return not self._is_taken(_occupant(spot, size, base, 0.0, -1), frozenset())
 
     def _leaves_bounds(self, spot: Frame, size: Vector3) -> bool:
         if self._bounds is None:

@@ -8,7 +8,7 @@ from itertools import pairwise
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.facade import (
     LINTEL_M,
     SILL_M,
@@ -69,14 +69,14 @@ def raise_shell(
 ) -> Shell | None:
     """Place an enterable building with slabs, partitions and rooms, or None if it does not fit."""
     height = round(storeys * STOREY_M, 3)
-    attributes: dict[str, AttributeValue] = {
+    attributes = {
         "is_enterable": True,
         "storeys": storeys,
         "colour": colour,
     }
     size = (depth, length, height)
     shell = builder.place(
-        name, frame, *at, size, base=base, turn=turn, margin=0.6, attributes=attributes
+        name, frame.moved(*at, turn), size, base=base, margin=0.6, attributes=attributes
     )
     if shell is None:
         return None
@@ -108,9 +108,7 @@ def _fit_out_storey(
         high = right - (PARTITION_M / 2 if index < len(cuts) else 0.0)
         placed = builder.place(
             "room",
-            shell.frame,
-            0,
-            (low + high) / 2,
+            shell.frame.moved(0, (low + high) / 2),
             (depth, high - low, clear),
             base=floor,
             parent=shell,
@@ -120,7 +118,7 @@ def _fit_out_storey(
         if placed:
             rooms.append(RoomSpace(placed))
     for u, v in zip(doors, cuts, strict=True):
-        builder.reserve(shell.frame, u, v, (DOOR_M + 0.2, 2 * _APRON_M, 2.5), floor + 0.1)
+        builder.reserve(shell.frame.moved(u, v), (DOOR_M + 0.2, 2 * _APRON_M, 2.5), floor + 0.1)
     return rooms
 
 
@@ -132,8 +130,6 @@ def _lay_slab(builder: Builder, shell: Placed, foot: float, *, is_upper: bool) -
     builder.place(
         "floor",
         shell.frame,
-        0,
-        0,
         (depth + reach, length + reach, SLAB_TOP_M - under),
         base=foot + under,
         parent=shell,
@@ -147,12 +143,9 @@ def _part(
     """A partition with a door across the building."""
     builder.place(
         "wall",
-        shell.frame,
-        0,
-        cut,
+        shell.frame.moved(0, cut, QUARTER),
         size,
         base=floor,
-        turn=QUARTER,
         parent=shell,
         domain="indoor",
         attributes={"door_m": DOOR_M, "door_offset_m": door_offset_m, "colour": "white"},
@@ -184,4 +177,4 @@ def _keep_openings_free(builder: Builder, shell: Placed, storeys: int) -> None:
                 sill = SLAB_TOP_M + 0.03 if is_door else SILL_M + 0.05
                 size = (2 * _APRON_M, opening_width(length), LINTEL_M - sill)
                 at = sign * (depth / 2 - WALL_M / 2)
-                builder.reserve(shell.frame, at, (low + high) / 2, size, foot + sill)
+                builder.reserve(shell.frame.moved(at, (low + high) / 2), size, foot + sill)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.parcels import (
     FLAT,
@@ -19,7 +19,6 @@ from aeroscene.corpus.curation.parcels import (
     Side,
     cut_unequal,
 )
-from aeroscene.scene import AttributeValue
 
 ROAD_M = 0.04
 SIDEWALK_M = 0.15
@@ -90,10 +89,10 @@ class Site:
     def raise_land(self, area: Rectangle, level: float, finish: str, wall: str) -> Land:
         """Raised ground on a rectangle of the plan, its sides retaining walls."""
         frame, width, depth = area.side_frame("south")
-        attributes: dict[str, AttributeValue] = {"form": "terrace", "finish": finish, "wall": wall}
+        attributes = {"form": "terrace", "finish": finish, "wall": wall}
         size = (width, depth, level)
         block = self.builder.place(
-            "terrain", self.world(frame), 0, depth / 2, size, base=0.0, attributes=attributes
+            "terrain", self.world(frame).moved(0, depth / 2), size, attributes=attributes
         )
         return Land(level, block) if block else FLAT
 
@@ -102,11 +101,8 @@ class Site:
         frame, width, depth = area.side_frame(quay)
         water = self.builder.place(
             "water",
-            self.world(frame),
-            0,
-            depth / 2,
+            self.world(frame).moved(0, depth / 2),
             (width, depth, WATER_M),
-            base=0.0,
             attributes={"form": "open"},
         )
         if water:
@@ -136,12 +132,10 @@ class Site:
             height: Of its surface above the land.
         """
         size = (length, width or self.road_m, height)
-        attributes: dict[str, AttributeValue] = {"zebra_end": zebra_end, **self._form("road")}
+        attributes = {"zebra_end": zebra_end, **self._form("road")}
         road = self.builder.place(
             "road",
             self.world(frame),
-            0,
-            0,
             size,
             base=land.level,
             parent=after or land.bearer,
@@ -164,9 +158,7 @@ class Site:
         """A sidewalk whose kerb lies on the x axis of a frame of the plan; see `lay_road`."""
         strip = self.builder.place(
             "sidewalk",
-            self.world(frame),
-            0,
-            self.walk_m / 2,
+            self.world(frame).moved(0, self.walk_m / 2),
             (length, self.walk_m, height),
             base=land.level,
             parent=after or land.bearer,
@@ -180,9 +172,7 @@ class Site:
         """A strip of green between carriageway and sidewalk, the kerb on the frame's x axis."""
         strip = self.builder.place(
             "lawn",
-            self.world(frame),
-            0,
-            width / 2,
+            self.world(frame).moved(0, width / 2),
             (length, width, VERGE_M),
             base=land.level,
             parent=land.bearer,
@@ -191,7 +181,7 @@ class Site:
         if strip:
             self.verges.append(strip)
 
-    def _form(self, name: str) -> dict[str, AttributeValue]:
+    def _form(self, name: str) -> Attributes:
         return {"form": self.style[name]} if name in self.style else {}
 
     def pave(self, block: Block, rng: np.random.Generator) -> None:

@@ -83,14 +83,14 @@ def _is_open(
         return False
     side = 2 * FREE_RADIUS_M
     base = _top(ground) + _KERB_M
-    return builder.is_free(frame, u, v, (side, side, FREE_HEIGHT_M), base)
+    return builder.is_free(frame.moved(u, v), (side, side, FREE_HEIGHT_M), base)
 
 
 def _openness_m(builder: Builder, ground: SceneObject, u: float, v: float) -> float:
     """Half the side of the widest free square of air above a spot."""
     frame, base = _frame(ground), _top(ground) + _OPEN_ABOVE_M
     for radius_m in _OPEN_RADII_M:
-        if builder.is_free(frame, u, v, (2 * radius_m, 2 * radius_m, FREE_HEIGHT_M), base):
+        if builder.is_free(frame.moved(u, v), (2 * radius_m, 2 * radius_m, FREE_HEIGHT_M), base):
             return radius_m
     return FREE_RADIUS_M
 
@@ -107,11 +107,8 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
     open_m = _openness_m(builder, ground, u, v)
     pad = builder.place(
         "landing_pad",
-        bearer.frame,
-        u,
-        v,
+        bearer.frame.moved(u, v),
         (PAD_M, PAD_M, 0.05),
-        base=bearer.top,
         parent=bearer,
         within=bearer,
         attributes={"is_start": True},
@@ -119,7 +116,7 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
     if pad:
         for radius_m, base in ((FREE_RADIUS_M, pad.top), (open_m, bearer.top + _OPEN_ABOVE_M)):
             size = (2 * radius_m, 2 * radius_m, FREE_HEIGHT_M)
-            builder.reserve(pad.frame, 0, 0, size, base)
+            builder.reserve(pad.frame, size, base)
     return pad
 
 

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import pi, sin
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD, Frame
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.site import Road, Site
 from aeroscene.corpus.curation.traffic import call_bus, drive, park, wait
-from aeroscene.scene import AttributeValue
 
 _LAMP_STEP_M = 20.0
 _KERB_M = 0.45
@@ -53,9 +52,14 @@ class Streets:
         walks = [self._walk_at(placed.frame.point(u, sign * (reach - end / 2))) for sign in (-1, 1)]
         base = placed.base + 0.15
         size = (2 * reach, 2.4, _BRIDGE_Z[0])
-        beam: dict[str, AttributeValue] = {"form": "beam"}
+        beam = {"form": "beam"}
         if None in walks or not self.builder.place(
-            "bridge", placed.frame, u, 0, size, base=base, turn=QUARTER, margin=0.1, attributes=beam
+            "bridge",
+            placed.frame.moved(u, 0, QUARTER),
+            size,
+            base=base,
+            margin=0.1,
+            attributes=beam,
         ):
             return
         for sign, walk in zip((-1, 1), walks, strict=True):
@@ -63,12 +67,11 @@ class Streets:
             away = 1 if self.draw.chance(0.5) else -1
             self.builder.place(
                 "stairs",
-                placed.frame,
-                u + away * (1.2 + length / 2),
-                sign * (reach - end / 2),
+                placed.frame.moved(
+                    u + away * (1.2 + length / 2), sign * (reach - end / 2), pi if away > 0 else 0.0
+                ),
                 (length, min(width, end), _BRIDGE_Z[1]),
                 base=base,
-                turn=pi if away > 0 else 0.0,
                 parent=walk,
             )
 
@@ -82,16 +85,12 @@ class Streets:
     def _shelter(self, walk: Placed) -> None:
         """A roof over the wait for a bus."""
         u = self.draw.between(-0.3, 0.3) * walk.size[0]
-        colour: dict[str, AttributeValue] = {"colour": self.draw.one_of(("blue", "green", "red"))}
+        colour = {"colour": self.draw.one_of(("blue", "green", "red"))}
         size = (1.5, self.draw.between(3.2, 4.4), 2.7)
         shelter = self.builder.place(
             "canopy",
-            walk.frame,
-            u,
-            walk.size[1] / 2 - 0.76,
+            walk.frame.moved(u, walk.size[1] / 2 - 0.76, STREETWARD),
             size,
-            base=walk.top,
-            turn=STREETWARD,
             parent=walk,
             within=walk,
             margin=0.2,
@@ -148,12 +147,8 @@ class Streets:
             u = -length / 2 + (index + 0.5) * length / count
             self.builder.place(
                 "street_lamp",
-                walk.frame,
-                u,
-                -width / 2 + 0.15,
+                walk.frame.moved(u, -width / 2 + 0.15, STREETWARD),
                 (1.2, 0.4, height),
-                base=walk.top,
-                turn=STREETWARD,
                 parent=walk,
             )
             yield
@@ -197,17 +192,13 @@ class Streets:
         u: float,
         v: float,
         size: tuple[float, float, float] | None = None,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
         turn: float = STREETWARD,
     ) -> Placed | None:
         return self.builder.place(
             name,
-            strip.frame,
-            u,
-            v,
+            strip.frame.moved(u, v, turn),
             size or self.draw.size_of(name),
-            base=strip.top,
-            turn=turn,
             parent=strip,
             within=strip,
             margin=0.05,
@@ -228,11 +219,7 @@ class Streets:
             at = max(-end, min(end, u))
             self.builder.place(
                 "traffic_light",
-                walk.frame,
-                at,
-                -walk.size[1] / 2 + 0.4,
+                walk.frame.moved(at, -walk.size[1] / 2 + 0.4, pi if u > at else 0.0),
                 (0.35, 0.4, height),
-                base=walk.top,
-                turn=pi if u > at else 0.0,
                 parent=walk,
             )

@@ -10,7 +10,6 @@ from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
 from aeroscene.corpus.curation.parcels import Parcel
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.scene import AttributeValue
 
 _STRIP_M = 0.06
 """Height of the strip of green before a terrace."""
@@ -32,19 +31,19 @@ def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
     depth = round(parcel.depth - strip_m, 2)
     if depth - _PARAPET[0] < _LEAST_DEPTH_M or parcel.rise or parcel.level:
         return parcel
-    attributes: dict[str, AttributeValue] = {
+    attributes = {
         "form": "terrace",
         "finish": draw.one_of(("concrete", "paving")),
         "wall": draw.one_of(("stone", "brick", "dark_concrete")),
     }
     frame = parcel.frame.moved(0, strip_m)
     size = (parcel.width, depth, height)
-    block = builder.place("terrain", frame, 0, depth / 2, size, base=0.0, attributes=attributes)
+    block = builder.place("terrain", frame.moved(0, depth / 2), size, attributes=attributes)
     if block is None:
         return parcel
     name = draw.one_of(("lawn", "lawn", "sidewalk"))
     strip = builder.place(
-        name, parcel.frame, 0, strip_m / 2, (parcel.width, strip_m, _STRIP_M), base=0.0
+        name, parcel.frame.moved(0, strip_m / 2), (parcel.width, strip_m, _STRIP_M)
     )
     if strip:
         _join(builder, draw, parcel, strip, block)
@@ -67,12 +66,8 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
     run = max(1.0, round(_TREAD_PER_RISE * height, 2))
     builder.place(
         "stairs",
-        parcel.frame,
-        stairs_u,
-        edge - run / 2,
+        parcel.frame.moved(stairs_u, edge - run / 2, INWARD),
         (run, _STAIRS_M, height),
-        base=strip.top,
-        turn=INWARD,
         parent=strip,
     )
     gaps = [(stairs_u, _STAIRS_M)]
@@ -82,12 +77,10 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
         low_end = far + side * long
         ramp = builder.place(
             "terrain",
-            parcel.frame,
-            (far + low_end) / 2,
-            edge - _RAMP_M / 2,
+            parcel.frame.moved(
+                (far + low_end) / 2, edge - _RAMP_M / 2, 0.0 if side < 0 else 2 * QUARTER
+            ),
             (long, _RAMP_M, height),
-            base=strip.top,
-            turn=0.0 if side < 0 else 2 * QUARTER,
             parent=strip,
             attributes={"form": "ramp", "finish": "paving"},
         )
@@ -109,12 +102,8 @@ def _parapet(
             continue
         builder.place(
             "wall",
-            parcel.frame,
-            (low + high) / 2,
-            edge + thick / 2,
+            parcel.frame.moved((low + high) / 2, edge + thick / 2, QUARTER),
             (thick, round(min(high - low, 24.0), 2), height),
-            base=block.top,
-            turn=QUARTER,
             parent=block,
         )
 
@@ -142,12 +131,9 @@ class Slope:
         ground, parcel = self.ground, self.ground.parcel
         ground.builder.place(
             "terrain",
-            parcel.frame,
-            u,
-            parcel.depth / 2,
+            parcel.frame.moved(u, parcel.depth / 2, INWARD),
             (parcel.depth, 2.0, parcel.rise),
             base=parcel.level + 0.02,
-            turn=INWARD,
             parent=ground.surface,
             within=ground.surface,
             attributes={"form": "ramp", "finish": "paving"},

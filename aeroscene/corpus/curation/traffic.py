@@ -97,12 +97,8 @@ def _place(
     u, side = at
     return builder.place(
         name,
-        road.placed.frame,
-        u,
-        road.lane(side) if v is None else v,
+        road.placed.frame.moved(u, road.lane(side) if v is None else v, 0.0 if side < 0 else pi),
         size,
-        base=road.placed.top,
-        turn=0.0 if side < 0 else pi,
         parent=road.placed,
         within=road.placed,
         margin=0.2,

@@ -9,7 +9,6 @@ from math import pi
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 
 _DRAUGHT_M = 0.03
@@ -40,7 +39,7 @@ class Basin:
             v = -depth / 2 + reach / 2
             size = (3.0, reach, _JETTY_M)
             if self.builder.place(
-                "deck", self.water.frame, u, v, size, base=self.water.base, parent=self.water
+                "deck", self.water.frame.moved(u, v), size, base=self.water.base, parent=self.water
             ):
                 self._jetties.append(u)
             yield
@@ -77,15 +76,12 @@ class Basin:
         return 1 if self.draw.chance(0.5) else -1
 
     def _moor(self, u: float, v: float, size: tuple[float, float, float], turn: float) -> None:
-        colour: dict[str, AttributeValue] = {"colour": self.draw.one_of(PAINT_COLOURS)}
+        colour = {"colour": self.draw.one_of(PAINT_COLOURS)}
         self.builder.place(
             "boat",
-            self.water.frame,
-            u,
-            v,
+            self.water.frame.moved(u, v, turn),
             size,
             base=self.water.base + _DRAUGHT_M,
-            turn=turn,
             parent=self.water,
             within=self.water,
             margin=0.25,

@@ -177,8 +177,8 @@ def test_a_plan_leaves_parcels_that_keep_to_themselves(plan):
         for parcel in site.parcels:
             box = (parcel.width - 0.02, parcel.depth - 0.02, 30.0)
             middle = parcel.middle()
-            assert builder.is_free(middle, 0, 0, box, parcel.level + 0.01), (plan, seed, parcel)
-            builder.reserve(middle, 0, 0, box, parcel.level + 0.01)
+            assert builder.is_free(middle, box, parcel.level + 0.01), (plan, seed, parcel)
+            builder.reserve(middle, box, parcel.level + 0.01)
             corners = [middle.point(su * box[0] / 2, sv * box[1] / 2) for su, sv in SIGNS]
             assert all(abs(x) <= east and abs(y) <= north for x, y in corners)
 

@@ -37,7 +37,7 @@ TELLING = {
 def _furnished(kind: str, seed: int = 3, side: float = 12.0) -> tuple[Placed, list[SceneObject]]:
     """A room of 12 m by 9 m with everything its kind brings."""
     builder = Builder("s")
-    room = builder.place("room", WORLD, 0, 0, (side, 0.75 * side, 3.35), base=0.15)
+    room = builder.place("room", WORLD, (side, 0.75 * side, 3.35), base=0.15)
     assert room
     interior = Interior(builder, Draw(np.random.default_rng(seed)), RoomSpace(room))
     for _ in FURNISHINGS[kind](interior):
@@ -96,7 +96,7 @@ def _is_ahead(chair: SceneObject, heading: np.ndarray, board: SceneObject) -> bo
 def test_a_set_table_has_cutlery_and_a_cup_with_each_plate():
     for kind in ("dining", "kitchen", "living", "cafe"):
         builder = Builder("s")
-        room = builder.place("room", WORLD, 0, 0, (9, 7, 3.35), base=0.15)
+        room = builder.place("room", WORLD, (9, 7, 3.35), base=0.15)
         assert room
         interior = Interior(builder, Draw(np.random.default_rng(1)), RoomSpace(room))
         table = interior.put("table", 0.0, 0.0, (1.0, 2.2, 0.74))
@@ -108,7 +108,7 @@ def test_a_set_table_has_cutlery_and_a_cup_with_each_plate():
 
 def test_rooms_grow_in_small_steps_that_begin_at_once(kind):
     builder = Builder("s")
-    room = builder.place("room", WORLD, 0, 0, (12, 9, 3.35), base=0.15)
+    room = builder.place("room", WORLD, (12, 9, 3.35), base=0.15)
     assert room
     interior = Interior(builder, Draw(np.random.default_rng(3)), RoomSpace(room))
     counts = [0, *(builder.n_fine for _ in FURNISHINGS[kind](interior))]
@@ -131,7 +131,7 @@ def test_a_room_too_small_for_its_kind_stays_as_it_is(kind):
 
 def test_furniture_leans_on_walls_only():
     builder = Builder("s")
-    room = builder.place("room", WORLD, 0, 0, (10, 8, 3.35), base=0.15)
+    room = builder.place("room", WORLD, (10, 8, 3.35), base=0.15)
     assert room
     draw = Draw(np.random.default_rng(2))
     interior = Interior(builder, draw, RoomSpace(room), ("back",))

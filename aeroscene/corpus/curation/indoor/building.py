@@ -21,7 +21,6 @@ from aeroscene.corpus.curation.indoor.zones import (
     find_borders,
 )
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.facade import SLAB_TOP_M, WALL_M
 from aeroscene.solids.shapes.shell import FINISH_M
 
@@ -54,18 +53,16 @@ def raise_building(builder: Builder, draw: Draw, frame: Frame, plan: FloorPlan) 
 def _raise_shell(builder: Builder, frame: Frame, plan: FloorPlan) -> Placed:
     x, y = plan.size
     storeys = len({zone.level for zone in plan.zones})
-    attributes: dict[str, AttributeValue] = {
+    attributes = {
         "is_enterable": True,
         "form": "closed",
         "storeys": storeys,
         "colour": plan.colour,
     }
-    shell = sure(
-        builder.place(plan.name, frame, 0, 0, (x, y, plan.height), base=0.0, attributes=attributes)
-    )
-    builder.place("roof", frame, 0, 0, (x, y, ROOF_M), base=shell.top, parent=shell)
+    shell = sure(builder.place(plan.name, frame, (x, y, plan.height), attributes=attributes))
+    builder.place("roof", frame, (x, y, ROOF_M), parent=shell)
     slab = (x - 2 * WALL_M, y - 2 * WALL_M, SLAB_TOP_M)
-    builder.place("floor", frame, 0, 0, slab, base=0.0, parent=shell, domain="indoor")
+    builder.place("floor", frame, slab, base=0.0, parent=shell, domain="indoor")
     return shell
 
 
@@ -79,9 +76,7 @@ def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side
         placed = sure(
             builder.place(
                 "room",
-                shell.frame,
-                (x0 + x1) / 2,
-                (y0 + y1) / 2,
+                shell.frame.moved((x0 + x1) / 2, (y0 + y1) / 2),
                 (x1 - x0, y1 - y0, zone.clear),
                 base=zone.level,
                 parent=shell,
@@ -93,10 +88,10 @@ def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side
         if zone.open_m > 0:
             size = (zone.open_m, zone.open_m, zone.clear - 0.1)
             u, v = open_place(zone)
-            builder.reserve(placed.frame, u, v, size, placed.base + FINISH_M + 0.01)
+            builder.reserve(placed.frame.moved(u, v), size, placed.base + FINISH_M + 0.01)
     hall = building.spaces[0]
     size = (START_M, START_M, hall.placed.size[2] - 0.1)
-    builder.reserve(hall.placed.frame, 0, 0, size, hall.floor + PAD_RISE_M + 0.001)
+    builder.reserve(hall.placed.frame, size, hall.floor + PAD_RISE_M + 0.001)
 
 
 def _walled_sides(index: int, borders: Sequence[Border], zones: Sequence[Zone]) -> tuple[str, ...]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import pi
 
-from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 
 
@@ -16,7 +16,7 @@ def _square(room: Interior) -> float:
     return room.draw.count(0, 3) * pi / 2
 
 
-def _painted(room: Interior) -> dict[str, AttributeValue]:
+def _painted(room: Interior) -> Attributes:
     return {"colour": room.draw.one_of(PAINT_COLOURS)}
 
 
@@ -24,7 +24,7 @@ def _tucked(
     room: Interior,
     name: str,
     size: Vector3,
-    attributes: dict[str, AttributeValue] | None = None,
+    attributes: Attributes | None = None,
 ) -> Placed | None:
     """Something along one of the walls, or where none has space, free in the room."""
     placed = room.against(room.some_side(), name, size, attributes=attributes)

@@ -43,9 +43,7 @@ def lay_upper_slabs(builder: Builder, building: Building, borders: Sequence[Bord
         sure(
             builder.place(
                 "floor",
-                shell.frame,
-                (x0 + x1) / 2,
-                (y0 + y1) / 2,
+                shell.frame.moved((x0 + x1) / 2, (y0 + y1) / 2),
                 (x1 - x0, y1 - y0, SLAB_M),
                 base=zone.level - SLAB_M,
                 parent=shell,
@@ -73,12 +71,9 @@ def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Bord
         u, v = (line, middle) if border.along == "y" else (middle, line)
         builder.place(
             "fence",
-            building.shell.frame,
-            u,
-            v,
+            building.shell.frame.moved(u, v, 0.0 if border.along == "y" else QUARTER),
             (_RAIL_M[0], length, _RAIL_M[1]),
             base=floor_space.floor,
-            turn=0.0 if border.along == "y" else QUARTER,
             parent=floor_space.placed,
             attributes={"form": "rails"},
         )
@@ -102,12 +97,9 @@ def _climb(
         turn = (0.0 if outward < 0 else 2 * QUARTER) if border.along == "y" else -outward * QUARTER
         placed = builder.place(
             "stairs",
-            building.shell.frame,
-            u,
-            v,
+            building.shell.frame.moved(u, v, turn),
             (run, width, rise),
             base=floor_space.floor,
-            turn=turn,
             parent=floor_space.placed,
             within=floor_space.placed,
         )

@@ -96,12 +96,9 @@ def _raise_wall(
     sure(
         builder.place(
             "wall",
-            building.shell.frame,
-            u,
-            v,
+            building.shell.frame.moved(u, v, 0.0 if border.along == "y" else QUARTER),
             (PARTITION_M, length, border.top - base),
             base=base,
-            turn=0.0 if border.along == "y" else QUARTER,
             parent=building.shell,
             domain="indoor",
             attributes=attributes,
@@ -129,4 +126,4 @@ def _keep_free(
     size = (2 * _APRON_M, width + 0.2) if border.along == "y" else (width + 0.2, 2 * _APRON_M)
     u, v = (border.at, at) if border.along == "y" else (at, border.at)
     height = _first_cell(border.base) + _HEADS_M[1.75] - low
-    builder.reserve(building.shell.frame, u, v, (*size, height), low)
+    builder.reserve(building.shell.frame.moved(u, v), (*size, height), low)

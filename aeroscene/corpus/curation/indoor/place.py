@@ -46,8 +46,6 @@ class IndoorPlace:
         pad = self.builder.place(
             "landing_pad",
             hall.placed.frame,
-            0,
-            0,
             (PAD_M, PAD_M, PAD_RISE_M),
             base=hall.floor,
             parent=hall.placed,

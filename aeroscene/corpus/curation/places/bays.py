@@ -11,7 +11,6 @@ from aeroscene.corpus.curation.frame import INWARD, STREETWARD
 from aeroscene.corpus.curation.places.bearing import Bearing, beneath, on_top
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.ground import BAY_WIDTH_M
 
 TWO_ROWS_M = 15.6
@@ -72,14 +71,11 @@ class BayField:
         covered = row[first : first + count]
         middle = sum(self.bays[index].u for index in covered) / count
         size = (_CARPORT_M[0], round(count * BAY_WIDTH_M - 0.1, 2), _CARPORT_M[1])
-        attributes: dict[str, AttributeValue] = {"colour": "silver", "form": "flat"}
+        attributes = {"colour": "silver", "form": "flat"}
         self.carport = on_top(ground, self.lot).stand(
             "canopy",
-            self.lot.frame,
-            middle,
-            self.bays[covered[0]].v,
+            self.lot.frame.moved(middle, self.bays[covered[0]].v, STREETWARD),
             size,
-            turn=STREETWARD,
             margin=0.0,
             attributes=attributes,
         )
@@ -92,13 +88,13 @@ class BayField:
             count = max(1, int((self.carport.size[1] - 0.2) / 3.1))
             for index in range(count):
                 at = (index - (count - 1) / 2) * 3.1
-                platform.stand("solar_panel", self.carport.frame, 0.6, at, _SOLAR_M)
+                platform.stand("solar_panel", self.carport.frame.moved(0.6, at), _SOLAR_M)
             yield
         reach = self.lot.size[0] / 2 - 0.5
         lot = on_top(ground, self.lot)
         for sign in (-1, 1):
             turn = pi if sign > 0 else 0.0
-            lot.stand("street_lamp", self.lot.frame, sign * reach, 0, (1.6, 0.5, 5.5), turn=turn)
+            lot.stand("street_lamp", self.lot.frame.moved(sign * reach, 0, turn), (1.6, 0.5, 5.5))
         yield
 
 
@@ -108,11 +104,11 @@ def paint_bays(
     """Bays on some ground: from where to where along u, and from v0 on as deep as said."""
     low, high = span
     rows = 2 if deep >= TWO_ROWS_M - 0.5 else 1
-    attributes: dict[str, AttributeValue] = {"rows": rows}
+    attributes = {"rows": rows}
     size = (round(high - low, 2), round(deep, 2), _PAINTED_M)
     middle = ((low + high) / 2, v0 + deep / 2)
     lot = bearing.stand(
-        "parking_lot", ground.parcel.frame, *middle, size, margin=0.0, attributes=attributes
+        "parking_lot", ground.parcel.frame.moved(*middle), size, margin=0.0, attributes=attributes
     )
     if lot is None:
         return None

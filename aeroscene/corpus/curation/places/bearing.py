@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,21 +30,16 @@ class OpenGround:
     def stand(
         self,
         name: str,
-        frame: Frame,
-        u: float,
-        v: float,
+        spot: Frame,
         size: Vector3 | None = None,
         *,
-        turn: float = 0.0,
         margin: float = 0.04,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something at a place of any frame, or nothing where it does not fit."""
-        at = self.ground.parcel.frame.local(*frame.point(u, v))
-        heading = self.ground.facing(frame, turn)
-        return self.ground.stand(
-            name, *at, size, turn=heading, margin=margin, attributes=attributes
-        )
+        """Stand something at a spot, or nothing where it does not fit."""
+        at = self.ground.parcel.frame.local(spot.x, spot.y)
+        turn = self.ground.facing(spot)
+        return self.ground.stand(name, *at, size, turn=turn, margin=margin, attributes=attributes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,24 +54,18 @@ class Platform:
     def stand(
         self,
         name: str,
-        frame: Frame,
-        u: float,
-        v: float,
+        spot: Frame,
         size: Vector3 | None = None,
         *,
-        turn: float = 0.0,
         margin: float = 0.04,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something at a place of any frame, or nothing where it does not fit."""
+        """Stand something at a spot, or nothing where it does not fit."""
         return self.builder.place(
             name,
-            frame,
-            u,
-            v,
+            spot,
             size or self.draw.size_of(name),
             base=self.height,
-            turn=turn,
             parent=self.bearer,
             within=self.bearer,
             margin=margin,

@@ -22,7 +22,6 @@ from aeroscene.corpus.curation.places.goods import (
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 
 _WALL_M = (0.25, 2.9)
 """Thickness and height of a wall of the first storey."""
@@ -47,7 +46,7 @@ class Construction:
     def structures(self) -> Iterator[None]:
         """Slab and walls; then cabins, a heap of earth, a scaffold, the fence."""
         ground, draw = self.ground, self.ground.draw
-        gravel: dict[str, AttributeValue] = {"rows": 0, "form": "bays"}
+        gravel = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", gravel)
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         self._side = side = 1 if draw.chance(0.5) else -1
@@ -81,7 +80,7 @@ class Construction:
         deep = round(max(5.0, min(13.0, depth - 9.0)), 2)
         length = round(max(5.0, min(14.0, width - 5.5)), 2)
         u = self._side * max(0.0, (width - length) / 2 - 4.8)
-        concrete: dict[str, AttributeValue] = {"form": "terrace", "finish": "concrete"}
+        concrete = {"form": "terrace", "finish": "concrete"}
         v = depth - deep / 2 - 1.2
         size = (deep, length, _SLAB_M)
         self._slab = ground.erect("terrain", -u, v, size, turn=-INWARD, attributes=concrete)
@@ -102,18 +101,15 @@ class Construction:
         )
         u, v, turned = places[index]
         long = x - 1.0 if turned else y - 1.4
-        attributes: dict[str, AttributeValue] = {
+        attributes = {
             "door_m": _DOOR_M,
             "door_height_m": 2.5,
             "colour": "slate",
         }
         on_top(self.ground, slab).stand(
             "wall",
-            slab.frame,
-            u + (0.15 if turned else 0.0),
-            v,
+            slab.frame.moved(u + (0.15 if turned else 0.0), v, QUARTER if turned else 0.0),
             (thick, round(long, 2), height),
-            turn=QUARTER if turned else 0.0,
             margin=0.0,
             attributes=attributes,
         )
@@ -124,7 +120,7 @@ class Construction:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         side = min(7.0, 0.3 * depth)
         size = (round(side, 2), round(0.9 * side, 2), round(0.16 * side, 2))
-        earth: dict[str, AttributeValue] = {"form": "mound", "finish": "gravel"}
+        earth = {"form": "mound", "finish": "gravel"}
         for at in ((self._side * (half - side / 2 - 1.0), 0.62 * depth), (0.0, 0.3 * depth)):
             self._heap = ground.stand(
                 "terrain", *at, size, turn=draw.between(0, 3), attributes=earth
@@ -137,13 +133,17 @@ class Construction:
         ground, slab = self.ground, self._slab
         if slab is None:
             return
-        form: dict[str, AttributeValue] = {"colour": "yellow", "form": "flat"}
+        form = {"colour": "yellow", "form": "flat"}
         size = (2.0, min(8.0, round(slab.size[0] - 1.0, 2)), 3.2)
         bearing = OpenGround(ground)
         for sign in (1, -1):
             v = sign * (slab.size[1] / 2 + size[0] / 2 + 0.15)
             self._scaffold = bearing.stand(
-                "canopy", slab.frame, 0.0, v, size, turn=sign * QUARTER, margin=0.0, attributes=form
+                "canopy",
+                slab.frame.moved(0.0, v, sign * QUARTER),
+                size,
+                margin=0.0,
+                attributes=form,
             )
             if self._scaffold:
                 return
@@ -173,7 +173,9 @@ class Construction:
             top = on_top(ground, self._scaffold)
             for at in (-0.3, 0.3):
                 size = (0.8, 0.8, 0.7)
-                top.stand("crate", self._scaffold.frame, 0.2, at * self._scaffold.size[1], size)
+                top.stand(
+                    "crate", self._scaffold.frame.moved(0.2, at * self._scaffold.size[1]), size
+                )
             pallet_row(beneath(ground, self._scaffold), self._scaffold.frame, 0.0, 0.0, 1)
             yield
         drums(platform, slab.frame, -0.3 * x, 0.2 * y, 3)
@@ -204,16 +206,16 @@ class Construction:
         yield
         roof = self._upper_cabin or self._cabin
         if roof:
-            on_top(ground, roof).stand("ac_unit", roof.frame, 1.8, 0.0, (0.9, 1.0, 0.8))
-            on_top(ground, roof).stand("antenna", roof.frame, -2.2, 0.0, (0.5, 0.5, 2.4))
+            on_top(ground, roof).stand("ac_unit", roof.frame.moved(1.8, 0.0), (0.9, 1.0, 0.8))
+            on_top(ground, roof).stand("antenna", roof.frame.moved(-2.2, 0.0), (0.5, 0.5, 2.4))
             yield
         if self._cabin:
             at = self._cabin.size[1] / 2 + 1.3
             table = bearing.stand(
-                "table", self._cabin.frame, -1.6, at, (0.8, 1.6, 0.74), turn=QUARTER
+                "table", self._cabin.frame.moved(-1.6, at, QUARTER), (0.8, 1.6, 0.74)
             )
             if table:
-                bearing.stand("bench", table.frame, 0.75, 0.0, (0.45, 1.6, 0.8), turn=pi)
+                bearing.stand("bench", table.frame.moved(0.75, 0.0, pi), (0.45, 1.6, 0.8))
             yield
         for sign in (-1, 1):
             turn = pi if sign > 0 else 0.0

@@ -24,7 +24,6 @@ from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue
 
 _DOCK_M = (2.4, 1.0)
 """Depth and height of a loading dock."""
@@ -51,7 +50,7 @@ class Depot:
     def structures(self) -> Iterator[None]:
         """The hall; then its dock, the gatehouse, swap bodies, the fence."""
         ground, draw = self.ground, self.ground.draw
-        attributes: dict[str, AttributeValue] = {"rows": 0, "form": "bays"}
+        attributes = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", attributes)
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         side = 1 if draw.chance(0.5) else -1
@@ -98,11 +97,11 @@ class Depot:
         length = min(14.0, round(hall.size[1] - 2 * _STEPS_M, 2))
         u = hall.size[0] / 2 + deep / 2 + 0.02
         size = (deep, length, height)
-        self._dock = bearing.stand("deck", hall.frame, u, 0.0, size, margin=0.0)
+        self._dock = bearing.stand("deck", hall.frame.moved(u, 0.0), size, margin=0.0)
         if self._dock:
             at = length / 2 + _STEPS_M / 2
             steps = (_STEPS_M, 1.4, height)
-            bearing.stand("stairs", self._dock.frame, 0.0, at, steps, turn=-QUARTER, margin=0.0)
+            bearing.stand("stairs", self._dock.frame.moved(0.0, at, -QUARTER), steps, margin=0.0)
 
     def details(self) -> Iterator[None]:
         """Trucks at the dock, goods, the stock inside, cars and lamps."""
@@ -140,7 +139,10 @@ class Depot:
             length = draw.between(6.4, 8.0)
             u = dock.size[0] / 2 + 0.25 + length / 2
             bearing.stand(
-                "truck", dock.frame, u, places[index], (length, 2.45, 3.4), attributes=paint(draw)
+                "truck",
+                dock.frame.moved(u, places[index]),
+                (length, 2.45, 3.4),
+                attributes=paint(draw),
             )
             pallet_row(platform, dock.frame.moved(0, 0, QUARTER), places[index] + 1.2, 0.3, 1)
             yield
@@ -165,8 +167,10 @@ class Depot:
             yield
         if self._gatehouse:
             house = self._gatehouse
-            bearing.stand("bin", house.frame, 0.0, house.size[1] / 2 + 0.5, (0.5, 0.5, 0.9))
-            bearing.stand("bicycle", house.frame, 0.0, -house.size[1] / 2 - 0.6, (1.75, 0.55, 1.05))
+            bearing.stand("bin", house.frame.moved(0.0, house.size[1] / 2 + 0.5), (0.5, 0.5, 0.9))
+            bearing.stand(
+                "bicycle", house.frame.moved(0.0, -house.size[1] / 2 - 0.6), (1.75, 0.55, 1.05)
+            )
             yield
         drums(bearing, ground.parcel.frame, draw.between(-0.6, 0.4) * half, 0.4 * depth, 4)
         yield

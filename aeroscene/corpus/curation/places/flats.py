@@ -18,7 +18,6 @@ from aeroscene.corpus.curation.places.rooftops import (
     lay_roof_deck,
 )
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _STOREY_M = 3.2
@@ -105,7 +104,7 @@ class Flats:
 
     def _raise_tower(self, u: float, v: float) -> None:
         draw = self.ground.draw
-        attributes: dict[str, AttributeValue] = {"colour": draw.one_of(WALL_COLOURS)}
+        attributes = {"colour": draw.one_of(WALL_COLOURS)}
         size = (_TOWER_M, _TOWER_M, draw.between(16, 21))
         self.ground.erect("tower", u, v, size, attributes=attributes)
 
@@ -113,7 +112,7 @@ class Flats:
         self, u: float, v: float, deep: float, length: float, storeys: int, form: str = "plain"
     ) -> None:
         ground, draw = self.ground, self.ground.draw
-        attributes: dict[str, AttributeValue] = {
+        attributes = {
             "colour": draw.one_of((*WALL_COLOURS, "brick")),
             "storeys": storeys,
             "form": form,
@@ -143,7 +142,7 @@ class Flats:
         """A roof for bicycles behind the slab, or in front of it."""
         ground, draw = self.ground, self.ground.draw
         half = ground.parcel.width / 2
-        attributes: dict[str, AttributeValue] = {"colour": draw.one_of(("silver", "green", "blue"))}
+        attributes = {"colour": draw.one_of(("silver", "green", "blue"))}
         side = 1 if draw.chance(0.5) else -1
         for v in (self._court_v + 1.8, 1.4):
             u = side * (half - 3.2)
@@ -164,15 +163,15 @@ class Flats:
         v = draw.between(-1, 1) * reach
         base = mass.base + (storey + 1) * _STOREY_M - _BALCONY_M[2]
         balcony = ground.builder.place(
-            "floor", mass.frame, u, v, _BALCONY_M, base=base, parent=mass, within=None
+            "floor", mass.frame.moved(u, v), _BALCONY_M, base=base, parent=mass, within=None
         )
         if balcony is None:
             return
         rail = (0.08, _BALCONY_M[1], 1.0)
         edge = side * (_BALCONY_M[0] / 2 - 0.06)
-        attributes: dict[str, AttributeValue] = {"form": "rails"}
+        attributes = {"form": "rails"}
         on_top(ground, balcony).stand(
-            "fence", balcony.frame, edge, 0.0, rail, margin=0.0, attributes=attributes
+            "fence", balcony.frame.moved(edge, 0.0), rail, margin=0.0, attributes=attributes
         )
         self._balconies.append(balcony)
 
@@ -208,11 +207,11 @@ class Flats:
     def _furnish_balcony(self, balcony: Placed) -> None:
         platform = on_top(self.ground, balcony)
         self._chair(platform, -0.9)
-        platform.stand("plant", balcony.frame, 0.0, 1.3, (0.5, 0.5, 1.0))
+        platform.stand("plant", balcony.frame.moved(0.0, 1.3), (0.5, 0.5, 1.0))
 
     def _chair(self, platform: Platform, along: float) -> None:
         turn = INWARD if along < 0 else STREETWARD
-        platform.stand("chair", platform.bearer.frame, 0.0, along, (0.5, 0.5, 0.9), turn=turn)
+        platform.stand("chair", platform.bearer.frame.moved(0.0, along, turn), (0.5, 0.5, 0.9))
 
     def _plant(self) -> Iterator[None]:
         """Trees in the court and before the front, bushes, bins."""

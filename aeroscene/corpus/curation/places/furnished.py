@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from aeroscene.corpus.curation.builder import Attributes
 from aeroscene.corpus.curation.frame import STREETWARD
 from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace, Shell, raise_shell
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.facade import WALL_M
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
@@ -46,7 +47,7 @@ def raise_furnished(
 
 
 def raise_hall(
-    ground: Ground, u: float, v: float, size: Vector3, attributes: dict[str, AttributeValue]
+    ground: Ground, u: float, v: float, size: Vector3, attributes: Attributes
 ) -> Shell | None:
     """An enterable warehouse: one room, with the air in its two gates kept free."""
     hall = ground.erect("warehouse", u, v, size, attributes={**attributes, "is_enterable": True})
@@ -56,8 +57,6 @@ def raise_hall(
     room = ground.builder.place(
         "room",
         hall.frame,
-        0.0,
-        0.0,
         inner,
         base=hall.base,
         parent=hall,
@@ -66,7 +65,7 @@ def raise_hall(
     )
     for sign in (-1, 1):
         at = sign * hall.size[0] / 2
-        ground.builder.reserve(hall.frame, at, 0.0, _GATE_AIR_M, hall.base + 0.05)
+        ground.builder.reserve(hall.frame.moved(at, 0.0), _GATE_AIR_M, hall.base + 0.05)
     rooms = (RoomSpace(room),) if room else ()
     return Shell(hall, rooms, size[2])
 

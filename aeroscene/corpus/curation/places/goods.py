@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.places.bearing import Bearing, on_top
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.seating import put_on
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 
 CONTAINER_M = (6.06, 2.44, 2.59)
@@ -26,7 +25,7 @@ Area = tuple[float, float, float, float]
 """u0, u1, v0, v1 in the parcel's frame."""
 
 
-def paint(draw: Draw) -> dict[str, AttributeValue]:
+def paint(draw: Draw) -> Attributes:
     """Some colour of a vehicle or a container."""
     return {"colour": draw.one_of(PAINT_COLOURS)}
 
@@ -43,7 +42,7 @@ def stack_container(ground: Ground, lower: Placed) -> Placed | None:
     """Another container of the same size, flush on top of one."""
     attributes = paint(ground.draw)
     return on_top(ground, lower).stand(
-        "container", lower.frame, 0.0, 0.0, lower.size, margin=0.0, attributes=attributes
+        "container", lower.frame, lower.size, margin=0.0, attributes=attributes
     )
 
 
@@ -52,24 +51,20 @@ def pallet_row(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -
     for index in range(count):
         at = u + (index - (count - 1) / 2) * 1.4
         size = (1.2, 1.0, bearing.draw.between(0.5, 1.4))
-        bearing.stand("pallet", frame, at, v, size)
+        bearing.stand("pallet", frame.moved(at, v), size)
 
 
 def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
     """Two crates side by side and a smaller one on the first."""
     draw = bearing.draw
-    first = bearing.stand("crate", frame, u - 0.6, v, (1.0, 1.0, draw.between(0.7, 1.0)))
+    first = bearing.stand("crate", frame.moved(u - 0.6, v), (1.0, 1.0, draw.between(0.7, 1.0)))
     side = draw.between(0.8, 1.05)
-    bearing.stand("crate", frame, u + 0.6, v, (side, side, 0.8), turn=draw.between(-0.15, 0.15))
+    bearing.stand("crate", frame.moved(u + 0.6, v, draw.between(-0.15, 0.15)), (side, side, 0.8))
     if first and draw.chance(0.7):
         bearing.builder.place(
             "crate",
-            first.frame,
-            0.0,
-            0.0,
+            first.frame.moved(0.0, 0.0, draw.between(-0.1, 0.1)),
             (0.8, 0.8, 0.6),
-            base=first.top,
-            turn=draw.between(-0.1, 0.1),
             parent=first,
             within=first,
         )
@@ -81,7 +76,7 @@ def drums(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> Non
     for index in range(count):
         at = (u + (index // 2) * 0.72, v + (index % 2) * 0.72)
         size = (0.6, 0.6, 0.88)
-        bearing.stand("barrel", frame, *at, size, attributes=attributes)
+        bearing.stand("barrel", frame.moved(*at), size, attributes=attributes)
 
 
 def scatter_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:
@@ -112,7 +107,7 @@ def _free_spot(ground: Ground, near: Area) -> tuple[float, float] | None:
         u = ground.draw.between(u0 + length / 2, u1 - length / 2)
         v = ground.draw.between(v0 + width / 2, v1 - width / 2)
         base = ground.level + 0.01
-        if ground.builder.is_free(ground.parcel.frame, u, v, (length, width, height), base):
+        if ground.builder.is_free(ground.parcel.frame.moved(u, v), (length, width, height), base):
             return (u, v)
     return None
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, cos, pi, sin
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD, Frame
 from aeroscene.corpus.curation.parcels import Parcel
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 
 GROUND_M = {"lawn": 0.06, "plaza": 0.1, "parking_lot": 0.04, "sidewalk": 0.1}
 """Heights of the surfaces of parcels above the ground."""
@@ -49,7 +49,7 @@ class Ground:
         share = min(1.0, max(0.0, (v - reach) / self.parcel.depth))
         return self.parcel.level + share * self.parcel.rise
 
-    def cover(self, name: str, attributes: dict[str, AttributeValue] | None = None) -> None:
+    def cover(self, name: str, attributes: Attributes | None = None) -> None:
         """Give the whole parcel a surface; on a slope the hill itself."""
         parcel = self.parcel
         turn, size = 0.0, (parcel.width, parcel.depth, GROUND_M[name])
@@ -58,12 +58,9 @@ class Ground:
             name, turn, size = "terrain", QUARTER, (parcel.depth, parcel.width, parcel.rise)
         self.surface = self.builder.place(
             name,
-            parcel.frame,
-            0,
-            parcel.depth / 2,
+            parcel.frame.moved(0, parcel.depth / 2, turn),
             size,
             base=parcel.level,
-            turn=turn,
             parent=parcel.bearer,
             attributes=attributes,
         )
@@ -79,7 +76,7 @@ class Ground:
         margin: float = 0.15,
         on: Placed | None = None,
         base: float | None = None,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         """Stand something on the parcel's surface, if there is space."""
         bearer = on or self.surface
@@ -88,12 +85,9 @@ class Ground:
             base = self.height_under(v, size, turn)
         return self.builder.place(
             name,
-            self.parcel.frame,
-            u,
-            v,
+            self.parcel.frame.moved(u, v, turn),
             size,
             base=base,
-            turn=turn,
             parent=bearer,
             within=bearer,
             margin=margin,
@@ -108,17 +102,14 @@ class Ground:
         size: Vector3,
         *,
         turn: float = STREETWARD,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         """Put up a structure, if there is space: a root of its own, or a part of its hill."""
         return self.builder.place(
             name,
-            self.parcel.frame,
-            u,
-            v,
+            self.parcel.frame.moved(u, v, turn),
             size,
             base=self.height_under(v, size, turn),
-            turn=turn,
             parent=self.surface if self.parcel.rise else None,
             within=self.surface,
             margin=_MARGIN_M,
@@ -133,7 +124,7 @@ class Ground:
         margin: float = 0.3,
         near: tuple[float, float, float, float] | None = None,
         turn: float | None = None,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> list[Placed]:
         """Stand several of a kind at random places (u0, u1, v0, v1) of the parcel."""
         half, depth = self.parcel.width / 2, self.parcel.depth
@@ -169,7 +160,7 @@ class Ground:
             reach = width / 2 + 0.2
             for _ in range(_TRIES):
                 u, v = self._spot(u0, u1, reach), self._spot(v0, v1, reach)
-                attributes: dict[str, AttributeValue] = {"form": form, "leaves": leaves}
+                attributes = {"form": form, "leaves": leaves}
                 size = (width, width, height)
                 if self.stand("tree", u, v, size, turn=0.0, attributes=attributes):
                     break
@@ -195,16 +186,13 @@ class Ground:
             u, v = u0 + share * (u1 - u0), v0 + share * (v1 - v0)
             self.builder.place(
                 "fence",
-                self.parcel.frame,
-                u,
-                v,
+                self.parcel.frame.moved(u, v, turn),
                 size,
                 base=self.height_under(v, size, turn),
-                turn=turn,
                 parent=self.surface,
                 attributes={"form": form},
             )
 
-    def facing(self, frame: Frame, turn: float) -> float:
-        """Turn in the parcel's frame of a heading in another frame."""
-        return frame.yaw + turn - self.parcel.frame.yaw
+    def facing(self, spot: Frame) -> float:
+        """A spot's heading in the parcel's frame."""
+        return spot.yaw - self.parcel.frame.yaw

@@ -23,7 +23,6 @@ from aeroscene.corpus.curation.places.rooftops import (
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _PLOT_M = 12.0
@@ -121,7 +120,7 @@ class Houses:
             return
         length = max(6.0, min(draw.between(8.5, 11.5), plot.space - 1.6))
         storeys = draw.count(1, 2)
-        attributes: dict[str, AttributeValue] = {
+        attributes = {
             "colour": draw.one_of((*WALL_COLOURS, "brick")),
             "storeys": storeys,
         }
@@ -166,7 +165,7 @@ class Houses:
         start = plot.drive.size[0] if plot.drive else 6.0
         if ground.parcel.depth - start < 6.5:
             return
-        attributes: dict[str, AttributeValue] = {"form": "garage"}
+        attributes = {"form": "garage"}
         plot.garage = ground.erect(
             "garage", plot.drive_u, start + 3.35, (5.8, 3.1, 2.7), attributes=attributes
         )
@@ -207,7 +206,7 @@ class Houses:
         ground, draw = self.ground, self.ground.draw
         if ground.parcel.depth - plot.back < 6.5:
             return
-        attributes: dict[str, AttributeValue] = {"form": "shed"}
+        attributes = {"form": "shed"}
         u = plot.low + 2.4 if draw.chance(0.5) else plot.high - 2.4
         at = (u, ground.parcel.depth - 2.4)
         ground.erect("garage", *at, (2.4, 3.0, 2.4), attributes=attributes)
@@ -249,7 +248,9 @@ class Houses:
             if plot.house:
                 step = plot.house.size[0] / 2 + 0.6
                 size = (1.75, 0.55, 1.05)
-                OpenGround(ground).stand("bicycle", plot.house.frame, step, 1.6, size, turn=QUARTER)
+                OpenGround(ground).stand(
+                    "bicycle", plot.house.frame.moved(step, 1.6, QUARTER), size
+                )
             ground.scatter("bush", 1, near=near)
             yield
 
@@ -263,7 +264,9 @@ class Houses:
             yield from dine(on_top(ground, terrace), terrace.frame, [(0.1, 0.6)], QUARTER)
             for sign in (-1, 1):
                 edge = sign * (terrace.size[1] / 2 - 0.35)
-                on_top(ground, terrace).stand("planter", terrace.frame, -1.0, edge, (1.0, 0.5, 0.9))
+                on_top(ground, terrace).stand(
+                    "planter", terrace.frame.moved(-1.0, edge), (1.0, 0.5, 0.9)
+                )
             yield
         garden = (plot.low + 0.4, plot.high - 0.4, plot.back + 3.4, depth - 0.6)
         ground.plant_trees(2, garden)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import pi
 
-from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
@@ -16,7 +16,6 @@ from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 
 _STALL_M = (2.6, 3.2, 2.7)
 _PITCH_M = 4.6
@@ -91,9 +90,9 @@ class Market:
         ground = self.ground
         for stall in self._stalls:
             bearing = beneath(ground, stall)
-            form: dict[str, AttributeValue] = {"form": "trestle"}
+            form = {"form": "trestle"}
             size = (0.85, 2.4, 0.78)
-            table = bearing.stand("table", stall.frame, 0.5, 0.0, size, attributes=form)
+            table = bearing.stand("table", stall.frame.moved(0.5, 0.0), size, attributes=form)
             if table:
                 boxes_on(ground, table, ground.draw.count(2, 3))
             yield
@@ -104,7 +103,7 @@ class Market:
             bearing = OpenGround(ground)
             for sign in (-1, 1):
                 at = sign * (kiosk.size[1] / 2 + 0.6)
-                bearing.stand("barrel", kiosk.frame, 0.6, at, (0.6, 0.6, 0.88))
+                bearing.stand("barrel", kiosk.frame.moved(0.6, at), (0.6, 0.6, 0.88))
             yield
 
     def _serve(self) -> Iterator[None]:
@@ -126,7 +125,7 @@ class Market:
             reach = self._middle.size[0] / 2 + 0.9
             for quarter in range(4):
                 frame = self._middle.frame.moved(0, 0, quarter * QUARTER)
-                bearing.stand("bench", frame, reach, 0.0, (0.6, 1.8, 0.85), turn=pi)
+                bearing.stand("bench", frame.moved(reach, 0.0, pi), (0.6, 1.8, 0.85))
             yield
         for sign in (-1, 1):
             ground.stand("planter", sign * 0.55 * half, 0.8, (0.7, 2.2, 1.1))
@@ -146,6 +145,6 @@ class Market:
         yield from fill_up(ground, names, (-half, half, 0.3, depth), 8)
 
 
-def _awning(draw: Draw) -> dict[str, AttributeValue]:
+def _awning(draw: Draw) -> Attributes:
     """Some colour of canvas, flat or pitched."""
     return {**paint(draw), "form": draw.one_of(("flat", "pitched"))}

@@ -20,7 +20,6 @@ from aeroscene.corpus.curation.places.rooftops import (
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _PROGRAMMES = {
@@ -68,7 +67,7 @@ class Offices:
             self._roof_deck = lay_roof_deck(ground.builder, draw, self._roof)
         yield
         side = 1 if u < 0 else -1
-        bays: dict[str, AttributeValue] = {"rows": 1}
+        bays = {"rows": 1}
         at = (side * (half - _BAYS_M[1] / 2 - 0.3), _BAYS_M[0] / 2 + 0.2)
         size = (_BAYS_M[1], _BAYS_M[0], _BAYS_M[2])
         self._bays = ground.stand("parking_lot", *at, size, turn=0.0, attributes=bays)
@@ -80,7 +79,7 @@ class Offices:
             self._walk = ground.stand("sidewalk", 0.0, v, (long, 1.6, 0.05), turn=0.0)
             yield
             size = (3.6, 4.4, 3.0)
-            colour: dict[str, AttributeValue] = {"colour": draw.one_of(("white", "green", "red"))}
+            colour = {"colour": draw.one_of(("white", "green", "red"))}
             self._pavilion = ground.stand(
                 "canopy", -side * 0.5 * half, depth - 2.6, size, attributes=colour
             )
@@ -110,7 +109,7 @@ class Offices:
         else:
             deep = round(max(6.0, deep), 2)
             setback = round(max(0.6, min(setback, depth - deep - 0.6)), 2)
-            attributes: dict[str, AttributeValue] = {
+            attributes = {
                 "colour": draw.one_of(WALL_COLOURS),
                 "form": "plain",
             }
@@ -142,7 +141,7 @@ class Offices:
             reach = terrace.size[1] / 2
             for sign in (-1, 1):
                 platform.stand(
-                    "planter", terrace.frame, -0.9, sign * (reach - 0.7), (0.5, 1.2, 0.9)
+                    "planter", terrace.frame.moved(-0.9, sign * (reach - 0.7)), (0.5, 1.2, 0.9)
                 )
             yield
             if reach > 2.6:

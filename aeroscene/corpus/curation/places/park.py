@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import pi
 
-from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
@@ -15,7 +15,7 @@ from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import line_way
 from aeroscene.corpus.curation.places.seating import dine, picnic
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 
 _PATH_M = (2.2, 0.05)
 _STEP_M = 0.9
@@ -63,7 +63,7 @@ class Park:
         placed = self._on_lawn(name, u, 0.2 * depth, size, attributes)
         self._shelter = placed if placed and name == "canopy" else None
         yield
-        form: dict[str, AttributeValue] = {"form": "hedge"}
+        form = {"form": "hedge"}
         for sign in (-1, 1):
             long = half - 2.6 - sign * path_u
             u = path_u + sign * (1.8 + long / 2)
@@ -88,7 +88,7 @@ class Park:
             reach = size[1] / 2 + _STEP_M / 2
             frame = self._stage.frame
             steps = (_STEP_M, 1.6, size[2])
-            OpenGround(ground).stand("stairs", frame, 0.0, reach, steps, turn=-QUARTER, margin=0.0)
+            OpenGround(ground).stand("stairs", frame.moved(0.0, reach, -QUARTER), steps, margin=0.0)
 
     def _raise_mound(self, u: float, v: float) -> None:
         """A low hill to sit on."""
@@ -97,7 +97,7 @@ class Park:
         if side < 5:
             return
         size = (round(side, 2), round(side * draw.between(0.85, 1.0), 2), round(0.1 * side, 2))
-        attributes: dict[str, AttributeValue] = {"form": "mound", "finish": "grass"}
+        attributes = {"form": "mound", "finish": "grass"}
         self._on_lawn("terrain", u, v, size, attributes)
 
     def _on_lawn(
@@ -106,7 +106,7 @@ class Park:
         u: float,
         v: float,
         size: Vector3,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
         turn: float = STREETWARD,
     ) -> Placed | None:
         return self.ground.stand(name, u, v, size, turn=turn, margin=0.4, attributes=attributes)
@@ -152,12 +152,16 @@ class Park:
             stage, platform = self._stage, on_top(ground, self._stage)
             for sign in (-1, 1):
                 at = sign * (stage.size[1] / 2 - 0.7)
-                platform.stand("crate", stage.frame, stage.size[0] / 2 - 0.8, at, (0.8, 0.8, 1.2))
+                platform.stand(
+                    "crate", stage.frame.moved(stage.size[0] / 2 - 0.8, at), (0.8, 0.8, 1.2)
+                )
             yield
             for index in range(3):
                 reach = stage.size[0] / 2 + 2.2
                 at = (index - 1) * 2.2
-                OpenGround(ground).stand("bench", stage.frame, reach, at, (0.5, 1.8, 0.85), turn=pi)
+                OpenGround(ground).stand(
+                    "bench", stage.frame.moved(reach, at, pi), (0.5, 1.8, 0.85)
+                )
             yield
         for _ in range(2):
             u = draw.between(-0.8, 0.8) * half
@@ -179,13 +183,13 @@ class Park:
         for quarter in draw.shuffled(range(4))[:2]:
             frame = pond.frame.moved(0, 0, quarter * QUARTER)
             reach = pond.size[quarter % 2] / 2 + 0.8
-            bearing.stand("bench", frame, reach, 0.0, (0.6, 1.8, 0.85), turn=pi)
+            bearing.stand("bench", frame.moved(reach, 0.0, pi), (0.6, 1.8, 0.85))
         yield
         for quarter in draw.shuffled(range(4)):
             frame = pond.frame.moved(0, 0, quarter * QUARTER)
             reach = pond.size[quarter % 2] / 2 + 0.6
             at = draw.between(-0.4, 0.4) * pond.size[1 - quarter % 2]
-            bearing.stand("bush", frame, reach, at, (0.8, 1.4, 0.9))
+            bearing.stand("bush", frame.moved(reach, at), (0.8, 1.4, 0.9))
             if quarter % 2:
                 yield
         yield

@@ -15,7 +15,6 @@ from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
 from aeroscene.corpus.curation.places.seating import picnic
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _BACK_M = {"level": 11.0, "shop": 8.5, "bays": 7.0, "green": 2.2}
@@ -44,7 +43,7 @@ class Parking:
     def structures(self) -> Iterator[None]:
         """Bays at the street; behind them more bays, an upper level or a shop."""
         ground, draw = self.ground, self.ground.draw
-        rows: dict[str, AttributeValue] = {"rows": 0, "form": "bays"}
+        rows = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", rows)
         self._side = 1 if draw.chance(0.5) else -1
         depth = ground.parcel.depth
@@ -58,10 +57,13 @@ class Parking:
         for bays in self._fields:
             bays.raise_carport(ground)
             yield
-        kiosk: dict[str, AttributeValue] = {"colour": "blue"}
+        kiosk = {"colour": "blue"}
         if self._island:
             on_top(ground, self._island).stand(
-                "kiosk", self._island.frame, -0.3 * first, 0.0, (2.0, 2.0, 2.5), attributes=kiosk
+                "kiosk",
+                self._island.frame.moved(-0.3 * first, 0.0),
+                (2.0, 2.0, 2.5),
+                attributes=kiosk,
             )
             yield
         half = ground.parcel.width / 2
@@ -119,13 +121,13 @@ class Parking:
             return
         deep = round(min(rest, TWO_ROWS_M + 0.6), 2)
         width = round(2 * half - 0.2, 2)
-        asphalt: dict[str, AttributeValue] = {"form": "terrace", "finish": "asphalt"}
+        asphalt = {"form": "terrace", "finish": "asphalt"}
         v = _LEVEL_V_M + deep / 2
         size = (deep, width, _RISE_M)
         self._level = ground.erect("terrain", 0, v, size, turn=INWARD, attributes=asphalt)
         if self._level is None:
             return
-        ramp: dict[str, AttributeValue] = {"form": "ramp", "finish": "asphalt"}
+        ramp = {"form": "ramp", "finish": "asphalt"}
         u = self._side * (half - _AISLE_M / 2)
         v = _LEVEL_V_M - _RAMP_M / 2
         size = (_RAMP_M, _AISLE_M - 0.8, _RISE_M)
@@ -139,14 +141,11 @@ class Parking:
         ground, half = self.ground, self.ground.parcel.width / 2
         long = round(2 * half - _AISLE_M - 0.6, 2)
         u = -self._side * (half - long / 2 - 0.3)
-        rails: dict[str, AttributeValue] = {"form": "rails"}
+        rails = {"form": "rails"}
         platform.stand(
             "fence",
-            ground.parcel.frame,
-            u,
-            _LEVEL_V_M + 0.1,
+            ground.parcel.frame.moved(u, _LEVEL_V_M + 0.1, QUARTER),
             (0.1, long, 1.0),
-            turn=QUARTER,
             margin=0.0,
             attributes=rails,
         )
@@ -154,7 +153,7 @@ class Parking:
     def _raise_shop(self, rest: float) -> None:
         ground, draw = self.ground, self.ground.draw
         deep, length = min(10.0, rest - 0.8), min(18.0, ground.parcel.width - 3)
-        attributes: dict[str, AttributeValue] = {
+        attributes = {
             "colour": draw.one_of(WALL_COLOURS),
             "storeys": 1,
             "form": "plain",
@@ -185,9 +184,9 @@ class Parking:
                 height = draw.between(4.5, 6.5)
                 size = (2.2, 2.2, height)
                 platform.stand(
-                    "tree", island.frame, at + 0.8, 0.0, size, attributes={"form": "round"}
+                    "tree", island.frame.moved(at + 0.8, 0.0), size, attributes={"form": "round"}
                 )
-                platform.stand("bush", island.frame, at - 1.0, 0.0, (0.9, 0.9, 0.8))
+                platform.stand("bush", island.frame.moved(at - 1.0, 0.0), (0.9, 0.9, 0.8))
                 yield
         if self._strip:
             yield from self._plant_strip(self._strip)
@@ -211,10 +210,12 @@ class Parking:
             at = (index - (count - 1) / 2) * width / count
             height = draw.between(4.5, 7.5)
             crown = round(min(0.48 * height, deep - 0.3), 2)
-            platform.stand("tree", frame, -deep / 2 + crown / 2 + 0.1, at, (crown, crown, height))
-            platform.stand("bush", frame, 0.2 * deep, at + 1.6, (0.9, 1.2, 0.9))
+            platform.stand(
+                "tree", frame.moved(-deep / 2 + crown / 2 + 0.1, at), (crown, crown, height)
+            )
+            platform.stand("bush", frame.moved(0.2 * deep, at + 1.6), (0.9, 1.2, 0.9))
             if index % 2:
-                platform.stand("bench", frame, 0.3 * deep, at - 1.2, (0.6, 1.8, 0.85))
+                platform.stand("bench", frame.moved(0.3 * deep, at - 1.2), (0.6, 1.8, 0.85))
             yield
         if deep > 4:
             picnic(platform, frame, 0.2 * deep, 0.5, QUARTER)

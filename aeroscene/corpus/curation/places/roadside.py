@@ -20,7 +20,7 @@ def park(
     length, width, height = bearing.draw.size_of(name, 0.25)
     size = (min(length, _LONGEST_M.get(name, length)), width, height)
     attributes = paint(bearing.draw)
-    return bearing.stand(name, frame, u, v, size, turn=turn, margin=0.15, attributes=attributes)
+    return bearing.stand(name, frame.moved(u, v, turn), size, margin=0.15, attributes=attributes)
 
 
 def rack_bicycles(
@@ -30,7 +30,7 @@ def rack_bicycles(
     for index in range(count):
         at = u + (index - (count - 1) / 2) * 0.75
         size = (1.75, 0.55, 1.05)
-        bearing.stand("bicycle", frame, at, v, size, turn=turn, attributes=paint(bearing.draw))
+        bearing.stand("bicycle", frame.moved(at, v, turn), size, attributes=paint(bearing.draw))
 
 
 def line_way(
@@ -53,17 +53,17 @@ def line_way(
             _bench(bearing, frame, at, side, reach)
         if index % 2 == 0:
             bearing.stand(
-                "bin", frame, at + 1.8, sides[0] * (reach + 0.5), (0.5, 0.5, 0.95), turn=pi
+                "bin", frame.moved(at + 1.8, sides[0] * (reach + 0.5), pi), (0.5, 0.5, 0.95)
             )
         yield
     for index in range(max(1, int((high - low) / 14.0))):
         at = low + 3.5 + 14.0 * index
         side = 1 if index % 2 else -1
         turn = -side * QUARTER
-        bearing.stand("street_lamp", frame, at, side * (reach + 0.5), (0.9, 0.4, 4.2), turn=turn)
+        bearing.stand("street_lamp", frame.moved(at, side * (reach + 0.5), turn), (0.9, 0.4, 4.2))
         yield
 
 
 def _bench(bearing: Bearing, frame: Frame, at: float, side: int, reach: float) -> None:
     size = (0.6, bearing.draw.between(1.5, 2.0), 0.85)
-    bearing.stand("bench", frame, at, side * (reach + 0.55), size, turn=-side * QUARTER)
+    bearing.stand("bench", frame.moved(at, side * (reach + 0.55), -side * QUARTER), size)

@@ -12,7 +12,6 @@ from aeroscene.corpus.curation.frame import QUARTER, Frame
 from aeroscene.corpus.curation.places.bearing import Platform
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.roofs import ROOF_SLAB_M
 
 PARAPET_RISE_M = 0.45
@@ -31,14 +30,7 @@ def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -
     x, y, _ = building.size
     height = ROOF_SLAB_M + (PARAPET_RISE_M if parapet else 0.0)
     return builder.place(
-        "roof",
-        building.frame,
-        0,
-        0,
-        (x, y, height),
-        base=building.top,
-        parent=building,
-        attributes={"form": "flat"},
+        "roof", building.frame, (x, y, height), parent=building, attributes={"form": "flat"}
     )
 
 
@@ -47,18 +39,14 @@ def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed |
     x, y, _ = building.size
     run, span = max(x, y), min(x, y)
     size = (run + 2 * _OVERHANG_M, span + 2 * _OVERHANG_M, round(0.32 * span, 2))
-    attributes: dict[str, AttributeValue] = {
+    attributes = {
         "form": draw.one_of(("gable", "hip")),
         "tiles": draw.one_of(("roof_red", "roof_slate")),
     }
     return builder.place(
         "roof",
-        building.frame,
-        0,
-        0,
+        building.frame.moved(0, 0, 0.0 if x >= y else QUARTER),
         size,
-        base=building.top,
-        turn=0.0 if x >= y else QUARTER,
         parent=building,
         attributes=attributes,
     )
@@ -68,16 +56,7 @@ def add_monopitch_roof(builder: Builder, building: Placed) -> Placed | None:
     """One plane that rises towards the building's front, gentle enough to land on."""
     x, y, _ = building.size
     size = (x + 2 * _OVERHANG_M, y + 2 * _OVERHANG_M, round(0.2 + MONOPITCH_SLOPE * x, 2))
-    return builder.place(
-        "roof",
-        building.frame,
-        0,
-        0,
-        size,
-        base=building.top,
-        parent=building,
-        attributes={"form": "shed"},
-    )
+    return builder.place("roof", building.frame, size, parent=building, attributes={"form": "shed"})
 
 
 def add_chimney(builder: Builder, draw: Draw, roof: Placed) -> None:
@@ -85,7 +64,7 @@ def add_chimney(builder: Builder, draw: Draw, roof: Placed) -> None:
     u = draw.between(-0.3, 0.3) * roof.size[0]
     foot = roof.base + 0.45 * roof.size[2]
     size = (0.7, 0.7, round(0.55 * roof.size[2] + 0.8, 2))
-    builder.place("chimney", roof.frame, u, 0.06 * roof.size[1], size, base=foot, parent=roof)
+    builder.place("chimney", roof.frame.moved(u, 0.06 * roof.size[1]), size, base=foot, parent=roof)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +114,7 @@ def _machines(top: RoofTop) -> Iterator[None]:
     for index in range(count):
         u = (index - (count - 1) / 2) * pitch
         turn = -edge * QUARTER
-        platform.stand("ac_unit", top.frame, u, v, size, turn=turn)
+        platform.stand("ac_unit", top.frame.moved(u, v, turn), size)
         if index % 2:
             yield
     yield
@@ -147,7 +126,7 @@ def _machines(top: RoofTop) -> Iterator[None]:
         reach_u, reach_v = top.half_u - size[0] / 2, top.half_v - size[1] / 2
         if min(reach_u, reach_v) > 0.8:
             su, sv = corners[index]
-            platform.stand(name, top.frame, su * reach_u, sv * reach_v, size)
+            platform.stand(name, top.frame.moved(su * reach_u, sv * reach_v), size)
             yield
 
 
@@ -163,7 +142,7 @@ def _solar_array(top: RoofTop, span: tuple[float, float]) -> Iterator[None]:
         v = top.half_v - depth / 2 - row * (depth + 0.7)
         for column in range(min(columns, 4)):
             u = low + (column + 0.5) * (width + 0.15)
-            top.platform.stand("solar_panel", top.frame, u, v, _SOLAR_M, turn=turn)
+            top.platform.stand("solar_panel", top.frame.moved(u, v, turn), _SOLAR_M)
         yield
 
 
@@ -173,7 +152,7 @@ def _pad(top: RoofTop, side: int) -> Iterator[None]:
     u = side * (top.half_u - length / 2 - 0.3)
     if top.half_v > length / 2 + 0.2:
         pad = (length, length, 0.05)
-        top.platform.stand("landing_pad", top.frame, u, 0.0, pad, margin=0.3)
+        top.platform.stand("landing_pad", top.frame.moved(u, 0.0), pad, margin=0.3)
         yield
 
 
@@ -185,7 +164,7 @@ def lay_roof_deck(builder: Builder, draw: Draw, roof: Placed) -> Placed | None:
         return None
     u = (1 if draw.chance(0.5) else -1) * (top.half_u - length / 2)
     size = (round(length, 2), round(width, 2), _DECK_M)
-    return top.platform.stand("deck", top.frame, u, 0.0, size, margin=0.02)
+    return top.platform.stand("deck", top.frame.moved(u, 0.0), size, margin=0.02)
 
 
 def furnish_roof_deck(builder: Builder, draw: Draw, deck: Placed) -> Iterator[None]:
@@ -200,9 +179,9 @@ def _greenery(platform: Platform, x: float, y: float) -> Iterator[None]:
     frame = platform.bearer.frame
     for sign in (-1, 1):
         size = (0.5, min(2.0, 0.4 * x), 0.95)
-        platform.stand("planter", frame, 0.0, sign * (y / 2 - 0.3), size, turn=QUARTER)
+        platform.stand("planter", frame.moved(0.0, sign * (y / 2 - 0.3), QUARTER), size)
     yield
     for su in (-1, 1):
         size = (0.9, 0.9, platform.draw.between(0.9, 1.5))
-        platform.stand("bush", frame, su * (x / 2 - 0.5), y / 2 - 0.5, size)
+        platform.stand("bush", frame.moved(su * (x / 2 - 0.5), y / 2 - 0.5), size)
     yield

@@ -21,7 +21,6 @@ from aeroscene.corpus.curation.places.rooftops import (
 from aeroscene.corpus.curation.places.seating import picnic
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _TOWER_M = (3.0, 3.0, 1.1)
@@ -59,11 +58,11 @@ class School:
         yield
         self._lay_court(-side)
         yield
-        sand: dict[str, AttributeValue] = {"form": "terrace", "finish": "gravel"}
+        sand = {"form": "terrace", "finish": "gravel"}
         at = (side * 0.55 * half, min(self._yard_v - 2.4, 0.45 * self._yard_v + 5.6))
         self._sand = ground.stand("terrain", *at, (3.6, 4.2, 0.2), margin=0.3, attributes=sand)
         yield
-        colour: dict[str, AttributeValue] = {"colour": draw.one_of(("yellow", "orange", "green"))}
+        colour = {"colour": draw.one_of(("yellow", "orange", "green"))}
         at = (-side * 0.1 * half, self._yard_v - 2.8)
         self._shade = ground.stand("canopy", *at, (3.6, 5.0, 2.9), margin=0.4, attributes=colour)
         yield
@@ -78,7 +77,7 @@ class School:
         deep = round(max(6.0, min(9.5, 0.36 * depth)), 2)
         length = round(min(30.0, width - 1.6), 2)
         self._yard_v = depth - deep - 1.2
-        attributes: dict[str, AttributeValue] = {
+        attributes = {
             "colour": draw.one_of((*WALL_COLOURS, "brick")),
             "storeys": 2,
             "form": "ledges",
@@ -112,11 +111,9 @@ class School:
         self._towers.append(tower)
         at = _TOWER_M[0] / 2 + 0.6
         steps = (1.2, 1.2, _TOWER_M[2])
-        OpenGround(ground).stand("stairs", tower.frame, at, 0.0, steps, turn=pi, margin=0.0)
-        colour: dict[str, AttributeValue] = {"colour": ground.draw.one_of(("red", "blue", "green"))}
-        on_top(ground, tower).stand(
-            "canopy", tower.frame, 0.0, 0.0, (2.6, 2.6, 2.7), attributes=colour
-        )
+        OpenGround(ground).stand("stairs", tower.frame.moved(at, 0.0, pi), steps, margin=0.0)
+        colour = {"colour": ground.draw.one_of(("red", "blue", "green"))}
+        on_top(ground, tower).stand("canopy", tower.frame, (2.6, 2.6, 2.7), attributes=colour)
 
     def _lay_court(self, side: int) -> None:
         """A ball court with a fence along each end."""
@@ -125,7 +122,7 @@ class School:
         deep = min(_COURT_M[1], round(self._yard_v - 3.0, 2))
         if min(width, deep) < 5:
             return
-        attributes: dict[str, AttributeValue] = {"rows": 0, "form": "bays"}
+        attributes = {"rows": 0, "form": "bays"}
         size = (width, deep, 0.03)
         u = side * (half - width / 2 - 0.8)
         self._court = ground.stand(
@@ -133,12 +130,12 @@ class School:
         )
         if self._court is None:
             return
-        rails: dict[str, AttributeValue] = {"form": "mesh"}
+        rails = {"form": "mesh"}
         for sign in (-1, 1):
             at = sign * (width / 2 - 0.15)
             goal = (0.1, round(min(4.0, 0.6 * deep), 2), 2.2)
             on_top(ground, self._court).stand(
-                "fence", self._court.frame, at, 0.0, goal, margin=0.0, attributes=rails
+                "fence", self._court.frame.moved(at, 0.0), goal, margin=0.0, attributes=rails
             )
 
     def _fence(self) -> Iterator[None]:
@@ -170,23 +167,25 @@ class School:
             for quarter in (1, 3):
                 frame = watched.frame.moved(0, 0, quarter * QUARTER)
                 at = watched.size[1] / 2 + 1.4
-                bearing.stand("bench", frame, at, 0.0, (0.5, 1.8, 0.85), turn=pi)
+                bearing.stand("bench", frame.moved(at, 0.0, pi), (0.5, 1.8, 0.85))
             yield
         if self._shade:
             shade = beneath(ground, self._shade)
             picnic(shade, self._shade.frame, 0.0, 0.0, QUARTER)
             yield
         for tower in self._towers:
-            bearing.stand("barrel", tower.frame, -2.4, 1.0, (0.6, 0.6, 0.9))
-            bearing.stand("crate", tower.frame, -2.6, -0.6, (0.8, 0.8, 0.6))
+            bearing.stand("barrel", tower.frame.moved(-2.4, 1.0), (0.6, 0.6, 0.9))
+            bearing.stand("crate", tower.frame.moved(-2.6, -0.6), (0.8, 0.8, 0.6))
             yield
         if self._court:
             court = self._court
             for sign in (-1, 1):
                 at = (sign * court.size[0] / 4, court.size[1] / 2 + 0.7)
-                bearing.stand("bench", court.frame, *at, (0.5, 2.0, 0.85), turn=-QUARTER)
+                bearing.stand("bench", court.frame.moved(*at, -QUARTER), (0.5, 2.0, 0.85))
             yield
-            bearing.stand("table", court.frame, 0.0, court.size[1] / 2 + 2.4, (1.4, 2.4, 0.76))
+            bearing.stand(
+                "table", court.frame.moved(0.0, court.size[1] / 2 + 2.4), (1.4, 2.4, 0.76)
+            )
             yield
 
     def _arrive(self) -> Iterator[None]:
@@ -225,7 +224,7 @@ class School:
             v = (0.2 + 0.5 * (index // 2)) * self._yard_v
             height = ground.draw.between(4.5, 7.0)
             size = (1.7, 1.7, height)
-            form: dict[str, AttributeValue] = {"form": "poplar"}
+            form = {"form": "poplar"}
             ground.stand("tree", side * (half - 1.4), v, size, turn=0.0, attributes=form)
             yield
         ground.plant_trees(2, yard)

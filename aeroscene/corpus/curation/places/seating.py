@@ -9,7 +9,7 @@ from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.places.bearing import Bearing
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.furniture import WOODS
 
 _SEAT_M = 0.72
@@ -31,7 +31,7 @@ def set_table(
     size = size or (0.9, bearing.draw.between(1.2, 1.8), 0.74)
     wood, form = bearing.draw.one_of(WOODS), bearing.draw.one_of(("legs", "trestle"))
     table = bearing.stand(
-        "table", frame, u, v, size, turn=turn, margin=0.1, attributes={"wood": wood, "form": form}
+        "table", frame.moved(u, v, turn), size, margin=0.1, attributes={"wood": wood, "form": form}
     )
     if table is None:
         return None
@@ -41,11 +41,8 @@ def set_table(
         facing = pi if side > 0 else 0.0
         bearing.stand(
             "chair",
-            table.frame,
-            reach,
-            along,
+            table.frame.moved(reach, along, facing),
             seat,
-            turn=facing,
             attributes={"wood": wood, "form": "legs"},
         )
     return table
@@ -81,15 +78,7 @@ def put_on(
 ) -> Placed | None:
     """Lay something on an object's upper face."""
     return builder.place(
-        name,
-        bearer.frame,
-        u,
-        v,
-        draw.size_of(name),
-        base=bearer.top,
-        turn=turn,
-        parent=bearer,
-        within=bearer,
+        name, bearer.frame.moved(u, v, turn), draw.size_of(name), parent=bearer, within=bearer
     )
 
 
@@ -111,14 +100,14 @@ def dine(
 def picnic(bearing: Bearing, frame: Frame, u: float, v: float, turn: float) -> Placed | None:
     """A table between two benches that face it."""
     length = bearing.draw.between(1.6, 2.0)
-    form: dict[str, AttributeValue] = {"form": "trestle"}
+    form = {"form": "trestle"}
     size = (0.8, length, 0.74)
-    table = bearing.stand("table", frame, u, v, size, turn=turn, margin=0.1, attributes=form)
+    table = bearing.stand("table", frame.moved(u, v, turn), size, margin=0.1, attributes=form)
     if table is None:
         return None
     for side in (-1, 1):
         facing = pi if side > 0 else 0.0
         size = (0.42, length, 0.46)
-        plain: dict[str, AttributeValue] = {"form": "plain"}
-        bearing.stand("bench", table.frame, side * 0.72, 0.0, size, turn=facing, attributes=plain)
+        plain = {"form": "plain"}
+        bearing.stand("bench", table.frame.moved(side * 0.72, 0.0, facing), size, attributes=plain)
     return table

@@ -13,7 +13,6 @@ from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 
 _PLATFORM_M = (3.4, 0.16)
 """Width and height of a platform."""
@@ -36,7 +35,7 @@ class Station:
     def structures(self) -> Iterator[None]:
         """Two platforms with a shelter each; then more shelters, a kiosk, a green strip."""
         ground, draw = self.ground, self.ground.draw
-        asphalt: dict[str, AttributeValue] = {"rows": 0, "form": "bays"}
+        asphalt = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", asphalt)
         spots = self._spots()
         for v in spots[:2]:
@@ -56,11 +55,8 @@ class Station:
             side = 1 if draw.chance(0.5) else -1
             self._kiosk = on_top(ground, platform).stand(
                 "kiosk",
-                platform.frame,
-                side * end,
-                0.0,
+                platform.frame.moved(side * end, 0.0, -QUARTER),
                 (2.4, 3.0, 2.8),
-                turn=-QUARTER,
                 attributes=paint(draw),
             )
             yield
@@ -88,14 +84,11 @@ class Station:
         ground = self.ground
         length = min(_SHELTER_M[1], round(0.4 * platform.size[0], 2))
         size = (_SHELTER_M[0], length, _SHELTER_M[2])
-        colour: dict[str, AttributeValue] = {"colour": "silver"}
+        colour = {"colour": "silver"}
         shelter = on_top(ground, platform).stand(
             "canopy",
-            platform.frame,
-            share * platform.size[0],
-            0.0,
+            platform.frame.moved(share * platform.size[0], 0.0, -QUARTER),
             size,
-            turn=-QUARTER,
             margin=0.2,
             attributes=colour,
         )
@@ -132,7 +125,9 @@ class Station:
                 # Traffic keeps to the right: doors open towards the platform.
                 turn = 0.0 if side > 0 else 2 * QUARTER
                 size = (length, 2.55, 3.1)
-                bearing.stand("bus", platform.frame, at, v, size, turn=turn, attributes=paint(draw))
+                bearing.stand(
+                    "bus", platform.frame.moved(at, v, turn), size, attributes=paint(draw)
+                )
                 yield
 
     def _wait(self) -> Iterator[None]:
@@ -142,26 +137,23 @@ class Station:
             under = beneath(ground, shelter)
             for sign in (-1, 1):
                 at = sign * shelter.size[1] / 4
-                under.stand("bench", shelter.frame, -0.2, at, (0.6, 1.8, 0.85))
+                under.stand("bench", shelter.frame.moved(-0.2, at), (0.6, 1.8, 0.85))
             yield
             deck = on_top(ground, platform)
             u, _ = platform.frame.local(shelter.frame.x, shelter.frame.y)
             beside = u + shelter.size[1] / 2 + 0.7
-            deck.stand("sign", platform.frame, beside, -1.2, (0.1, 0.6, 2.6))
-            deck.stand("bin", platform.frame, beside + 0.2, 0.2, (0.5, 0.5, 0.95))
+            deck.stand("sign", platform.frame.moved(beside, -1.2), (0.1, 0.6, 2.6))
+            deck.stand("bin", platform.frame.moved(beside + 0.2, 0.2), (0.5, 0.5, 0.95))
             yield
         for platform in self._platforms:
             deck = on_top(ground, platform)
             for sign in (-1, 1):
                 at = sign * (platform.size[0] / 2 - 0.8)
-                deck.stand("street_lamp", platform.frame, at, 0.0, (1.6, 0.5, 5.0), turn=QUARTER)
+                deck.stand("street_lamp", platform.frame.moved(at, 0.0, QUARTER), (1.6, 0.5, 5.0))
             deck.stand(
                 "planter",
-                platform.frame,
-                0.02 * platform.size[0],
-                0.0,
+                platform.frame.moved(0.02 * platform.size[0], 0.0, QUARTER),
                 (2.0 / 2, 2.2, 0.9),
-                turn=QUARTER,
             )
             yield
         for platform in self._platforms:
@@ -169,11 +161,8 @@ class Station:
             for at in (-0.4, -0.08, 0.1, 0.42):
                 deck.stand(
                     "bench",
-                    platform.frame,
-                    at * platform.size[0],
-                    0.9,
+                    platform.frame.moved(at * platform.size[0], 0.9, -QUARTER),
                     (0.55, 1.8, 0.85),
-                    turn=-QUARTER,
                 )
             yield
 
@@ -190,8 +179,8 @@ class Station:
                 at = (index / 3 - 0.4) * 0.9 * strip.size[0] * 0.6
                 height = draw.between(4.5, 7.0)
                 width = min(2.4, strip.size[1] - 0.2)
-                platform.stand("tree", strip.frame, at, 0.0, (width, width, height))
-                platform.stand("bush", strip.frame, at + 1.9, 0.0, (0.9, 0.9, 0.8))
+                platform.stand("tree", strip.frame.moved(at, 0.0), (width, width, height))
+                platform.stand("bush", strip.frame.moved(at + 1.9, 0.0), (0.9, 0.9, 0.8))
                 yield
         for index in range(3):
             park(bearing, "car", ground.parcel.frame, -0.6 * half + index * 6.0, 1.4, 0.0)

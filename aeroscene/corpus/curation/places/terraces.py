@@ -15,7 +15,7 @@ from aeroscene.corpus.curation.places.roadside import line_way
 from aeroscene.corpus.curation.places.rooftops import add_chimney, add_pitched_roof
 from aeroscene.corpus.curation.places.seating import dine, picnic
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _STRIP_M = 7.0
@@ -58,10 +58,14 @@ class Terraces:
                 yield
         half = ground.parcel.width / 2
         if self._steps:
-            colour: dict[str, AttributeValue] = {"colour": draw.one_of(("white", "green"))}
+            colour = {"colour": draw.one_of(("white", "green"))}
             middle, at = self._steps[0], draw.between(-0.5, 0.5) * half
             self._pavilion = on_top(ground, middle).stand(
-                "canopy", middle.frame, 0.2, at, (3.4, 4.2, 3.0), margin=0.4, attributes=colour
+                "canopy",
+                middle.frame.moved(0.2, at),
+                (3.4, 4.2, 3.0),
+                margin=0.4,
+                attributes=colour,
             )
             yield
         size = (round(2 * half - 2.0, 2), 1.6, 0.05)
@@ -75,7 +79,7 @@ class Terraces:
         count = max(1, min(3 if depth > _DEEP_M else 2, int(depth / _STRIP_M) - 1))
         strip = round(depth / (count + 1), 2)
         self._lowest = strip
-        earth: dict[str, AttributeValue] = {"form": "terrace", "finish": "grass"}
+        earth = {"form": "terrace", "finish": "grass"}
         u = draw.between(0.12, 0.3) * width * (1 if draw.chance(0.5) else -1)
         for index in range(count):
             size = (strip, round(width - 0.2, 2), round(_RISE_M * (index + 1), 2))
@@ -94,7 +98,7 @@ class Terraces:
         bearing = on_top(ground, below) if below else OpenGround(ground)
         size = (*_STEPS_M, _RISE_M)
         v = front - _STEPS_M[0] / 2
-        bearing.stand("stairs", ground.parcel.frame, u, v, size, turn=INWARD, margin=0.0)
+        bearing.stand("stairs", ground.parcel.frame.moved(u, v, INWARD), size, margin=0.0)
 
     def _raise_house(self) -> None:
         """A small house on the highest terrace, or a shed where it is narrow."""
@@ -107,26 +111,17 @@ class Terraces:
         at = draw.between(-0.25, 0.25) * (width - 9.0) if width > 9 else 0.0
         if deep >= 7.2:
             size: Vector3 = (6.0, min(8.6, round(width - 1.0, 2)), 3.2)
-            colour: dict[str, AttributeValue] = {"colour": draw.one_of((*WALL_COLOURS, "brick"))}
+            colour = {"colour": draw.one_of((*WALL_COLOURS, "brick"))}
             house = platform.stand(
-                "house",
-                top.frame,
-                deep / 2 - 3.5,
-                at,
-                size,
-                turn=-2 * QUARTER,
-                attributes=colour,
+                "house", top.frame.moved(deep / 2 - 3.5, at, -2 * QUARTER), size, attributes=colour
             )
             self._roof = add_pitched_roof(ground.builder, draw, house) if house else None
             return
-        shed: dict[str, AttributeValue] = {"form": "shed"}
+        shed = {"form": "shed"}
         platform.stand(
             "garage",
-            top.frame,
-            deep / 2 - 1.8,
-            at,
+            top.frame.moved(deep / 2 - 1.8, at, 2 * QUARTER),
             (2.6, 3.2, 2.4),
-            turn=2 * QUARTER,
             attributes=shed,
         )
 
@@ -136,18 +131,15 @@ class Terraces:
         below = on_top(ground, self._steps[number - 1]) if number else OpenGround(ground)
         half = terrace.size[1] / 2
         v = self._lowest * (number + 1) - 0.05 - _WALL_M[0] / 2
-        colour: dict[str, AttributeValue] = {"colour": "sand"}
+        colour = {"colour": "sand"}
         gap = _STEPS_M[1] / 2 + 0.02
         for low, high in ((-half, self._stairs[number] - gap), (self._stairs[number] + gap, half)):
             size = (_WALL_M[0], round(min(high - low, 24.0), 2), _RISE_M + _WALL_M[1])
             if size[1] > 1.0:
                 below.stand(
                     "wall",
-                    ground.parcel.frame,
-                    (low + high) / 2,
-                    v,
+                    ground.parcel.frame.moved((low + high) / 2, v, INWARD),
                     size,
-                    turn=INWARD,
                     margin=0.0,
                     attributes=colour,
                 )
@@ -181,17 +173,19 @@ class Terraces:
         for pair in range(2):
             for index in range(2):
                 at = start + (2 * pair + index) * 3.1
-                platform.stand("planter", frame, deep / 2 - 1.0, at, (1.2, 2.6, 0.7), margin=0.1)
+                platform.stand(
+                    "planter", frame.moved(deep / 2 - 1.0, at), (1.2, 2.6, 0.7), margin=0.1
+                )
             yield
         for sign in (-1, 1):
             height = draw.between(4.0, 6.5)
             size = (round(0.45 * height, 2), round(0.45 * height, 2), height)
             at = sign * (width / 2 - size[1] / 2 - 0.5)
-            platform.stand("tree", frame, draw.between(-0.1, 0.2) * deep, at, size)
-            platform.stand("bush", frame, -0.1 * deep, at - sign * 2.2, (1.2, 1.2, 0.9))
+            platform.stand("tree", frame.moved(draw.between(-0.1, 0.2) * deep, at), size)
+            platform.stand("bush", frame.moved(-0.1 * deep, at - sign * 2.2), (1.2, 1.2, 0.9))
             yield
         at = draw.between(-0.3, 0.3) * width
-        platform.stand("bench", frame, -deep / 2 + 1.6, at, (0.6, 1.8, 0.85), turn=2 * QUARTER)
+        platform.stand("bench", frame.moved(-deep / 2 + 1.6, at, 2 * QUARTER), (0.6, 1.8, 0.85))
         yield
         at = draw.between(-0.4, 0.4) * width
         picnic(platform, frame, -0.1 * deep, at, draw.between(-0.3, 0.3))
@@ -201,10 +195,10 @@ class Terraces:
         for step in range(6):
             for name, size in (("bush", (1.0, 1.4, 1.0)), ("planter", (0.7, 0.7, 0.9))):
                 u, at = draw.between(-0.35, 0.35) * deep, draw.between(-0.45, 0.45) * width
-                platform.stand(name, frame, u, at, size)
+                platform.stand(name, frame.moved(u, at), size)
             if step % 3 == 0:
                 at = draw.between(-0.45, 0.45) * width
-                platform.stand("barrel", frame, 0.3 * deep, at, (0.6, 0.6, 0.9))
+                platform.stand("barrel", frame.moved(0.3 * deep, at), (0.6, 0.6, 0.9))
             yield
 
     def _front(self) -> Iterator[None]:

@@ -21,7 +21,6 @@ from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 
 _QUAY_M = 0.25
 """Height of the quay above the ground."""
@@ -76,7 +75,7 @@ class Waterfront:
         )
         yield
         if self._edge > 8:
-            form: dict[str, AttributeValue] = {"form": "shed"}
+            form = {"form": "shed"}
             at = (side * (half - 2.6), 2.8)
             self._boathouse = ground.erect("garage", *at, (4.4, 3.6, 2.8), attributes=form)
             yield
@@ -88,12 +87,12 @@ class Waterfront:
         rest = round(parcel.depth - self._edge, 2)
         size = (parcel.width, self._edge, _QUAY_M)
         ground.surface = ground.builder.place(
-            "plaza", parcel.frame, 0, self._edge / 2, size, base=parcel.level
+            "plaza", parcel.frame.moved(0, self._edge / 2), size, base=parcel.level
         )
-        form: dict[str, AttributeValue] = {"form": "open"}
+        form = {"form": "open"}
         v, size = self._edge + rest / 2, (parcel.width, rest, _WATER_M)
         self._water = ground.builder.place(
-            "water", parcel.frame, 0, v, size, base=parcel.level, attributes=form
+            "water", parcel.frame.moved(0, v), size, base=parcel.level, attributes=form
         )
 
     def _afloat(self, water: Placed) -> Platform:
@@ -111,11 +110,8 @@ class Waterfront:
         size = (long, _JETTY_M, round(_QUAY_M - _DRAUGHT_M, 2))
         jetty = self._afloat(water).stand(
             "deck",
-            ground.parcel.frame,
-            u,
-            self._edge + long / 2 + 0.02,
+            ground.parcel.frame.moved(u, self._edge + long / 2 + 0.02, INWARD),
             size,
-            turn=INWARD,
             margin=0.0,
         )
         if jetty:
@@ -152,14 +148,14 @@ class Waterfront:
             v = self._edge + _BERTH_M + beam / 2
             turn = 0.0 if draw.chance(0.5) else pi
             size = (length, beam, draw.between(1.4, 2.4))
-            afloat.stand("boat", frame, u, v, size, turn=turn, attributes=paint(draw))
+            afloat.stand("boat", frame.moved(u, v, turn), size, attributes=paint(draw))
             if number % 2:
                 yield
         for index in range(2):
             u = draw.between(-0.7, 0.7) * half
             v = self.ground.parcel.depth - draw.between(1.8, 3.0)
             size = (draw.between(5.0, 9.0), 2.4, draw.between(1.8, 3.0))
-            afloat.stand("boat", frame, u, v, size, turn=index * pi, attributes=paint(draw))
+            afloat.stand("boat", frame.moved(u, v, index * pi), size, attributes=paint(draw))
             yield
 
     def _line_edge(self) -> Iterator[None]:
@@ -177,8 +173,10 @@ class Waterfront:
             yield
         for jetty in self._jetties:
             end = jetty.size[0] / 2 - 0.6
-            on_top(ground, jetty).stand("crate", jetty.frame, end, 0.8, (0.8, 0.8, 0.7))
-            on_top(ground, jetty).stand("bench", jetty.frame, end - 0.4, -0.6, (0.6, 1.4, 0.85))
+            on_top(ground, jetty).stand("crate", jetty.frame.moved(end, 0.8), (0.8, 0.8, 0.7))
+            on_top(ground, jetty).stand(
+                "bench", jetty.frame.moved(end - 0.4, -0.6), (0.6, 1.4, 0.85)
+            )
             yield
 
     def _serve(self) -> Iterator[None]:
@@ -198,7 +196,7 @@ class Waterfront:
         if self._kiosk:
             for sign in (-1, 1):
                 at = sign * (self._kiosk.size[1] / 2 + 0.7)
-                bearing.stand("planter", self._kiosk.frame, 0.0, at, (1.2, 0.6, 0.9))
+                bearing.stand("planter", self._kiosk.frame.moved(0.0, at), (1.2, 0.6, 0.9))
             yield
         for _ in range(3):
             ground.plant_trees(1, (-half, half, 0.5, 0.6 * self._edge))
@@ -224,4 +222,4 @@ def _moor_along(afloat: Platform, jetty: Placed, edge: float, turn: float) -> No
     heading = 0.0 if turn > 0 else pi
     u = draw.between(-0.1, 0.25) * (jetty.size[0] - length)
     u = max(u, -jetty.size[0] / 2 + length / 2 + 3.2)  # Clear of the boats along the quay.
-    afloat.stand("boat", jetty.frame, u, at, size, turn=heading, attributes=paint(draw))
+    afloat.stand("boat", jetty.frame.moved(u, at, heading), size, attributes=paint(draw))

@@ -21,7 +21,6 @@ from aeroscene.corpus.curation.places.goods import (
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.turns import in_turn
-from aeroscene.scene import AttributeValue
 
 _PITCH_M = 3.0
 """From container to container in a row."""
@@ -42,7 +41,7 @@ class Yard:
     def structures(self) -> Iterator[None]:
         """Two stacks, then an office, a shelter for goods, more stacks, fences with a gate."""
         ground, draw = self.ground, self.ground.draw
-        attributes: dict[str, AttributeValue] = {"rows": 0, "form": "bays"}
+        attributes = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", attributes)
         self._side = 1 if draw.chance(0.5) else -1
         spots = self._spots()
@@ -54,7 +53,7 @@ class Yard:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         if half > 8 and depth > 18:
             size = (6.0, 4.5, 4.2)
-            colour: dict[str, AttributeValue] = {"colour": "silver", "form": "flat"}
+            colour = {"colour": "silver", "form": "flat"}
             at = (-self._side * (half - 3.2), min(0.45 * depth, depth - 11))
             self._shelter = ground.stand("canopy", *at, size, turn=INWARD, attributes=colour)
         yield
@@ -95,7 +94,7 @@ class Yard:
     def _set_office(self) -> None:
         """A container with a door by the gate, steps before it."""
         ground, half = self.ground, self.ground.parcel.width / 2
-        attributes: dict[str, AttributeValue] = {"colour": "white", "form": "office"}
+        attributes = {"colour": "white", "form": "office"}
         u = -self._side * (half - CONTAINER_M[0] / 2 - 0.8)
         self._office = ground.erect(
             "container", u, 2.2, CONTAINER_M, turn=0.0, attributes=attributes
@@ -138,13 +137,13 @@ class Yard:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         if self._office:
             office = on_top(ground, self._office)
-            office.stand("ac_unit", self._office.frame, 1.8, 0.0, (0.9, 1.0, 0.8))
-            office.stand("antenna", self._office.frame, -2.2, 0.5, (0.6, 0.6, 2.6))
+            office.stand("ac_unit", self._office.frame.moved(1.8, 0.0), (0.9, 1.0, 0.8))
+            office.stand("antenna", self._office.frame.moved(-2.2, 0.5), (0.6, 0.6, 2.6))
             yield
             beside = OpenGround(ground)
             reach = self._office.size[1] / 2 + 0.7
-            beside.stand("bench", self._office.frame, -1.8, reach, (0.5, 1.6, 0.85), turn=QUARTER)
-            beside.stand("bin", self._office.frame, 2.4, reach, (0.7, 0.9, 1.1))
+            beside.stand("bench", self._office.frame.moved(-1.8, reach, QUARTER), (0.5, 1.6, 0.85))
+            beside.stand("bin", self._office.frame.moved(2.4, reach), (0.7, 0.9, 1.1))
             yield
         ground.stand("sign", self._side * half / 2 + 4.0, 0.8, (0.1, 1.4, 2.6))
         for sign in (-1, 1):
@@ -158,7 +157,7 @@ class Yard:
         yield
         for top in self._stacks[:3]:
             draw_size = (0.6, 0.6, 0.5)
-            on_top(ground, top).stand("crate", top.frame, draw.between(-2, 2), 0.0, draw_size)
+            on_top(ground, top).stand("crate", top.frame.moved(draw.between(-2, 2), 0.0), draw_size)
         yield
         names = ("pallet", "barrel", "bin", "crate", "bicycle")
         yield from fill_up(ground, names, (-half, half, 1.0, depth), 9)

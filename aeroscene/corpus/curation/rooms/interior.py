@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import pi
 
-from aeroscene.corpus.curation.builder import Builder, Placed
+from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
 from aeroscene.corpus.curation.shells import RoomSpace
-from aeroscene.scene import AttributeValue, Vector3
+from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS
 
@@ -53,7 +53,7 @@ class Interior:
         self.bearers: list[Placed] = []
         """Furniture on which small things can lie."""
         # One room, one taste: furniture shares its wood and upholstery its colour.
-        self._style: dict[str, AttributeValue] = {
+        self._style = {
             "wood": draw.one_of(WOODS),
             "colour": draw.one_of(FABRIC_COLOURS),
         }
@@ -91,7 +91,7 @@ class Interior:
         name: str,
         size: Vector3 | None = None,
         turn: float = 0.0,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         """Stand something with its back to a wall, or turned from that, where there is space.
 
@@ -111,7 +111,7 @@ class Interior:
         name: str,
         size: Vector3,
         turn: float,
-        attributes: dict[str, AttributeValue] | None,
+        attributes: Attributes | None,
     ) -> Placed | None:
         frame, length = self.wall(side)
         is_square = abs(turn) % pi < 0.1
@@ -121,8 +121,8 @@ class Interior:
             return None
         v = deep / 2 + _GAP_M
         for _ in range(_TRIES):
-            u = self.draw.between(-reach, reach)
-            placed = self._stand(name, frame, u, v, size, QUARTER + turn, 0.02, attributes)
+            spot = frame.moved(self.draw.between(-reach, reach), v, QUARTER + turn)
+            placed = self._stand(name, spot, size, 0.02, attributes)
             if placed:
                 return placed
         return None
@@ -137,8 +137,7 @@ class Interior:
         for sign in (-1.0, 1.0):
             while row and len(row) < count:
                 end = row[-1] if sign > 0 else row[0]
-                v = sign * (size[1] + gap)
-                placed = self._stand(name, end.frame, 0.0, v, size, 0.0)
+                placed = self._stand(name, end.frame.moved(0.0, sign * (size[1] + gap)), size)
                 if placed is None:
                     break
                 row.insert(len(row) if sign > 0 else 0, placed)
@@ -150,7 +149,7 @@ class Interior:
         size: Vector3 | None = None,
         keep: float = 0.7,
         turn: float = 0.0,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         """Stand something freely in the room, `keep` from everything."""
         size = size or self._size_of(name)
@@ -161,7 +160,7 @@ class Interior:
             return None
         for _ in range(_TRIES):
             u, v = self.draw.between(-reach_u, reach_u), self.draw.between(-reach_v, reach_v)
-            placed = self._stand(name, self.room.frame, u, v, size, turn, keep, attributes)
+            placed = self._stand(name, self.room.frame.moved(u, v, turn), size, keep, attributes)
             if placed:
                 return placed
         return None
@@ -174,11 +173,11 @@ class Interior:
         size: Vector3 | None = None,
         turn: float = 0.0,
         keep: float = 0.02,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         """Stand something at a place of the room, from its middle."""
         size = size or self._size_of(name)
-        return self._stand(name, self.room.frame, u, v, size, turn, keep, attributes)
+        return self._stand(name, self.room.frame.moved(u, v, turn), size, keep, attributes)
 
     def beside(
         self,
@@ -190,7 +189,7 @@ class Interior:
         size: Vector3 | None = None,
     ) -> Placed | None:
         """Stand something at a place in another object's frame."""
-        return self._stand(name, anchor.frame, u, v, size or self._size_of(name), turn)
+        return self._stand(name, anchor.frame.moved(u, v, turn), size or self._size_of(name))
 
     def in_front(
         self, anchor: Placed | None, name: str, gap: float = 0.06, v: float = 0.0
@@ -200,7 +199,7 @@ class Interior:
             return None
         size = self._size_of(name)
         u = anchor.size[0] / 2 + gap + size[0] / 2
-        return self._stand(name, anchor.frame, u, v, size, pi)
+        return self._stand(name, anchor.frame.moved(u, v, pi), size)
 
     def behind(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
         """Stand something behind an object, facing its back."""
@@ -208,7 +207,7 @@ class Interior:
             return None
         size = self._size_of(name)
         u = -(anchor.size[0] / 2 + gap + size[0] / 2)
-        return self._stand(name, anchor.frame, u, 0.0, size, 0.0)
+        return self._stand(name, anchor.frame.moved(u, 0.0), size)
 
     def on(
         self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
@@ -249,17 +248,13 @@ class Interior:
         v: float,
         size: Vector3,
         turn: float = 0.0,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         """Lay something of a given size on top of something, at a place in its frame."""
         return self._builder.place(
             name,
-            bearer.frame,
-            u,
-            v,
+            bearer.frame.moved(u, v, turn),
             size,
-            base=bearer.top,
-            turn=turn,
             parent=bearer,
             within=bearer,
             attributes=attributes,
@@ -268,13 +263,10 @@ class Interior:
     def _stand(
         self,
         name: str,
-        frame: Frame,
-        u: float,
-        v: float,
+        spot: Frame,
         size: Vector3,
-        turn: float,
         margin: float = 0.02,
-        attributes: dict[str, AttributeValue] | None = None,
+        attributes: Attributes | None = None,
     ) -> Placed | None:
         if self.floor + size[2] > self.room.top:
             return None
@@ -283,12 +275,9 @@ class Interior:
             look = {"form": self._forms[name], **(look or {})}
         placed = self._builder.place(
             name,
-            frame,
-            u,
-            v,
+            spot,
             size,
             base=self.floor,
-            turn=turn,
             parent=self.room,
             within=self.room,
             margin=margin,

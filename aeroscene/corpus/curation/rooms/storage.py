@@ -8,9 +8,8 @@ from math import pi
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import lay, seats
-from aeroscene.scene import AttributeValue
 
-_RACK: dict[str, AttributeValue] = {"form": "rack"}
+_RACK = {"form": "rack"}
 
 
 def furnish_store(room: Interior) -> Iterator[None]:

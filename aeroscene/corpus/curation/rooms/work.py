@@ -8,7 +8,6 @@ from math import pi
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import seats
-from aeroscene.scene import AttributeValue
 
 
 def furnish_office(room: Interior) -> Iterator[None]:
@@ -32,7 +31,7 @@ def furnish_office(room: Interior) -> Iterator[None]:
     yield
 
 
-_BOOKCASE: dict[str, AttributeValue] = {"form": "bookcase"}
+_BOOKCASE = {"form": "bookcase"}
 _ENDS = ("left", "right")
 
 

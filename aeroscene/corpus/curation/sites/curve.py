@@ -44,14 +44,14 @@ def lay_curve(site: Site, rng: np.random.Generator) -> None:
     _pave_bend(site, bend)
     taken = Builder("plan")
     for strip in (*(road.placed for road in site.roads), *site.sidewalks):
-        taken.reserve(strip.frame, 0, 0, (*strip.size[:2], _AIR_M), 0.0)
+        taken.reserve(strip.frame, (*strip.size[:2], _AIR_M), 0.0)
     outer = -1 if bend.turn > 0 else 1
     for side, piece in product((outer, -outer), bend.pieces):
         for frame, width, depth in _frontages(site, bend, piece, side):
             at = site.world(frame)
             box = (width - 0.02, depth - 0.02, _AIR_M)
-            if taken.is_free(at.moved(0, depth / 2), 0, 0, box, 0.0):
-                taken.reserve(at, 0, depth / 2, (width, depth, _AIR_M), 0.0)
+            if taken.is_free(at.moved(0, depth / 2), box, 0.0):
+                taken.reserve(at.moved(0, depth / 2), (width, depth, _AIR_M), 0.0)
                 site.parcels.append(Parcel(at, width, depth))
                 break
 

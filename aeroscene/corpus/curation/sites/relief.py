@@ -57,8 +57,6 @@ def _lay_slope(
     site.builder.place(
         "terrain",
         site.world(Frame(u, (low + high) / 2, pi / 2)),
-        0,
-        0,
         (high - low, _LANE_M, rise),
         base=land.level,
         parent=land.bearer,
