@@ -75,9 +75,8 @@ def raise_shell(
         "colour": colour,
     }
     size = (depth, length, height)
-    shell = builder.place(
-        name, frame.moved(*at, turn), size, base=base, margin=0.6, attributes=attributes
-    )
+    spot = frame.moved(*at, turn)
+    shell = builder.place(name, spot, size, base=base, margin=0.6, attributes=attributes)
     if shell is None:
         return None
     rooms: list[RoomSpace] = []
@@ -106,14 +105,11 @@ def _fit_out_storey(
     for index, (left, right) in enumerate(pairwise([-length / 2, *cuts, length / 2])):
         low = left + (PARTITION_M / 2 if index else 0.0)
         high = right - (PARTITION_M / 2 if index < len(cuts) else 0.0)
+        spot = shell.frame.moved(0, (low + high) / 2)
+        size = (depth, high - low, clear)
+        look = {"finish": draw.one_of(("parquet", "floor_tiles", "carpet"))}
         placed = builder.place(
-            "room",
-            shell.frame.moved(0, (low + high) / 2),
-            (depth, high - low, clear),
-            base=floor,
-            parent=shell,
-            domain="indoor",
-            attributes={"finish": draw.one_of(("parquet", "floor_tiles", "carpet"))},
+            "room", spot, size, base=floor, parent=shell, domain="indoor", attributes=look
         )
         if placed:
             rooms.append(RoomSpace(placed))
@@ -127,29 +123,17 @@ def _lay_slab(builder: Builder, shell: Placed, foot: float, *, is_upper: bool) -
     under = SLAB_TOP_M - SLAB_M if is_upper else 0.0
     reach = 2 * _BEARING_M if is_upper else 0.0
     depth, length = shell.size[0] - 2 * WALL_M, shell.size[1] - 2 * WALL_M
-    builder.place(
-        "floor",
-        shell.frame,
-        (depth + reach, length + reach, SLAB_TOP_M - under),
-        base=foot + under,
-        parent=shell,
-        domain="indoor",
-    )
+    size = (depth + reach, length + reach, SLAB_TOP_M - under)
+    builder.place("floor", shell.frame, size, base=foot + under, parent=shell, domain="indoor")
 
 
 def _part(
     builder: Builder, shell: Placed, cut: float, size: Vector3, floor: float, door_offset_m: float
 ) -> None:
     """A partition with a door across the building."""
-    builder.place(
-        "wall",
-        shell.frame.moved(0, cut, QUARTER),
-        size,
-        base=floor,
-        parent=shell,
-        domain="indoor",
-        attributes={"door_m": DOOR_M, "door_offset_m": door_offset_m, "colour": "white"},
-    )
+    spot = shell.frame.moved(0, cut, QUARTER)
+    look = {"door_m": DOOR_M, "door_offset_m": door_offset_m, "colour": "white"}
+    builder.place("wall", spot, size, base=floor, parent=shell, domain="indoor", attributes=look)
 
 
 def _partition_places(draw: Draw, length: float) -> list[float]:

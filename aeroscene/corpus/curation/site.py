@@ -91,20 +91,16 @@ class Site:
         frame, width, depth = area.side_frame("south")
         attributes = {"form": "terrace", "finish": finish, "wall": wall}
         size = (width, depth, level)
-        block = self.builder.place(
-            "terrain", self.world(frame).moved(0, depth / 2), size, attributes=attributes
-        )
+        spot = self.world(frame).moved(0, depth / 2)
+        block = self.builder.place("terrain", spot, size, attributes=attributes)
         return Land(level, block) if block else FLAT
 
     def fill_with_water(self, area: Rectangle, quay: Side) -> Placed | None:
         """Water on a rectangle of the plan, seen from the quay on one of its sides."""
         frame, width, depth = area.side_frame(quay)
-        water = self.builder.place(
-            "water",
-            self.world(frame).moved(0, depth / 2),
-            (width, depth, WATER_M),
-            attributes={"form": "open"},
-        )
+        spot = self.world(frame).moved(0, depth / 2)
+        size = (width, depth, WATER_M)
+        water = self.builder.place("water", spot, size, attributes={"form": "open"})
         if water:
             self.waters.append(water)
         return water
@@ -170,13 +166,10 @@ class Site:
 
     def lay_verge(self, frame: Frame, length: float, width: float, land: Land = FLAT) -> None:
         """A strip of green between carriageway and sidewalk, the kerb on the frame's x axis."""
+        spot = self.world(frame).moved(0, width / 2)
+        size = (length, width, VERGE_M)
         strip = self.builder.place(
-            "lawn",
-            self.world(frame).moved(0, width / 2),
-            (length, width, VERGE_M),
-            base=land.level,
-            parent=land.bearer,
-            attributes={"form": "plain"},
+            "lawn", spot, size, base=land.level, parent=land.bearer, attributes={"form": "plain"}
         )
         if strip:
             self.verges.append(strip)

@@ -105,13 +105,10 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
         "outdoor",
     )
     open_m = _openness_m(builder, ground, u, v)
+    spot = bearer.frame.moved(u, v)
+    look = {"is_start": True}
     pad = builder.place(
-        "landing_pad",
-        bearer.frame.moved(u, v),
-        (PAD_M, PAD_M, 0.05),
-        parent=bearer,
-        within=bearer,
-        attributes={"is_start": True},
+        "landing_pad", spot, (PAD_M, PAD_M, 0.05), parent=bearer, within=bearer, attributes=look
     )
     if pad:
         for radius_m, base in ((FREE_RADIUS_M, pad.top), (open_m, bearer.top + _OPEN_ABOVE_M)):

@@ -65,14 +65,11 @@ class Streets:
         for sign, walk in zip((-1, 1), walks, strict=True):
             length, width = _FLIGHT_M
             away = 1 if self.draw.chance(0.5) else -1
+            spot = placed.frame.moved(
+                u + away * (1.2 + length / 2), sign * (reach - end / 2), pi if away > 0 else 0.0
+            )
             self.builder.place(
-                "stairs",
-                placed.frame.moved(
-                    u + away * (1.2 + length / 2), sign * (reach - end / 2), pi if away > 0 else 0.0
-                ),
-                (length, min(width, end), _BRIDGE_Z[1]),
-                base=base,
-                parent=walk,
+                "stairs", spot, (length, min(width, end), _BRIDGE_Z[1]), base=base, parent=walk
             )
 
     def _walk_at(self, point: tuple[float, float]) -> Placed | None:
@@ -87,14 +84,9 @@ class Streets:
         u = self.draw.between(-0.3, 0.3) * walk.size[0]
         colour = {"colour": self.draw.one_of(("blue", "green", "red"))}
         size = (1.5, self.draw.between(3.2, 4.4), 2.7)
+        spot = walk.frame.moved(u, walk.size[1] / 2 - 0.76, STREETWARD)
         shelter = self.builder.place(
-            "canopy",
-            walk.frame.moved(u, walk.size[1] / 2 - 0.76, STREETWARD),
-            size,
-            parent=walk,
-            within=walk,
-            margin=0.2,
-            attributes=colour,
+            "canopy", spot, size, parent=walk, within=walk, margin=0.2, attributes=colour
         )
         if shelter:
             self._stops.append((walk, shelter))
@@ -145,12 +137,8 @@ class Streets:
         height = self.draw.between(5.0, 6.5)
         for index in self.draw.shuffled(range(count)):
             u = -length / 2 + (index + 0.5) * length / count
-            self.builder.place(
-                "street_lamp",
-                walk.frame.moved(u, -width / 2 + 0.15, STREETWARD),
-                (1.2, 0.4, height),
-                parent=walk,
-            )
+            spot = walk.frame.moved(u, -width / 2 + 0.15, STREETWARD)
+            self.builder.place("street_lamp", spot, (1.2, 0.4, height), parent=walk)
             yield
 
     def _plant(self, verge: Placed) -> Iterator[None]:
@@ -217,9 +205,5 @@ class Streets:
                 continue
             end = walk.size[0] / 2 - 0.5
             at = max(-end, min(end, u))
-            self.builder.place(
-                "traffic_light",
-                walk.frame.moved(at, -walk.size[1] / 2 + 0.4, pi if u > at else 0.0),
-                (0.35, 0.4, height),
-                parent=walk,
-            )
+            spot = walk.frame.moved(at, -walk.size[1] / 2 + 0.4, pi if u > at else 0.0)
+            self.builder.place("traffic_light", spot, (0.35, 0.4, height), parent=walk)

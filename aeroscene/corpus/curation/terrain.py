@@ -42,9 +42,8 @@ def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
     if block is None:
         return parcel
     name = draw.one_of(("lawn", "lawn", "sidewalk"))
-    strip = builder.place(
-        name, parcel.frame.moved(0, strip_m / 2), (parcel.width, strip_m, _STRIP_M)
-    )
+    spot = parcel.frame.moved(0, strip_m / 2)
+    strip = builder.place(name, spot, (parcel.width, strip_m, _STRIP_M))
     if strip:
         _join(builder, draw, parcel, strip, block)
     return replace(
@@ -64,26 +63,19 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
     side = 1 if draw.chance(0.5) else -1
     stairs_u = side * draw.between(0.1, 0.6) * (half - _STAIRS_M)
     run = max(1.0, round(_TREAD_PER_RISE * height, 2))
-    builder.place(
-        "stairs",
-        parcel.frame.moved(stairs_u, edge - run / 2, INWARD),
-        (run, _STAIRS_M, height),
-        parent=strip,
-    )
+    spot = parcel.frame.moved(stairs_u, edge - run / 2, INWARD)
+    builder.place("stairs", spot, (run, _STAIRS_M, height), parent=strip)
     gaps = [(stairs_u, _STAIRS_M)]
     long = round(_RUN_PER_RISE * height, 2)
     far = -side * (half - 0.3)
     if draw.chance(0.6) and long < half + 0.1 * half:
         low_end = far + side * long
-        ramp = builder.place(
-            "terrain",
-            parcel.frame.moved(
-                (far + low_end) / 2, edge - _RAMP_M / 2, 0.0 if side < 0 else 2 * QUARTER
-            ),
-            (long, _RAMP_M, height),
-            parent=strip,
-            attributes={"form": "ramp", "finish": "paving"},
+        spot = parcel.frame.moved(
+            (far + low_end) / 2, edge - _RAMP_M / 2, 0.0 if side < 0 else 2 * QUARTER
         )
+        size = (long, _RAMP_M, height)
+        look = {"form": "ramp", "finish": "paving"}
+        ramp = builder.place("terrain", spot, size, parent=strip, attributes=look)
         if ramp:
             gaps.append((far + side * 0.9, 2.2))
     _parapet(builder, parcel, block, edge, gaps)
@@ -100,12 +92,8 @@ def _parapet(
         at = middle + width / 2
         if high - low < 1.0:
             continue
-        builder.place(
-            "wall",
-            parcel.frame.moved((low + high) / 2, edge + thick / 2, QUARTER),
-            (thick, round(min(high - low, 24.0), 2), height),
-            parent=block,
-        )
+        spot = parcel.frame.moved((low + high) / 2, edge + thick / 2, QUARTER)
+        builder.place("wall", spot, (thick, round(min(high - low, 24.0), 2), height), parent=block)
 
 
 @dataclass(slots=True)

@@ -95,12 +95,8 @@ def _place(
 ) -> Placed | None:
     """A vehicle at a place along the road and on a side of it, on the right-hand side."""
     u, side = at
+    spot = road.placed.frame.moved(u, road.lane(side) if v is None else v, 0.0 if side < 0 else pi)
+    look = {"colour": draw.one_of(PAINT_COLOURS)}
     return builder.place(
-        name,
-        road.placed.frame.moved(u, road.lane(side) if v is None else v, 0.0 if side < 0 else pi),
-        size,
-        parent=road.placed,
-        within=road.placed,
-        margin=0.2,
-        attributes={"colour": draw.one_of(PAINT_COLOURS)},
+        name, spot, size, parent=road.placed, within=road.placed, margin=0.2, attributes=look
     )

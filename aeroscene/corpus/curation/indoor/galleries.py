@@ -69,13 +69,11 @@ def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Bord
         if length < 1.0:
             continue
         u, v = (line, middle) if border.along == "y" else (middle, line)
+        spot = building.shell.frame.moved(u, v, 0.0 if border.along == "y" else QUARTER)
+        size = (_RAIL_M[0], length, _RAIL_M[1])
+        look = {"form": "rails"}
         builder.place(
-            "fence",
-            building.shell.frame.moved(u, v, 0.0 if border.along == "y" else QUARTER),
-            (_RAIL_M[0], length, _RAIL_M[1]),
-            base=floor_space.floor,
-            parent=floor_space.placed,
-            attributes={"form": "rails"},
+            "fence", spot, size, base=floor_space.floor, parent=floor_space.placed, attributes=look
         )
 
 

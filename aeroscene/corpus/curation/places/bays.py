@@ -72,12 +72,9 @@ class BayField:
         middle = sum(self.bays[index].u for index in covered) / count
         size = (_CARPORT_M[0], round(count * BAY_WIDTH_M - 0.1, 2), _CARPORT_M[1])
         attributes = {"colour": "silver", "form": "flat"}
+        spot = self.lot.frame.moved(middle, self.bays[covered[0]].v, STREETWARD)
         self.carport = on_top(ground, self.lot).stand(
-            "canopy",
-            self.lot.frame.moved(middle, self.bays[covered[0]].v, STREETWARD),
-            size,
-            margin=0.0,
-            attributes=attributes,
+            "canopy", spot, size, margin=0.0, attributes=attributes
         )
         self.covered = frozenset(covered)
 
@@ -107,9 +104,8 @@ def paint_bays(
     attributes = {"rows": rows}
     size = (round(high - low, 2), round(deep, 2), _PAINTED_M)
     middle = ((low + high) / 2, v0 + deep / 2)
-    lot = bearing.stand(
-        "parking_lot", ground.parcel.frame.moved(*middle), size, margin=0.0, attributes=attributes
-    )
+    spot = ground.parcel.frame.moved(*middle)
+    lot = bearing.stand("parking_lot", spot, size, margin=0.0, attributes=attributes)
     if lot is None:
         return None
     count = int((size[0] - 0.1) // BAY_WIDTH_M)

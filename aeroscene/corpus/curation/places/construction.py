@@ -106,13 +106,9 @@ class Construction:
             "door_height_m": 2.5,
             "colour": "slate",
         }
-        on_top(self.ground, slab).stand(
-            "wall",
-            slab.frame.moved(u + (0.15 if turned else 0.0), v, QUARTER if turned else 0.0),
-            (thick, round(long, 2), height),
-            margin=0.0,
-            attributes=attributes,
-        )
+        spot = slab.frame.moved(u + (0.15 if turned else 0.0), v, QUARTER if turned else 0.0)
+        size = (thick, round(long, 2), height)
+        on_top(self.ground, slab).stand("wall", spot, size, margin=0.0, attributes=attributes)
 
     def _tip_heap(self) -> None:
         """Excavated earth."""
@@ -138,13 +134,8 @@ class Construction:
         bearing = OpenGround(ground)
         for sign in (1, -1):
             v = sign * (slab.size[1] / 2 + size[0] / 2 + 0.15)
-            self._scaffold = bearing.stand(
-                "canopy",
-                slab.frame.moved(0.0, v, sign * QUARTER),
-                size,
-                margin=0.0,
-                attributes=form,
-            )
+            spot = slab.frame.moved(0.0, v, sign * QUARTER)
+            self._scaffold = bearing.stand("canopy", spot, size, margin=0.0, attributes=form)
             if self._scaffold:
                 return
 
@@ -173,9 +164,8 @@ class Construction:
             top = on_top(ground, self._scaffold)
             for at in (-0.3, 0.3):
                 size = (0.8, 0.8, 0.7)
-                top.stand(
-                    "crate", self._scaffold.frame.moved(0.2, at * self._scaffold.size[1]), size
-                )
+                spot = self._scaffold.frame.moved(0.2, at * self._scaffold.size[1])
+                top.stand("crate", spot, size)
             pallet_row(beneath(ground, self._scaffold), self._scaffold.frame, 0.0, 0.0, 1)
             yield
         drums(platform, slab.frame, -0.3 * x, 0.2 * y, 3)
@@ -211,17 +201,15 @@ class Construction:
             yield
         if self._cabin:
             at = self._cabin.size[1] / 2 + 1.3
-            table = bearing.stand(
-                "table", self._cabin.frame.moved(-1.6, at, QUARTER), (0.8, 1.6, 0.74)
-            )
+            spot = self._cabin.frame.moved(-1.6, at, QUARTER)
+            table = bearing.stand("table", spot, (0.8, 1.6, 0.74))
             if table:
                 bearing.stand("bench", table.frame.moved(0.75, 0.0, pi), (0.45, 1.6, 0.8))
             yield
         for sign in (-1, 1):
             turn = pi if sign > 0 else 0.0
-            ground.stand(
-                "street_lamp", sign * (half - 0.9), 0.7 * depth, (1.6, 0.5, 7.0), turn=turn
-            )
+            size = (1.6, 0.5, 7.0)
+            ground.stand("street_lamp", sign * (half - 0.9), 0.7 * depth, size, turn=turn)
         yield
         ground.scatter("water_tank", 1, near=(-half, half, 3.0, depth), turn=0.0)
         yield

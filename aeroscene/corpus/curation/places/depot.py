@@ -138,12 +138,8 @@ class Depot:
         for index in draw.shuffled(range(slots)):
             length = draw.between(6.4, 8.0)
             u = dock.size[0] / 2 + 0.25 + length / 2
-            bearing.stand(
-                "truck",
-                dock.frame.moved(u, places[index]),
-                (length, 2.45, 3.4),
-                attributes=paint(draw),
-            )
+            spot = dock.frame.moved(u, places[index])
+            bearing.stand("truck", spot, (length, 2.45, 3.4), attributes=paint(draw))
             pallet_row(platform, dock.frame.moved(0, 0, QUARTER), places[index] + 1.2, 0.3, 1)
             yield
         for index in draw.shuffled(range(slots)):
@@ -168,9 +164,8 @@ class Depot:
         if self._gatehouse:
             house = self._gatehouse
             bearing.stand("bin", house.frame.moved(0.0, house.size[1] / 2 + 0.5), (0.5, 0.5, 0.9))
-            bearing.stand(
-                "bicycle", house.frame.moved(0.0, -house.size[1] / 2 - 0.6), (1.75, 0.55, 1.05)
-            )
+            spot = house.frame.moved(0.0, -house.size[1] / 2 - 0.6)
+            bearing.stand("bicycle", spot, (1.75, 0.55, 1.05))
             yield
         drums(bearing, ground.parcel.frame, draw.between(-0.6, 0.4) * half, 0.4 * depth, 4)
         yield

@@ -170,9 +170,8 @@ class Flats:
         rail = (0.08, _BALCONY_M[1], 1.0)
         edge = side * (_BALCONY_M[0] / 2 - 0.06)
         attributes = {"form": "rails"}
-        on_top(ground, balcony).stand(
-            "fence", balcony.frame.moved(edge, 0.0), rail, margin=0.0, attributes=attributes
-        )
+        spot = balcony.frame.moved(edge, 0.0)
+        on_top(ground, balcony).stand("fence", spot, rail, margin=0.0, attributes=attributes)
         self._balconies.append(balcony)
 
     def details(self) -> Iterator[None]:

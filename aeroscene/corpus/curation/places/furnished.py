@@ -54,14 +54,9 @@ def raise_hall(
     if hall is None:
         return None
     inner = (size[0] - 2 * WALL_M, size[1] - 2 * WALL_M, round(size[2] - _CEILING_M, 2))
+    look = {"finish": "concrete"}
     room = ground.builder.place(
-        "room",
-        hall.frame,
-        inner,
-        base=hall.base,
-        parent=hall,
-        domain="indoor",
-        attributes={"finish": "concrete"},
+        "room", hall.frame, inner, base=hall.base, parent=hall, domain="indoor", attributes=look
     )
     for sign in (-1, 1):
         at = sign * hall.size[0] / 2

@@ -61,13 +61,8 @@ def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
     side = draw.between(0.8, 1.05)
     bearing.stand("crate", frame.moved(u + 0.6, v, draw.between(-0.15, 0.15)), (side, side, 0.8))
     if first and draw.chance(0.7):
-        bearing.builder.place(
-            "crate",
-            first.frame.moved(0.0, 0.0, draw.between(-0.1, 0.1)),
-            (0.8, 0.8, 0.6),
-            parent=first,
-            within=first,
-        )
+        spot = first.frame.moved(0.0, 0.0, draw.between(-0.1, 0.1))
+        bearing.builder.place("crate", spot, (0.8, 0.8, 0.6), parent=first, within=first)
 
 
 def drums(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:

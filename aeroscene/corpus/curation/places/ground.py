@@ -56,13 +56,9 @@ class Ground:
         if parcel.rise:
             attributes = {"form": "ramp", "finish": _FINISH[name]}
             name, turn, size = "terrain", QUARTER, (parcel.depth, parcel.width, parcel.rise)
+        spot = parcel.frame.moved(0, parcel.depth / 2, turn)
         self.surface = self.builder.place(
-            name,
-            parcel.frame.moved(0, parcel.depth / 2, turn),
-            size,
-            base=parcel.level,
-            parent=parcel.bearer,
-            attributes=attributes,
+            name, spot, size, base=parcel.level, parent=parcel.bearer, attributes=attributes
         )
 
     def stand(

@@ -248,9 +248,8 @@ class Houses:
             if plot.house:
                 step = plot.house.size[0] / 2 + 0.6
                 size = (1.75, 0.55, 1.05)
-                OpenGround(ground).stand(
-                    "bicycle", plot.house.frame.moved(step, 1.6, QUARTER), size
-                )
+                spot = plot.house.frame.moved(step, 1.6, QUARTER)
+                OpenGround(ground).stand("bicycle", spot, size)
             ground.scatter("bush", 1, near=near)
             yield
 
@@ -264,9 +263,8 @@ class Houses:
             yield from dine(on_top(ground, terrace), terrace.frame, [(0.1, 0.6)], QUARTER)
             for sign in (-1, 1):
                 edge = sign * (terrace.size[1] / 2 - 0.35)
-                on_top(ground, terrace).stand(
-                    "planter", terrace.frame.moved(-1.0, edge), (1.0, 0.5, 0.9)
-                )
+                spot = terrace.frame.moved(-1.0, edge)
+                on_top(ground, terrace).stand("planter", spot, (1.0, 0.5, 0.9))
             yield
         garden = (plot.low + 0.4, plot.high - 0.4, plot.back + 3.4, depth - 0.6)
         ground.plant_trees(2, garden)

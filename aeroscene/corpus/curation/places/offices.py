@@ -140,9 +140,8 @@ class Offices:
             terrace, platform = self._terrace, on_top(ground, self._terrace)
             reach = terrace.size[1] / 2
             for sign in (-1, 1):
-                platform.stand(
-                    "planter", terrace.frame.moved(-0.9, sign * (reach - 0.7)), (0.5, 1.2, 0.9)
-                )
+                spot = terrace.frame.moved(-0.9, sign * (reach - 0.7))
+                platform.stand("planter", spot, (0.5, 1.2, 0.9))
             yield
             if reach > 2.6:
                 spots = [(0.3, sign * (reach - 1.2)) for sign in (-1, 1)]

@@ -152,16 +152,14 @@ class Park:
             stage, platform = self._stage, on_top(ground, self._stage)
             for sign in (-1, 1):
                 at = sign * (stage.size[1] / 2 - 0.7)
-                platform.stand(
-                    "crate", stage.frame.moved(stage.size[0] / 2 - 0.8, at), (0.8, 0.8, 1.2)
-                )
+                spot = stage.frame.moved(stage.size[0] / 2 - 0.8, at)
+                platform.stand("crate", spot, (0.8, 0.8, 1.2))
             yield
             for index in range(3):
                 reach = stage.size[0] / 2 + 2.2
                 at = (index - 1) * 2.2
-                OpenGround(ground).stand(
-                    "bench", stage.frame.moved(reach, at, pi), (0.5, 1.8, 0.85)
-                )
+                spot = stage.frame.moved(reach, at, pi)
+                OpenGround(ground).stand("bench", spot, (0.5, 1.8, 0.85))
             yield
         for _ in range(2):
             u = draw.between(-0.8, 0.8) * half

@@ -59,12 +59,8 @@ class Parking:
             yield
         kiosk = {"colour": "blue"}
         if self._island:
-            on_top(ground, self._island).stand(
-                "kiosk",
-                self._island.frame.moved(-0.3 * first, 0.0),
-                (2.0, 2.0, 2.5),
-                attributes=kiosk,
-            )
+            spot = self._island.frame.moved(-0.3 * first, 0.0)
+            on_top(ground, self._island).stand("kiosk", spot, (2.0, 2.0, 2.5), attributes=kiosk)
             yield
         half = ground.parcel.width / 2
         edge = -self._side * (half - 0.2)
@@ -142,13 +138,8 @@ class Parking:
         long = round(2 * half - _AISLE_M - 0.6, 2)
         u = -self._side * (half - long / 2 - 0.3)
         rails = {"form": "rails"}
-        platform.stand(
-            "fence",
-            ground.parcel.frame.moved(u, _LEVEL_V_M + 0.1, QUARTER),
-            (0.1, long, 1.0),
-            margin=0.0,
-            attributes=rails,
-        )
+        spot = ground.parcel.frame.moved(u, _LEVEL_V_M + 0.1, QUARTER)
+        platform.stand("fence", spot, (0.1, long, 1.0), margin=0.0, attributes=rails)
 
     def _raise_shop(self, rest: float) -> None:
         ground, draw = self.ground, self.ground.draw
@@ -183,9 +174,8 @@ class Parking:
                 at = -end + index * end
                 height = draw.between(4.5, 6.5)
                 size = (2.2, 2.2, height)
-                platform.stand(
-                    "tree", island.frame.moved(at + 0.8, 0.0), size, attributes={"form": "round"}
-                )
+                spot = island.frame.moved(at + 0.8, 0.0)
+                platform.stand("tree", spot, size, attributes={"form": "round"})
                 platform.stand("bush", island.frame.moved(at - 1.0, 0.0), (0.9, 0.9, 0.8))
                 yield
         if self._strip:
@@ -210,9 +200,8 @@ class Parking:
             at = (index - (count - 1) / 2) * width / count
             height = draw.between(4.5, 7.5)
             crown = round(min(0.48 * height, deep - 0.3), 2)
-            platform.stand(
-                "tree", frame.moved(-deep / 2 + crown / 2 + 0.1, at), (crown, crown, height)
-            )
+            spot = frame.moved(-deep / 2 + crown / 2 + 0.1, at)
+            platform.stand("tree", spot, (crown, crown, height))
             platform.stand("bush", frame.moved(0.2 * deep, at + 1.6), (0.9, 1.2, 0.9))
             if index % 2:
                 platform.stand("bench", frame.moved(0.3 * deep, at - 1.2), (0.6, 1.8, 0.85))

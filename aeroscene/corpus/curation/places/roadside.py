@@ -52,9 +52,8 @@ def line_way(
         for side in sides[: 2 if count < 4 else 1]:
             _bench(bearing, frame, at, side, reach)
         if index % 2 == 0:
-            bearing.stand(
-                "bin", frame.moved(at + 1.8, sides[0] * (reach + 0.5), pi), (0.5, 0.5, 0.95)
-            )
+            spot = frame.moved(at + 1.8, sides[0] * (reach + 0.5), pi)
+            bearing.stand("bin", spot, (0.5, 0.5, 0.95))
         yield
     for index in range(max(1, int((high - low) / 14.0))):
         at = low + 3.5 + 14.0 * index

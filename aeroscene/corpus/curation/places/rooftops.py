@@ -29,9 +29,8 @@ def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -
     """A slab over a building's outline, with a parapet."""
     x, y, _ = building.size
     height = ROOF_SLAB_M + (PARAPET_RISE_M if parapet else 0.0)
-    return builder.place(
-        "roof", building.frame, (x, y, height), parent=building, attributes={"form": "flat"}
-    )
+    size = (x, y, height)
+    return builder.place("roof", building.frame, size, parent=building, attributes={"form": "flat"})
 
 
 def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed | None:
@@ -43,13 +42,8 @@ def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed |
         "form": draw.one_of(("gable", "hip")),
         "tiles": draw.one_of(("roof_red", "roof_slate")),
     }
-    return builder.place(
-        "roof",
-        building.frame.moved(0, 0, 0.0 if x >= y else QUARTER),
-        size,
-        parent=building,
-        attributes=attributes,
-    )
+    spot = building.frame.moved(0, 0, 0.0 if x >= y else QUARTER)
+    return builder.place("roof", spot, size, parent=building, attributes=attributes)
 
 
 def add_monopitch_roof(builder: Builder, building: Placed) -> Placed | None:

@@ -134,9 +134,8 @@ class School:
         for sign in (-1, 1):
             at = sign * (width / 2 - 0.15)
             goal = (0.1, round(min(4.0, 0.6 * deep), 2), 2.2)
-            on_top(ground, self._court).stand(
-                "fence", self._court.frame.moved(at, 0.0), goal, margin=0.0, attributes=rails
-            )
+            spot = self._court.frame.moved(at, 0.0)
+            on_top(ground, self._court).stand("fence", spot, goal, margin=0.0, attributes=rails)
 
     def _fence(self) -> Iterator[None]:
         """Along the street with a gate, and along both flanks of the yard."""
@@ -183,9 +182,8 @@ class School:
                 at = (sign * court.size[0] / 4, court.size[1] / 2 + 0.7)
                 bearing.stand("bench", court.frame.moved(*at, -QUARTER), (0.5, 2.0, 0.85))
             yield
-            bearing.stand(
-                "table", court.frame.moved(0.0, court.size[1] / 2 + 2.4), (1.4, 2.4, 0.76)
-            )
+            spot = court.frame.moved(0.0, court.size[1] / 2 + 2.4)
+            bearing.stand("table", spot, (1.4, 2.4, 0.76))
             yield
 
     def _arrive(self) -> Iterator[None]:

@@ -30,21 +30,16 @@ def set_table(
     """A table with chairs along its two long sides, each facing it."""
     size = size or (0.9, bearing.draw.between(1.2, 1.8), 0.74)
     wood, form = bearing.draw.one_of(WOODS), bearing.draw.one_of(("legs", "trestle"))
-    table = bearing.stand(
-        "table", frame.moved(u, v, turn), size, margin=0.1, attributes={"wood": wood, "form": form}
-    )
+    spot = frame.moved(u, v, turn)
+    table = bearing.stand("table", spot, size, margin=0.1, attributes={"wood": wood, "form": form})
     if table is None:
         return None
     for side, along in _seats(size, chairs):
         seat = (0.5, 0.5, 0.9)
         reach = side * (size[0] / 2 + seat[0] / 2 + _GAP_M)
         facing = pi if side > 0 else 0.0
-        bearing.stand(
-            "chair",
-            table.frame.moved(reach, along, facing),
-            seat,
-            attributes={"wood": wood, "form": "legs"},
-        )
+        spot = table.frame.moved(reach, along, facing)
+        bearing.stand("chair", spot, seat, attributes={"wood": wood, "form": "legs"})
     return table
 
 
@@ -77,9 +72,8 @@ def put_on(
     builder: Builder, draw: Draw, bearer: Placed, name: str, u: float, v: float, turn: float
 ) -> Placed | None:
     """Lay something on an object's upper face."""
-    return builder.place(
-        name, bearer.frame.moved(u, v, turn), draw.size_of(name), parent=bearer, within=bearer
-    )
+    spot = bearer.frame.moved(u, v, turn)
+    return builder.place(name, spot, draw.size_of(name), parent=bearer, within=bearer)
 
 
 def dine(

@@ -53,11 +53,9 @@ class Station:
             platform = self._platforms[-1]
             end = platform.size[0] / 2 - 2.2
             side = 1 if draw.chance(0.5) else -1
+            spot = platform.frame.moved(side * end, 0.0, -QUARTER)
             self._kiosk = on_top(ground, platform).stand(
-                "kiosk",
-                platform.frame.moved(side * end, 0.0, -QUARTER),
-                (2.4, 3.0, 2.8),
-                attributes=paint(draw),
+                "kiosk", spot, (2.4, 3.0, 2.8), attributes=paint(draw)
             )
             yield
         self._plant_strip(spots)
@@ -85,12 +83,9 @@ class Station:
         length = min(_SHELTER_M[1], round(0.4 * platform.size[0], 2))
         size = (_SHELTER_M[0], length, _SHELTER_M[2])
         colour = {"colour": "silver"}
+        spot = platform.frame.moved(share * platform.size[0], 0.0, -QUARTER)
         shelter = on_top(ground, platform).stand(
-            "canopy",
-            platform.frame.moved(share * platform.size[0], 0.0, -QUARTER),
-            size,
-            margin=0.2,
-            attributes=colour,
+            "canopy", spot, size, margin=0.2, attributes=colour
         )
         if shelter:
             self._shelters.append((shelter, platform))
@@ -125,9 +120,8 @@ class Station:
                 # Traffic keeps to the right: doors open towards the platform.
                 turn = 0.0 if side > 0 else 2 * QUARTER
                 size = (length, 2.55, 3.1)
-                bearing.stand(
-                    "bus", platform.frame.moved(at, v, turn), size, attributes=paint(draw)
-                )
+                spot = platform.frame.moved(at, v, turn)
+                bearing.stand("bus", spot, size, attributes=paint(draw))
                 yield
 
     def _wait(self) -> Iterator[None]:
@@ -150,20 +144,14 @@ class Station:
             for sign in (-1, 1):
                 at = sign * (platform.size[0] / 2 - 0.8)
                 deck.stand("street_lamp", platform.frame.moved(at, 0.0, QUARTER), (1.6, 0.5, 5.0))
-            deck.stand(
-                "planter",
-                platform.frame.moved(0.02 * platform.size[0], 0.0, QUARTER),
-                (2.0 / 2, 2.2, 0.9),
-            )
+            spot = platform.frame.moved(0.02 * platform.size[0], 0.0, QUARTER)
+            deck.stand("planter", spot, (2.0 / 2, 2.2, 0.9))
             yield
         for platform in self._platforms:
             deck = on_top(ground, platform)
             for at in (-0.4, -0.08, 0.1, 0.42):
-                deck.stand(
-                    "bench",
-                    platform.frame.moved(at * platform.size[0], 0.9, -QUARTER),
-                    (0.55, 1.8, 0.85),
-                )
+                spot = platform.frame.moved(at * platform.size[0], 0.9, -QUARTER)
+                deck.stand("bench", spot, (0.55, 1.8, 0.85))
             yield
 
     def _surround(self) -> Iterator[None]:

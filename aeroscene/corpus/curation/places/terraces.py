@@ -60,12 +60,9 @@ class Terraces:
         if self._steps:
             colour = {"colour": draw.one_of(("white", "green"))}
             middle, at = self._steps[0], draw.between(-0.5, 0.5) * half
+            spot = middle.frame.moved(0.2, at)
             self._pavilion = on_top(ground, middle).stand(
-                "canopy",
-                middle.frame.moved(0.2, at),
-                (3.4, 4.2, 3.0),
-                margin=0.4,
-                attributes=colour,
+                "canopy", spot, (3.4, 4.2, 3.0), margin=0.4, attributes=colour
             )
             yield
         size = (round(2 * half - 2.0, 2), 1.6, 0.05)
@@ -112,18 +109,13 @@ class Terraces:
         if deep >= 7.2:
             size: Vector3 = (6.0, min(8.6, round(width - 1.0, 2)), 3.2)
             colour = {"colour": draw.one_of((*WALL_COLOURS, "brick"))}
-            house = platform.stand(
-                "house", top.frame.moved(deep / 2 - 3.5, at, -2 * QUARTER), size, attributes=colour
-            )
+            spot = top.frame.moved(deep / 2 - 3.5, at, -2 * QUARTER)
+            house = platform.stand("house", spot, size, attributes=colour)
             self._roof = add_pitched_roof(ground.builder, draw, house) if house else None
             return
         shed = {"form": "shed"}
-        platform.stand(
-            "garage",
-            top.frame.moved(deep / 2 - 1.8, at, 2 * QUARTER),
-            (2.6, 3.2, 2.4),
-            attributes=shed,
-        )
+        spot = top.frame.moved(deep / 2 - 1.8, at, 2 * QUARTER)
+        platform.stand("garage", spot, (2.6, 3.2, 2.4), attributes=shed)
 
     def _retain(self, number: int) -> None:
         """Walls along a terrace's front on either side of the stairs, with a rim above it."""
@@ -136,13 +128,8 @@ class Terraces:
         for low, high in ((-half, self._stairs[number] - gap), (self._stairs[number] + gap, half)):
             size = (_WALL_M[0], round(min(high - low, 24.0), 2), _RISE_M + _WALL_M[1])
             if size[1] > 1.0:
-                below.stand(
-                    "wall",
-                    ground.parcel.frame.moved((low + high) / 2, v, INWARD),
-                    size,
-                    margin=0.0,
-                    attributes=colour,
-                )
+                spot = ground.parcel.frame.moved((low + high) / 2, v, INWARD)
+                below.stand("wall", spot, size, margin=0.0, attributes=colour)
 
     def details(self) -> Iterator[None]:
         """Beds, tables and trees on every terrace, benches along the path."""
@@ -173,9 +160,8 @@ class Terraces:
         for pair in range(2):
             for index in range(2):
                 at = start + (2 * pair + index) * 3.1
-                platform.stand(
-                    "planter", frame.moved(deep / 2 - 1.0, at), (1.2, 2.6, 0.7), margin=0.1
-                )
+                spot = frame.moved(deep / 2 - 1.0, at)
+                platform.stand("planter", spot, (1.2, 2.6, 0.7), margin=0.1)
             yield
         for sign in (-1, 1):
             height = draw.between(4.0, 6.5)

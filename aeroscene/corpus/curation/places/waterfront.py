@@ -86,14 +86,12 @@ class Waterfront:
         self._edge = round(min(14.0, max(5.0, 0.42 * parcel.depth)), 2)
         rest = round(parcel.depth - self._edge, 2)
         size = (parcel.width, self._edge, _QUAY_M)
-        ground.surface = ground.builder.place(
-            "plaza", parcel.frame.moved(0, self._edge / 2), size, base=parcel.level
-        )
+        spot = parcel.frame.moved(0, self._edge / 2)
+        ground.surface = ground.builder.place("plaza", spot, size, base=parcel.level)
         form = {"form": "open"}
         v, size = self._edge + rest / 2, (parcel.width, rest, _WATER_M)
-        self._water = ground.builder.place(
-            "water", parcel.frame.moved(0, v), size, base=parcel.level, attributes=form
-        )
+        spot = parcel.frame.moved(0, v)
+        self._water = ground.builder.place("water", spot, size, base=parcel.level, attributes=form)
 
     def _afloat(self, water: Placed) -> Platform:
         """The water as something to lie in."""
@@ -108,12 +106,8 @@ class Waterfront:
             return
         long = round(min(12.0, rest - 3.0), 2)
         size = (long, _JETTY_M, round(_QUAY_M - _DRAUGHT_M, 2))
-        jetty = self._afloat(water).stand(
-            "deck",
-            ground.parcel.frame.moved(u, self._edge + long / 2 + 0.02, INWARD),
-            size,
-            margin=0.0,
-        )
+        spot = ground.parcel.frame.moved(u, self._edge + long / 2 + 0.02, INWARD)
+        jetty = self._afloat(water).stand("deck", spot, size, margin=0.0)
         if jetty:
             self._jetties.append(jetty)
 
@@ -174,9 +168,8 @@ class Waterfront:
         for jetty in self._jetties:
             end = jetty.size[0] / 2 - 0.6
             on_top(ground, jetty).stand("crate", jetty.frame.moved(end, 0.8), (0.8, 0.8, 0.7))
-            on_top(ground, jetty).stand(
-                "bench", jetty.frame.moved(end - 0.4, -0.6), (0.6, 1.4, 0.85)
-            )
+            spot = jetty.frame.moved(end - 0.4, -0.6)
+            on_top(ground, jetty).stand("bench", spot, (0.6, 1.4, 0.85))
             yield
 
     def _serve(self) -> Iterator[None]:

@@ -251,13 +251,9 @@ class Interior:
         attributes: Attributes | None = None,
     ) -> Placed | None:
         """Lay something of a given size on top of something, at a place in its frame."""
+        spot = bearer.frame.moved(u, v, turn)
         return self._builder.place(
-            name,
-            bearer.frame.moved(u, v, turn),
-            size,
-            parent=bearer,
-            within=bearer,
-            attributes=attributes,
+            name, spot, size, parent=bearer, within=bearer, attributes=attributes
         )
 
     def _stand(
