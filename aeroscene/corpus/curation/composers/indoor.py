@@ -38,9 +38,10 @@ def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
 
 def draw_plan(draw: Draw, theme: Theme) -> FloorPlan:
     """Size, height and zones of a building of a theme."""
-    size = (_half_metres(draw, theme.length_m), _half_metres(draw, theme.width_m))
+    length_m, width_m, roof_m = theme.size_m
+    size = (_half_metres(draw, length_m), _half_metres(draw, width_m))
     is_tall = draw.chance(theme.tall_chance)
-    low, high = TALL_M if is_tall and theme.roof_m[1] < TALL_M[0] else theme.roof_m
+    low, high = TALL_M if is_tall and roof_m[1] < TALL_M[0] else roof_m
     height = 0.25 * draw.count(round(4 * low), round(4 * high))
     programme = replace(theme.programme, is_tall=is_tall)
     return FloorPlan(

@@ -80,6 +80,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
 )
 """Kinds of places under the names that themes use."""
 
+OPEN = ("park", "market", "parking")
+"""Places where a flight can start under open sky."""
 _ANYWHERE = "park"
 """What a parcel becomes that is too small for everything else."""
 
@@ -88,6 +90,8 @@ _ANYWHERE = "park"
 class Theme:
     """A character that streets and places of a scene share."""
 
+    weight: float
+    """How often it is drawn, relative to the others."""
     plans: Mapping[str, float]
     """Ground plans and their weights."""
     always: Sequence[Sequence[str]] = ()
@@ -98,8 +102,11 @@ class Theme:
     """How often a parcel is lifted above the street."""
 
 
-def compose_theme(builder: Builder, rng: np.random.Generator, theme: Theme) -> Composition:
-    """Lay a theme's streets and give every parcel a place."""
+def compose_theme(
+    builder: Builder, rng: np.random.Generator, themes: Mapping[str, Theme]
+) -> Composition:
+    """Draw a theme, lay its streets and give every parcel a place."""
+    theme = themes[draw_one(rng, {name: theme.weight for name, theme in themes.items()})]
     plan, choice, start, streets = rng.spawn(4)
     site = _lay_fitting_site(builder, plan, theme)
     east, north = site.half_extent

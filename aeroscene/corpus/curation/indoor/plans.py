@@ -40,7 +40,7 @@ class Programme:
     """Of wide rooms."""
     upper: tuple[str, ...]
     """Of galleries over the rooms."""
-    is_tall: bool
+    is_tall: bool = False
     """Whether galleries lie over the rooms; else all ceilings are at one height."""
     rear: tuple[str, ...] = ("store",)
     """Of rooms behind the rooms of the deep row."""

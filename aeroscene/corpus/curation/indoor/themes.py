@@ -9,6 +9,7 @@ from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.indoor.plans import Programme, plan_hall, plan_spine
 from aeroscene.corpus.curation.indoor.zones import Zone
 
+_Range = tuple[float, float]
 Planner = Callable[[Draw, tuple[float, float], float, Programme], tuple[Zone, ...]]
 
 
@@ -18,15 +19,14 @@ class Theme:
 
     name: str
     weight: float
-    category: str
+    category: str = "building"
     """Category of the building."""
     planner: Planner
-    length_m: tuple[float, float]
-    width_m: tuple[float, float]
-    roof_m: tuple[float, float]
-    """Range of the ceiling's height in a building of one storey; a tall one has two."""
+    size_m: tuple[_Range, _Range, _Range]
+    """Ranges of the length, the width and the ceiling's height, which a tall building exceeds."""
+    tall_chance: float = 1.0
+    """How often the building has two storeys."""
     programme: Programme
-    tall_chance: float
     features: tuple[str, ...]
     """Coarse structures that enrich the halls and galleries, the most telling first."""
 
@@ -38,18 +38,14 @@ THEMES: tuple[Theme, ...] = (
     Theme(
         name="office",
         weight=0.22,
-        category="building",
         planner=plan_spine,
-        length_m=(28, 37),
-        width_m=(25, 29),
-        roof_m=(4.75, 5.25),
+        size_m=((28, 37), (25, 29), (4.75, 5.25)),
         tall_chance=0.5,
         programme=Programme(
             halls=("lobby", "cafe"),
             small=("office", "meeting", "office", "kitchen", "store"),
             wide=("open_office", "cafe", "open_office", "library"),
             upper=("open_office", "lounge"),
-            is_tall=False,
             rear=("meeting", "store", "office"),
             rear_chance=0.3,
         ),
@@ -58,18 +54,14 @@ THEMES: tuple[Theme, ...] = (
     Theme(
         name="apartments",
         weight=0.16,
-        category="building",
         planner=plan_spine,
-        length_m=(28, 35),
-        width_m=(25, 28),
-        roof_m=(4.75, 5.25),
+        size_m=((28, 35), (25, 28), (4.75, 5.25)),
         tall_chance=0.4,
         programme=Programme(
             halls=("garden", "lounge"),
             small=("bedroom", "kitchen", "living", "store"),
             wide=("living", "living", "dining"),
             upper=("lounge", "library"),
-            is_tall=False,
             rear=("bedroom", "bedroom", "office"),
             rear_chance=0.65,
         ),
@@ -78,18 +70,14 @@ THEMES: tuple[Theme, ...] = (
     Theme(
         name="school",
         weight=0.14,
-        category="building",
         planner=plan_spine,
-        length_m=(29, 38),
-        width_m=(25, 28),
-        roof_m=(4.75, 5.25),
+        size_m=((29, 38), (25, 28), (4.75, 5.25)),
         tall_chance=0.35,
         programme=Programme(
             halls=("lobby", "library"),
             small=("classroom", "office", "store", "classroom", "meeting"),
             wide=("classroom", "gym", "cafe", "classroom"),
             upper=("library", "lounge"),
-            is_tall=False,
             rear=("classroom", "store", "workshop"),
             rear_chance=0.3,
         ),
@@ -98,54 +86,39 @@ THEMES: tuple[Theme, ...] = (
     Theme(
         name="sports",
         weight=0.12,
-        category="building",
         planner=plan_hall,
-        length_m=(29, 38),
-        width_m=(25, 28),
-        roof_m=(7.5, 8.5),
-        tall_chance=1.0,
+        size_m=((29, 38), (25, 28), (7.5, 8.5)),
         programme=Programme(
             halls=("court", "court", "court", "gym"),
             small=("changing", "store", "kitchen"),
             wide=("changing", "gym", "cafe"),
             upper=("stand",),
-            is_tall=True,
         ),
         features=("bleachers", "net", "shelter", "bleachers", "podium", "net", "kiosk"),
     ),
     Theme(
         name="fair",
         weight=0.12,
-        category="building",
         planner=plan_hall,
-        length_m=(29, 38),
-        width_m=(25, 29),
-        roof_m=(7.5, 8.5),
-        tall_chance=1.0,
+        size_m=((29, 38), (25, 29), (7.5, 8.5)),
         programme=Programme(
             halls=("lobby", "booths", "booths", "booths", "booths", "cafe"),
             small=("store", "office", "kitchen"),
             wide=("cafe", "meeting", "store"),
             upper=("lounge",),
-            is_tall=True,
         ),
         features=("stall", "stall", "kiosk", "stall", "podium", "stall", "pavilion", "garden"),
     ),
     Theme(
         name="station",
         weight=0.08,
-        category="building",
         planner=plan_hall,
-        length_m=(31, 40),
-        width_m=(25, 29),
-        roof_m=(7.5, 8.5),
-        tall_chance=1.0,
+        size_m=((31, 40), (25, 29), (7.5, 8.5)),
         programme=Programme(
             halls=("concourse", "concourse", "cafe", "concourse", "lobby", "concourse"),
             small=("office", "store", "kitchen"),
             wide=("cafe", "office", "store"),
             upper=("lounge", "cafe"),
-            is_tall=True,
         ),
         features=("platform", "kiosk", "shelter", "platform", "kiosk", "net", "garden"),
     ),
@@ -154,34 +127,25 @@ THEMES: tuple[Theme, ...] = (
         weight=0.1,
         category="warehouse",
         planner=plan_hall,
-        length_m=(30, 40),
-        width_m=(25, 29),
-        roof_m=(7.25, 8.5),
-        tall_chance=1.0,
+        size_m=((30, 40), (25, 29), (7.25, 8.5)),
         programme=Programme(
             halls=("goods", "racks", "racks", "goods", "racks", "racks"),
             small=("office", "store", "kitchen"),
             wide=("workshop", "cafe", "open_office", "store"),
             upper=("storage",),
-            is_tall=True,
         ),
         features=("container", "dock", "net", "container", "cabin", "dock"),
     ),
     Theme(
         name="supermarket",
         weight=0.06,
-        category="building",
         planner=plan_hall,
-        length_m=(28, 37),
-        width_m=(25, 28),
-        roof_m=(7.25, 7.75),
-        tall_chance=1.0,
+        size_m=((28, 37), (25, 28), (7.25, 7.75)),
         programme=Programme(
             halls=("checkout", "produce", "aisles", "aisles"),
             small=("store", "kitchen", "office"),
             wide=("store", "kitchen", "workshop"),
             upper=("storage", "cafe"),
-            is_tall=True,
         ),
         features=("kiosk", "stall", "screen", "pavilion", "podium"),
     ),
