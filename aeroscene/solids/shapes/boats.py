@@ -6,7 +6,7 @@ from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
-from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder, hull
+from aeroscene.solids.shapes.primitive import Part, block, cylinder, hull
 from aeroscene.solids.shapes.solids import paint, prism
 
 _ROWING_M = 5.5
@@ -42,12 +42,10 @@ def _rowing(look: Look, colour: str) -> list[Part]:
     x, y, z = look.size_m
     rise = min(z, 0.75)
     parts = [_keel(x, y, rise - 0.03, colour)]
-    parts.append(
-        paint((-0.44 * x, 0.26 * x), centred(0.62 * y), (rise - 0.03, rise - 0.02), "wood")
-    )
+    parts.append(paint((-0.44 * x, 0.26 * x), 0.62 * y, (rise - 0.03, rise - 0.02), "wood"))
     for at in (-0.3, -0.04, 0.2):
         thwart = (at * x - 0.13, at * x + 0.13)
-        parts.append(block(thwart, centred(0.7 * y), (rise - 0.03, rise), "pale_wood"))
+        parts.append(block(thwart, 0.7 * y, (rise - 0.03, rise), "pale_wood"))
     return parts
 
 
@@ -56,13 +54,13 @@ def _motor(look: Look, colour: str) -> list[Part]:
     rise = min(0.42 * z, 1.3)
     top = min(z, rise + 2.1)
     cabin = [(-0.2 * x, rise), (-0.2 * x, top - 0.08), (0.08 * x, top - 0.08), (0.2 * x, rise)]
-    deck = paint((-0.47 * x, -0.2 * x), centred(0.66 * y), (rise, rise + 0.01), "wood")
+    deck = paint((-0.47 * x, -0.2 * x), 0.66 * y, (rise, rise + 0.01), "wood")
     return [
         _keel(x, y, rise, "plastic_white"),
-        prism(cabin, centred(0.64 * y), "dark_glass", lean_m=0.06 * y),
-        block((-0.22 * x, 0.1 * x), centred(0.6 * y), (top - 0.09, top), colour),
+        prism(cabin, 0.64 * y, "dark_glass", lean_m=0.06 * y),
+        block((-0.22 * x, 0.1 * x), 0.6 * y, (top - 0.09, top), colour),
         deck,
-        block((-x / 2, -0.47 * x), centred(0.3 * y), (0.5 * rise, 1.15 * rise), "plastic_black"),
+        block((-x / 2, -0.47 * x), 0.3 * y, (0.5 * rise, 1.15 * rise), "plastic_black"),
     ]
 
 
@@ -73,9 +71,9 @@ def _sailing(look: Look, colour: str) -> list[Part]:
     main = [(-0.4 * x, 1.35 * rise), (foot - 0.05, 1.35 * rise), (foot - 0.05, 0.96 * z)]
     return [
         _keel(x, y, rise, colour),
-        block((-0.16 * x, 0.24 * x), centred(0.5 * y), (rise, 1.3 * rise), "plastic_white"),
+        block((-0.16 * x, 0.24 * x), 0.5 * y, (rise, 1.3 * rise), "plastic_white"),
         cylinder((foot, 0, (rise + z) / 2), 0.1, z - rise, "metal"),
-        prism(main, centred(0.06), "plaster_white"),
-        block((-0.42 * x, foot), centred(0.1), (1.22 * rise, 1.35 * rise), "metal"),
-        paint((-0.46 * x, -0.18 * x), centred(0.6 * y), (rise, rise + 0.01), "pale_wood"),
+        prism(main, 0.06, "plaster_white"),
+        block((-0.42 * x, foot), 0.1, (1.22 * rise, 1.35 * rise), "metal"),
+        paint((-0.46 * x, -0.18 * x), 0.6 * y, (rise, rise + 0.01), "pale_wood"),
     ]

@@ -30,7 +30,7 @@ from aeroscene.solids.shapes import (
     vehicles,
 )
 from aeroscene.solids.shapes.look import Look, Shape
-from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block, centred
+from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block
 
 SHAPES: Mapping[str, Shape] = MappingProxyType(
     {
@@ -121,7 +121,7 @@ def object_parts(category: str, look: Look) -> list[Part]:
     if is_solid and all(_is_sound(part, look.size_m) for part in parts):
         return parts
     x, y, z = look.size_m
-    return [block(centred(x), centred(y), (0.0, z), "concrete")]
+    return [block(x, y, (0.0, z), "concrete")]
 
 
 def _is_sound(part: Part, size_m: Vector3) -> bool:

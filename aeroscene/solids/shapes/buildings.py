@@ -68,7 +68,7 @@ def _plain(look: Look, colour: str) -> list[Part]:
     front, door_y = x / 2 - 0.12, 0.0 if look.variant % 2 else -y / 4
     attic = min(_ATTIC_M, 0.1 * z)
     parts = _mass(centred(x - 0.24), centred(y - 0.24), (0, z - attic), colour)
-    parts.append(block(centred(x), centred(y), (z - attic, z), "concrete"))
+    parts.append(block(x, y, (z - attic, z), "concrete"))
     return [*parts, _door(front, door_y, z)]
 
 
@@ -77,7 +77,7 @@ def _balconies(look: Look, colour: str) -> list[Part]:
     x, y, z = look.size_m
     front = x / 2 - _BALCONY_M
     parts = _mass((-x / 2 + 0.05, front), centred(y - 0.1), (0, z - _ATTIC_M), colour)
-    parts.append(block(centred(x), centred(y), (z - _ATTIC_M, z), "concrete"))
+    parts.append(block(x, y, (z - _ATTIC_M, z), "concrete"))
     storeys = min(_MOST_BALCONIES, int((z - _ATTIC_M - 2.2) // _STOREY_M))
     wide = centred(0.7 * y)
     for storey in range(1, storeys + 1):
@@ -91,11 +91,11 @@ def _ledges(look: Look, colour: str) -> list[Part]:
     """Bands of concrete around every or every other storey."""
     x, y, z = look.size_m
     parts = _mass(centred(x - 2 * _LEDGE_M), centred(y - 2 * _LEDGE_M), (0, z - _ATTIC_M), colour)
-    parts.append(block(centred(x), centred(y), (z - _ATTIC_M, z), "concrete"))
+    parts.append(block(x, y, (z - _ATTIC_M, z), "concrete"))
     storeys = max(1, int((z - 2.0) // _STOREY_M))
     step = 1 if storeys <= _MOST_BALCONIES else 2
     parts += [
-        block(centred(x), centred(y), (i * _STOREY_M - 0.14, i * _STOREY_M + 0.06), "concrete")
+        block(x, y, (i * _STOREY_M - 0.14, i * _STOREY_M + 0.06), "concrete")
         for i in range(1, storeys + 1, step)
     ]
     return [*parts, _door(x / 2 - _LEDGE_M, 0.0, z, 2.0)]
@@ -106,10 +106,10 @@ def _podium(look: Look, colour: str) -> list[Part]:
     x, y, z = look.size_m
     low, front = 3.6, x / 2 - 2.2
     parts = _mass(centred(x - 0.1), centred(y - 0.1), (low, z), colour)
-    parts.append(block((-x / 2 + 0.05, front), centred(y - 0.1), (0, low), "stone"))
-    parts.append(paint((front, front + 0.03), centred(0.86 * y), (0.25, 2.9), "dark_glass"))
+    parts.append(block((-x / 2 + 0.05, front), y - 0.1, (0, low), "stone"))
+    parts.append(paint((front, front + 0.03), 0.86 * y, (0.25, 2.9), "dark_glass"))
     awning = "paint_" + look.choice("awning", PAINT_COLOURS)
-    parts.append(block((front, front + 0.7), centred(0.86 * y), (3.0, 3.25), awning))
+    parts.append(block((front, front + 0.7), 0.86 * y, (3.0, 3.25), awning))
     count = max(2, min(5, round(y / 4)))
     parts += [
         cylinder((x / 2 - 0.3, (i / (count - 1) - 0.5) * (y - 0.6), low / 2), 0.36, low, "concrete")
@@ -130,7 +130,7 @@ def house(look: Look) -> list[Part]:
         front = x / 2 - 0.1
         parts = _mass(centred(x - 0.2), centred(y - 0.2), (0, z), colour)
         porch = block((front, x / 2), about(0.2 * y, 1.6), (0.9 * top, 0.96 * top), "dark_wood")
-        plinth = block(centred(x), centred(y), (0, min(0.35, 0.1 * z)), "stone")
+        plinth = block(x, y, (0, min(0.35, 0.1 * z)), "stone")
         return [*parts, plinth, porch, _door(front, 0.2 * y, z)]
     if form == "bay":
         front = x / 2 - 0.8
@@ -147,8 +147,8 @@ def house(look: Look) -> list[Part]:
     parts = _mass((-x / 2 + 0.05, front), centred(y - 0.1), (0, z), colour)
     floor, roof = 0.16, (top - 0.14, top)
     parts += [
-        block((front, x / 2), centred(y), (0, floor), "wood"),
-        block((front, x / 2), centred(y), roof, "dark_wood"),
+        block((front, x / 2), y, (0, floor), "wood"),
+        block((front, x / 2), y, roof, "dark_wood"),
         *(
             block(
                 inwards(1, x / 2 - 0.06, 0.14),
@@ -178,18 +178,18 @@ def tower(look: Look) -> list[Part]:
     shaft = z - 1.5
     inset = 0.08 if form == "crown" else 0.6
     parts = _mass(centred(x - inset), centred(y - inset), (0, shaft), colour)
-    parts.append(block(centred(0.6 * x), centred(0.6 * y), (shaft, z), "dark_concrete"))
+    parts.append(block(0.6 * x, 0.6 * y, (shaft, z), "dark_concrete"))
     if form == "ribs":
         rise = (0.0, shaft + 0.5)
         parts += [
-            *(block(centred(x), inwards(s, y / 2 - 0.1, 0.4), rise, "concrete") for s in (-1, 1)),
-            *(block(about(at * x, 0.4), centred(y), rise, "concrete") for at in (-0.16, 0.16)),
+            *(block(x, inwards(s, y / 2 - 0.1, 0.4), rise, "concrete") for s in (-1, 1)),
+            *(block(about(at * x, 0.4), y, rise, "concrete") for at in (-0.16, 0.16)),
         ]
     return [*parts, _lobby((x - inset) / 2)]
 
 
 def _lobby(front: float) -> Part:
-    return paint((front - 0.02, front + 0.02), centred(2.4), (0, 2.7), "dark_glass")
+    return paint((front - 0.02, front + 0.02), 2.4, (0, 2.7), "dark_glass")
 
 
 def warehouse(look: Look) -> list[Part]:
@@ -202,23 +202,22 @@ def warehouse(look: Look) -> list[Part]:
     gate = min(4.0, 0.7 * z)
     if form == "lowpitch":
         return [*_low_pitch(look, skin), _gate(x / 2 - 0.02, 0.0, 4.0, gate)]
-    roof = block(centred(x), centred(y), (z - 0.3, z), "roofing")
+    roof = block(x, y, (z - 0.3, z), "roofing")
     lights = [
-        paint(about(at * x, 0.06 * x), centred(0.7 * y), (z, z + 0.015), "glass")
-        for at in (-0.3, 0.0, 0.3)
+        paint(about(at * x, 0.06 * x), 0.7 * y, (z, z + 0.015), "glass") for at in (-0.3, 0.0, 0.3)
     ]
-    band = paint(centred(x - 0.02), centred(y - 0.02), (z - 1.0, z - 0.6), stripe)
+    band = paint(x - 0.02, y - 0.02, (z - 1.0, z - 0.6), stripe)
     if form == "hall":
-        core = block(centred(x - 0.04), centred(y - 0.04), (0, z - 0.3), skin)
+        core = block(x - 0.04, y - 0.04, (0, z - 0.3), skin)
         return [core, roof, band, *lights, _gate(x / 2 - 0.02, 0.0, 4.0, gate)]
     front = x / 2 - 1.6
-    core = block((-x / 2 + 0.02, front), centred(y - 0.04), (0, z - 0.3), skin)
+    core = block((-x / 2 + 0.02, front), y - 0.04, (0, z - 0.3), skin)
     count = max(2, min(4, int(y // 5)))
     doors = [(i - (count - 1) / 2) * y / count for i in range(count)]
     return [
         core,
         roof,
-        block((front, x / 2), centred(0.92 * y), (0, min(1.1, 0.25 * z)), "concrete"),
+        block((front, x / 2), 0.92 * y, (0, min(1.1, 0.25 * z)), "concrete"),
         *(
             paint((front, front + 0.03), about(at, 2.8), (min(1.1, 0.25 * z), gate), stripe)
             for at in doors
@@ -242,7 +241,7 @@ def _low_pitch(look: Look, skin: str) -> list[Part]:
     x, y, z = look.size_m
     rise = min(x / 2 * tan(_WAREHOUSE_PITCH_RAD), 0.3 * z)
     eaves = z - rise - 0.2
-    body = block(centred(x - 0.04), centred(y - 0.04), (0, eaves), skin)
+    body = block(x - 0.04, y - 0.04, (0, eaves), skin)
     planes = [
         (-x / 2, eaves),
         (x / 2, eaves),
@@ -250,4 +249,4 @@ def _low_pitch(look: Look, skin: str) -> list[Part]:
         (0.0, z),
         (-x / 2, eaves + 0.2),
     ]
-    return [body, prism(planes, centred(y), "corrugated")]
+    return [body, prism(planes, y, "corrugated")]

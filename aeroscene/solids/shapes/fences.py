@@ -5,7 +5,7 @@ from __future__ import annotations
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import WALL_COLOURS
-from aeroscene.solids.shapes.primitive import Interval, Part, block, centred
+from aeroscene.solids.shapes.primitive import Interval, Part, block
 from aeroscene.solids.shapes.solids import about
 
 _POST_SPACING_M = 2.5
@@ -18,22 +18,19 @@ def fence(look: Look) -> list[Part]:
     form = look.choice("form", FORMS["fence"])
     x, y, z = look.size_m
     if form == "hedge":
-        return [block(centred(x), centred(y), (0, z), "hedge")]
+        return [block(x, y, (0, z), "hedge")]
     if form == "wall":
         plaster = tuple(f"plaster_{colour}" for colour in WALL_COLOURS)
         wall = look.choice("material", ("brick", "stone", *plaster[:3]))
         cope = min(0.08, 0.1 * z)
-        return [
-            block(centred(0.8 * x), centred(y), (0, z - cope), wall),
-            block(centred(x), centred(y), (z - cope, z), "concrete"),
-        ]
+        return [block(0.8 * x, y, (0, z - cope), wall), block(x, y, (z - cope, z), "concrete")]
     thick = min(x, 0.1)
     if form == "boards":
         wood = look.choice("wood", ("wood", "dark_wood", "pale_wood"))
-        panel = block(centred(0.5 * thick), centred(y), (0.06, z - 0.05), wood)
+        panel = block(0.5 * thick, y, (0.06, z - 0.05), wood)
         return [panel, *_posts(thick, y, z, "dark_wood")]
     metal = "dark_metal" if form == "rails" else "plastic_green"
-    bars = [block(centred(0.5 * thick), centred(y), bar, metal) for bar in _bars(form, z)]
+    bars = [block(0.5 * thick, y, bar, metal) for bar in _bars(form, z)]
     return [*bars, *_posts(thick, y, z, metal)]
 
 
@@ -49,11 +46,6 @@ def _posts(thick: float, y: float, z: float, material: str) -> list[Part]:
     count = max(2, min(_MOST_POSTS, round(y / _POST_SPACING_M) + 1))
     wide = min(0.1, 0.2 * y)
     return [
-        block(
-            centred(thick),
-            about((index / (count - 1) - 0.5) * (y - wide), wide),
-            (0, z),
-            material,
-        )
+        block(thick, about((index / (count - 1) - 0.5) * (y - wide), wide), (0, z), material)
         for index in range(count)
     ]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
-from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder
+from aeroscene.solids.shapes.primitive import Part, block, cylinder
 from aeroscene.solids.shapes.solids import about, inwards, legs, paint
 
 WOODS = ("wood", "pale_wood", "dark_wood")
@@ -24,14 +24,14 @@ def table(look: Look) -> list[Part]:
     wood = look.set_choice("wood", WOODS)
     under = z - _TOP_M
     if form == "legs":
-        top = block(centred(x), centred(y), (under, z), wood)
+        top = block(x, y, (under, z), wood)
         return [top, *legs(x - 0.08, y - 0.08, (0, under), 0.065, wood)]
     if form == "trestle":
         metal = look.set_choice("legs", ("dark_metal", wood))
         ends = [inwards(sign, y / 2 - 0.12, 0.05) for sign in (-1, 1)]
         return [
-            block(centred(x), centred(y), (under, z), wood),
-            *(block(centred(0.72 * x), end, (0, under), metal) for end in ends),
+            block(x, y, (under, z), wood),
+            *(block(0.72 * x, end, (0, under), metal) for end in ends),
         ]
     wide = min(x, y)
     if form == "round":
@@ -39,7 +39,7 @@ def table(look: Look) -> list[Part]:
         return [top, *legs(0.62 * wide, 0.62 * wide, (0, under), 0.055, wood)]
     feet = (0.0,) if is_small else (-0.27 * y, 0.27 * y)
     return [
-        block(centred(x), centred(y), (under, z), "stone"),
+        block(x, y, (under, z), "stone"),
         *(cylinder((0, at, under / 2), 0.1, under, "dark_metal") for at in feet),
         *(cylinder((0, at, 0.015), min(0.5 * wide, 0.42 * y), 0.03, "dark_metal") for at in feet),
     ]
@@ -52,12 +52,12 @@ def coffee_table(look: Look) -> list[Part]:
     form = look.choice("form", FORMS["coffee_table"], () if is_square else ("panels", "legs"))
     wood = look.choice("wood", WOODS)
     under = z - 0.04
-    top = block(centred(x), centred(y), (under, z), wood)
+    top = block(x, y, (under, z), wood)
     if form == "panels":
         ends = [inwards(sign, y / 2 - 0.08, 0.05) for sign in (-1, 1)]
-        return [top, *(block(centred(0.8 * x), end, (0, under), wood) for end in ends)]
+        return [top, *(block(0.8 * x, end, (0, under), wood) for end in ends)]
     if form == "legs":
-        board = block(centred(0.86 * x), centred(0.86 * y), (0.32 * z, 0.32 * z + 0.025), wood)
+        board = block(0.86 * x, 0.86 * y, (0.32 * z, 0.32 * z + 0.025), wood)
         return [top, board, *legs(x - 0.04, y - 0.04, (0, under), 0.04, "dark_metal")]
     wide = min(x, y)
     return [
@@ -81,25 +81,25 @@ def desk(look: Look) -> list[Part]:
     x, y, z = look.size_m
     form, wood = look.set_choice("form", FORMS["desk"]), look.set_choice("wood", WOODS)
     under = z - 0.04
-    top = block(centred(x), centred(y), (under, z), wood)
+    top = block(x, y, (under, z), wood)
     back = (-x / 2 + 0.06, -x / 2 + 0.08)
     if form == "legs":
-        panel = block(back, centred(y - 0.2), (0.45 * z, under), wood)
+        panel = block(back, y - 0.2, (0.45 * z, under), wood)
         return [top, panel, *legs(x - 0.06, y - 0.06, (0, under), 0.05, "dark_metal")]
     if form == "standing":
         columns = [about(sign * 0.36 * y, 0.08) for sign in (-1, 1)]
         return [
             top,
-            *(block(centred(0.1), column, (0.03, under), "metal") for column in columns),
-            *(block(centred(0.9 * x), column, (0, 0.03), "metal") for column in columns),
+            *(block(0.1, column, (0.03, under), "metal") for column in columns),
+            *(block(0.9 * x, column, (0, 0.03), "metal") for column in columns),
         ]
     drawers = (y / 2 - 0.44, y / 2 - 0.02)
     front = (0.45 * x - 0.005, 0.45 * x + 0.005)
     return [
         top,
-        block(centred(0.9 * x), (-y / 2 + 0.02, -y / 2 + 0.06), (0, under), "dark_metal"),
-        block(centred(0.9 * x), drawers, (0.06, under), wood),
-        block(back, centred(y - 0.2), (0.5 * z, under), wood),
+        block(0.9 * x, (-y / 2 + 0.02, -y / 2 + 0.06), (0, under), "dark_metal"),
+        block(0.9 * x, drawers, (0.06, under), wood),
+        block(back, y - 0.2, (0.5 * z, under), wood),
         paint(
             front, about((drawers[0] + drawers[1]) / 2, 0.2), about(0.68 * z, 0.02), "dark_metal"
         ),
@@ -122,20 +122,14 @@ def nightstand(look: Look) -> list[Part]:
         ]
     if form == "open":
         return [
-            *(block(centred(x), inwards(sign, y / 2, 0.025), (0, z), wood) for sign in (-1, 1)),
-            block(inwards(-1, x / 2, 0.02), centred(y - 0.05), (0.1, z), wood),
-            *(
-                block(centred(x), centred(y - 0.05), (low, low + 0.025), wood)
-                for low in (0.1, 0.55 * z, z - 0.025)
-            ),
+            *(block(x, inwards(sign, y / 2, 0.025), (0, z), wood) for sign in (-1, 1)),
+            block(inwards(-1, x / 2, 0.02), y - 0.05, (0.1, z), wood),
+            *(block(x, y - 0.05, (low, low + 0.025), wood) for low in (0.1, 0.55 * z, z - 0.025)),
         ]
     front = inwards(1, x / 2, 0.02)
     return [
-        block((-x / 2, front[0]), centred(y), (0, z), wood),
-        *(
-            paint(front, centred(0.86 * y), (low * z, (low + 0.36) * z), "dark_wood")
-            for low in (0.12, 0.56)
-        ),
+        block((-x / 2, front[0]), y, (0, z), wood),
+        *(paint(front, 0.86 * y, (low * z, (low + 0.36) * z), "dark_wood") for low in (0.12, 0.56)),
     ]
 
 
@@ -143,13 +137,13 @@ def counter(look: Look) -> list[Part]:
     """A worktop over cupboards, plain or with a sink, or a bar with a panel to lean on."""
     x, y, z = look.size_m
     form = look.choice("form", FORMS["counter"])
-    top = block(centred(x), centred(y), (z - 0.05, z), "stone")
+    top = block(x, y, (z - 0.05, z), "stone")
     if form == "bar":
         wood = look.choice("wood", WOODS)
-        rail = paint(inwards(1, x / 2, 0.06), centred(0.94 * y), (0.16, 0.2), "metal")
+        rail = paint(inwards(1, x / 2, 0.06), 0.94 * y, (0.16, 0.2), "metal")
         return [
-            block((-x / 2, x / 2 - 0.16), centred(y), (0, z - 0.06), wood),
-            block(centred(x), centred(y), (z - 0.06, z), "dark_wood"),
+            block((-x / 2, x / 2 - 0.16), y, (0, z - 0.06), wood),
+            block(x, y, (z - 0.06, z), "dark_wood"),
             rail,
         ]
     front = inwards(1, x / 2 - 0.02, 0.02)
@@ -157,7 +151,7 @@ def counter(look: Look) -> list[Part]:
     count = max(1, min(6, round(y / 0.6)))
     step = y / count
     parts = [
-        block((-x / 2, front[0]), centred(y), (0, z - 0.05), "dark_wood"),
+        block((-x / 2, front[0]), y, (0, z - 0.05), "dark_wood"),
         top,
         *(
             paint(front, about(-y / 2 + (i + 0.5) * step, step - 0.02), (0.1, z - 0.07), doors)
@@ -166,7 +160,7 @@ def counter(look: Look) -> list[Part]:
     ]
     if form == "sink" and y > 1.0:
         at = -y / 2 + 0.25 * y
-        parts.append(paint(centred(0.6 * x), about(at, 0.5), (z, z + 0.004), "dark_metal"))
+        parts.append(paint(0.6 * x, about(at, 0.5), (z, z + 0.004), "dark_metal"))
         tap = (-0.36 * x, -0.36 * x + 0.03)
         parts.append(paint(tap, about(at, 0.03), (z - 0.01, z + 0.018), "metal"))
     return parts

@@ -5,7 +5,7 @@ from __future__ import annotations
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
-from aeroscene.solids.shapes.primitive import Interval, Part, block, centred, cylinder
+from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder
 from aeroscene.solids.shapes.solids import about, cone, inwards, paint
 
 PALLET_M = 0.144
@@ -23,18 +23,18 @@ def crate(look: Look) -> list[Part]:
     if form == "plastic":
         colour = _paint_colour(look)
         return [
-            block(centred(0.92 * x), centred(0.92 * y), (0, z - 0.03), colour),
-            block(centred(x), centred(y), (0.8 * z, z), colour),
-            paint(centred(0.86 * x), centred(0.86 * y), (z, z + 0.004), "plastic_black"),
+            block(0.92 * x, 0.92 * y, (0, z - 0.03), colour),
+            block(x, y, (0.8 * z, z), colour),
+            paint(0.86 * x, 0.86 * y, (z, z + 0.004), "plastic_black"),
         ]
     wood = "pale_wood" if form == "boards" else "dark_wood"
     trim = "dark_wood" if form == "boards" else "metal"
     rails = [(0.06 * z, 0.18 * z), (0.8 * z, 0.92 * z)]
-    parts = [block(centred(x - 0.03), centred(y - 0.03), (0, z), wood)]
+    parts = [block(x - 0.03, y - 0.03, (0, z), wood)]
     if form == "boards":
-        return parts + [paint(centred(x), centred(y), rail, trim) for rail in rails]
+        return parts + [paint(x, y, rail, trim) for rail in rails]
     bands = [about(sign * 0.28 * y, 0.06) for sign in (-1, 1)]
-    return parts + [paint(centred(x), band, (0, z + 0.006), trim) for band in bands]
+    return parts + [paint(x, band, (0, z + 0.006), trim) for band in bands]
 
 
 def barrel(look: Look) -> list[Part]:
@@ -75,9 +75,9 @@ def pallet(look: Look) -> list[Part]:
     is_loaded = z > deck + 0.1
     form = look.choice("form", FORMS["pallet"], FORMS["pallet"][1:]) if is_loaded else "bare"
     parts = [
-        block(centred(x), centred(y), (0.72 * deck, deck), "wood"),
+        block(x, y, (0.72 * deck, deck), "wood"),
         *(
-            block(centred(x), about(at * (y - 0.12) / 2, 0.12), (0, 0.72 * deck), "dark_wood")
+            block(x, about(at * (y - 0.12) / 2, 0.12), (0, 0.72 * deck), "dark_wood")
             for at in (-1, 0, 1)
         ),
     ]
@@ -86,9 +86,9 @@ def pallet(look: Look) -> list[Part]:
         split = deck + 0.52 * high
         return [
             *parts,
-            block(centred(0.96 * x), centred(0.96 * y), (deck, split), "cardboard"),
-            block(centred(0.94 * x), centred(0.92 * y), (split, z), "cardboard"),
-            paint(centred(0.97 * x), centred(0.1), (deck, split), "paint_blue"),
+            block(0.96 * x, 0.96 * y, (deck, split), "cardboard"),
+            block(0.94 * x, 0.92 * y, (split, z), "cardboard"),
+            paint(0.97 * x, 0.1, (deck, split), "paint_blue"),
         ]
     if form == "sacks":
         return [*parts, *_sacks(x, y, (deck, z))]
@@ -96,8 +96,8 @@ def pallet(look: Look) -> list[Part]:
         bands = [about(sign * 0.25 * y, 0.04) for sign in (-1, 1)]
         return [
             *parts,
-            block(centred(0.9 * x), centred(0.9 * y), (deck, z - 0.005), "brick"),
-            *(paint(centred(0.91 * x), band, (deck, z), "plastic_black") for band in bands),
+            block(0.9 * x, 0.9 * y, (deck, z - 0.005), "brick"),
+            *(paint(0.91 * x, band, (deck, z), "plastic_black") for band in bands),
         ]
     return parts
 
@@ -108,7 +108,7 @@ def _sacks(x: float, y: float, z: Interval) -> list[Part]:
     rise = (z[1] - z[0]) / layers
     return [
         block(
-            centred((0.94 - 0.04 * layer) * x),
+            (0.94 - 0.04 * layer) * x,
             about(side * 0.235 * y, 0.45 * y),
             (z[0] + layer * rise, z[0] + (layer + 1) * rise - 0.01),
             "fabric_beige",
@@ -123,7 +123,7 @@ def landing_pad(look: Look) -> list[Part]:
     x, y, z = look.size_m
     form, side = look.choice("form", FORMS["landing_pad"]), min(x, y)
     ground = look.choice("mat", ("dark_concrete", "rubber", "concrete"))
-    mat = block(centred(x), centred(y), (0, z), ground)
+    mat = block(x, y, (0, z), ground)
     if form == "rings":
         widths = (
             (0.94, "marking_white"),
@@ -135,8 +135,8 @@ def landing_pad(look: Look) -> list[Part]:
     if form == "cross":
         flat = (z, z + 0.004)
         bars = [
-            paint(centred(0.86 * side), centred(0.12 * side), flat, "marking_white"),
-            paint(centred(0.12 * side), centred(0.86 * side), flat, "marking_white"),
+            paint(0.86 * side, 0.12 * side, flat, "marking_white"),
+            paint(0.12 * side, 0.86 * side, flat, "marking_white"),
         ]
         corners = [
             paint(
@@ -151,10 +151,10 @@ def landing_pad(look: Look) -> list[Part]:
         return [mat, *bars, *corners]
     flat = (z + 0.004, z + 0.006)
     strokes = [
-        paint(centred(0.46 * side), about(sign * 0.15 * side, 0.08 * side), flat, "marking_white")
+        paint(0.46 * side, about(sign * 0.15 * side, 0.08 * side), flat, "marking_white")
         for sign in (-1, 1)
     ]
-    middle = paint(centred(0.09 * side), centred(0.24 * side), flat, "marking_white")
+    middle = paint(0.09 * side, 0.24 * side, flat, "marking_white")
     ring = _disc(0.88 * side, z, 0, "marking_yellow")
     return [mat, ring, _disc(0.78 * side, z, 1, ground), *strokes, middle]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
-from aeroscene.solids.shapes.primitive import Interval, Part, block, centred, cylinder, hull
+from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder, hull
 from aeroscene.solids.shapes.solids import PAINT_M, about, inwards, paint
 
 BAY_WIDTH_M = 2.5
@@ -20,7 +20,7 @@ _TWO_LANES_M = 5.5
 
 def _slab(look: Look, material: str) -> Part:
     x, y, z = look.size_m
-    return block(centred(x), centred(y), (0, z), material)
+    return block(x, y, (0, z), material)
 
 
 def _coat(z: float) -> Interval:
@@ -36,7 +36,7 @@ def road(look: Look) -> list[Part]:
         parts += _dashes(x, z, end)
     if form == "edged" or y < _TWO_LANES_M:
         parts += [
-            paint(centred(x), about(sign * (y / 2 - 0.25), 0.12), _coat(z), "marking_white")
+            paint(x, about(sign * (y / 2 - 0.25), 0.12), _coat(z), "marking_white")
             for sign in (-1, 1)
         ]
     if form == "arrows" and x > 24 and y >= _TWO_LANES_M:
@@ -51,7 +51,7 @@ def _dashes(x: float, z: float, zebra_end: float) -> list[Part]:
     period = (x - 2.0) / max(1, count)
     middles = [(index - (count - 1) / 2) * period for index in range(count)]
     return [
-        paint(about(at, _DASH_M), centred(0.14), _coat(z), "marking_white")
+        paint(about(at, _DASH_M), 0.14, _coat(z), "marking_white")
         for at in middles
         if zebra_end == 0 or zebra_end * at < x / 2 - 5.5
     ]
@@ -115,14 +115,11 @@ def sidewalk(look: Look) -> list[Part]:
     if y < 0.6:
         return [_slab(look, paving)]
     kerb = -y / 2 + 0.18
-    parts = [
-        block(centred(x), (kerb, y / 2), (0, z), paving),
-        block(centred(x), (-y / 2, kerb), (0, z), "concrete"),
-    ]
+    parts = [block(x, (kerb, y / 2), (0, z), paving), block(x, (-y / 2, kerb), (0, z), "concrete")]
     if form == "tactile":
-        parts.append(paint(centred(x), (kerb + 0.15, kerb + 0.45), _coat(z), "marking_yellow"))
+        parts.append(paint(x, (kerb + 0.15, kerb + 0.45), _coat(z), "marking_yellow"))
     elif form == "banded":
-        parts.append(paint(centred(x), inwards(1, y / 2, 0.3 * y), _coat(z), "dark_concrete"))
+        parts.append(paint(x, inwards(1, y / 2, 0.3 * y), _coat(z), "dark_concrete"))
     return parts
 
 
@@ -136,21 +133,21 @@ def plaza(look: Look) -> list[Part]:
     if form == "bands":
         count = max(2, min(7, int(x // 4)))
         parts += [
-            paint(about((i - (count - 1) / 2) * x / count, 0.6), centred(y), _coat(z), trim)
+            paint(about((i - (count - 1) / 2) * x / count, 0.6), y, _coat(z), trim)
             for i in range(count)
         ]
     elif form == "cross":
         parts += [
-            paint(centred(x), centred(0.9), _coat(z), trim),
-            paint(centred(0.9), centred(y), _coat(z), trim),
+            paint(x, 0.9, _coat(z), trim),
+            paint(0.9, y, _coat(z), trim),
             cylinder((0, 0, z + 0.004), 0.4 * min(x, y), 0.008, trim, collides=False),
             cylinder((0, 0, z + 0.006), 0.3 * min(x, y), 0.008, base, collides=False),
         ]
     else:
         wide = min(0.8, 0.1 * min(x, y))
         for sign in (-1, 1):
-            parts.append(paint(inwards(sign, x / 2, wide), centred(y), _coat(z), trim))
-            parts.append(paint(centred(x - 2 * wide), inwards(sign, y / 2, wide), _coat(z), trim))
+            parts.append(paint(inwards(sign, x / 2, wide), y, _coat(z), trim))
+            parts.append(paint(x - 2 * wide, inwards(sign, y / 2, wide), _coat(z), trim))
     return parts
 
 
@@ -160,9 +157,9 @@ def lawn(look: Look) -> list[Part]:
     form = look.choice("form", FORMS["lawn"])
     parts = [_slab(look, "grass")]
     if form == "path" and min(x, y) > 4:
-        parts.append(paint(centred(x), centred(min(1.4, 0.1 * y)), _coat(z), "gravel"))
+        parts.append(paint(x, min(1.4, 0.1 * y), _coat(z), "gravel"))
     elif form == "beds" and min(x, y) > 4:
         for sign in (-1, 1):
             bed = inwards(sign, y / 2 - 0.25, min(0.7, 0.08 * y))
-            parts.append(paint(centred(x - 1.0), bed, _coat(z), "soil"))
+            parts.append(paint(x - 1.0, bed, _coat(z), "soil"))
     return parts

@@ -7,7 +7,7 @@ from math import atan2, hypot
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
-from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder, ellipsoid
+from aeroscene.solids.shapes.primitive import Part, block, cylinder, ellipsoid
 from aeroscene.solids.shapes.solids import about, cone, inwards, leaning, paint
 
 
@@ -30,8 +30,8 @@ def lamp(look: Look) -> list[Part]:
     if form == "drum":
         return [*stand, cylinder((0, 0, z - shade / 2), wide, shade, "light_warm")]
     if form == "globe":
-        return [*stand, ellipsoid(centred(shade), centred(shade), (low, z), "light_warm")]
-    return [*stand, cone((wide, wide), (0.5 * wide, 0.5 * wide), (low, z), "light_warm")]
+        return [*stand, ellipsoid(shade, shade, (low, z), "light_warm")]
+    return [*stand, cone(wide, 0.5 * wide, (low, z), "light_warm")]
 
 
 def television(look: Look) -> list[Part]:
@@ -44,14 +44,14 @@ def television(look: Look) -> list[Part]:
         ends = [about(sign * 0.36 * y, 0.03) for sign in (-1, 1)]
         return (
             parts
-            + [block(centred(x), end, (0, 0.02), "dark_metal") for end in ends]
+            + [block(x, end, (0, 0.02), "dark_metal") for end in ends]
             + [paint(about(-0.005, 0.02), end, (0.02, low), "dark_metal") for end in ends]
         )
     if form == "bar":
-        bar = block((-0.02, 0.5 * x), centred(0.8 * y), (0, low - 0.01), "dark_metal")
+        bar = block((-0.02, 0.5 * x), 0.8 * y, (0, low - 0.01), "dark_metal")
         return [*parts, bar]
-    stem = paint(about(-0.005, 0.02), centred(0.08), (0.02, low), "plastic_black")
-    return [*parts, block(centred(x), centred(0.42 * y), (0, 0.02), "plastic_black"), stem]
+    stem = paint(about(-0.005, 0.02), 0.08, (0.02, low), "plastic_black")
+    return [*parts, block(x, 0.42 * y, (0, 0.02), "plastic_black"), stem]
 
 
 def _screen(width: float, z: tuple[float, float], at_y: float) -> list[Part]:
@@ -68,8 +68,8 @@ def monitor(look: Look) -> list[Part]:
     x, y, z = look.size_m
     form = look.choice("form", FORMS["monitor"])
     low = 0.3 * z if form != "thin" else 0.42 * z
-    foot = block(centred(x), centred(min(0.4 * y, 0.26)), (0, 0.02), "metal")
-    stem = paint(about(-0.035, 0.03), centred(0.05), (0.02, 0.7 * z), "metal")
+    foot = block(x, min(0.4 * y, 0.26), (0, 0.02), "metal")
+    stem = paint(about(-0.035, 0.03), 0.05, (0.02, 0.7 * z), "metal")
     if form == "pair" and y > 0.6:
         half = y / 2 - 0.01
         screens = [p for sign in (-1, 1) for p in _screen(half, (low, z), sign * y / 4)]
@@ -89,12 +89,9 @@ def laptop(look: Look) -> list[Part]:
     lid = leaning(middle, (thick, y, hypot(run, rise) - thick), -lean, "y", "screen")
     base = (x / 2 - depth, x / 2)
     keys = paint(
-        (base[0] + 0.1 * depth, base[0] + 0.6 * depth),
-        centred(0.86 * y),
-        (0.02, 0.022),
-        "dark_metal",
+        (base[0] + 0.1 * depth, base[0] + 0.6 * depth), 0.86 * y, (0.02, 0.022), "dark_metal"
     )
-    return [block(base, centred(y), (0, 0.02), case), lid, keys]
+    return [block(base, y, (0, 0.02), case), lid, keys]
 
 
 def plate(look: Look) -> list[Part]:
@@ -103,7 +100,7 @@ def plate(look: Look) -> list[Part]:
     form, wide = look.set_choice("form", FORMS["plate"]), min(x, y)
     if form == "bowl":
         inside = cylinder((0, 0, z), 0.86 * wide, 0.002, "marking_yellow", collides=False)
-        return [cone((0.45 * wide, 0.45 * wide), (wide, wide), (0, z), "ceramic", sides=12), inside]
+        return [cone(0.45 * wide, wide, (0, z), "ceramic", sides=12), inside]
     rim = z if form == "flat" else 0.6 * z
     disc = cylinder((0, 0, 0.7 * rim), wide, 0.6 * rim, "ceramic")
     foot = cylinder((0, 0, 0.2 * rim), 0.6 * wide, 0.4 * rim, "ceramic", collides=False)
@@ -123,20 +120,15 @@ def cup(look: Look) -> list[Part]:
     x, y, z = look.size_m
     form, wide = look.set_choice("form", FORMS["cup"]), min(x, y)
     if form == "glass":
-        glass = cone((0.7 * wide, 0.7 * wide), (0.9 * wide, 0.9 * wide), (0, z), "glass", sides=10)
+        glass = cone(0.7 * wide, 0.9 * wide, (0, z), "glass", sides=10)
         return [glass]
     if form == "paper":
         return [
-            cone(
-                (0.66 * wide, 0.66 * wide),
-                (0.94 * wide, 0.94 * wide),
-                (0, 0.9 * z),
-                "plastic_white",
-            ),
+            cone(0.66 * wide, 0.94 * wide, (0, 0.9 * z), "plastic_white"),
             cylinder((0, 0, 0.95 * z), wide, 0.1 * z, "plastic_black"),
         ]
     glaze = look.choice("glaze", ("ceramic", "paint_blue", "paint_red", "terracotta"))
-    handle = paint((0.36 * wide, wide / 2), centred(0.015), (0.25 * z, 0.75 * z), glaze)
+    handle = paint((0.36 * wide, wide / 2), 0.015, (0.25 * z, 0.75 * z), glaze)
     inside = cylinder((0, 0, z), 0.66 * wide, 0.004, "bark", collides=False)
     return [cylinder((0, 0, z / 2), 0.8 * wide, z, glaze), handle, inside]
 
@@ -150,8 +142,7 @@ def cutlery(look: Look) -> list[Part]:
     material = "dark_wood" if form == "sticks" else "metal"
     step = (y - wide) / (count - 1)
     bars = [
-        block(centred(x), about(-y / 2 + wide / 2 + i * step, wide), (0, z), material)
-        for i in range(count)
+        block(x, about(-y / 2 + wide / 2 + i * step, wide), (0, z), material) for i in range(count)
     ]
     if form == "sticks":
         return bars
@@ -171,7 +162,7 @@ def book(look: Look) -> list[Part]:
     if form == "upright":
         return [
             block(
-                centred((0.9, 0.76, 1.0, 0.84)[i] * x),
+                (0.9, 0.76, 1.0, 0.84)[i] * x,
                 about((i - 1.5) * y / 4, 0.235 * y),
                 (0, (0.94, 1.0, 0.86, 0.97)[i] * z),
                 cover,
@@ -180,21 +171,16 @@ def book(look: Look) -> list[Part]:
         ]
     if form == "open":
         return [
-            block(centred(x), centred(y), (0, 0.3 * z), covers[0]),
+            block(x, y, (0, 0.3 * z), covers[0]),
             *(
-                block(centred(0.94 * x), about(sign * 0.24 * y, 0.46 * y), (0.3 * z, z), "paper")
+                block(0.94 * x, about(sign * 0.24 * y, 0.46 * y), (0.3 * z, z), "paper")
                 for sign in (-1, 1)
             ),
         ]
     count = 1 if z < 0.05 else min(4, max(2, round(z / 0.05)))
     shares = (1.0, 0.86, 0.94, 0.78)
     return [
-        block(
-            centred(shares[i] * x),
-            centred(shares[i] * y),
-            (i * z / count, (i + 1) * z / count),
-            covers[i],
-        )
+        block(shares[i] * x, shares[i] * y, (i * z / count, (i + 1) * z / count), covers[i])
         for i in range(count)
     ]
 
@@ -206,13 +192,13 @@ def box(look: Look) -> list[Part]:
     if form == "tub":
         colour = "paint_" + look.choice("colour", PAINT_COLOURS)
         return [
-            block(centred(0.94 * x), centred(0.94 * y), (0, 0.86 * z), "plastic_white"),
-            block(centred(x), centred(y), (0.86 * z, z), colour),
+            block(0.94 * x, 0.94 * y, (0, 0.86 * z), "plastic_white"),
+            block(x, y, (0.86 * z, z), colour),
         ]
-    carton = block(centred(x), centred(y), (0, z - 0.002), "cardboard")
-    tape = paint(centred(x), centred(0.06), (z - 0.002, z), "pale_wood")
+    carton = block(x, y, (0, z - 0.002), "cardboard")
+    tape = paint(x, 0.06, (z - 0.002, z), "pale_wood")
     if form == "taped":
         return [carton, tape]
-    label = paint((x / 2, x / 2 + 0.003), centred(0.5 * y), (0.3 * z, 0.7 * z), "paper")
-    stripe = paint((x / 2, x / 2 + 0.004), centred(0.5 * y), (0.6 * z, 0.66 * z), "plastic_black")
+    label = paint((x / 2, x / 2 + 0.003), 0.5 * y, (0.3 * z, 0.7 * z), "paper")
+    stripe = paint((x / 2, x / 2 + 0.004), 0.5 * y, (0.6 * z, 0.66 * z), "plastic_black")
     return [carton, tape, label, stripe]

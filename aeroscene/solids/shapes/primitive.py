@@ -13,6 +13,8 @@ from aeroscene.scene import Quaternion, Vector3
 
 PrimitiveKind = Literal["box", "cylinder", "ellipsoid", "mesh"]
 Interval = tuple[float, float]
+Span = Interval | float
+"""An interval, or its length where it lies about zero."""
 Axis = Literal["x", "y", "z"]
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -51,23 +53,16 @@ class Part:
 
     kind: PrimitiveKind
     position_m: Vector3
-    quat_wxyz: Quaternion
+    quat_wxyz: Quaternion = IDENTITY
     size_m: Vector3
     material: str
     collides: bool = True
     vertices_m: tuple[Vector3, ...] = ()
 
 
-def block(x: Interval, y: Interval, z: Interval, material: str, *, collides: bool = True) -> Part:
+def block(x: Span, y: Span, z: Span, material: str, *, collides: bool = True) -> Part:
     """A box along the axes, from its intervals in m."""
-    return Part(
-        kind="box",
-        position_m=((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (z[0] + z[1]) / 2),
-        quat_wxyz=IDENTITY,
-        size_m=(x[1] - x[0], y[1] - y[0], z[1] - z[0]),
-        material=material,
-        collides=collides,
-    )
+    return _inscribed("box", (x, y, z), material, collides=collides)
 
 
 def centred_block(
@@ -75,12 +70,7 @@ def centred_block(
 ) -> Part:
     """A box along the axes, from its centre and full extents."""
     return Part(
-        kind="box",
-        position_m=centre_m,
-        quat_wxyz=IDENTITY,
-        size_m=size_m,
-        material=material,
-        collides=collides,
+        kind="box", position_m=centre_m, size_m=size_m, material=material, collides=collides
     )
 
 
@@ -104,14 +94,21 @@ def cylinder(
     )
 
 
-def ellipsoid(x: Interval, y: Interval, z: Interval, material: str) -> Part:
+def ellipsoid(x: Span, y: Span, z: Span, material: str) -> Part:
     """The ellipsoid inscribed in the box of three intervals, in m."""
+    return _inscribed("ellipsoid", (x, y, z), material)
+
+
+def _inscribed(
+    kind: PrimitiveKind, spans: tuple[Span, Span, Span], material: str, *, collides: bool = True
+) -> Part:
+    x, y, z = (span if isinstance(span, tuple) else centred(span) for span in spans)
     return Part(
-        kind="ellipsoid",
+        kind=kind,
         position_m=((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (z[0] + z[1]) / 2),
-        quat_wxyz=IDENTITY,
         size_m=(x[1] - x[0], y[1] - y[0], z[1] - z[0]),
         material=material,
+        collides=collides,
     )
 
 
@@ -123,7 +120,6 @@ def hull(vertices_m: list[Vector3], material: str, *, collides: bool = True) -> 
     return Part(
         kind="mesh",
         position_m=centre,
-        quat_wxyz=IDENTITY,
         size_m=(high[0] - low[0], high[1] - low[1], high[2] - low[2]),
         material=material,
         collides=collides,

@@ -42,13 +42,13 @@ def _flat(look: Look) -> list[Part]:
     x, y, z = look.size_m
     slab = min(ROOF_SLAB_M, z)
     cover = look.choice("cover", ("roofing", "roofing", "gravel", "concrete"))
-    parts = [block(centred(x), centred(y), (0, slab), cover)]
+    parts = [block(x, y, (0, slab), cover)]
     if z <= slab + 0.05:
         return parts
     inner = y - 2 * PARAPET_M
     for sign in (-1, 1):
-        parts.append(block(inwards(sign, x / 2, PARAPET_M), centred(inner), (slab, z), "concrete"))
-        parts.append(block(centred(x), inwards(sign, y / 2, PARAPET_M), (slab, z), "concrete"))
+        parts.append(block(inwards(sign, x / 2, PARAPET_M), inner, (slab, z), "concrete"))
+        parts.append(block(x, inwards(sign, y / 2, PARAPET_M), (slab, z), "concrete"))
     return parts
 
 
@@ -101,4 +101,4 @@ def _monopitch(look: Look) -> Part:
     low = max(edge, z - x * tan(_SHED_PITCH_RAD))
     cover = look.choice("cover", ("corrugated", "roofing"))
     profile = [(-x / 2, 0.0), (x / 2, 0.0), (x / 2, z), (-x / 2, low)]
-    return prism(profile, centred(y), cover)
+    return prism(profile, y, cover)

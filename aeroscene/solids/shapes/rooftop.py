@@ -6,7 +6,7 @@ from math import atan2, cos, hypot, sin
 
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
-from aeroscene.solids.shapes.primitive import Interval, Part, block, centred, cylinder
+from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder
 from aeroscene.solids.shapes.solids import about, cone, inwards, leaning, legs, paint, shifted
 
 
@@ -28,18 +28,16 @@ def ac_unit(look: Look) -> list[Part]:
             )
             for sign in (-1, 1)
         ]
-        feet = [
-            block(centred(x), about(sign * 0.4 * y, 0.1), (0, 0.1), "rubber") for sign in (-1, 1)
-        ]
-        return [block((-x / 2, front[0]), centred(y), (0.1, z), "plastic_white"), *fans, *feet]
-    grille = paint(front, centred(0.8 * y), (0.2 * z, 0.8 * z), "dark_metal")
+        feet = [block(x, about(sign * 0.4 * y, 0.1), (0, 0.1), "rubber") for sign in (-1, 1)]
+        return [block((-x / 2, front[0]), y, (0.1, z), "plastic_white"), *fans, *feet]
+    grille = paint(front, 0.8 * y, (0.2 * z, 0.8 * z), "dark_metal")
     if form == "duct":
         split = -0.1 * x
-        bend = block((-x / 2, split), centred(0.5 * y), (0, 0.62 * z), "corrugated")
-        return [block((split, front[0]), centred(y), (0, z), "metal"), bend, grille]
+        bend = block((-x / 2, split), 0.5 * y, (0, 0.62 * z), "corrugated")
+        return [block((split, front[0]), y, (0, z), "metal"), bend, grille]
     fan = 0.74 * min(x, y)
     return [
-        block((-x / 2, front[0]), centred(y), (0, z), "metal"),
+        block((-x / 2, front[0]), y, (0, z), "metal"),
         cylinder((0, 0, z + 0.004), fan, 0.008, "dark_metal", collides=False),
         cylinder((0, 0, z + 0.008), 0.2 * fan, 0.008, "metal", collides=False),
         grille,
@@ -53,23 +51,21 @@ def chimney(look: Look) -> list[Part]:
     if form == "flue":
         wide, hood = 0.7 * min(x, y), min(0.3, 0.2 * z)
         return [
-            block(centred(x), centred(y), (0, 0.2 * z), "concrete"),
+            block(x, y, (0, 0.2 * z), "concrete"),
             cylinder((0, 0, (z - hood) / 2), wide, z - hood, "metal"),
-            cone((1.3 * wide, 1.3 * wide), (0.1, 0.1), (z - hood, z), "dark_metal"),
+            cone(1.3 * wide, 0.1, (z - hood, z), "dark_metal"),
         ]
     pots = min(0.35, 0.25 * z) if form == "pots" else 0.15
     top = z - pots
     parts = [
-        block(centred(0.86 * x), centred(0.86 * y), (0, top), "brick"),
-        block(centred(x), centred(y), (top - 0.15, top), "concrete"),
+        block(0.86 * x, 0.86 * y, (0, top), "brick"),
+        block(x, y, (top - 0.15, top), "concrete"),
     ]
     if form == "stack":
-        return [*parts, paint(centred(0.5 * x), centred(0.5 * y), (top, z), "dark_concrete")]
+        return [*parts, paint(0.5 * x, 0.5 * y, (top, z), "dark_concrete")]
     wide = 0.4 * min(x, y)
     return parts + [
-        shifted(
-            cone((wide, wide), (0.8 * wide, 0.8 * wide), (top, z), "terracotta"), 0, side * 0.24 * y
-        )
+        shifted(cone(wide, 0.8 * wide, (top, z), "terracotta"), 0, side * 0.24 * y)
         for side in (-1, 1)
     ]
 
@@ -101,7 +97,7 @@ def _panel(along: Interval, y: float, z: float) -> list[Part]:
     rail = about(middle[0] + 0.4 * length * cos(tilt), 0.06)
     return [
         leaning(middle, (length, y, thick), tilt, "y", "solar"),
-        block(rail, centred(0.9 * y), (0, low), "metal"),
+        block(rail, 0.9 * y, (0, low), "metal"),
     ]
 
 
@@ -128,7 +124,7 @@ def water_tank(look: Look) -> list[Part]:
         saddles = [about(sign * 0.3 * x, 0.16) for sign in (-1, 1)]
         return [
             cylinder((0, 0, z - girth / 2), girth, x, "paint_blue", axis="x"),
-            *(block(at, centred(0.8 * girth), (0, z - 0.8 * girth), "concrete") for at in saddles),
+            *(block(at, 0.8 * girth, (0, z - 0.8 * girth), "concrete") for at in saddles),
             cylinder((0, 0, z - 0.02), 0.3 * girth, 0.06, "dark_metal"),
         ]
     frame = 0.25 * z
@@ -137,7 +133,7 @@ def water_tank(look: Look) -> list[Part]:
         eaves = 0.78 * z
         return [
             cylinder((0, 0, (eaves + frame) / 2), 0.94 * wide, eaves - frame, "wood"),
-            cone((wide, wide), (0.1, 0.1), (eaves, z), "dark_metal", sides=10),
+            cone(wide, 0.1, (eaves, z), "dark_metal", sides=10),
             *feet,
         ]
     lid = cylinder((0, 0, z + 0.004), 0.3 * wide, 0.008, "dark_metal", collides=False)
@@ -149,11 +145,11 @@ def antenna(look: Look) -> list[Part]:
     x, y, z = look.size_m
     form = look.choice("form", FORMS["antenna"])
     mast = cylinder((0, 0, z / 2), min(0.1, 0.5 * x), z, "metal")
-    foot = block(centred(0.8 * x), centred(0.8 * y), (0, 0.08), "concrete")
+    foot = block(0.8 * x, 0.8 * y, (0, 0.08), "concrete")
     if form == "dish":
         wide = min(x, y, 0.5 * z)
         dish = cylinder((0.16 * x, 0, 0.7 * z), wide, 0.06, "plastic_white", axis="x")
-        horn = paint((0.18 * x, x / 2), centred(0.05), about(0.7 * z, 0.05), "dark_metal")
+        horn = paint((0.18 * x, x / 2), 0.05, about(0.7 * z, 0.05), "dark_metal")
         return [mast, foot, dish, horn]
     if form == "cells":
         cells = [
@@ -162,14 +158,11 @@ def antenna(look: Look) -> list[Part]:
             )
             for u, v in ((0.34, 0.0), (-0.24, 0.32), (-0.24, -0.32))
         ]
-        ring = block(centred(0.7 * x), centred(0.7 * y), about(0.8 * z, 0.05), "dark_metal")
+        ring = block(0.7 * x, 0.7 * y, about(0.8 * z, 0.05), "dark_metal")
         return [mast, foot, *cells, ring]
     return [
         mast,
         foot,
-        *(
-            block(centred(0.05), centred(w * y), about(at * z, 0.05), "metal")
-            for w, at in ((1.0, 0.7), (0.7, 0.8))
-        ),
-        block(centred(x), centred(0.05), about(0.9 * z, 0.05), "metal"),
+        *(block(0.05, w * y, about(at * z, 0.05), "metal") for w, at in ((1.0, 0.7), (0.7, 0.8))),
+        block(x, 0.05, about(0.9 * z, 0.05), "metal"),
     ]

@@ -8,7 +8,7 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS
-from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder
+from aeroscene.solids.shapes.primitive import Part, block, cylinder
 from aeroscene.solids.shapes.solids import about, cone, inwards, leaning, legs, paint, prism
 
 SEAT_M = 0.46
@@ -29,26 +29,24 @@ def chair(look: Look) -> list[Part]:
     if form == "swivel":
         cloth, stem = _fabric(look), 0.07
         return [
-            block(centred(0.9 * x), centred(0.9 * y), (seat - 0.08, seat), cloth),
+            block(0.9 * x, 0.9 * y, (seat - 0.08, seat), cloth),
             _back(look, seat + 0.12, 0.05, 0.84 * y, cloth),
-            block(
-                inwards(-1, 0.45 * x, 0.03), centred(0.06), (seat - 0.06, seat + 0.2), "dark_metal"
-            ),
+            block(inwards(-1, 0.45 * x, 0.03), 0.06, (seat - 0.06, seat + 0.2), "dark_metal"),
             cylinder((0, 0, seat / 2), stem, seat - 0.08, "dark_metal"),
-            cone((0.92 * x, 0.92 * y), (0.2, 0.2), (0, 0.09), "plastic_black", sides=5),
+            cone((0.92 * x, 0.92 * y), 0.2, (0, 0.09), "plastic_black", sides=5),
         ]
     if form == "sled":
         sides = [inwards(sign, y / 2, 0.03) for sign in (-1, 1)]
         return [
-            block(centred(x), centred(y), (seat - 0.03, seat), wood),
+            block(x, y, (seat - 0.03, seat), wood),
             _back(look, seat, 0.03, 0.9 * y, wood),
-            *(block(centred(0.9 * x), side, (0, 0.03), "metal") for side in sides),
+            *(block(0.9 * x, side, (0, 0.03), "metal") for side in sides),
             *(block(about(0.32 * x, 0.03), side, (0.03, seat - 0.03), "metal") for side in sides),
         ]
     is_soft = form == "upholstered"
     cover, thick = (_fabric(look), 0.1) if is_soft else (wood, 0.04)
     return [
-        block(centred(x), centred(y), (seat - thick, seat), cover),
+        block(x, y, (seat - thick, seat), cover),
         _back(look, seat + 0.01, 0.5 * thick + 0.015, y if is_soft else 0.86 * y, cover),
         *legs(x - 0.02, y - 0.02, (0, seat - thick), 0.045, wood),
     ]
@@ -59,13 +57,8 @@ def _back(look: Look, low: float, thick: float, width: float, material: str) -> 
     x, _, z = look.size_m
     rise = z - low
     run = min(_BACK_LEAN * rise, 0.12 * x)
-    profile = [
-        (-x / 2 + run, low),
-        (-x / 2 + run + thick, low),
-        (-x / 2 + thick, z),
-        (-x / 2, z),
-    ]
-    return prism(profile, centred(width), material)
+    profile = [(-x / 2 + run, low), (-x / 2 + run + thick, low), (-x / 2 + thick, z), (-x / 2, z)]
+    return prism(profile, width, material)
 
 
 def sofa(look: Look) -> list[Part]:
@@ -77,11 +70,11 @@ def sofa(look: Look) -> list[Part]:
     rest = 0.62 if form == "block" else 0.56
     front = x / 2 if form != "chaise" else 0.3 * x
     parts = [
-        block((back[1], front), centred(2 * inner), (foot, 0.43), cloth),
-        block(back, centred(y), (foot, z), cloth),
+        block((back[1], front), 2 * inner, (foot, 0.43), cloth),
+        block(back, y, (foot, z), cloth),
         block((back[1], front), (-y / 2, -inner), (foot, min(rest, z)), cloth),
         block((back[1], front), (inner, y / 2), (foot, min(rest, z)), cloth),
-        paint(centred(x - 0.1), centred(y - 0.12), (0, foot), "dark_wood"),
+        paint(x - 0.1, y - 0.12, (0, foot), "dark_wood"),
     ]
     if form == "cushions":
         pillow = (back[1], back[1] + 0.14)
@@ -89,9 +82,7 @@ def sofa(look: Look) -> list[Part]:
             paint(pillow, about(sign * inner / 2, 0.9 * inner), (0.43, z - 0.04), "fabric_beige")
             for sign in (-1, 1)
         ]
-        parts.append(
-            paint((back[1] + 0.1, x / 2 + 0.01), centred(0.02), (0.36, 0.435), "dark_wood")
-        )
+        parts.append(paint((back[1] + 0.1, x / 2 + 0.01), 0.02, (0.36, 0.435), "dark_wood"))
     elif form == "chaise":
         parts.append(block((front, x / 2), (0.1 * y, y / 2), (foot, 0.43), cloth))
     return parts
@@ -104,7 +95,7 @@ def armchair(look: Look) -> list[Part]:
     if form == "tub":
         return [
             cylinder((0.02, 0, 0.25), 0.82 * min(x, y), 0.36, cloth),
-            block((-x / 2, -x / 2 + 0.16), centred(0.8 * y), (0.1, z), cloth),
+            block((-x / 2, -x / 2 + 0.16), 0.8 * y, (0.1, z), cloth),
             *(
                 block(
                     (-x / 2 + 0.1, 0.3 * x), inwards(sign, y / 2, 0.12), (0.1, min(0.68, z)), cloth
@@ -116,16 +107,16 @@ def armchair(look: Look) -> list[Part]:
     arm, foot = (0.17, 0.08) if form == "block" else (0.11, 0.18)
     inner, front = y / 2 - arm, (-x / 2 + 0.18, x / 2)
     parts = [
-        block(front, centred(2 * inner), (foot, 0.44), cloth),
+        block(front, 2 * inner, (foot, 0.44), cloth),
         _back(look, foot, 0.16, y, cloth)
         if form == "wing"
-        else block((-x / 2, front[0]), centred(y), (foot, z), cloth),
+        else block((-x / 2, front[0]), y, (foot, z), cloth),
         block(front, (-y / 2, -inner), (foot, min(0.62, z)), cloth),
         block(front, (inner, y / 2), (foot, min(0.62, z)), cloth),
     ]
     if form == "wing":
         return [*parts, *legs(x - 0.06, y - 0.04, (0, foot), 0.05, "dark_wood")]
-    return [*parts, paint(centred(x - 0.1), centred(y - 0.1), (0, foot), "dark_wood")]
+    return [*parts, paint(x - 0.1, y - 0.1, (0, foot), "dark_wood")]
 
 
 def bed(look: Look) -> list[Part]:
@@ -138,15 +129,10 @@ def bed(look: Look) -> list[Part]:
     low = 0.0 if form == "divan" else 0.16
     head = z if form != "posts" else min(z, top + 0.3)
     parts = [
-        block((-x / 2 + 0.05, x / 2), centred(y), (low, 0.6 * top), frame),
-        block(
-            (-x / 2 + 0.07, x / 2 - 0.03),
-            centred(y - 0.06),
-            (0.6 * top, top - 0.02),
-            "plastic_white",
-        ),
-        block((-x / 2 + 0.62, x / 2 - 0.02), centred(y - 0.04), (0.64 * top, top), _cover(look)),
-        block((-x / 2, -x / 2 + 0.07), centred(y), (low, head), frame),
+        block((-x / 2 + 0.05, x / 2), y, (low, 0.6 * top), frame),
+        block((-x / 2 + 0.07, x / 2 - 0.03), y - 0.06, (0.6 * top, top - 0.02), "plastic_white"),
+        block((-x / 2 + 0.62, x / 2 - 0.02), y - 0.04, (0.64 * top, top), _cover(look)),
+        block((-x / 2, -x / 2 + 0.07), y, (low, head), frame),
     ]
     if form != "divan":
         parts += legs(x, y, (0, low if form == "boards" else head), 0.07, wood)
@@ -177,12 +163,12 @@ def bench(look: Look) -> list[Part]:
     if form == "stone":
         blocks = [about(sign * (y / 2 - 0.22), 0.34) for sign in (-1, 1)]
         return [
-            block(centred(x), centred(y), (seat - 0.08, seat), "wood"),
-            *(block(centred(0.9 * x), at, (0, seat - 0.08), "stone") for at in blocks),
+            block(x, y, (seat - 0.08, seat), "wood"),
+            *(block(0.9 * x, at, (0, seat - 0.08), "stone") for at in blocks),
         ]
     parts = [
-        block(centred(x), centred(y), (seat - 0.06, seat), "wood"),
-        *(block(centred(0.86 * x), end, (0, seat - 0.06), "dark_metal") for end in ends),
+        block(x, y, (seat - 0.06, seat), "wood"),
+        *(block(0.86 * x, end, (0, seat - 0.06), "dark_metal") for end in ends),
     ]
     if form == "plain" or z < seat + 0.2:
         return parts

@@ -79,13 +79,13 @@ def enterable_warehouse(look: Look) -> list[Part]:
     x, y, z = look.size_m
     if look.attributes.get("form") == "closed":
         return _closed_shell(look, "corrugated")
-    roof = block(centred(x), centred(y), (z - 0.3, z), "roofing")
+    roof = block(x, y, (z - 0.3, z), "roofing")
     stripe = "paint_" + look.choice("colour", PAINT_COLOURS)
     gate_y, gate_z = min(GATE_M[0], y - 2), min(GATE_M[1], z - 1.2)
     parts = [roof]
     for sign in (-1, 1):
         side = (sign * (y / 2 - WALL_M), sign * y / 2)
-        parts.append(block(centred(x), (min(side), max(side)), (0, z - 0.3), "corrugated"))
+        parts.append(block(x, (min(side), max(side)), (0, z - 0.3), "corrugated"))
         end = (
             min(sign * (x / 2 - WALL_M), sign * x / 2),
             max(sign * (x / 2 - WALL_M), sign * x / 2),
@@ -93,7 +93,7 @@ def enterable_warehouse(look: Look) -> list[Part]:
         inner = y / 2 - WALL_M
         parts.append(block(end, (-inner, -gate_y / 2), (0, z - 0.3), "corrugated"))
         parts.append(block(end, (gate_y / 2, inner), (0, z - 0.3), "corrugated"))
-        parts.append(block(end, centred(gate_y), (gate_z, z - 0.3), stripe))
+        parts.append(block(end, gate_y, (gate_z, z - 0.3), stripe))
     return parts
 
 
@@ -101,14 +101,14 @@ def floor(look: Look) -> list[Part]:
     """The slab of one storey: raw or polished concrete, or stone."""
     x, y, z = look.size_m
     material = look.choice("finish", ("concrete", "dark_concrete", "stone"))
-    return [block(centred(x), centred(y), (0, z), material)]
+    return [block(x, y, (0, z), material)]
 
 
 def room(look: Look) -> list[Part]:
     """A room is the space between walls: the floor's finish, and lights under its ceiling."""
     x, y, z = look.size_m
     options = FINISHES if "finish" in look.attributes else FINISHES[:3]
-    parts = [block(centred(x), centred(y), (0, FINISH_M), look.choice("finish", options))]
+    parts = [block(x, y, (0, FINISH_M), look.choice("finish", options))]
     if look.attributes.get("use") == "court":
         parts += _court_lines(x - 3.0, y - 3.0)
     return parts + _lights(x, y, z)
@@ -168,11 +168,11 @@ def wall(look: Look) -> list[Part]:
     parts: list[Part] = []
     for low, high in zip(edges[::2], edges[1::2], strict=True):
         parts += _glazing((low, high), x, z, material) if is_glass else []
-        parts += [] if is_glass else [block(centred(x), (low, high), (0, z), material)]
+        parts += [] if is_glass else [block(x, (low, high), (0, z), material)]
     for hole in openings:
         span = (hole.low, hole.high)
-        parts.append(block(centred(x), span, (0, hole.sill), material))
-        parts.append(block(centred(x), span, (hole.head, z), material))
+        parts.append(block(x, span, (0, hole.sill), material))
+        parts.append(block(x, span, (hole.head, z), material))
         parts += _frame(hole, x)
     return [part for part in parts if min(part.size_m) >= MIN_SIZE_M]
 
@@ -198,10 +198,10 @@ def _glazing(span: Interval, thick: float, z: float, material: str) -> list[Part
     top = min(z, GLASS_TOP_M)
     posts = [(span[0], span[0] + 0.06), (span[1] - 0.06, span[1])]
     return [
-        block(centred(0.04), span, (0.1, top), "glass"),
-        block(centred(thick), span, (0.0, 0.1), "dark_metal"),
-        block(centred(thick), span, (top, z), material),
-        *(block(centred(0.08), post, (0.1, top), "dark_metal", collides=False) for post in posts),
+        block(0.04, span, (0.1, top), "glass"),
+        block(thick, span, (0.0, 0.1), "dark_metal"),
+        block(thick, span, (top, z), material),
+        *(block(0.08, post, (0.1, top), "dark_metal", collides=False) for post in posts),
     ]
 
 

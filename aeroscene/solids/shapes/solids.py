@@ -7,13 +7,13 @@ from dataclasses import replace
 from math import cos, pi, sin
 
 from aeroscene.scene import Quaternion, Vector3
-from aeroscene.solids.shapes.primitive import Axis, Interval, Part, block, hull
+from aeroscene.solids.shapes.primitive import Axis, Interval, Part, Span, block, centred, hull
 
 PAINT_M = 0.005
 """Thickness of paint."""
 
 
-def paint(x: Interval, y: Interval, z: Interval, material: str) -> Part:
+def paint(x: Span, y: Span, z: Span, material: str) -> Part:
     """A box that touches nothing: paint, panes, handles."""
     return block(x, y, z, material, collides=False)
 
@@ -59,15 +59,16 @@ def leaning(
 
 
 def prism(
-    profile_xz_m: Sequence[tuple[float, float]], y: Interval, material: str, lean_m: float = 0.0
+    profile_xz_m: Sequence[tuple[float, float]], y: Span, material: str, lean_m: float = 0.0
 ) -> Part:
     """A convex side view pulled along y; the upper corners lean inwards by `lean_m`."""
     top = max(z for _, z in profile_xz_m)
     foot = min(z for _, z in profile_xz_m)
+    right, left = y if isinstance(y, tuple) else centred(y)
     vertices: list[Vector3] = []
     for px, pz in profile_xz_m:
         inset = lean_m * (pz - foot) / (top - foot)
-        vertices += [(px, y[0] + inset, pz), (px, y[1] - inset, pz)]
+        vertices += [(px, right + inset, pz), (px, left - inset, pz)]
     return hull(vertices, material)
 
 
@@ -85,16 +86,17 @@ def frustum(
 
 
 def cone(
-    bottom: tuple[float, float],
-    top: tuple[float, float],
+    bottom: tuple[float, float] | float,
+    top: tuple[float, float] | float,
     z: Interval,
     material: str,
     *,
     sides: int = 8,
 ) -> Part:
-    """A faceted cone or drum, from the lower to the upper diameters along x and y."""
+    """A faceted cone or drum, from its lower to its upper diameter or those along x and y."""
     vertices: list[Vector3] = []
-    for (along, across), height in ((bottom, z[0]), (top, z[1])):
+    for diameter, height in ((bottom, z[0]), (top, z[1])):
+        along, across = diameter if isinstance(diameter, tuple) else (diameter, diameter)
         if min(along, across) < 0.01:
             vertices.append((0.0, 0.0, height))
             continue

@@ -7,7 +7,7 @@ from math import radians, tan
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
-from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder
+from aeroscene.solids.shapes.primitive import Part, block, cylinder
 from aeroscene.solids.shapes.solids import about, inwards, legs, paint, prism
 
 _ROOF_M = 0.18
@@ -18,17 +18,15 @@ def garage(look: Look) -> list[Part]:
     """A garage with a roller door, a shed of boards, or a carport to park and fly under."""
     x, y, z = look.size_m
     form = look.choice("form", FORMS["garage"])
-    roof = block(centred(x), centred(y), (z - _ROOF_M, z), "roofing")
+    roof = block(x, y, (z - _ROOF_M, z), "roofing")
     if form == "carport":
-        screen = block(
-            inwards(-1, x / 2 - 0.06, 0.06), centred(y - 0.3), (0.1, z - _ROOF_M), "wood"
-        )
+        screen = block(inwards(-1, x / 2 - 0.06, 0.06), y - 0.3, (0.1, z - _ROOF_M), "wood")
         return [roof, screen, *legs(x - 0.1, y - 0.1, (0, z - _ROOF_M), 0.12, "dark_wood")]
     if form == "shed":
         return _shed(look)
     wall = look.choice("wall", ("plaster_white", "plaster_cream", "brick"))
     leaf = look.choice("door", ("metal", "paint_white", "timber"))
-    core = block((-x / 2, x / 2 - 0.05), centred(y - 0.1), (0, z - _ROOF_M), wall)
+    core = block((-x / 2, x / 2 - 0.05), y - 0.1, (0, z - _ROOF_M), wall)
     count = 2 if y > 5 else 1
     doors = [
         paint(
@@ -57,7 +55,7 @@ def _shed(look: Look) -> list[Part]:
     top = [(-x / 2, z - fall), (x / 2, z), (x / 2, z - thick), (-x / 2, z - fall - thick)]
     high = min(1.95, z - 0.4)
     front = inwards(1, x / 2 - 0.07, 0.05)
-    parts = [prism(body, centred(y - 0.2), boards), prism(top, centred(y), "roofing")]
+    parts = [prism(body, y - 0.2, boards), prism(top, y, "roofing")]
     parts.append(paint(front, about(-0.15 * y, min(0.9, 0.4 * y)), (0, high), "dark_wood"))
     if y > 2:
         parts.append(
@@ -90,11 +88,11 @@ def kiosk(look: Look) -> list[Part]:
         return _stall(look, colour)
     body = (-x / 2 + 0.1, x / 2 - 0.6)
     return [
-        block(body, centred(y - 0.3), (0, z - 0.2), colour),
-        block(centred(x), centred(y), (z - 0.2, z), "plastic_white"),
-        block((body[1], body[1] + 0.35), centred(y - 0.6), about(sill, 0.08), "wood"),
-        paint((body[1], body[1] + 0.02), centred(y - 0.6), (sill + 0.04, lintel), "dark_glass"),
-        paint((x / 2, x / 2 + 0.01), centred(0.9 * y), (z - 0.18, z - 0.02), colour),
+        block(body, y - 0.3, (0, z - 0.2), colour),
+        block(x, y, (z - 0.2, z), "plastic_white"),
+        block((body[1], body[1] + 0.35), y - 0.6, about(sill, 0.08), "wood"),
+        paint((body[1], body[1] + 0.02), y - 0.6, (sill + 0.04, lintel), "dark_glass"),
+        paint((x / 2, x / 2 + 0.01), 0.9 * y, (z - 0.18, z - 0.02), colour),
     ]
 
 
@@ -106,11 +104,11 @@ def _stall(look: Look, colour: str) -> list[Part]:
     stripe = [(px, pz + 0.012) if pz > z - fall - 0.05 else (px, pz) for px, pz in cloth]
     stripes = [prism(stripe, about(at * y, 0.16 * y), colour) for at in (-0.34, 0.0, 0.34)]
     return [
-        prism(cloth, centred(y), "plastic_white"),
+        prism(cloth, y, "plastic_white"),
         *stripes,
-        block((0.05 * x, x / 2 - 0.1), centred(y - 0.2), (0, 0.34 * z), "wood"),
+        block((0.05 * x, x / 2 - 0.1), y - 0.2, (0, 0.34 * z), "wood"),
         *legs(x - 0.1, y - 0.1, (0, z - fall - 0.08), 0.08, "metal"),
-        block(inwards(-1, x / 2 - 0.02, 0.04), centred(y - 0.2), (0, 0.7 * z), colour),
+        block(inwards(-1, x / 2 - 0.02, 0.04), y - 0.2, (0, 0.7 * z), colour),
     ]
 
 
@@ -123,29 +121,25 @@ def container(look: Look) -> list[Part]:
     if form == "open":
         skin = 0.08
         return [
-            block(centred(x), centred(y), (z - skin, z), colour),
-            block(centred(x), centred(y), (0, 0.12), "dark_wood"),
-            block(inwards(-1, x / 2, skin), centred(y), (0.12, z - skin), colour),
-            *(
-                block(centred(x), inwards(s, y / 2, skin), (0.12, z - skin), colour)
-                for s in (-1, 1)
-            ),
+            block(x, y, (z - skin, z), colour),
+            block(x, y, (0, 0.12), "dark_wood"),
+            block(inwards(-1, x / 2, skin), y, (0.12, z - skin), colour),
+            *(block(x, inwards(s, y / 2, skin), (0.12, z - skin), colour) for s in (-1, 1)),
         ]
     if form == "office":
         band = (0.36 * z, 0.76 * z)
-        door = paint((x / 2 - 0.03, x / 2 + 0.005), centred(0.9), (0.08, 0.82 * z), "plastic_white")
+        door = paint((x / 2 - 0.03, x / 2 + 0.005), 0.9, (0.08, 0.82 * z), "plastic_white")
         windows = [
-            paint(about(at * x, 0.2 * x), centred(y + 0.01), band, "dark_glass")
-            for at in (-0.24, 0.24)
+            paint(about(at * x, 0.2 * x), y + 0.01, band, "dark_glass") for at in (-0.24, 0.24)
         ]
-        return [block(ends, centred(y), (0, z), colour), door, *windows]
+        return [block(ends, y, (0, z), colour), door, *windows]
     leaves = [(0.04, y / 2 - 0.04), (-y / 2 + 0.04, -0.04)]
     return [
-        block(ends, centred(y), (0, z), colour),
+        block(ends, y, (0, z), colour),
         *(paint(front, leaf, (0.08, z - 0.08), colour) for leaf in leaves),
         *(
             paint((front[0], x / 2 + 0.01), about(s * y / 4, 0.06), (0.1, z - 0.1), "metal")
             for s in (-1, 1)
         ),
-        paint(centred(0.3 * x), centred(y + 0.01), (0.36 * z, 0.64 * z), "plastic_white"),
+        paint(0.3 * x, y + 0.01, (0.36 * z, 0.64 * z), "plastic_white"),
     ]

@@ -16,7 +16,7 @@ def _case(look: Look, low: float, material: str) -> tuple[Part, Interval]:
     """A solid case above `low` and the interval in front of it where doors are."""
     x, y, z = look.size_m
     front = inwards(1, x / 2, _DOOR_M)
-    return block((-x / 2, front[0]), centred(y), (low, z), material), front
+    return block((-x / 2, front[0]), y, (low, z), material), front
 
 
 def _grid(front: Interval, y: float, z: Interval, count: tuple[int, int], name: str) -> list[Part]:
@@ -44,7 +44,7 @@ def cabinet(look: Look) -> list[Part]:
         doors = _grid(front, y, (0.2, z - 0.03), (3 if y > 1.2 else 2, 1), pane)
         return [case, *doors, *legs(x - 0.08, y - 0.1, (0, 0.2), 0.05, "dark_metal")]
     case, front = _case(look, 0.0, wood)
-    knob = paint(front, centred(0.14), about(0.62 * z, 0.03), "dark_metal")
+    knob = paint(front, 0.14, about(0.62 * z, 0.03), "dark_metal")
     if form == "drawers":
         return [case, *_grid(front, y, (0.06, z - 0.02), (1 if y < 1.1 else 2, 3), pane), knob]
     return [case, *_grid(front, y, (0.06, z - 0.02), (2, 1), pane), knob]
@@ -73,7 +73,7 @@ def _open_wardrobe(look: Look, wood: str) -> list[Part]:
     rail = 0.82 * z
     clothes = [
         paint(
-            centred(0.7 * x),
+            0.7 * x,
             about((index - 1) * 0.28 * y, 0.2 * y),
             (0.4 * z, rail),
             f"fabric_{FABRIC_COLOURS[(look.variant + index) % len(FABRIC_COLOURS)]}",
@@ -81,10 +81,10 @@ def _open_wardrobe(look: Look, wood: str) -> list[Part]:
         for index in range(3)
     ]
     return [
-        *(block(centred(x), inwards(sign, y / 2, 0.03), (0, z), wood) for sign in (-1, 1)),
-        block(inwards(-1, x / 2, 0.02), centred(y - 0.06), (0, z), wood),
-        block(centred(x), centred(y - 0.06), (z - 0.03, z), wood),
-        block(centred(x), centred(y - 0.06), (0.06, 0.3), wood),
+        *(block(x, inwards(sign, y / 2, 0.03), (0, z), wood) for sign in (-1, 1)),
+        block(inwards(-1, x / 2, 0.02), y - 0.06, (0, z), wood),
+        block(x, y - 0.06, (z - 0.03, z), wood),
+        block(x, y - 0.06, (0.06, 0.3), wood),
         cylinder((0, 0, rail), 0.03, y - 0.06, "metal", axis="y", collides=False),
         *clothes,
     ]
@@ -100,11 +100,9 @@ def shelf(look: Look) -> list[Part]:
     levels = max(2, min(5, round(z / 0.42)))
     rise = (z - 0.05) / levels
     inner = centred(y - 0.06)
-    parts = [block(centred(x), inwards(sign, y / 2, 0.03), (0, z), wood) for sign in (-1, 1)]
-    parts.append(block(centred(x), inner, (z - 0.03, z), wood))
-    parts += [
-        block(centred(x), inner, (0.02 + i * rise, 0.045 + i * rise), wood) for i in range(levels)
-    ]
+    parts = [block(x, inwards(sign, y / 2, 0.03), (0, z), wood) for sign in (-1, 1)]
+    parts.append(block(x, inner, (z - 0.03, z), wood))
+    parts += [block(x, inner, (0.02 + i * rise, 0.045 + i * rise), wood) for i in range(levels)]
     if form == "bookcase":
         parts.append(block(inwards(-1, x / 2, 0.015), inner, (0, z), wood))
     return parts + _books(look, levels, rise, form)
@@ -138,13 +136,13 @@ def _rack(look: Look) -> list[Part]:
     decks = [0.06 + index * rise for index in range(levels)]
     colour = look.choice("posts", ("paint_blue", "paint_orange", "dark_metal"))
     parts = legs(x, y, (0, z), min(0.06, 0.2 * x), colour)
-    parts += [block(centred(x - 0.02), centred(y - 0.02), (at, at + 0.04), "metal") for at in decks]
+    parts += [block(x - 0.02, y - 0.02, (at, at + 0.04), "metal") for at in decks]
     for index, at in enumerate(decks[:-1]):
         share = ((index * 29 + look.variant * 7) % 4 + 4) / 8
         wide = share * (y - 0.2)
         side = (1 if (index + look.variant) % 2 else -1) * (y - 0.2 - wide) / 2
         carton = (at + 0.04, at + 0.04 + 0.62 * (rise - 0.04))
-        parts.append(block(centred(0.8 * x), about(side, wide), carton, "cardboard"))
+        parts.append(block(0.8 * x, about(side, wide), carton, "cardboard"))
     return parts
 
 
@@ -157,9 +155,9 @@ def fridge(look: Look) -> list[Part]:
         case, front = _case(look, 0.06, colour)
         return [
             case,
-            paint(front, centred(y - 0.04), (0.12, z - 0.05), colour),
+            paint(front, y - 0.04, (0.12, z - 0.05), colour),
             paint(front, inwards(-1, 0.42 * y, 0.04), about(0.6 * z, 0.3), "metal"),
-            paint(centred(x - 0.1), centred(y - 0.06), (0, 0.06), "dark_metal"),
+            paint(x - 0.1, y - 0.06, (0, 0.06), "dark_metal"),
         ]
     case, front = _case(look, 0.0, "metal")
     if form == "double":
@@ -172,11 +170,7 @@ def fridge(look: Look) -> list[Part]:
         (front[0], x / 2 + 0.01), inwards(1, 0.46 * y, 0.03), about(0.5 * z, 0.3), "metal"
     )
     doors = [(0.03, 0.64 * z), (0.66 * z, z - 0.02)]
-    return [
-        case,
-        *(paint(front, centred(y - 0.02), door, "plastic_white") for door in doors),
-        handle,
-    ]
+    return [case, *(paint(front, y - 0.02, door, "plastic_white") for door in doors), handle]
 
 
 def stove(look: Look) -> list[Part]:
@@ -188,13 +182,13 @@ def stove(look: Look) -> list[Part]:
     window = (0.22 * z, 0.7 * z)
     top = (z, z + 0.006)
     if form == "island":
-        hob = paint(centred(0.84 * x), centred(0.86 * y), top, "plastic_black")
-        return [case, hob, paint(front, centred(0.84 * y), window, "dark_glass")]
+        hob = paint(0.84 * x, 0.86 * y, top, "plastic_black")
+        return [case, hob, paint(front, 0.84 * y, window, "dark_glass")]
     plates = [
         cylinder((u * x, v * y, z + 0.004), 0.3 * min(x, y), 0.008, "plastic_black", collides=False)
         for u in (-0.22, 0.22)
         for v in (-0.24, 0.24)
     ]
     panes = (2, 1) if form == "range" else (1, 1)
-    knobs = paint((front[0], x / 2 + 0.01), centred(0.8 * y), about(0.84 * z, 0.04), "dark_metal")
+    knobs = paint((front[0], x / 2 + 0.01), 0.8 * y, about(0.84 * z, 0.04), "dark_metal")
     return [case, *plates, *_grid(front, 0.86 * y, window, panes, "dark_glass"), knobs]

@@ -19,12 +19,8 @@ def street_lamp(look: Look) -> list[Part]:
         low = z - head
         return [
             cylinder((0, 0, low / 2), post, low, "dark_metal"),
-            cone(
-                (0.5 * wide, 0.5 * wide), (wide, wide), (low, z - 0.2 * head), "light_warm", sides=6
-            ),
-            cone(
-                (wide, wide), (0.2 * wide, 0.2 * wide), (z - 0.2 * head, z), "dark_metal", sides=6
-            ),
+            cone(0.5 * wide, wide, (low, z - 0.2 * head), "light_warm", sides=6),
+            cone(wide, 0.2 * wide, (z - 0.2 * head, z), "dark_metal", sides=6),
         ]
     foot = 0.0 if form == "twin" else -x / 2 + 0.15
     arm = (-x / 2, x / 2) if form == "twin" else (foot, x / 2)
@@ -32,8 +28,8 @@ def street_lamp(look: Look) -> list[Part]:
     lamps = [(x / 2 - head, x / 2)] + ([(-x / 2, head - x / 2)] if form == "twin" else [])
     return [
         cylinder((foot, 0, z / 2 - 0.05), post, z - 0.1, "dark_metal"),
-        block(arm, centred(min(0.09, y)), (z - 0.12, z - 0.02), "dark_metal"),
-        *(block(lamp, centred(min(y, 0.36)), (z - 0.2, z - 0.1), "light_warm") for lamp in lamps),
+        block(arm, min(0.09, y), (z - 0.12, z - 0.02), "dark_metal"),
+        *(block(lamp, min(y, 0.36), (z - 0.2, z - 0.1), "light_warm") for lamp in lamps),
     ]
 
 
@@ -51,10 +47,10 @@ def traffic_light(look: Look) -> list[Part]:
         cylinder(
             (-0.1 * x, 0, low / 2 + 0.02), min(0.12, 0.4 * min(x, y)), low + 0.04, "dark_metal"
         ),
-        block(centred(x - 0.08), centred(wide), (low, low + tall), "plastic_black"),
+        block(x - 0.08, wide, (low, low + tall), "plastic_black"),
     ]
     if form == "plate":
-        parts.append(paint(about(0.1 * x, 0.02), centred(y), (low - 0.06, z), "plastic_white"))
+        parts.append(paint(about(0.1 * x, 0.02), y, (low - 0.06, z), "plastic_white"))
     parts += [
         cylinder(
             (x / 2 - 0.025, 0, low + 0.16 + 0.32 * index),
@@ -80,10 +76,7 @@ def sign(look: Look) -> list[Part]:
     if form == "panel":
         rim = min(0.06, 0.1 * y, 0.1 * z)
         inner = (centred(y - 2 * rim), (rim, z - rim))
-        return [
-            block(centred(x), centred(y), (0, z), "dark_wood"),
-            paint((x / 2, x / 2 + 0.004), *inner, colour),
-        ]
+        return [block(x, y, (0, z), "dark_wood"), paint((x / 2, x / 2 + 0.004), *inner, colour)]
     if form == "round":
         wide = min(y, 0.8)
         middle = z - wide / 2
@@ -103,17 +96,17 @@ def sign(look: Look) -> list[Part]:
         low = max(0.4 * z, z - 1.4)
         ends = [about(side * (y / 2 - 0.12), min(0.1, post)) for side in (-1, 1)]
         return [
-            *(block(centred(post), end, (0, z), "dark_wood") for end in ends),
-            block(centred(thick), centred(y), (low, z - 0.06), "pale_wood"),
-            paint((thick / 2, thick / 2 + 0.01), centred(y - 0.24), (low + 0.1, z - 0.16), colour),
+            *(block(post, end, (0, z), "dark_wood") for end in ends),
+            block(thick, y, (low, z - 0.06), "pale_wood"),
+            paint((thick / 2, thick / 2 + 0.01), y - 0.24, (low + 0.1, z - 0.16), colour),
         ]
     plate = min(0.8, 0.4 * z)
     return [
         cylinder((back, 0, (z - 0.1) / 2), min(post, 0.06), z - 0.1, "metal"),
-        block(centred(thick), centred(y), (z - plate, z), colour),
+        block(thick, y, (z - plate, z), colour),
         paint(
             (thick / 2, thick / 2 + 0.01),
-            centred(0.8 * y),
+            0.8 * y,
             about(z - plate / 2, 0.2 * plate),
             "plastic_white",
         ),
@@ -147,7 +140,7 @@ def bin_(look: Look) -> list[Part]:
     axle = cylinder((-0.36 * x, 0, wheel / 2), wheel, 0.94 * y, "rubber", axis="y", collides=False)
     return [
         frustum((0.74 * x, 0.8 * y), (0.92 * x, 0.94 * y), (0.04, 0.88 * z), colour),
-        block(centred(x), centred(y), (0.88 * z, z), colour),
+        block(x, y, (0.88 * z, z), colour),
         axle,
-        paint(inwards(-1, x / 2, 0.05), centred(0.8 * y), (0.8 * z, 0.86 * z), "plastic_black"),
+        paint(inwards(-1, x / 2, 0.05), 0.8 * y, (0.8 * z, 0.86 * z), "plastic_black"),
     ]

@@ -7,7 +7,7 @@ from math import atan2, hypot, radians, tan
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
-from aeroscene.solids.shapes.primitive import Interval, Part, block, centred, cylinder
+from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder
 from aeroscene.solids.shapes.solids import about, inwards, leaning, legs, prism
 
 _RISER_M = 0.19
@@ -25,8 +25,8 @@ def canopy(look: Look) -> list[Part]:
     paint = "paint_" + look.choice("colour", PAINT_COLOURS)
     if form == "flat":
         return [
-            block(centred(x), centred(y), (z - 0.25, z - 0.04), paint),
-            block(centred(x - 0.1), centred(y - 0.1), (z - 0.04, z), "plastic_white"),
+            block(x, y, (z - 0.25, z - 0.04), paint),
+            block(x - 0.1, y - 0.1, (z - 0.04, z), "plastic_white"),
             *_columns(x, y, (z - 0.25, z - 0.25)),
         ]
     if form == "solar":
@@ -40,21 +40,16 @@ def canopy(look: Look) -> list[Part]:
             (-x / 2, high - 0.06),
         ]
         return [
-            prism(plane, centred(y), "solar"),
-            prism(frame, centred(0.8 * y), "metal"),
+            prism(plane, y, "solar"),
+            prism(frame, 0.8 * y, "metal"),
             *_columns(x, y, (high - 0.08, low)),
         ]
     rise = min(x / 2 * tan(_CANOPY_PITCH_RAD), 0.3 * z)
     eaves = z - rise - _SLAB_M
     planes = [
         prism(
-            [
-                (0.0, z - _SLAB_M),
-                (0.0, z),
-                (sign * x / 2, eaves + _SLAB_M),
-                (sign * x / 2, eaves),
-            ],
-            centred(y),
+            [(0.0, z - _SLAB_M), (0.0, z), (sign * x / 2, eaves + _SLAB_M), (sign * x / 2, eaves)],
+            y,
             paint,
         )
         for sign in (-1, 1)
@@ -81,29 +76,23 @@ def deck(look: Look) -> list[Part]:
     if form == "posts" and z > 0.35:
         beam = (z - top - 0.14, z - top)
         return [
-            block(centred(x), centred(y), (z - top, z), boards),
-            *(
-                block(centred(x - 0.2), about(at * y, 0.14), beam, "dark_wood")
-                for at in (-0.4, 0.4)
-            ),
+            block(x, y, (z - top, z), boards),
+            *(block(x - 0.2, about(at * y, 0.14), beam, "dark_wood") for at in (-0.4, 0.4)),
             *legs(x - 0.1, 0.8 * y + 0.14, (0, beam[0]), 0.16, "dark_wood"),
         ]
-    plinth = block(centred(x - 0.2), centred(y - 0.2), (0, z - top), "dark_wood")
+    plinth = block(x - 0.2, y - 0.2, (0, z - top), "dark_wood")
     if form == "edged":
         rim = 0.18
         return [
             plinth,
-            block(centred(x - 2 * rim), centred(y - 2 * rim), (z - top, z), boards),
+            block(x - 2 * rim, y - 2 * rim, (z - top, z), boards),
+            *(block(inwards(s, x / 2, rim), y, (z - top, z), "dark_wood") for s in (-1, 1)),
             *(
-                block(inwards(s, x / 2, rim), centred(y), (z - top, z), "dark_wood")
-                for s in (-1, 1)
-            ),
-            *(
-                block(centred(x - 2 * rim), inwards(s, y / 2, rim), (z - top, z), "dark_wood")
+                block(x - 2 * rim, inwards(s, y / 2, rim), (z - top, z), "dark_wood")
                 for s in (-1, 1)
             ),
         ]
-    return [plinth, block(centred(x), centred(y), (z - top, z), boards)]
+    return [plinth, block(x, y, (z - top, z), boards)]
 
 
 def count_steps(rise_m: float) -> int:
@@ -122,7 +111,7 @@ def stairs(look: Look) -> list[Part]:
         treads = [
             block(
                 (-x / 2 + i * run, -x / 2 + (i + 1) * run),
-                centred(y),
+                y,
                 ((i + 1) * rise - slab, (i + 1) * rise),
                 "wood",
             )
@@ -142,7 +131,7 @@ def stairs(look: Look) -> list[Part]:
     cheek = min(0.25, 0.1 * y) if form == "cheeks" else 0.0
     stone = look.choice("material", ("concrete", "stone"))
     steps = [
-        block((-x / 2 + i * run, x / 2), centred(y - 2 * cheek), (i * rise, (i + 1) * rise), stone)
+        block((-x / 2 + i * run, x / 2), y - 2 * cheek, (i * rise, (i + 1) * rise), stone)
         for i in range(count)
     ]
     if form != "cheeks":
@@ -168,14 +157,14 @@ def bridge(look: Look) -> list[Part]:
 def _span(x: float, y: float, z: float, panel: str) -> list[Part]:
     """A deck on two piers with handrails and panels."""
     top = z - _RAIL_M
-    parts = [block(centred(x), centred(y), (top - 0.35, top), "concrete")]
+    parts = [block(x, y, (top - 0.35, top), "concrete")]
     for sign in (-1, 1):
         side = inwards(sign, y / 2, 0.08)
-        parts.append(block(centred(x), side, (z - 0.1, z), "dark_metal"))
+        parts.append(block(x, side, (z - 0.1, z), "dark_metal"))
         if panel != "none":
-            parts.append(block(centred(x), side, (top, top + 0.55), panel))
+            parts.append(block(x, side, (top, top + 0.55), panel))
         pier = inwards(sign, x / 2, 0.8)
-        parts.append(block(pier, centred(0.7 * y), (0, top - 0.35), "concrete"))
+        parts.append(block(pier, 0.7 * y, (0, top - 0.35), "concrete"))
     return parts
 
 
@@ -186,7 +175,7 @@ def _flight(sign: int, along: Interval, y: float, top: float) -> list[Part]:
     return [
         block(
             inwards(sign, along[1] - i * run, along[1] - along[0] - i * run),
-            centred(y),
+            y,
             (i * top / count, (i + 1) * top / count),
             "concrete",
         )

@@ -35,12 +35,9 @@ def _terrace(look: Look, finish: str) -> list[Part]:
     x, y, z = look.size_m
     wall = look.choice("wall", ("stone", "brick", "dark_concrete"))
     if z < 2 * _CRUST_M or wall == finish:
-        return [block(centred(x), centred(y), (0, z), finish)]
+        return [block(x, y, (0, z), finish)]
     low = z - _CRUST_M
-    return [
-        block(centred(x), centred(y), (0, low), wall),
-        block(centred(x), centred(y), (low, z), finish),
-    ]
+    return [block(x, y, (0, low), wall), block(x, y, (low, z), finish)]
 
 
 def _ramp(look: Look, finish: str) -> Part:
@@ -77,14 +74,14 @@ def water(look: Look) -> list[Part]:
     is_pond = max(x, y) <= _POND_M
     form = look.choice("form", FORMS["water"], ("basin", "planted") if is_pond else ("open",))
     if form == "open":
-        return [block(centred(x), centred(y), (0, z), "water")]
+        return [block(x, y, (0, z), "water")]
     rim = min(0.35, 0.12 * min(x, y))
     stone = look.choice("rim", ("stone", "brick", "dark_wood"))
     level = 0.6 * z
-    parts = [block(centred(x - 2 * rim), centred(y - 2 * rim), (0, level), "water")]
+    parts = [block(x - 2 * rim, y - 2 * rim, (0, level), "water")]
     for sign in (-1, 1):
-        parts.append(block(inwards(sign, x / 2, rim), centred(y), (0, z), stone))
-        parts.append(block(centred(x - 2 * rim), inwards(sign, y / 2, rim), (0, z), stone))
+        parts.append(block(inwards(sign, x / 2, rim), y, (0, z), stone))
+        parts.append(block(x - 2 * rim, inwards(sign, y / 2, rim), (0, z), stone))
     if form == "planted":
         wide = min(0.9, 0.16 * min(x, y))
         for index, (u, v) in enumerate(((-0.3, 0.28), (-0.22, 0.2), (0.3, -0.26))):

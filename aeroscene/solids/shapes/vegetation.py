@@ -6,14 +6,7 @@ from math import cos, sin
 
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
-from aeroscene.solids.shapes.primitive import (
-    Interval,
-    Part,
-    block,
-    centred,
-    cylinder,
-    ellipsoid,
-)
+from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder, ellipsoid
 from aeroscene.solids.shapes.solids import about, cone, paint, shifted
 
 LEAVES = ("leaves", "leaves_dark", "leaves_autumn")
@@ -50,7 +43,7 @@ def _round_crown(look: Look, base: float) -> list[Part]:
     leaves, rise = _leaves(look), z - base
     low, shoulder = base + 0.34 * rise, z - 0.07 * rise
     return [
-        ellipsoid(centred(x), centred(y), (base, base + 0.84 * rise), leaves),
+        ellipsoid(x, y, (base, base + 0.84 * rise), leaves),
         ellipsoid((-0.42 * x, 0.22 * x), (-0.3 * y, 0.4 * y), (low, z), leaves),
         ellipsoid((-0.16 * x, 0.44 * x), (-0.44 * y, 0.2 * y), (low, shoulder), leaves),
     ]
@@ -91,8 +84,8 @@ def _poplar_crown(look: Look, base: float) -> list[Part]:
     slim_x, slim_y = min(x, 0.34 * z), min(y, 0.34 * z)
     leaves = _leaves(look)
     return [
-        ellipsoid(centred(slim_x), centred(slim_y), (base, base + 0.66 * (z - base)), leaves),
-        ellipsoid(centred(0.76 * slim_x), centred(0.76 * slim_y), (base + 0.2 * z, z), leaves),
+        ellipsoid(slim_x, slim_y, (base, base + 0.66 * (z - base)), leaves),
+        ellipsoid(0.76 * slim_x, 0.76 * slim_y, (base + 0.2 * z, z), leaves),
     ]
 
 
@@ -120,14 +113,14 @@ def bush(look: Look) -> list[Part]:
     if form == "ball":
         return [
             cylinder((0, 0, 0.15 * z), 0.1 * min(x, y), 0.3 * z, "bark"),
-            ellipsoid(centred(x), centred(y), (0.12 * z, z), "hedge"),
+            ellipsoid(x, y, (0.12 * z, z), "hedge"),
         ]
     clumps = [
         ellipsoid((-x / 2, 0.3 * x), (-y / 2, 0.4 * y), (0, 0.86 * z), leaves),
         ellipsoid((-0.2 * x, x / 2), (-0.3 * y, y / 2), (0, 0.94 * z), leaves),
     ]
     if form == "blossom":
-        clumps.append(ellipsoid(centred(0.66 * x), centred(0.66 * y), (0.4 * z, z), "blossom"))
+        clumps.append(ellipsoid(0.66 * x, 0.66 * y, (0.4 * z, z), "blossom"))
     return clumps
 
 
@@ -136,23 +129,21 @@ def planter(look: Look) -> list[Part]:
     x, y, z = look.size_m
     form = look.choice("form", FORMS["planter"])
     rim = min(0.5, 0.6 * z) if form != "flowers" else max(0.6 * z, z - 0.35)
-    soil = paint(centred(x - 0.1), centred(y - 0.1), (rim, rim + 0.02), "soil")
+    soil = paint(x - 0.1, y - 0.1, (rim, rim + 0.02), "soil")
     if form == "pot":
         pot = cone((0.72 * x, 0.72 * y), (x, y), (0, rim), "terracotta")
-        crown = ellipsoid(centred(0.9 * x), centred(0.9 * y), (rim - 0.1 * z, z), "hedge")
+        crown = ellipsoid(0.9 * x, 0.9 * y, (rim - 0.1 * z, z), "hedge")
         return [pot, cylinder((0, 0, 0.5 * (rim + z)), 0.06, z - rim - 0.05, "bark"), crown]
     if form == "trough":
-        trough = block(centred(x), centred(y), (0, rim), "concrete")
-        shrub = ellipsoid(centred(0.92 * x), centred(0.92 * y), (rim - 0.2 * z, z), "leaves")
+        trough = block(x, y, (0, rim), "concrete")
+        shrub = ellipsoid(0.92 * x, 0.92 * y, (rim - 0.2 * z, z), "leaves")
         return [trough, soil, shrub]
     rows = max(2, min(4, round(y / 0.5)))
     clumps = [
-        ellipsoid(
-            centred(0.84 * x), about(-y / 2 + (i + 0.5) * y / rows, 0.9 * y / rows), rise, name
-        )
+        ellipsoid(0.84 * x, about(-y / 2 + (i + 0.5) * y / rows, 0.9 * y / rows), rise, name)
         for i, (name, rise) in enumerate(_flowers(look, rows, rim, z))
     ]
-    return [block(centred(x), centred(y), (0, rim), "dark_wood"), soil, *clumps]
+    return [block(x, y, (0, rim), "dark_wood"), soil, *clumps]
 
 
 def _flowers(look: Look, rows: int, rim: float, z: float) -> list[tuple[str, Interval]]:
@@ -192,7 +183,7 @@ def plant(look: Look) -> list[Part]:
     return [
         pot,
         *(
-            shifted(cone((leaf, leaf), (0, 0), (0.8 * rim, rise * z), "leaves"), u * wide, v * wide)
+            shifted(cone(leaf, 0, (0.8 * rim, rise * z), "leaves"), u * wide, v * wide)
             for u, v, rise in blades
         ),
     ]
@@ -200,7 +191,7 @@ def plant(look: Look) -> list[Part]:
 
 def _frond(length: float, width: float, z: Interval, yaw: float) -> Part:
     """A flat ellipsoid about the stem, turned about the vertical."""
-    flat = ellipsoid(centred(length), centred(width), z, "leaves")
+    flat = ellipsoid(length, width, z, "leaves")
     return Part(
         kind=flat.kind,
         position_m=flat.position_m,

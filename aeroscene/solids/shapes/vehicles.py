@@ -36,8 +36,8 @@ def _lights(x: float, y: float, height: float) -> list[Part]:
     """A bar of light across the front and another across the rear."""
     rise = (height, height + 0.1)
     return [
-        paint(inwards(1, x / 2, 0.05), centred(0.84 * y), rise, "light_warm"),
-        paint(inwards(-1, x / 2, 0.05), centred(0.84 * y), rise, "light_red"),
+        paint(inwards(1, x / 2, 0.05), 0.84 * y, rise, "light_warm"),
+        paint(inwards(-1, x / 2, 0.05), 0.84 * y, rise, "light_red"),
     ]
 
 
@@ -82,7 +82,7 @@ def car(look: Look) -> list[Part]:
             (x / 2 - 0.03, plan.nose * z),
             (x / 2 - 0.03, plan.sill_m),
         ],
-        centred(y - 0.05),
+        y - 0.05,
         colour,
         lean_m=0.02,
     )
@@ -94,16 +94,16 @@ def car(look: Look) -> list[Part]:
             (front, z - 0.05),
             (rear, z - 0.05),
         ],
-        centred(0.94 * y),
+        0.94 * y,
         "dark_glass",
         lean_m=0.11 * y,
     )
-    roof = block((rear, front), centred(0.74 * y), (z - 0.06, z), colour)
+    roof = block((rear, front), 0.74 * y, (z - 0.06, z), colour)
     parts = [body, cabin, roof, *_wheels(x, y, plan.wheel_m, (-0.3, 0.31))]
     parts += _lights(x, y, 0.8 * plan.nose * z)
     if form == "pickup":
         bed = (-x / 2 + 0.12, plan.cabin[0] * x - 0.06)
-        parts.append(paint(bed, centred(0.8 * y), (waist, waist + 0.01), "rubber"))
+        parts.append(paint(bed, 0.8 * y, (waist, waist + 0.01), "rubber"))
     return parts
 
 
@@ -119,17 +119,17 @@ def van(look: Look) -> list[Part]:
     screen = [(at + out, height) for at, height in slope for out in (-0.03, 0.02)]
     parts = [
         prism(nose, side, colour),
-        prism(screen, centred(y - 0.2), "dark_glass"),
+        prism(screen, y - 0.2, "dark_glass"),
         *_wheels(x, y, 0.68, (-0.3, 0.33)),
         *_lights(x, y, 0.3 * z),
     ]
     if form == "parcel":
-        frame = block((-x / 2 + 0.05, split), centred(0.7 * y), (0.3, 0.6), "dark_metal")
-        cargo = block((-x / 2 + 0.03, split), centred(y), (0.6, z), "plastic_white")
+        frame = block((-x / 2 + 0.05, split), 0.7 * y, (0.3, 0.6), "dark_metal")
+        cargo = block((-x / 2 + 0.03, split), y, (0.6, z), "plastic_white")
         return [*parts, frame, cargo]
     parts.append(block((-x / 2 + 0.03, split), side, (0.25, z), colour))
     pane = (-0.46 * x, 0.22 * x) if form == "minibus" else (0.2 * x, 0.3 * x)
-    parts.append(paint(pane, centred(y - 0.04), (0.54 * z, 0.86 * z), "dark_glass"))
+    parts.append(paint(pane, y - 0.04, (0.54 * z, 0.86 * z), "dark_glass"))
     return parts
 
 
@@ -148,9 +148,9 @@ def truck(look: Look) -> list[Part]:
         (screen[0], 0.56 * cab_z),
     ]
     parts = [
-        prism(cab, centred(y - 0.1), _colour(look)),
-        prism(pane, centred(y - 0.35), "dark_glass"),
-        block((-x / 2 + 0.2, x / 2 - 0.3), centred(0.6 * y), (0.5, 0.95), "dark_metal"),
+        prism(cab, y - 0.1, _colour(look)),
+        prism(pane, y - 0.35, "dark_glass"),
+        block((-x / 2 + 0.2, x / 2 - 0.3), 0.6 * y, (0.5, 0.95), "dark_metal"),
         *_wheels(x, y, 0.95, (-0.36, -0.22, 0.34)),
         *_lights(x, y, 0.62),
     ]
@@ -160,18 +160,18 @@ def truck(look: Look) -> list[Part]:
 def _load(form: str, along: Interval, y: float, z: float, look: Look) -> list[Part]:
     if form == "box":
         colour = look.choice("cargo", ("plastic_white", "corrugated", "paint_blue"))
-        return [block(along, centred(y), (0.95, z), colour)]
+        return [block(along, y, (0.95, z), colour)]
     if form == "flatbed":
         head = (along[1] - 0.12, along[1])
         return [
-            block(along, centred(y), (0.95, 1.15), "wood"),
-            block(head, centred(y), (1.15, min(z, 2.0)), "dark_metal"),
+            block(along, y, (0.95, 1.15), "wood"),
+            block(head, y, (1.15, min(z, 2.0)), "dark_metal"),
         ]
     wide = min(y - 0.1, z - 1.0)
     middle = ((along[0] + along[1]) / 2, 0.0, 0.95 + wide / 2)
     tank = cylinder(middle, wide, along[1] - along[0], "metal", axis="x")
     top = 0.95 + wide
-    walk = block((along[0] + 0.3, along[1] - 0.3), centred(0.9), (top - 0.12, top), "dark_metal")
+    walk = block((along[0] + 0.3, along[1] - 0.3), 0.9, (top - 0.12, top), "dark_metal")
     return [tank, walk]
 
 
@@ -182,23 +182,18 @@ def bus(look: Look) -> list[Part]:
     colour = "paint_yellow" if form == "school" else _colour(look)
     front = 0.4 * x if form == "school" else x / 2 - 0.03
     floor = 0.45 if form == "coach" else 0.3
-    body = block((-x / 2 + 0.03, front), centred(y - 0.06), (floor, z), colour)
+    body = block((-x / 2 + 0.03, front), y - 0.06, (floor, z), colour)
     band = {"city": (0.38, 0.8), "coach": (0.5, 0.9), "school": (0.48, 0.8)}[form]
-    windows = paint(
-        (-0.46 * x, front - 0.35), centred(y - 0.03), (band[0] * z, band[1] * z), "dark_glass"
-    )
+    windows = paint((-0.46 * x, front - 0.35), y - 0.03, (band[0] * z, band[1] * z), "dark_glass")
     screen = paint(
-        (front - 0.02, front + 0.02),
-        centred(0.86 * y),
-        ((band[0] - 0.08) * z, 0.88 * z),
-        "dark_glass",
+        (front - 0.02, front + 0.02), 0.86 * y, ((band[0] - 0.08) * z, 0.88 * z), "dark_glass"
     )
     parts = [body, windows, screen, *_wheels(x, y, 0.95, (-0.3, 0.34))]
     parts += _lights(x if form == "school" else 2 * front + 0.06, y, 0.62)
     if form == "school":
-        parts.append(block((front, x / 2 - 0.03), centred(0.84 * y), (0.45, 0.46 * z), colour))
+        parts.append(block((front, x / 2 - 0.03), 0.84 * y, (0.45, 0.46 * z), colour))
     else:
-        stripe = paint(centred(0.9 * x), centred(y - 0.05), (0.26 * z, 0.3 * z), "plastic_white")
+        stripe = paint(0.9 * x, y - 0.05, (0.26 * z, 0.3 * z), "plastic_white")
         parts.append(stripe)
     return parts
 
@@ -216,13 +211,13 @@ def bicycle(look: Look) -> list[Part]:
     parts = [
         cylinder((front, 0, small / 2), small, 0.05, "rubber", axis="y"),
         cylinder((rear, 0, wheel / 2), wheel, 0.05, "rubber", axis="y"),
-        block((rear, front), centred(0.04), (0.46 * wheel, 0.46 * wheel + 0.05), colour),
-        block((saddle, saddle + 0.05), centred(0.04), (0.4 * wheel, 0.92 * z), colour),
-        block((bar, bar + 0.05), centred(0.04), (0.4 * wheel, 0.97 * z), colour),
-        block((saddle - 0.1, saddle + 0.16), centred(0.15), (0.92 * z, 0.97 * z), "plastic_black"),
-        block((bar - 0.02, bar + 0.04), centred(y), (z - 0.05, z), "plastic_black"),
+        block((rear, front), 0.04, (0.46 * wheel, 0.46 * wheel + 0.05), colour),
+        block((saddle, saddle + 0.05), 0.04, (0.4 * wheel, 0.92 * z), colour),
+        block((bar, bar + 0.05), 0.04, (0.4 * wheel, 0.97 * z), colour),
+        block((saddle - 0.1, saddle + 0.16), 0.15, (0.92 * z, 0.97 * z), "plastic_black"),
+        block((bar - 0.02, bar + 0.04), y, (z - 0.05, z), "plastic_black"),
     ]
     if form == "cargo":
-        box = block((0.1 * x, front), centred(y), (0.5 * wheel, 0.62 * z), "wood")
+        box = block((0.1 * x, front), y, (0.5 * wheel, 0.62 * z), "wood")
         return [*parts, box]
-    return [*parts, block((saddle, bar), centred(0.04), (top, top + 0.04), colour)]
+    return [*parts, block((saddle, bar), 0.04, (top, top + 0.04), colour)]
