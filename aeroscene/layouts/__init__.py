@@ -5,12 +5,7 @@ whose name for a thing is ours for what; `flyable` adds ground, walls and a star
 package loads numpy at most; building a scene loads shapely.
 """
 
-from aeroscene.layouts.document import (
-    LayoutError,
-    LayoutObject,
-    LayoutRoom,
-    NeutralLayout,
-)
+from aeroscene.layouts.document import LayoutError, LayoutObject, LayoutRoom, NeutralLayout
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.neutral import read_neutral
 from aeroscene.layouts.reading import pick_layout, read_layout, read_layouts

@@ -29,13 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aeroscene.layouts import fields
-from aeroscene.layouts.document import (
-    LayoutError,
-    LayoutObject,
-    LayoutRoom,
-    NeutralLayout,
-    Point2,
-)
+from aeroscene.layouts.document import LayoutError, LayoutObject, LayoutRoom, NeutralLayout, Point2
 from aeroscene.scene import Quaternion, Vector3
 from aeroscene.scene.box import rotation_matrix
 from aeroscene.scene.polygon import signed_area

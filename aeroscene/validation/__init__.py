@@ -21,9 +21,7 @@ __all__ = ["Finding", "FindingKind", "validate"]
 
 
 def validate(
-    scene: Scene,
-    primitives: Sequence[Primitive] | None = None,
-    field: VoxelField | None = None,
+    scene: Scene, primitives: Sequence[Primitive] | None = None, field: VoxelField | None = None
 ) -> tuple[Finding, ...]:
     """Everything that is wrong with a scene; nothing where it is sound.
 

@@ -69,11 +69,7 @@ def raise_shell(
 ) -> Shell | None:
     """Place an enterable building with slabs, partitions and rooms, or None if it does not fit."""
     height = round(storeys * STOREY_M, 3)
-    attributes = {
-        "is_enterable": True,
-        "storeys": storeys,
-        "colour": colour,
-    }
+    attributes = {"is_enterable": True, "storeys": storeys, "colour": colour}
     size = (depth, length, height)
     spot = frame.moved(*at, turn)
     shell = builder.place(name, spot, size, base=base, margin=0.6, attributes=attributes)

@@ -53,12 +53,7 @@ def raise_building(builder: Builder, draw: Draw, frame: Frame, plan: FloorPlan) 
 def _raise_shell(builder: Builder, frame: Frame, plan: FloorPlan) -> Placed:
     x, y = plan.size
     storeys = len({zone.level for zone in plan.zones})
-    attributes = {
-        "is_enterable": True,
-        "form": "closed",
-        "storeys": storeys,
-        "colour": plan.colour,
-    }
+    attributes = {"is_enterable": True, "form": "closed", "storeys": storeys, "colour": plan.colour}
     shell = sure(builder.place(plan.name, frame, (x, y, plan.height), attributes=attributes))
     builder.place("roof", frame, (x, y, ROOF_M), parent=shell)
     slab = (x - 2 * WALL_M, y - 2 * WALL_M, SLAB_TOP_M)

@@ -21,10 +21,7 @@ def _painted(room: Interior) -> Attributes:
 
 
 def _tucked(
-    room: Interior,
-    name: str,
-    size: Vector3,
-    attributes: Attributes | None = None,
+    room: Interior, name: str, size: Vector3, attributes: Attributes | None = None
 ) -> Placed | None:
     """Something along one of the walls, or where none has space, free in the room."""
     placed = room.against(room.some_side(), name, size, attributes=attributes)

@@ -122,13 +122,7 @@ def _border(
 ) -> Iterable[Border]:
     if span[1] - span[0] >= _LEAST_SHARED_M:
         yield Border(
-            zones=zones,
-            along=along,
-            at=at,
-            low=span[0],
-            high=span[1],
-            base=rise[0],
-            top=rise[1],
+            zones=zones, along=along, at=at, low=span[0], high=span[1], base=rise[0], top=rise[1]
         )
 
 

@@ -101,11 +101,7 @@ class Construction:
         )
         u, v, turned = places[index]
         long = x - 1.0 if turned else y - 1.4
-        attributes = {
-            "door_m": _DOOR_M,
-            "door_height_m": 2.5,
-            "colour": "slate",
-        }
+        attributes = {"door_m": _DOOR_M, "door_height_m": 2.5, "colour": "slate"}
         spot = slab.frame.moved(u + (0.15 if turned else 0.0), v, QUARTER if turned else 0.0)
         size = (thick, round(long, 2), height)
         on_top(self.ground, slab).stand("wall", spot, size, margin=0.0, attributes=attributes)

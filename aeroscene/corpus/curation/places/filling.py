@@ -11,10 +11,7 @@ _TURNED = frozenset(("bin", "planter", "pallet", "bench", "table"))
 
 
 def fill_up(
-    ground: Ground,
-    names: Sequence[str],
-    near: tuple[float, float, float, float],
-    rounds: int,
+    ground: Ground, names: Sequence[str], near: tuple[float, float, float, float], rounds: int
 ) -> Iterator[None]:
     """Two of a kind a step at free places of an area (u0, u1, v0, v1), the kinds in turn."""
     if near[1] - near[0] < 2.0 or near[3] - near[2] < 2.0:

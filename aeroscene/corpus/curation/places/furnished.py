@@ -21,14 +21,7 @@ _CEILING_M = 0.3
 
 
 def raise_furnished(
-    ground: Ground,
-    name: str,
-    u: float,
-    v: float,
-    *,
-    deep: float,
-    length: float,
-    storeys: int,
+    ground: Ground, name: str, u: float, v: float, *, deep: float, length: float, storeys: int
 ) -> Shell | None:
     """An enterable building with its door to the street, or None where it does not fit."""
     return raise_shell(

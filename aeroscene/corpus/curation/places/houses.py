@@ -120,10 +120,7 @@ class Houses:
             return
         length = max(6.0, min(draw.between(8.5, 11.5), plot.space - 1.6))
         storeys = draw.count(1, 2)
-        attributes = {
-            "colour": draw.one_of((*WALL_COLOURS, "brick")),
-            "storeys": storeys,
-        }
+        attributes = {"colour": draw.one_of((*WALL_COLOURS, "brick")), "storeys": storeys}
         size = (deep, round(length, 2), 3.1 if storeys == 1 else 6.0)
         plot.house = ground.erect(
             "house", plot.house_u, setback + deep / 2, size, attributes=attributes
@@ -139,13 +136,7 @@ class Houses:
         ground = self.ground
         deep, length = _SHELL_DEPTH_M, min(14.0, round(plot.space - 1.4, 2))
         shell = raise_furnished(
-            ground,
-            "house",
-            plot.house_u,
-            setback + deep / 2,
-            deep=deep,
-            length=length,
-            storeys=1,
+            ground, "house", plot.house_u, setback + deep / 2, deep=deep, length=length, storeys=1
         )
         if shell:
             self._rooms += shell.rooms

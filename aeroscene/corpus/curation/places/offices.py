@@ -109,10 +109,7 @@ class Offices:
         else:
             deep = round(max(6.0, deep), 2)
             setback = round(max(0.6, min(setback, depth - deep - 0.6)), 2)
-            attributes = {
-                "colour": draw.one_of(WALL_COLOURS),
-                "form": "plain",
-            }
+            attributes = {"colour": draw.one_of(WALL_COLOURS), "form": "plain"}
             size = (deep, length, 6.4)
             self._building = ground.erect(
                 "building", u, setback + deep / 2, size, attributes=attributes

@@ -144,11 +144,7 @@ class Parking:
     def _raise_shop(self, rest: float) -> None:
         ground, draw = self.ground, self.ground.draw
         deep, length = min(10.0, rest - 0.8), min(18.0, ground.parcel.width - 3)
-        attributes = {
-            "colour": draw.one_of(WALL_COLOURS),
-            "storeys": 1,
-            "form": "plain",
-        }
+        attributes = {"colour": draw.one_of(WALL_COLOURS), "storeys": 1, "form": "plain"}
         size = (round(deep, 2), round(length, 2), 4.2)
         v = ground.parcel.depth - deep / 2 - 0.3
         shop = ground.erect("building", 0, v, size, attributes=attributes)

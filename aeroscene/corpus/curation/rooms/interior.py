@@ -37,11 +37,7 @@ class Interior:
     """Furnishes one room."""
 
     def __init__(
-        self,
-        builder: Builder,
-        draw: Draw,
-        space: RoomSpace,
-        sides: Sequence[str] = SIDES,
+        self, builder: Builder, draw: Draw, space: RoomSpace, sides: Sequence[str] = SIDES
     ) -> None:
         """Begin with an empty room that has walls on some of its sides."""
         self._builder = builder
@@ -53,10 +49,7 @@ class Interior:
         self.bearers: list[Placed] = []
         """Furniture on which small things can lie."""
         # One room, one taste: furniture shares its wood and upholstery its colour.
-        self._style = {
-            "wood": draw.one_of(WOODS),
-            "colour": draw.one_of(FABRIC_COLOURS),
-        }
+        self._style = {"wood": draw.one_of(WOODS), "colour": draw.one_of(FABRIC_COLOURS)}
 
         # Corners bear things too, so no table is round.
         self._forms = {
@@ -106,12 +99,7 @@ class Interior:
         return None
 
     def _against(
-        self,
-        side: str,
-        name: str,
-        size: Vector3,
-        turn: float,
-        attributes: Attributes | None,
+        self, side: str, name: str, size: Vector3, turn: float, attributes: Attributes | None
     ) -> Placed | None:
         frame, length = self.wall(side)
         is_square = abs(turn) % pi < 0.1

@@ -56,10 +56,7 @@ def furnish_open_office(room: Interior) -> Iterator[None]:
     half = size[0] / 2 + 0.02
     for index in order[:6]:
         u, v = spots[index]
-        pair = [
-            room.put("desk", u + half, v, size),
-            room.put("desk", u - half, v, size, turn=pi),
-        ]
+        pair = [room.put("desk", u + half, v, size), room.put("desk", u - half, v, size, turn=pi)]
         for desk, end in zip(pair, _ENDS, strict=True):
             room.in_front(desk, "chair")
             _equip(room, desk, end)
