@@ -102,7 +102,7 @@ class Builder:
         within: Placed | None = None,
         margin: float = 0.0,
         domain: ObjectDomain | None = None,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Put an object into the scene, or return None where it does not fit.
 
@@ -116,7 +116,7 @@ class Builder:
             within: Object whose outline must hold this one's.
             margin: Distance to keep from everything else, m.
             domain: Indoor or outdoor; the parent's by default.
-            attributes: What the box does not say.
+            look: Attributes of the object: what the box does not say.
         """
         if base is None:
             base = parent.top if parent else 0.0
@@ -138,7 +138,7 @@ class Builder:
                 size,
             ),
             domain=domain,
-            attributes=dict(attributes or {}),
+            attributes=dict(look or {}),
         )
         if any(_share_too_much(obj, self.objects[i]) for i in line if i != obj.parent_id):
             return None

@@ -69,10 +69,10 @@ def raise_shell(
 ) -> Shell | None:
     """Place an enterable building with slabs, partitions and rooms, or None if it does not fit."""
     height = round(storeys * STOREY_M, 3)
-    attributes = {"is_enterable": True, "storeys": storeys, "colour": colour}
+    look = {"is_enterable": True, "storeys": storeys, "colour": colour}
     size = (depth, length, height)
     spot = frame.moved(*at, turn)
-    shell = builder.place(name, spot, size, base=base, margin=0.6, attributes=attributes)
+    shell = builder.place(name, spot, size, base=base, margin=0.6, look=look)
     if shell is None:
         return None
     rooms: list[RoomSpace] = []
@@ -105,7 +105,7 @@ def _fit_out_storey(
         size = (depth, high - low, clear)
         look = {"finish": draw.one_of(("parquet", "floor_tiles", "carpet"))}
         placed = builder.place(
-            "room", spot, size, base=floor, parent=shell, domain="indoor", attributes=look
+            "room", spot, size, base=floor, parent=shell, domain="indoor", look=look
         )
         if placed:
             rooms.append(RoomSpace(placed))
@@ -129,7 +129,7 @@ def _part(
     """A partition with a door across the building."""
     spot = shell.frame.moved(0, cut, QUARTER)
     look = {"door_m": DOOR_M, "door_offset_m": door_offset_m, "colour": "white"}
-    builder.place("wall", spot, size, base=floor, parent=shell, domain="indoor", attributes=look)
+    builder.place("wall", spot, size, base=floor, parent=shell, domain="indoor", look=look)
 
 
 def _partition_places(draw: Draw, length: float) -> list[float]:

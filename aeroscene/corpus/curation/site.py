@@ -89,10 +89,10 @@ class Site:
     def raise_land(self, area: Rectangle, level: float, finish: str, wall: str) -> Land:
         """Raised ground on a rectangle of the plan, its sides retaining walls."""
         frame, width, depth = area.side_frame("south")
-        attributes = {"form": "terrace", "finish": finish, "wall": wall}
+        look = {"form": "terrace", "finish": finish, "wall": wall}
         size = (width, depth, level)
         spot = self.world(frame).moved(0, depth / 2)
-        block = self.builder.place("terrain", spot, size, attributes=attributes)
+        block = self.builder.place("terrain", spot, size, look=look)
         return Land(level, block) if block else FLAT
 
     def fill_with_water(self, area: Rectangle, quay: Side) -> Placed | None:
@@ -100,7 +100,7 @@ class Site:
         frame, width, depth = area.side_frame(quay)
         spot = self.world(frame).moved(0, depth / 2)
         size = (width, depth, WATER_M)
-        water = self.builder.place("water", spot, size, attributes={"form": "open"})
+        water = self.builder.place("water", spot, size, look={"form": "open"})
         if water:
             self.waters.append(water)
         return water
@@ -128,14 +128,9 @@ class Site:
             height: Of its surface above the land.
         """
         size = (length, width or self.road_m, height)
-        attributes = {"zebra_end": zebra_end, **self._form("road")}
+        look = {"zebra_end": zebra_end, **self._form("road")}
         road = self.builder.place(
-            "road",
-            self.world(frame),
-            size,
-            base=land.level,
-            parent=after or land.bearer,
-            attributes=attributes,
+            "road", self.world(frame), size, base=land.level, parent=after or land.bearer, look=look
         )
         if road:
             parking = self.parking if width is None else ()
@@ -158,7 +153,7 @@ class Site:
             (length, self.walk_m, height),
             base=land.level,
             parent=after or land.bearer,
-            attributes=self._form("sidewalk"),
+            look=self._form("sidewalk"),
         )
         if strip:
             self.sidewalks.append(strip)
@@ -169,7 +164,7 @@ class Site:
         spot = self.world(frame).moved(0, width / 2)
         size = (length, width, VERGE_M)
         strip = self.builder.place(
-            "lawn", spot, size, base=land.level, parent=land.bearer, attributes={"form": "plain"}
+            "lawn", spot, size, base=land.level, parent=land.bearer, look={"form": "plain"}
         )
         if strip:
             self.verges.append(strip)

@@ -108,7 +108,7 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
     spot = bearer.frame.moved(u, v)
     look = {"is_start": True}
     pad = builder.place(
-        "landing_pad", spot, (PAD_M, PAD_M, 0.05), parent=bearer, within=bearer, attributes=look
+        "landing_pad", spot, (PAD_M, PAD_M, 0.05), parent=bearer, within=bearer, look=look
     )
     if pad:
         for radius_m, base in ((FREE_RADIUS_M, pad.top), (open_m, bearer.top + _OPEN_ABOVE_M)):

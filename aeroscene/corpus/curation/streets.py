@@ -54,12 +54,7 @@ class Streets:
         size = (2 * reach, 2.4, _BRIDGE_Z[0])
         beam = {"form": "beam"}
         if None in walks or not self.builder.place(
-            "bridge",
-            placed.frame.moved(u, 0, QUARTER),
-            size,
-            base=base,
-            margin=0.1,
-            attributes=beam,
+            "bridge", placed.frame.moved(u, 0, QUARTER), size, base=base, margin=0.1, look=beam
         ):
             return
         for sign, walk in zip((-1, 1), walks, strict=True):
@@ -86,7 +81,7 @@ class Streets:
         size = (1.5, self.draw.between(3.2, 4.4), 2.7)
         spot = walk.frame.moved(u, walk.size[1] / 2 - 0.76, STREETWARD)
         shelter = self.builder.place(
-            "canopy", spot, size, parent=walk, within=walk, margin=0.2, attributes=colour
+            "canopy", spot, size, parent=walk, within=walk, margin=0.2, look=colour
         )
         if shelter:
             self._stops.append((walk, shelter))
@@ -180,7 +175,7 @@ class Streets:
         u: float,
         v: float,
         size: tuple[float, float, float] | None = None,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
         turn: float = STREETWARD,
     ) -> Placed | None:
         return self.builder.place(
@@ -190,7 +185,7 @@ class Streets:
             parent=strip,
             within=strip,
             margin=0.05,
-            attributes=attributes,
+            look=look,
         )
 
     def _signal(self, junction: Frame) -> None:

@@ -31,14 +31,14 @@ def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
     depth = round(parcel.depth - strip_m, 2)
     if depth - _PARAPET[0] < _LEAST_DEPTH_M or parcel.rise or parcel.level:
         return parcel
-    attributes = {
+    look = {
         "form": "terrace",
         "finish": draw.one_of(("concrete", "paving")),
         "wall": draw.one_of(("stone", "brick", "dark_concrete")),
     }
     frame = parcel.frame.moved(0, strip_m)
     size = (parcel.width, depth, height)
-    block = builder.place("terrain", frame.moved(0, depth / 2), size, attributes=attributes)
+    block = builder.place("terrain", frame.moved(0, depth / 2), size, look=look)
     if block is None:
         return parcel
     name = draw.one_of(("lawn", "lawn", "sidewalk"))
@@ -75,7 +75,7 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
         )
         size = (long, _RAMP_M, height)
         look = {"form": "ramp", "finish": "paving"}
-        ramp = builder.place("terrain", spot, size, parent=strip, attributes=look)
+        ramp = builder.place("terrain", spot, size, parent=strip, look=look)
         if ramp:
             gaps.append((far + side * 0.9, 2.2))
     _parapet(builder, parcel, block, edge, gaps)
@@ -124,7 +124,7 @@ class Slope:
             base=parcel.level + 0.02,
             parent=ground.surface,
             within=ground.surface,
-            attributes={"form": "ramp", "finish": "paving"},
+            look={"form": "ramp", "finish": "paving"},
         )
 
     def details(self) -> Iterator[None]:

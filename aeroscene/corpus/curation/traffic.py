@@ -98,5 +98,5 @@ def _place(
     spot = road.placed.frame.moved(u, road.lane(side) if v is None else v, 0.0 if side < 0 else pi)
     look = {"colour": draw.one_of(PAINT_COLOURS)}
     return builder.place(
-        name, spot, size, parent=road.placed, within=road.placed, margin=0.2, attributes=look
+        name, spot, size, parent=road.placed, within=road.placed, margin=0.2, look=look
     )

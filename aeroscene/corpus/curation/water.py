@@ -85,5 +85,5 @@ class Basin:
             parent=self.water,
             within=self.water,
             margin=0.25,
-            attributes=colour,
+            look=colour,
         )

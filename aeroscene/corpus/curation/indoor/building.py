@@ -53,8 +53,8 @@ def raise_building(builder: Builder, draw: Draw, frame: Frame, plan: FloorPlan) 
 def _raise_shell(builder: Builder, frame: Frame, plan: FloorPlan) -> Placed:
     x, y = plan.size
     storeys = len({zone.level for zone in plan.zones})
-    attributes = {"is_enterable": True, "form": "closed", "storeys": storeys, "colour": plan.colour}
-    shell = sure(builder.place(plan.name, frame, (x, y, plan.height), attributes=attributes))
+    look = {"is_enterable": True, "form": "closed", "storeys": storeys, "colour": plan.colour}
+    shell = sure(builder.place(plan.name, frame, (x, y, plan.height), look=look))
     builder.place("roof", frame, (x, y, ROOF_M), parent=shell)
     slab = (x - 2 * WALL_M, y - 2 * WALL_M, SLAB_TOP_M)
     builder.place("floor", frame, slab, base=0.0, parent=shell, domain="indoor")
@@ -76,7 +76,7 @@ def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side
                 base=zone.level,
                 parent=shell,
                 domain="indoor",
-                attributes={"finish": finish, "use": zone.kind},
+                look={"finish": finish, "use": zone.kind},
             )
         )
         building.spaces.append(RoomSpace(placed))

@@ -21,11 +21,11 @@ def _painted(room: Interior) -> Attributes:
 
 
 def _tucked(
-    room: Interior, name: str, size: Vector3, attributes: Attributes | None = None
+    room: Interior, name: str, size: Vector3, look: Attributes | None = None
 ) -> Placed | None:
     """Something along one of the walls, or where none has space, free in the room."""
-    placed = room.against(room.some_side(), name, size, attributes=attributes)
-    return placed or room.anywhere(name, size, 0.5, _square(room), attributes)
+    placed = room.against(room.some_side(), name, size, look=look)
+    return placed or room.anywhere(name, size, 0.5, _square(room), look)
 
 
 def _kiosk(room: Interior) -> Placed | None:
@@ -91,7 +91,7 @@ def _stall(room: Interior) -> Placed | None:
     stage = _tucked(room, "deck", (3.0, width, 0.16))
     if stage:
         colour = room.draw.one_of(("sky", "sage", "ochre", "rose", "slate"))
-        room.lie(stage, "wall", -1.4, 0.0, (0.12, width - 0.1, 2.5), attributes={"colour": colour})
+        room.lie(stage, "wall", -1.4, 0.0, (0.12, width - 0.1, 2.5), look={"colour": colour})
     return stage
 
 
@@ -101,7 +101,7 @@ def _container(room: Interior) -> Placed | None:
     turn = pi / 2 if room.draw.chance(0.8) else 0.0
     box = room.against(side, "container", size, turn, _painted(room))
     if box and room.room.size[2] > 7.0 and room.draw.chance(0.3):
-        room.lie(box, "container", 0.0, 0.0, size, attributes=_painted(room))
+        room.lie(box, "container", 0.0, 0.0, size, look=_painted(room))
     return box
 
 

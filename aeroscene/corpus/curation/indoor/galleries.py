@@ -73,7 +73,7 @@ def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Bord
         size = (_RAIL_M[0], length, _RAIL_M[1])
         look = {"form": "rails"}
         builder.place(
-            "fence", spot, size, base=floor_space.floor, parent=floor_space.placed, attributes=look
+            "fence", spot, size, base=floor_space.floor, parent=floor_space.placed, look=look
         )
 
 

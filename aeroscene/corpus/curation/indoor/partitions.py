@@ -65,10 +65,10 @@ def _raise_wall(
     if length < PARTITION_M:
         return None
     zones = [building.plan.zones[i] for i in border.zones]
-    attributes: dict[str, AttributeValue] = {"colour": "white"}
+    look: dict[str, AttributeValue] = {"colour": "white"}
     rooms = [zone for zone in zones if zone.role == "room"]
     if len(rooms) == 1 and rooms[0].kind in _GLAZED:
-        attributes["form"] = "glass"
+        look["form"] = "glass"
     # The wall's own y axis is the building's y, or minus its x.
     sign = 1.0 if border.along == "y" else -1.0
     # Beside the edge of an upper floor it stands on the wall below, not on the slab.
@@ -77,7 +77,7 @@ def _raise_wall(
     air: tuple[float, float, float] | None = None
     if door_m is not None:
         at = _door_place(draw, border, door_m)
-        attributes |= {
+        look |= {
             "door_m": door_m,
             "door_offset_m": round(sign * (at - middle), 4),
             "door_height_m": round(rise + _HEADS_M[door_m], 4),
@@ -85,7 +85,7 @@ def _raise_wall(
         air = (at, door_m, border.base + 0.1)
     elif len(rooms) == 1 and border.length > 3.5 and draw.chance(0.5):
         at = _door_place(draw, border, _HATCH_M[0])
-        attributes |= {
+        look |= {
             "window_m": _HATCH_M[0],
             "window_offset_m": round(sign * (at - middle), 4),
             "window_sill_m": round(rise + _HATCH_M[1], 4),
@@ -101,7 +101,7 @@ def _raise_wall(
             base=base,
             parent=building.shell,
             domain="indoor",
-            attributes=attributes,
+            look=look,
         )
     )
     return air

@@ -50,7 +50,7 @@ class IndoorPlace:
             base=hall.floor,
             parent=hall.placed,
             within=hall.placed,
-            attributes={"is_start": True},
+            look={"is_start": True},
         )
         if pad is None:
             raise NoStartError(f"{self.builder.scene_id}: no space for the home pad in the hall")

@@ -71,11 +71,9 @@ class BayField:
         covered = row[first : first + count]
         middle = sum(self.bays[index].u for index in covered) / count
         size = (_CARPORT_M[0], round(count * BAY_WIDTH_M - 0.1, 2), _CARPORT_M[1])
-        attributes = {"colour": "silver", "form": "flat"}
+        look = {"colour": "silver", "form": "flat"}
         spot = self.lot.frame.moved(middle, self.bays[covered[0]].v, STREETWARD)
-        self.carport = on_top(ground, self.lot).stand(
-            "canopy", spot, size, margin=0.0, attributes=attributes
-        )
+        self.carport = on_top(ground, self.lot).stand("canopy", spot, size, margin=0.0, look=look)
         self.covered = frozenset(covered)
 
     def equip(self, ground: Ground) -> Iterator[None]:
@@ -101,11 +99,11 @@ def paint_bays(
     """Bays on some ground: from where to where along u, and from v0 on as deep as said."""
     low, high = span
     rows = 2 if deep >= TWO_ROWS_M - 0.5 else 1
-    attributes = {"rows": rows}
+    look = {"rows": rows}
     size = (round(high - low, 2), round(deep, 2), _PAINTED_M)
     middle = ((low + high) / 2, v0 + deep / 2)
     spot = ground.parcel.frame.moved(*middle)
-    lot = bearing.stand("parking_lot", spot, size, margin=0.0, attributes=attributes)
+    lot = bearing.stand("parking_lot", spot, size, margin=0.0, look=look)
     if lot is None:
         return None
     count = int((size[0] - 0.1) // BAY_WIDTH_M)

@@ -34,12 +34,12 @@ class OpenGround:
         size: Vector3 | None = None,
         *,
         margin: float = 0.04,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something at a spot, or nothing where it does not fit."""
         at = self.ground.parcel.frame.local(spot.x, spot.y)
         turn = self.ground.facing(spot)
-        return self.ground.stand(name, *at, size, turn=turn, margin=margin, attributes=attributes)
+        return self.ground.stand(name, *at, size, turn=turn, margin=margin, look=look)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Platform:
         size: Vector3 | None = None,
         *,
         margin: float = 0.04,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something at a spot, or nothing where it does not fit."""
         return self.builder.place(
@@ -69,7 +69,7 @@ class Platform:
             parent=self.bearer,
             within=self.bearer,
             margin=margin,
-            attributes=attributes,
+            look=look,
         )
 
 

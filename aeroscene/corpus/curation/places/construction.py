@@ -83,7 +83,7 @@ class Construction:
         concrete = {"form": "terrace", "finish": "concrete"}
         v = depth - deep / 2 - 1.2
         size = (deep, length, _SLAB_M)
-        self._slab = ground.erect("terrain", -u, v, size, turn=-INWARD, attributes=concrete)
+        self._slab = ground.erect("terrain", -u, v, size, turn=-INWARD, look=concrete)
 
     def _wall_up(self, index: int) -> None:
         """One of four walls on the slab, with an opening in its middle."""
@@ -101,10 +101,10 @@ class Construction:
         )
         u, v, turned = places[index]
         long = x - 1.0 if turned else y - 1.4
-        attributes = {"door_m": _DOOR_M, "door_height_m": 2.5, "colour": "slate"}
+        look = {"door_m": _DOOR_M, "door_height_m": 2.5, "colour": "slate"}
         spot = slab.frame.moved(u + (0.15 if turned else 0.0), v, QUARTER if turned else 0.0)
         size = (thick, round(long, 2), height)
-        on_top(self.ground, slab).stand("wall", spot, size, margin=0.0, attributes=attributes)
+        on_top(self.ground, slab).stand("wall", spot, size, margin=0.0, look=look)
 
     def _tip_heap(self) -> None:
         """Excavated earth."""
@@ -114,9 +114,7 @@ class Construction:
         size = (round(side, 2), round(0.9 * side, 2), round(0.16 * side, 2))
         earth = {"form": "mound", "finish": "gravel"}
         for at in ((self._side * (half - side / 2 - 1.0), 0.62 * depth), (0.0, 0.3 * depth)):
-            self._heap = ground.stand(
-                "terrain", *at, size, turn=draw.between(0, 3), attributes=earth
-            )
+            self._heap = ground.stand("terrain", *at, size, turn=draw.between(0, 3), look=earth)
             if self._heap:
                 return
 
@@ -131,7 +129,7 @@ class Construction:
         for sign in (1, -1):
             v = sign * (slab.size[1] / 2 + size[0] / 2 + 0.15)
             spot = slab.frame.moved(0.0, v, sign * QUARTER)
-            self._scaffold = bearing.stand("canopy", spot, size, margin=0.0, attributes=form)
+            self._scaffold = bearing.stand("canopy", spot, size, margin=0.0, look=form)
             if self._scaffold:
                 return
 

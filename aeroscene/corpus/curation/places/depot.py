@@ -50,8 +50,8 @@ class Depot:
     def structures(self) -> Iterator[None]:
         """The hall; then its dock, the gatehouse, swap bodies, the fence."""
         ground, draw = self.ground, self.ground.draw
-        attributes = {"rows": 0, "form": "bays"}
-        ground.cover("parking_lot", attributes)
+        look = {"rows": 0, "form": "bays"}
+        ground.cover("parking_lot", look)
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         side = 1 if draw.chance(0.5) else -1
         self._gate_u = side * max(0.0, half - 7.0)
@@ -62,7 +62,7 @@ class Depot:
         yield
         kiosk = (2.4, 2.8, 2.8)
         u = self._gate_u - side * (_GATE_HALF_M + 2.0)
-        self._gatehouse = ground.stand("kiosk", u, 2.2, kiosk, turn=0.0, attributes=paint(draw))
+        self._gatehouse = ground.stand("kiosk", u, 2.2, kiosk, turn=0.0, look=paint(draw))
         yield
         for index in range(2):
             v = depth - 4.5 - 7.5 * index
@@ -84,7 +84,7 @@ class Depot:
         u = side * (width / 2 - length / 2 - 0.9)
         v = depth - deep / 2 - 0.9
         if not self.is_furnished:
-            self._hall = ground.erect("warehouse", u, v, size, attributes=paint(draw))
+            self._hall = ground.erect("warehouse", u, v, size, look=paint(draw))
             return
         shell = raise_hall(ground, u, v, size, paint(draw))
         if shell:
@@ -139,7 +139,7 @@ class Depot:
             length = draw.between(6.4, 8.0)
             u = dock.size[0] / 2 + 0.25 + length / 2
             spot = dock.frame.moved(u, places[index])
-            bearing.stand("truck", spot, (length, 2.45, 3.4), attributes=paint(draw))
+            bearing.stand("truck", spot, (length, 2.45, 3.4), look=paint(draw))
             pallet_row(platform, dock.frame.moved(0, 0, QUARTER), places[index] + 1.2, 0.3, 1)
             yield
         for index in draw.shuffled(range(slots)):

@@ -104,21 +104,17 @@ class Flats:
 
     def _raise_tower(self, u: float, v: float) -> None:
         draw = self.ground.draw
-        attributes = {"colour": draw.one_of(WALL_COLOURS)}
+        look = {"colour": draw.one_of(WALL_COLOURS)}
         size = (_TOWER_M, _TOWER_M, draw.between(16, 21))
-        self.ground.erect("tower", u, v, size, attributes=attributes)
+        self.ground.erect("tower", u, v, size, look=look)
 
     def _mass(
         self, u: float, v: float, deep: float, length: float, storeys: int, form: str = "plain"
     ) -> None:
         ground, draw = self.ground, self.ground.draw
-        attributes = {
-            "colour": draw.one_of((*WALL_COLOURS, "brick")),
-            "storeys": storeys,
-            "form": form,
-        }
+        look = {"colour": draw.one_of((*WALL_COLOURS, "brick")), "storeys": storeys, "form": form}
         size = (deep, length, round(storeys * _STOREY_M, 2))
-        mass = ground.erect("building", u, v, size, attributes=attributes)
+        mass = ground.erect("building", u, v, size, look=look)
         if mass is None:
             return
         if form == "plain":
@@ -142,12 +138,12 @@ class Flats:
         """A roof for bicycles behind the slab, or in front of it."""
         ground, draw = self.ground, self.ground.draw
         half = ground.parcel.width / 2
-        attributes = {"colour": draw.one_of(("silver", "green", "blue"))}
+        look = {"colour": draw.one_of(("silver", "green", "blue"))}
         side = 1 if draw.chance(0.5) else -1
         for v in (self._court_v + 1.8, 1.4):
             u = side * (half - 3.2)
             size = (2.2, 4.6, 2.6)
-            self._shelter = ground.stand("canopy", u, v, size, margin=0.3, attributes=attributes)
+            self._shelter = ground.stand("canopy", u, v, size, margin=0.3, look=look)
             if self._shelter:
                 return
 
@@ -169,9 +165,9 @@ class Flats:
             return
         rail = (0.08, _BALCONY_M[1], 1.0)
         edge = side * (_BALCONY_M[0] / 2 - 0.06)
-        attributes = {"form": "rails"}
+        look = {"form": "rails"}
         spot = balcony.frame.moved(edge, 0.0)
-        on_top(ground, balcony).stand("fence", spot, rail, margin=0.0, attributes=attributes)
+        on_top(ground, balcony).stand("fence", spot, rail, margin=0.0, look=look)
         self._balconies.append(balcony)
 
     def details(self) -> Iterator[None]:

@@ -39,17 +39,15 @@ def raise_furnished(
     )
 
 
-def raise_hall(
-    ground: Ground, u: float, v: float, size: Vector3, attributes: Attributes
-) -> Shell | None:
+def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attributes) -> Shell | None:
     """An enterable warehouse: one room, with the air in its two gates kept free."""
-    hall = ground.erect("warehouse", u, v, size, attributes={**attributes, "is_enterable": True})
+    hall = ground.erect("warehouse", u, v, size, look={**look, "is_enterable": True})
     if hall is None:
         return None
     inner = (size[0] - 2 * WALL_M, size[1] - 2 * WALL_M, round(size[2] - _CEILING_M, 2))
     look = {"finish": "concrete"}
     room = ground.builder.place(
-        "room", hall.frame, inner, base=hall.base, parent=hall, domain="indoor", attributes=look
+        "room", hall.frame, inner, base=hall.base, parent=hall, domain="indoor", look=look
     )
     for sign in (-1, 1):
         at = sign * hall.size[0] / 2

@@ -35,15 +35,13 @@ def set_container(
 ) -> Placed | None:
     """A container on the ground."""
     size = LONG_CONTAINER_M if is_long else CONTAINER_M
-    return ground.erect("container", u, v, size, turn=turn, attributes=paint(ground.draw))
+    return ground.erect("container", u, v, size, turn=turn, look=paint(ground.draw))
 
 
 def stack_container(ground: Ground, lower: Placed) -> Placed | None:
     """Another container of the same size, flush on top of one."""
-    attributes = paint(ground.draw)
-    return on_top(ground, lower).stand(
-        "container", lower.frame, lower.size, margin=0.0, attributes=attributes
-    )
+    look = paint(ground.draw)
+    return on_top(ground, lower).stand("container", lower.frame, lower.size, margin=0.0, look=look)
 
 
 def pallet_row(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
@@ -67,11 +65,11 @@ def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
 
 def drums(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
     """Barrels close together in two ranks."""
-    attributes = paint(bearing.draw)
+    look = paint(bearing.draw)
     for index in range(count):
         at = (u + (index // 2) * 0.72, v + (index % 2) * 0.72)
         size = (0.6, 0.6, 0.88)
-        bearing.stand("barrel", frame.moved(*at), size, attributes=attributes)
+        bearing.stand("barrel", frame.moved(*at), size, look=look)
 
 
 def scatter_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:

@@ -49,16 +49,16 @@ class Ground:
         share = min(1.0, max(0.0, (v - reach) / self.parcel.depth))
         return self.parcel.level + share * self.parcel.rise
 
-    def cover(self, name: str, attributes: Attributes | None = None) -> None:
+    def cover(self, name: str, look: Attributes | None = None) -> None:
         """Give the whole parcel a surface; on a slope the hill itself."""
         parcel = self.parcel
         turn, size = 0.0, (parcel.width, parcel.depth, GROUND_M[name])
         if parcel.rise:
-            attributes = {"form": "ramp", "finish": _FINISH[name]}
+            look = {"form": "ramp", "finish": _FINISH[name]}
             name, turn, size = "terrain", QUARTER, (parcel.depth, parcel.width, parcel.rise)
         spot = parcel.frame.moved(0, parcel.depth / 2, turn)
         self.surface = self.builder.place(
-            name, spot, size, base=parcel.level, parent=parcel.bearer, attributes=attributes
+            name, spot, size, base=parcel.level, parent=parcel.bearer, look=look
         )
 
     def stand(
@@ -72,22 +72,16 @@ class Ground:
         margin: float = 0.15,
         on: Placed | None = None,
         base: float | None = None,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something on the parcel's surface, if there is space."""
         bearer = on or self.surface
         size = size or self.draw.size_of(name)
         if base is None:
             base = self.height_under(v, size, turn)
+        spot = self.parcel.frame.moved(u, v, turn)
         return self.builder.place(
-            name,
-            self.parcel.frame.moved(u, v, turn),
-            size,
-            base=base,
-            parent=bearer,
-            within=bearer,
-            margin=margin,
-            attributes=attributes,
+            name, spot, size, base=base, parent=bearer, within=bearer, margin=margin, look=look
         )
 
     def erect(
@@ -98,7 +92,7 @@ class Ground:
         size: Vector3,
         *,
         turn: float = STREETWARD,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Put up a structure, if there is space: a root of its own, or a part of its hill."""
         return self.builder.place(
@@ -109,7 +103,7 @@ class Ground:
             parent=self.surface if self.parcel.rise else None,
             within=self.surface,
             margin=_MARGIN_M,
-            attributes=attributes,
+            look=look,
         )
 
     def scatter(
@@ -120,7 +114,7 @@ class Ground:
         margin: float = 0.3,
         near: tuple[float, float, float, float] | None = None,
         turn: float | None = None,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> list[Placed]:
         """Stand several of a kind at random places (u0, u1, v0, v1) of the parcel."""
         half, depth = self.parcel.width / 2, self.parcel.depth
@@ -132,9 +126,7 @@ class Ground:
             for _ in range(_TRIES):
                 u, v = self._spot(u0, u1, reach), self._spot(v0, v1, reach)
                 heading = self.draw.between(-pi, pi) if turn is None else turn
-                placed = self.stand(
-                    name, u, v, size, turn=heading, margin=margin, attributes=attributes
-                )
+                placed = self.stand(name, u, v, size, turn=heading, margin=margin, look=look)
                 if placed:
                     found.append(placed)
                     break
@@ -156,9 +148,9 @@ class Ground:
             reach = width / 2 + 0.2
             for _ in range(_TRIES):
                 u, v = self._spot(u0, u1, reach), self._spot(v0, v1, reach)
-                attributes = {"form": form, "leaves": leaves}
+                look = {"form": form, "leaves": leaves}
                 size = (width, width, height)
-                if self.stand("tree", u, v, size, turn=0.0, attributes=attributes):
+                if self.stand("tree", u, v, size, turn=0.0, look=look):
                     break
 
     def _spot(self, low: float, high: float, reach: float) -> float:
@@ -186,7 +178,7 @@ class Ground:
                 size,
                 base=self.height_under(v, size, turn),
                 parent=self.surface,
-                attributes={"form": form},
+                look={"form": form},
             )
 
     def facing(self, spot: Frame) -> float:

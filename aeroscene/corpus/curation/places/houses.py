@@ -120,11 +120,9 @@ class Houses:
             return
         length = max(6.0, min(draw.between(8.5, 11.5), plot.space - 1.6))
         storeys = draw.count(1, 2)
-        attributes = {"colour": draw.one_of((*WALL_COLOURS, "brick")), "storeys": storeys}
+        look = {"colour": draw.one_of((*WALL_COLOURS, "brick")), "storeys": storeys}
         size = (deep, round(length, 2), 3.1 if storeys == 1 else 6.0)
-        plot.house = ground.erect(
-            "house", plot.house_u, setback + deep / 2, size, attributes=attributes
-        )
+        plot.house = ground.erect("house", plot.house_u, setback + deep / 2, size, look=look)
         if plot.house is None:
             return
         if draw.chance(0.3):
@@ -156,10 +154,8 @@ class Houses:
         start = plot.drive.size[0] if plot.drive else 6.0
         if ground.parcel.depth - start < 6.5:
             return
-        attributes = {"form": "garage"}
-        plot.garage = ground.erect(
-            "garage", plot.drive_u, start + 3.35, (5.8, 3.1, 2.7), attributes=attributes
-        )
+        look = {"form": "garage"}
+        plot.garage = ground.erect("garage", plot.drive_u, start + 3.35, (5.8, 3.1, 2.7), look=look)
 
     def _lay_terrace(self, plot: _Plot) -> None:
         """A deck on the garden side of the house."""
@@ -197,10 +193,10 @@ class Houses:
         ground, draw = self.ground, self.ground.draw
         if ground.parcel.depth - plot.back < 6.5:
             return
-        attributes = {"form": "shed"}
+        look = {"form": "shed"}
         u = plot.low + 2.4 if draw.chance(0.5) else plot.high - 2.4
         at = (u, ground.parcel.depth - 2.4)
-        ground.erect("garage", *at, (2.4, 3.0, 2.4), attributes=attributes)
+        ground.erect("garage", *at, (2.4, 3.0, 2.4), look=look)
 
     def details(self) -> Iterator[None]:
         """Furniture, then cars on the drives, and the life of the gardens."""

@@ -45,7 +45,7 @@ class Market:
         width = min(8.0, 0.9 * half)
         size = (draw.between(4.2, 5.5), round(max(3.0, width), 2), 3.3)
         u, v = side * (half - size[1] / 2 - 1.2), 0.45 * depth
-        self._awning = ground.stand("canopy", u, v, size, margin=0.5, attributes=_awning(draw))
+        self._awning = ground.stand("canopy", u, v, size, margin=0.5, look=_awning(draw))
         yield
         name = draw.one_of(("water", "water", "deck"))
         size = _FOUNTAIN_M if name == "water" else (3.6, 5.0, 0.45)
@@ -53,7 +53,7 @@ class Market:
         yield
         kiosk = (2.8, draw.between(3.0, 4.0), 2.9)
         spot = (-side * (half - 2.4), max(2.0, 0.25 * depth))
-        placed = ground.stand("kiosk", *spot, kiosk, margin=0.5, attributes=paint(draw))
+        placed = ground.stand("kiosk", *spot, kiosk, margin=0.5, look=paint(draw))
         self._kiosks += [placed] if placed else []
         yield
         for spot in spots[2:]:
@@ -76,7 +76,7 @@ class Market:
     def _pitch_stall(self, u: float, v: float, turn: float) -> None:
         ground = self.ground
         stall = ground.stand(
-            "canopy", u, v, _STALL_M, turn=turn, margin=0.5, attributes=_awning(ground.draw)
+            "canopy", u, v, _STALL_M, turn=turn, margin=0.5, look=_awning(ground.draw)
         )
         if stall:
             self._stalls.append(stall)
@@ -92,7 +92,7 @@ class Market:
             bearing = beneath(ground, stall)
             form = {"form": "trestle"}
             size = (0.85, 2.4, 0.78)
-            table = bearing.stand("table", stall.frame.moved(0.5, 0.0), size, attributes=form)
+            table = bearing.stand("table", stall.frame.moved(0.5, 0.0), size, look=form)
             if table:
                 boxes_on(ground, table, ground.draw.count(2, 3))
             yield

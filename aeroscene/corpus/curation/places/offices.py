@@ -70,7 +70,7 @@ class Offices:
         bays = {"rows": 1}
         at = (side * (half - _BAYS_M[1] / 2 - 0.3), _BAYS_M[0] / 2 + 0.2)
         size = (_BAYS_M[1], _BAYS_M[0], _BAYS_M[2])
-        self._bays = ground.stand("parking_lot", *at, size, turn=0.0, attributes=bays)
+        self._bays = ground.stand("parking_lot", *at, size, turn=0.0, look=bays)
         yield
         garden = depth - setback - deep
         if garden > 5:
@@ -81,7 +81,7 @@ class Offices:
             size = (3.6, 4.4, 3.0)
             colour = {"colour": draw.one_of(("white", "green", "red"))}
             self._pavilion = ground.stand(
-                "canopy", -side * 0.5 * half, depth - 2.6, size, attributes=colour
+                "canopy", -side * 0.5 * half, depth - 2.6, size, look=colour
             )
             yield
         ground.fence_line((-half + 0.4, depth - 0.3), (half - 0.4, depth - 0.3), "hedge", 1.3)
@@ -109,11 +109,9 @@ class Offices:
         else:
             deep = round(max(6.0, deep), 2)
             setback = round(max(0.6, min(setback, depth - deep - 0.6)), 2)
-            attributes = {"colour": draw.one_of(WALL_COLOURS), "form": "plain"}
+            look = {"colour": draw.one_of(WALL_COLOURS), "form": "plain"}
             size = (deep, length, 6.4)
-            self._building = ground.erect(
-                "building", u, setback + deep / 2, size, attributes=attributes
-            )
+            self._building = ground.erect("building", u, setback + deep / 2, size, look=look)
         if self._building:
             self._roof = add_flat_roof(ground.builder, self._building)
         return u, setback, deep, length

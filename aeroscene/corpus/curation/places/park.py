@@ -59,8 +59,8 @@ class Park:
         name = draw.one_of(("canopy", "canopy", "kiosk"))
         size = (2.6, 3.2, 2.8) if name == "kiosk" else (4.0, 5.0, 3.2)
         u = path_u + stage * min(0.55 * half, half - 3.5)
-        attributes = {**paint(draw), "form": "pitched" if name == "canopy" else "hatch"}
-        placed = self._on_lawn(name, u, 0.2 * depth, size, attributes)
+        look = {**paint(draw), "form": "pitched" if name == "canopy" else "hatch"}
+        placed = self._on_lawn(name, u, 0.2 * depth, size, look)
         self._shelter = placed if placed and name == "canopy" else None
         yield
         form = {"form": "hedge"}
@@ -69,7 +69,7 @@ class Park:
             u = path_u + sign * (1.8 + long / 2)
             if long > 2:
                 size = (0.3, round(long, 2), 1.3)
-                ground.stand("fence", u, depth - 0.4, size, margin=0.0, attributes=form)
+                ground.stand("fence", u, depth - 0.4, size, margin=0.0, look=form)
             yield
 
     def _pave(self, u: float, v: float, long: float, turn: float) -> None:
@@ -97,8 +97,8 @@ class Park:
         if side < 5:
             return
         size = (round(side, 2), round(side * draw.between(0.85, 1.0), 2), round(0.1 * side, 2))
-        attributes = {"form": "mound", "finish": "grass"}
-        self._on_lawn("terrain", u, v, size, attributes)
+        look = {"form": "mound", "finish": "grass"}
+        self._on_lawn("terrain", u, v, size, look)
 
     def _on_lawn(
         self,
@@ -106,10 +106,10 @@ class Park:
         u: float,
         v: float,
         size: Vector3,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
         turn: float = STREETWARD,
     ) -> Placed | None:
-        return self.ground.stand(name, u, v, size, turn=turn, margin=0.4, attributes=attributes)
+        return self.ground.stand(name, u, v, size, turn=turn, margin=0.4, look=look)
 
     def details(self) -> Iterator[None]:
         """Benches along the paths and trees first; then picnics, guests, flowers."""

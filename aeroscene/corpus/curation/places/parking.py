@@ -60,7 +60,7 @@ class Parking:
         kiosk = {"colour": "blue"}
         if self._island:
             spot = self._island.frame.moved(-0.3 * first, 0.0)
-            on_top(ground, self._island).stand("kiosk", spot, (2.0, 2.0, 2.5), attributes=kiosk)
+            on_top(ground, self._island).stand("kiosk", spot, (2.0, 2.0, 2.5), look=kiosk)
             yield
         half = ground.parcel.width / 2
         edge = -self._side * (half - 0.2)
@@ -120,14 +120,14 @@ class Parking:
         asphalt = {"form": "terrace", "finish": "asphalt"}
         v = _LEVEL_V_M + deep / 2
         size = (deep, width, _RISE_M)
-        self._level = ground.erect("terrain", 0, v, size, turn=INWARD, attributes=asphalt)
+        self._level = ground.erect("terrain", 0, v, size, turn=INWARD, look=asphalt)
         if self._level is None:
             return
         ramp = {"form": "ramp", "finish": "asphalt"}
         u = self._side * (half - _AISLE_M / 2)
         v = _LEVEL_V_M - _RAMP_M / 2
         size = (_RAMP_M, _AISLE_M - 0.8, _RISE_M)
-        ground.stand("terrain", u, v, size, turn=INWARD, margin=0.0, attributes=ramp)
+        ground.stand("terrain", u, v, size, turn=INWARD, margin=0.0, look=ramp)
         platform = on_top(ground, self._level)
         self._paint(platform, _LEVEL_V_M + 0.2, deep - 0.4)
         self._rail(platform)
@@ -139,15 +139,15 @@ class Parking:
         u = -self._side * (half - long / 2 - 0.3)
         rails = {"form": "rails"}
         spot = ground.parcel.frame.moved(u, _LEVEL_V_M + 0.1, QUARTER)
-        platform.stand("fence", spot, (0.1, long, 1.0), margin=0.0, attributes=rails)
+        platform.stand("fence", spot, (0.1, long, 1.0), margin=0.0, look=rails)
 
     def _raise_shop(self, rest: float) -> None:
         ground, draw = self.ground, self.ground.draw
         deep, length = min(10.0, rest - 0.8), min(18.0, ground.parcel.width - 3)
-        attributes = {"colour": draw.one_of(WALL_COLOURS), "storeys": 1, "form": "plain"}
+        look = {"colour": draw.one_of(WALL_COLOURS), "storeys": 1, "form": "plain"}
         size = (round(deep, 2), round(length, 2), 4.2)
         v = ground.parcel.depth - deep / 2 - 0.3
-        shop = ground.erect("building", 0, v, size, attributes=attributes)
+        shop = ground.erect("building", 0, v, size, look=look)
         self._roof = add_flat_roof(ground.builder, shop) if shop else None
 
     def details(self) -> Iterator[None]:
@@ -171,7 +171,7 @@ class Parking:
                 height = draw.between(4.5, 6.5)
                 size = (2.2, 2.2, height)
                 spot = island.frame.moved(at + 0.8, 0.0)
-                platform.stand("tree", spot, size, attributes={"form": "round"})
+                platform.stand("tree", spot, size, look={"form": "round"})
                 platform.stand("bush", island.frame.moved(at - 1.0, 0.0), (0.9, 0.9, 0.8))
                 yield
         if self._strip:

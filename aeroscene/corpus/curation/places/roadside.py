@@ -19,8 +19,8 @@ def park(
     """A vehicle with some paint."""
     length, width, height = bearing.draw.size_of(name, 0.25)
     size = (min(length, _LONGEST_M.get(name, length)), width, height)
-    attributes = paint(bearing.draw)
-    return bearing.stand(name, frame.moved(u, v, turn), size, margin=0.15, attributes=attributes)
+    look = paint(bearing.draw)
+    return bearing.stand(name, frame.moved(u, v, turn), size, margin=0.15, look=look)
 
 
 def rack_bicycles(
@@ -30,7 +30,7 @@ def rack_bicycles(
     for index in range(count):
         at = u + (index - (count - 1) / 2) * 0.75
         size = (1.75, 0.55, 1.05)
-        bearing.stand("bicycle", frame.moved(at, v, turn), size, attributes=paint(bearing.draw))
+        bearing.stand("bicycle", frame.moved(at, v, turn), size, look=paint(bearing.draw))
 
 
 def line_way(

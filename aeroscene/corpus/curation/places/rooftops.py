@@ -30,7 +30,7 @@ def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -
     x, y, _ = building.size
     height = ROOF_SLAB_M + (PARAPET_RISE_M if parapet else 0.0)
     size = (x, y, height)
-    return builder.place("roof", building.frame, size, parent=building, attributes={"form": "flat"})
+    return builder.place("roof", building.frame, size, parent=building, look={"form": "flat"})
 
 
 def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed | None:
@@ -38,19 +38,16 @@ def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed |
     x, y, _ = building.size
     run, span = max(x, y), min(x, y)
     size = (run + 2 * _OVERHANG_M, span + 2 * _OVERHANG_M, round(0.32 * span, 2))
-    attributes = {
-        "form": draw.one_of(("gable", "hip")),
-        "tiles": draw.one_of(("roof_red", "roof_slate")),
-    }
+    look = {"form": draw.one_of(("gable", "hip")), "tiles": draw.one_of(("roof_red", "roof_slate"))}
     spot = building.frame.moved(0, 0, 0.0 if x >= y else QUARTER)
-    return builder.place("roof", spot, size, parent=building, attributes=attributes)
+    return builder.place("roof", spot, size, parent=building, look=look)
 
 
 def add_monopitch_roof(builder: Builder, building: Placed) -> Placed | None:
     """One plane that rises towards the building's front, gentle enough to land on."""
     x, y, _ = building.size
     size = (x + 2 * _OVERHANG_M, y + 2 * _OVERHANG_M, round(0.2 + MONOPITCH_SLOPE * x, 2))
-    return builder.place("roof", building.frame, size, parent=building, attributes={"form": "shed"})
+    return builder.place("roof", building.frame, size, parent=building, look={"form": "shed"})
 
 
 def add_chimney(builder: Builder, draw: Draw, roof: Placed) -> None:

@@ -60,11 +60,11 @@ class School:
         yield
         sand = {"form": "terrace", "finish": "gravel"}
         at = (side * 0.55 * half, min(self._yard_v - 2.4, 0.45 * self._yard_v + 5.6))
-        self._sand = ground.stand("terrain", *at, (3.6, 4.2, 0.2), margin=0.3, attributes=sand)
+        self._sand = ground.stand("terrain", *at, (3.6, 4.2, 0.2), margin=0.3, look=sand)
         yield
         colour = {"colour": draw.one_of(("yellow", "orange", "green"))}
         at = (-side * 0.1 * half, self._yard_v - 2.8)
-        self._shade = ground.stand("canopy", *at, (3.6, 5.0, 2.9), margin=0.4, attributes=colour)
+        self._shade = ground.stand("canopy", *at, (3.6, 5.0, 2.9), margin=0.4, look=colour)
         yield
         self._raise_tower(side * (half - 2.6), 0.2 * self._yard_v)
         yield
@@ -77,11 +77,7 @@ class School:
         deep = round(max(6.0, min(9.5, 0.36 * depth)), 2)
         length = round(min(30.0, width - 1.6), 2)
         self._yard_v = depth - deep - 1.2
-        attributes = {
-            "colour": draw.one_of((*WALL_COLOURS, "brick")),
-            "storeys": 2,
-            "form": "ledges",
-        }
+        look = {"colour": draw.one_of((*WALL_COLOURS, "brick")), "storeys": 2, "form": "ledges"}
         size = (deep, length, 6.4)
         v = depth - deep / 2 - 0.6
         school = None
@@ -92,7 +88,7 @@ class School:
             if shell:
                 school, self._rooms = shell.building, shell.rooms
         else:
-            school = ground.erect("building", 0, v, size, attributes=attributes)
+            school = ground.erect("building", 0, v, size, look=look)
         if school is None:
             return
         self._is_flat = draw.chance(0.6)
@@ -113,7 +109,7 @@ class School:
         steps = (1.2, 1.2, _TOWER_M[2])
         OpenGround(ground).stand("stairs", tower.frame.moved(at, 0.0, pi), steps, margin=0.0)
         colour = {"colour": ground.draw.one_of(("red", "blue", "green"))}
-        on_top(ground, tower).stand("canopy", tower.frame, (2.6, 2.6, 2.7), attributes=colour)
+        on_top(ground, tower).stand("canopy", tower.frame, (2.6, 2.6, 2.7), look=colour)
 
     def _lay_court(self, side: int) -> None:
         """A ball court with a fence along each end."""
@@ -122,11 +118,11 @@ class School:
         deep = min(_COURT_M[1], round(self._yard_v - 3.0, 2))
         if min(width, deep) < 5:
             return
-        attributes = {"rows": 0, "form": "bays"}
+        look = {"rows": 0, "form": "bays"}
         size = (width, deep, 0.03)
         u = side * (half - width / 2 - 0.8)
         self._court = ground.stand(
-            "parking_lot", u, 1.0 + deep / 2, size, turn=0.0, margin=0.0, attributes=attributes
+            "parking_lot", u, 1.0 + deep / 2, size, turn=0.0, margin=0.0, look=look
         )
         if self._court is None:
             return
@@ -135,7 +131,7 @@ class School:
             at = sign * (width / 2 - 0.15)
             goal = (0.1, round(min(4.0, 0.6 * deep), 2), 2.2)
             spot = self._court.frame.moved(at, 0.0)
-            on_top(ground, self._court).stand("fence", spot, goal, margin=0.0, attributes=rails)
+            on_top(ground, self._court).stand("fence", spot, goal, margin=0.0, look=rails)
 
     def _fence(self) -> Iterator[None]:
         """Along the street with a gate, and along both flanks of the yard."""
@@ -223,7 +219,7 @@ class School:
             height = ground.draw.between(4.5, 7.0)
             size = (1.7, 1.7, height)
             form = {"form": "poplar"}
-            ground.stand("tree", side * (half - 1.4), v, size, turn=0.0, attributes=form)
+            ground.stand("tree", side * (half - 1.4), v, size, turn=0.0, look=form)
             yield
         ground.plant_trees(2, yard)
         yield

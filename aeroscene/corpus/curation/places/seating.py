@@ -31,7 +31,7 @@ def set_table(
     size = size or (0.9, bearing.draw.between(1.2, 1.8), 0.74)
     wood, form = bearing.draw.one_of(WOODS), bearing.draw.one_of(("legs", "trestle"))
     spot = frame.moved(u, v, turn)
-    table = bearing.stand("table", spot, size, margin=0.1, attributes={"wood": wood, "form": form})
+    table = bearing.stand("table", spot, size, margin=0.1, look={"wood": wood, "form": form})
     if table is None:
         return None
     for side, along in _seats(size, chairs):
@@ -39,7 +39,7 @@ def set_table(
         reach = side * (size[0] / 2 + seat[0] / 2 + _GAP_M)
         facing = pi if side > 0 else 0.0
         spot = table.frame.moved(reach, along, facing)
-        bearing.stand("chair", spot, seat, attributes={"wood": wood, "form": "legs"})
+        bearing.stand("chair", spot, seat, look={"wood": wood, "form": "legs"})
     return table
 
 
@@ -96,12 +96,12 @@ def picnic(bearing: Bearing, frame: Frame, u: float, v: float, turn: float) -> P
     length = bearing.draw.between(1.6, 2.0)
     form = {"form": "trestle"}
     size = (0.8, length, 0.74)
-    table = bearing.stand("table", frame.moved(u, v, turn), size, margin=0.1, attributes=form)
+    table = bearing.stand("table", frame.moved(u, v, turn), size, margin=0.1, look=form)
     if table is None:
         return None
     for side in (-1, 1):
         facing = pi if side > 0 else 0.0
         size = (0.42, length, 0.46)
         plain = {"form": "plain"}
-        bearing.stand("bench", table.frame.moved(side * 0.72, 0.0, facing), size, attributes=plain)
+        bearing.stand("bench", table.frame.moved(side * 0.72, 0.0, facing), size, look=plain)
     return table

@@ -54,9 +54,8 @@ class Station:
             end = platform.size[0] / 2 - 2.2
             side = 1 if draw.chance(0.5) else -1
             spot = platform.frame.moved(side * end, 0.0, -QUARTER)
-            self._kiosk = on_top(ground, platform).stand(
-                "kiosk", spot, (2.4, 3.0, 2.8), attributes=paint(draw)
-            )
+            size = (2.4, 3.0, 2.8)
+            self._kiosk = on_top(ground, platform).stand("kiosk", spot, size, look=paint(draw))
             yield
         self._plant_strip(spots)
         yield
@@ -84,9 +83,7 @@ class Station:
         size = (_SHELTER_M[0], length, _SHELTER_M[2])
         colour = {"colour": "silver"}
         spot = platform.frame.moved(share * platform.size[0], 0.0, -QUARTER)
-        shelter = on_top(ground, platform).stand(
-            "canopy", spot, size, margin=0.2, attributes=colour
-        )
+        shelter = on_top(ground, platform).stand("canopy", spot, size, margin=0.2, look=colour)
         if shelter:
             self._shelters.append((shelter, platform))
 
@@ -121,7 +118,7 @@ class Station:
                 turn = 0.0 if side > 0 else 2 * QUARTER
                 size = (length, 2.55, 3.1)
                 spot = platform.frame.moved(at, v, turn)
-                bearing.stand("bus", spot, size, attributes=paint(draw))
+                bearing.stand("bus", spot, size, look=paint(draw))
                 yield
 
     def _wait(self) -> Iterator[None]:

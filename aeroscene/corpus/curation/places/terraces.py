@@ -62,7 +62,7 @@ class Terraces:
             middle, at = self._steps[0], draw.between(-0.5, 0.5) * half
             spot = middle.frame.moved(0.2, at)
             self._pavilion = on_top(ground, middle).stand(
-                "canopy", spot, (3.4, 4.2, 3.0), margin=0.4, attributes=colour
+                "canopy", spot, (3.4, 4.2, 3.0), margin=0.4, look=colour
             )
             yield
         size = (round(2 * half - 2.0, 2), 1.6, 0.05)
@@ -81,7 +81,7 @@ class Terraces:
         for index in range(count):
             size = (strip, round(width - 0.2, 2), round(_RISE_M * (index + 1), 2))
             v = strip * (index + 1.5) - 0.05
-            terrace = ground.stand("terrain", 0, v, size, turn=INWARD, margin=0.0, attributes=earth)
+            terrace = ground.stand("terrain", 0, v, size, turn=INWARD, margin=0.0, look=earth)
             if terrace is None:
                 return
             self._climb(self._steps[-1] if self._steps else None, u, strip * (index + 1) - 0.05)
@@ -110,12 +110,12 @@ class Terraces:
             size: Vector3 = (6.0, min(8.6, round(width - 1.0, 2)), 3.2)
             colour = {"colour": draw.one_of((*WALL_COLOURS, "brick"))}
             spot = top.frame.moved(deep / 2 - 3.5, at, -2 * QUARTER)
-            house = platform.stand("house", spot, size, attributes=colour)
+            house = platform.stand("house", spot, size, look=colour)
             self._roof = add_pitched_roof(ground.builder, draw, house) if house else None
             return
         shed = {"form": "shed"}
         spot = top.frame.moved(deep / 2 - 1.8, at, 2 * QUARTER)
-        platform.stand("garage", spot, (2.6, 3.2, 2.4), attributes=shed)
+        platform.stand("garage", spot, (2.6, 3.2, 2.4), look=shed)
 
     def _retain(self, number: int) -> None:
         """Walls along a terrace's front on either side of the stairs, with a rim above it."""
@@ -129,7 +129,7 @@ class Terraces:
             size = (_WALL_M[0], round(min(high - low, 24.0), 2), _RISE_M + _WALL_M[1])
             if size[1] > 1.0:
                 spot = ground.parcel.frame.moved((low + high) / 2, v, INWARD)
-                below.stand("wall", spot, size, margin=0.0, attributes=colour)
+                below.stand("wall", spot, size, margin=0.0, look=colour)
 
     def details(self) -> Iterator[None]:
         """Beds, tables and trees on every terrace, benches along the path."""

@@ -59,7 +59,7 @@ class Waterfront:
         side = 1 if draw.chance(0.5) else -1
         size = (4.0, min(6.5, 0.5 * half), 3.2)
         at = (side * 0.5 * half, self._edge - 3.6)
-        self._pavilion = ground.stand("canopy", *at, size, turn=INWARD, attributes=paint(draw))
+        self._pavilion = ground.stand("canopy", *at, size, turn=INWARD, look=paint(draw))
         yield
         for index in range(2):
             u = -side * (half - 4.0 - 7.0 * index)
@@ -70,14 +70,12 @@ class Waterfront:
                     stack_container(ground, box)
             yield
         at = (-side * 0.25 * half, max(2.2, 0.55 * self._edge))
-        self._kiosk = ground.stand(
-            "kiosk", *at, (2.4, 3.2, 2.8), turn=INWARD, attributes=paint(draw)
-        )
+        self._kiosk = ground.stand("kiosk", *at, (2.4, 3.2, 2.8), turn=INWARD, look=paint(draw))
         yield
         if self._edge > 8:
             form = {"form": "shed"}
             at = (side * (half - 2.6), 2.8)
-            self._boathouse = ground.erect("garage", *at, (4.4, 3.6, 2.8), attributes=form)
+            self._boathouse = ground.erect("garage", *at, (4.4, 3.6, 2.8), look=form)
             yield
 
     def _lay_quay(self) -> None:
@@ -91,7 +89,7 @@ class Waterfront:
         form = {"form": "open"}
         v, size = self._edge + rest / 2, (parcel.width, rest, _WATER_M)
         spot = parcel.frame.moved(0, v)
-        self._water = ground.builder.place("water", spot, size, base=parcel.level, attributes=form)
+        self._water = ground.builder.place("water", spot, size, base=parcel.level, look=form)
 
     def _afloat(self, water: Placed) -> Platform:
         """The water as something to lie in."""
@@ -142,14 +140,14 @@ class Waterfront:
             v = self._edge + _BERTH_M + beam / 2
             turn = 0.0 if draw.chance(0.5) else pi
             size = (length, beam, draw.between(1.4, 2.4))
-            afloat.stand("boat", frame.moved(u, v, turn), size, attributes=paint(draw))
+            afloat.stand("boat", frame.moved(u, v, turn), size, look=paint(draw))
             if number % 2:
                 yield
         for index in range(2):
             u = draw.between(-0.7, 0.7) * half
             v = self.ground.parcel.depth - draw.between(1.8, 3.0)
             size = (draw.between(5.0, 9.0), 2.4, draw.between(1.8, 3.0))
-            afloat.stand("boat", frame.moved(u, v, index * pi), size, attributes=paint(draw))
+            afloat.stand("boat", frame.moved(u, v, index * pi), size, look=paint(draw))
             yield
 
     def _line_edge(self) -> Iterator[None]:
@@ -215,4 +213,4 @@ def _moor_along(afloat: Platform, jetty: Placed, edge: float, turn: float) -> No
     heading = 0.0 if turn > 0 else pi
     u = draw.between(-0.1, 0.25) * (jetty.size[0] - length)
     u = max(u, -jetty.size[0] / 2 + length / 2 + 3.2)  # Clear of the boats along the quay.
-    afloat.stand("boat", jetty.frame.moved(u, at, heading), size, attributes=paint(draw))
+    afloat.stand("boat", jetty.frame.moved(u, at, heading), size, look=paint(draw))

@@ -41,8 +41,8 @@ class Yard:
     def structures(self) -> Iterator[None]:
         """Two stacks, then an office, a shelter for goods, more stacks, fences with a gate."""
         ground, draw = self.ground, self.ground.draw
-        attributes = {"rows": 0, "form": "bays"}
-        ground.cover("parking_lot", attributes)
+        look = {"rows": 0, "form": "bays"}
+        ground.cover("parking_lot", look)
         self._side = 1 if draw.chance(0.5) else -1
         spots = self._spots()
         for spot in spots[:2]:
@@ -55,7 +55,7 @@ class Yard:
             size = (6.0, 4.5, 4.2)
             colour = {"colour": "silver", "form": "flat"}
             at = (-self._side * (half - 3.2), min(0.45 * depth, depth - 11))
-            self._shelter = ground.stand("canopy", *at, size, turn=INWARD, attributes=colour)
+            self._shelter = ground.stand("canopy", *at, size, turn=INWARD, look=colour)
         yield
         for spot in spots[2:6]:
             self._stack(*spot)
@@ -94,11 +94,9 @@ class Yard:
     def _set_office(self) -> None:
         """A container with a door by the gate, steps before it."""
         ground, half = self.ground, self.ground.parcel.width / 2
-        attributes = {"colour": "white", "form": "office"}
+        look = {"colour": "white", "form": "office"}
         u = -self._side * (half - CONTAINER_M[0] / 2 - 0.8)
-        self._office = ground.erect(
-            "container", u, 2.2, CONTAINER_M, turn=0.0, attributes=attributes
-        )
+        self._office = ground.erect("container", u, 2.2, CONTAINER_M, turn=0.0, look=look)
         if self._office:
             ground.stand("deck", u, 4.7, (3.0, 1.8 * 2, 0.2), turn=0.0, margin=0.02)
 

@@ -84,7 +84,7 @@ class Interior:
         name: str,
         size: Vector3 | None = None,
         turn: float = 0.0,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something with its back to a wall, or turned from that, where there is space.
 
@@ -93,13 +93,13 @@ class Interior:
         size = size or self._size_of(name)
         others = [self.sides[i] for i in self.draw.shuffled(range(len(self.sides)))]
         for wall in (*(s for s in others if s == side), *(s for s in others if s != side)):
-            placed = self._against(wall, name, size, turn, attributes)
+            placed = self._against(wall, name, size, turn, look)
             if placed:
                 return placed
         return None
 
     def _against(
-        self, side: str, name: str, size: Vector3, turn: float, attributes: Attributes | None
+        self, side: str, name: str, size: Vector3, turn: float, look: Attributes | None
     ) -> Placed | None:
         frame, length = self.wall(side)
         is_square = abs(turn) % pi < 0.1
@@ -110,7 +110,7 @@ class Interior:
         v = deep / 2 + _GAP_M
         for _ in range(_TRIES):
             spot = frame.moved(self.draw.between(-reach, reach), v, QUARTER + turn)
-            placed = self._stand(name, spot, size, 0.02, attributes)
+            placed = self._stand(name, spot, size, 0.02, look)
             if placed:
                 return placed
         return None
@@ -137,7 +137,7 @@ class Interior:
         size: Vector3 | None = None,
         keep: float = 0.7,
         turn: float = 0.0,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something freely in the room, `keep` from everything."""
         size = size or self._size_of(name)
@@ -148,7 +148,7 @@ class Interior:
             return None
         for _ in range(_TRIES):
             u, v = self.draw.between(-reach_u, reach_u), self.draw.between(-reach_v, reach_v)
-            placed = self._stand(name, self.room.frame.moved(u, v, turn), size, keep, attributes)
+            placed = self._stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
             if placed:
                 return placed
         return None
@@ -161,11 +161,11 @@ class Interior:
         size: Vector3 | None = None,
         turn: float = 0.0,
         keep: float = 0.02,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something at a place of the room, from its middle."""
         size = size or self._size_of(name)
-        return self._stand(name, self.room.frame.moved(u, v, turn), size, keep, attributes)
+        return self._stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
 
     def beside(
         self,
@@ -236,13 +236,11 @@ class Interior:
         v: float,
         size: Vector3,
         turn: float = 0.0,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         """Lay something of a given size on top of something, at a place in its frame."""
         spot = bearer.frame.moved(u, v, turn)
-        return self._builder.place(
-            name, spot, size, parent=bearer, within=bearer, attributes=attributes
-        )
+        return self._builder.place(name, spot, size, parent=bearer, within=bearer, look=look)
 
     def _stand(
         self,
@@ -250,11 +248,12 @@ class Interior:
         spot: Frame,
         size: Vector3,
         margin: float = 0.02,
-        attributes: Attributes | None = None,
+        look: Attributes | None = None,
     ) -> Placed | None:
         if self.floor + size[2] > self.room.top:
             return None
-        look = {**self._style, **(attributes or {})} if name in _STYLED else attributes
+        if name in _STYLED:
+            look = {**self._style, **(look or {})}
         if name in self._forms:
             look = {"form": self._forms[name], **(look or {})}
         placed = self._builder.place(
@@ -265,7 +264,7 @@ class Interior:
             parent=self.room,
             within=self.room,
             margin=margin,
-            attributes=look,
+            look=look,
         )
         if placed and name in _BEARERS:
             self.bearers.append(placed)

@@ -37,8 +37,8 @@ def _rack(room: Interior, u: float, v: float, turn: float) -> list[Placed]:
     size, form = (0.5, 2.0, 2.2), _RACK
     shift_u, shift_v = (0.26, 0.0) if turn == 0.0 else (0.0, 0.26)
     pair = (
-        room.put("shelf", u + shift_u, v + shift_v, size, turn, attributes=form),
-        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, attributes=form),
+        room.put("shelf", u + shift_u, v + shift_v, size, turn, look=form),
+        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, look=form),
     )
     return [shelf for shelf in pair if shelf]
 
@@ -123,8 +123,8 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
     for number, (u, v) in enumerate(room.spots(*pitch, 1.9, is_tight=True)):
         size = (0.45, 2.0, 1.7)
         shift_u, shift_v = (0.24, 0.0) if turn == 0.0 else (0.0, 0.24)
-        room.put("shelf", u + shift_u, v + shift_v, size, turn, attributes=_RACK)
-        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, attributes=_RACK)
+        room.put("shelf", u + shift_u, v + shift_v, size, turn, look=_RACK)
+        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, look=_RACK)
         yield
         if number % 2:
             room.anywhere("pallet", (1.25, 1.15, draw.between(0.6, 1.0)), keep=0.6)

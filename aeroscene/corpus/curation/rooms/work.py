@@ -154,8 +154,8 @@ def furnish_library(room: Interior) -> Iterator[None]:
     spots = room.spots(2.6, 2.0, 1.6, is_tight=True)
     for index in range(0, min(len(spots), 10), 2):
         for u, v in spots[index : index + 2]:
-            room.put("shelf", u + 0.21, v, size, attributes=_BOOKCASE)
-            room.put("shelf", u - 0.21, v, size, turn=pi, attributes=_BOOKCASE)
+            room.put("shelf", u + 0.21, v, size, look=_BOOKCASE)
+            room.put("shelf", u - 0.21, v, size, turn=pi, look=_BOOKCASE)
         yield
     for _ in range(3):
         table = room.anywhere("table", (1.1, 1.8, 0.74), keep=0.8)

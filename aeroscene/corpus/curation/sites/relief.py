@@ -60,7 +60,7 @@ def _lay_slope(
         (high - low, _LANE_M, rise),
         base=land.level,
         parent=land.bearer,
-        attributes={"form": "ramp", "finish": "asphalt"},
+        look={"form": "ramp", "finish": "asphalt"},
     )
 
 
