@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import pi
 
 from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
@@ -152,6 +152,18 @@ class Interior:
             if placed:
                 return placed
         return None
+
+    def line_walls(self, names: Sequence[str], count: int) -> Iterator[None]:
+        """Stand so many of some kinds against walls, one a step."""
+        for _ in range(count):
+            self.against(self.some_side(), self.draw.one_of(names))
+            yield
+
+    def strew(self, names: Sequence[str], count: int, keep: float) -> Iterator[None]:
+        """Stand so many of some kinds freely in the room, one a step."""
+        for _ in range(count):
+            self.anywhere(self.draw.one_of(names), keep=keep)
+            yield
 
     def put(
         self,

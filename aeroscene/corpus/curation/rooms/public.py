@@ -55,14 +55,11 @@ def furnish_lobby(room: Interior) -> Iterator[None]:
     room.on(cabinet, "television", 0.0, 0.0)
     room.against(room.some_side(), "bin")
     yield
-    for _ in range(4):
-        room.against(room.some_side(), draw.one_of(("plant", "armchair", "bench")))
-        yield
+    yield from room.line_walls(("plant", "armchair", "bench"), 4)
 
 
 def furnish_lounge(room: Interior) -> Iterator[None]:
     """Groups of armchairs around low tables, standing tables, shelves."""
-    draw = room.draw
     for _ in range(4 if room.area > 80 else 2):
         table = room.anywhere("coffee_table", (0.9, 1.2, 0.45), keep=1.2)
         seats(room, table, 2, "armchair")
@@ -77,9 +74,7 @@ def furnish_lounge(room: Interior) -> Iterator[None]:
         yield
     room.lined(room.some_side(), "shelf", 2)
     yield
-    for _ in range(4):
-        room.against(room.some_side(), draw.one_of(("plant", "planter", "lamp", "bin")))
-        yield
+    yield from room.line_walls(("plant", "planter", "lamp", "bin"), 4)
 
 
 def furnish_corridor(room: Interior) -> Iterator[None]:
@@ -94,7 +89,6 @@ def furnish_corridor(room: Interior) -> Iterator[None]:
 
 def furnish_garden(room: Interior) -> Iterator[None]:
     """A winter garden: planters, bushes, benches, a table."""
-    draw = room.draw
     for _ in range(3):
         room.anywhere("planter", (1.2, 2.6, 1.3), keep=0.8)
         room.against(room.some_side(), "plant", (0.9, 0.9, 1.8))
@@ -108,9 +102,7 @@ def furnish_garden(room: Interior) -> Iterator[None]:
         chairs = seats(room, table, 2)
         lay(room, table, chairs[:1])
         yield
-    for _ in range(4):
-        room.against(room.some_side(), draw.one_of(("bush", "plant", "planter", "barrel")))
-        yield
+    yield from room.line_walls(("bush", "plant", "planter", "barrel"), 4)
 
 
 def furnish_gym(room: Interior) -> Iterator[None]:
@@ -183,7 +175,6 @@ def furnish_stand(room: Interior) -> Iterator[None]:
 
 def furnish_concourse(room: Interior) -> Iterator[None]:
     """Benches back to back, departure boards, bins, planters, ticket machines."""
-    draw = room.draw
     for u, v in room.spots(5.0, 4.2, 2.1)[:8]:
         size = (0.6, 2.0, 0.85)
         room.put("bench", u + 0.33, v, size)
@@ -200,6 +191,4 @@ def furnish_concourse(room: Interior) -> Iterator[None]:
     room.on(counter, "monitor", 0.0, 0.6)
     room.on(counter, "laptop", 0.0, -0.6)
     yield
-    for _ in range(6):
-        room.anywhere(draw.one_of(("bicycle", "box", "crate")), keep=0.9)
-        yield
+    yield from room.strew(("bicycle", "box", "crate"), 6, keep=0.9)

@@ -95,9 +95,7 @@ def furnish_goods(room: Interior) -> Iterator[None]:
     for _ in range(3):
         room.lined(room.some_side(), draw.one_of(("barrel", "crate")), 3)
         yield
-    for _ in range(10):
-        room.anywhere(draw.one_of(("box", "crate", "pallet", "barrel")), keep=0.7)
-        yield
+    yield from room.strew(("box", "crate", "pallet", "barrel"), 10, keep=0.7)
 
 
 def furnish_storage(room: Interior) -> Iterator[None]:
@@ -109,9 +107,7 @@ def furnish_storage(room: Interior) -> Iterator[None]:
     for _ in range(6):
         room.anywhere("crate", (1.1, 1.1, draw.between(0.6, 1.0)), keep=0.8)
         yield
-    for _ in range(4):
-        room.anywhere(draw.one_of(("pallet", "barrel", "box")), keep=0.8)
-        yield
+    yield from room.strew(("pallet", "barrel", "box"), 4, keep=0.8)
 
 
 def furnish_aisles(room: Interior) -> Iterator[None]:
@@ -150,9 +146,7 @@ def furnish_produce(room: Interior) -> Iterator[None]:
     for _ in range(3):
         room.lined(room.some_side(), "fridge", 3, (0.7, 0.9, 1.95))
         yield
-    for _ in range(3):
-        room.anywhere(draw.one_of(("planter", "plant", "sign")), keep=0.8)
-        yield
+    yield from room.strew(("planter", "plant", "sign"), 3, keep=0.8)
 
 
 def furnish_checkout(room: Interior) -> Iterator[None]:
@@ -176,9 +170,7 @@ def furnish_checkout(room: Interior) -> Iterator[None]:
         chairs = seats(room, table, 4)
         lay(room, table, chairs[2:3])
         yield
-    for _ in range(5):
-        room.against(room.some_side(), draw.one_of(("plant", "bin", "sign", "bench", "box")))
-        yield
+    yield from room.line_walls(("plant", "bin", "sign", "bench", "box"), 5)
 
 
 def furnish_booths(room: Interior) -> Iterator[None]:
@@ -200,6 +192,4 @@ def furnish_booths(room: Interior) -> Iterator[None]:
         table = room.anywhere("table", (0.9, 0.9, 0.76), keep=0.8)
         seats(room, table, 2)
         yield
-    for _ in range(6):
-        room.anywhere(draw.one_of(("plant", "sign", "planter", "bin")), keep=0.8)
-        yield
+    yield from room.strew(("plant", "sign", "planter", "bin"), 6, keep=0.8)
