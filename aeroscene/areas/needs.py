@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import radians
-from types import MappingProxyType
 
 import numpy as np
 
@@ -36,19 +35,17 @@ class AreaNeeds:
 
 
 # A Hummingbird reaches 0.4 m from its centre and an Iris 0.45 m.
-NEEDS: Mapping[DroneClass, AreaNeeds] = MappingProxyType(
-    {
-        "large": AreaNeeds(
-            surface_radius_m=2.6, body_radius_m=2.6, flight_radius_m=1.0, clearance_m=1.5
-        ),
-        "medium": AreaNeeds(
-            surface_radius_m=1.2, body_radius_m=1.2, flight_radius_m=0.7, clearance_m=1.5
-        ),
-        "small": AreaNeeds(
-            surface_radius_m=0.4, body_radius_m=0.6, flight_radius_m=0.45, clearance_m=1.5
-        ),
-    }
-)
+NEEDS: Mapping[DroneClass, AreaNeeds] = {
+    "large": AreaNeeds(
+        surface_radius_m=2.6, body_radius_m=2.6, flight_radius_m=1.0, clearance_m=1.5
+    ),
+    "medium": AreaNeeds(
+        surface_radius_m=1.2, body_radius_m=1.2, flight_radius_m=0.7, clearance_m=1.5
+    ),
+    "small": AreaNeeds(
+        surface_radius_m=0.4, body_radius_m=0.6, flight_radius_m=0.45, clearance_m=1.5
+    ),
+}
 """For landing, largest class first."""
 
 PERCH_NEEDS = AreaNeeds(

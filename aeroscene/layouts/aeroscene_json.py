@@ -87,7 +87,7 @@ def _layout(scene_id: str, record: Mapping[str, Any], *, skip_invalid: bool) -> 
     to_layout = _Conversion(things)
     objects: list[LayoutObject] = []
     for thing in things:
-        building = to_layout.outdoor(thing)
+        building = to_layout.in_world(thing)
         objects.append(building)
         objects += to_layout.contents(thing, building, parent=len(objects) - 1)
     return NeutralLayout(
@@ -179,24 +179,19 @@ class _Conversion:
         self._unit_scale = {False: _shared_scale(things), True: _shared_scale(inner)}
         self._ground = statistics.median(thing.translation[2] for thing in things)
 
-    def outdoor(self, thing: _Thing) -> LayoutObject:
-        """An object of the world."""
+    def in_world(self, thing: _Thing, parent: int | None = None) -> LayoutObject:
+        """An object of the world, indoors where it has a parent."""
         x, y, z = thing.translation
         foot = (x * self._unit_m, y * self._unit_m, (z - self._ground) * self._unit_m)
-        return self._object(thing, foot, self._quat(thing), is_indoor=False)
+        return self._object(thing, foot, self._quat(thing), parent)
 
     def contents(self, thing: _Thing, building: LayoutObject, parent: int) -> list[LayoutObject]:
         """What is in a building, in whichever reading of its frame puts more of it inside."""
         local = [self._in_building(child, building, parent) for child in thing.indoor]
-        world = [self._in_world(child, parent) for child in thing.indoor]
+        world = [self.in_world(child, parent) for child in thing.indoor]
         if _n_inside(world, building) > _n_inside(local, building):
             return world
         return local
-
-    def _in_world(self, child: _Thing, parent: int) -> LayoutObject:
-        x, y, z = child.translation
-        foot = (x * self._unit_m, y * self._unit_m, (z - self._ground) * self._unit_m)
-        return self._object(child, foot, self._quat(child), is_indoor=True, parent=parent)
 
     def _in_building(self, child: _Thing, building: LayoutObject, parent: int) -> LayoutObject:
         rotation = rotation_matrix(building.q)
@@ -204,7 +199,7 @@ class _Conversion:
         down = rotation @ (0.0, 0.0, building.s[2] / 2)
         x, y, z = (float(p + o - d) for p, o, d in zip(building.p, offset, down, strict=True))
         w, i, j, k = quat_product(building.q, self._quat(child))
-        return self._object(child, (x, y, z), (w, i, j, k), is_indoor=True, parent=parent)
+        return self._object(child, (x, y, z), (w, i, j, k), parent)
 
     def _quat(self, thing: _Thing) -> Quaternion:
         if len(thing.rotation) == 4:
@@ -221,14 +216,9 @@ class _Conversion:
         return (w, x, y, z)
 
     def _object(
-        self,
-        thing: _Thing,
-        foot: Vector3,
-        quat: Quaternion,
-        *,
-        is_indoor: bool,
-        parent: int | None = None,
+        self, thing: _Thing, foot: Vector3, quat: Quaternion, parent: int | None
     ) -> LayoutObject:
+        is_indoor = parent is not None
         wider = INDOOR_SUPER_CATEGORY if is_indoor else OUTDOOR_SUPER_CATEGORY
         scales = zip(thing.scale, self._unit_scale[is_indoor], strict=True)
         nominal = _nominal_size(thing.name, is_indoor=is_indoor)

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -266,11 +267,4 @@ def _rectangle(half_x: float, half_y: float) -> tuple[Point2, ...]:
 
 def _moved(obj: LayoutObject, east: float, north: float) -> LayoutObject:
     x, y, z = obj.p
-    return LayoutObject(
-        category=obj.category,
-        super_category=obj.super_category,
-        p=(round(x - east, 4), round(y - north, 4), round(z, 4)),
-        q=obj.q,
-        s=obj.s,
-        name=obj.name,
-    )
+    return replace(obj, p=(round(x - east, 4), round(y - north, 4), round(z, 4)))

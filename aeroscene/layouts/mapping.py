@@ -178,7 +178,4 @@ def unknown_category(name: str) -> str:
 
 
 def _sum(first: Mapping[Any, int], second: Mapping[Any, int]) -> dict[Any, int]:
-    total = dict(first)
-    for key, count in second.items():
-        total[key] = total.get(key, 0) + count
-    return total
+    return dict(Counter(first) + Counter(second))

@@ -102,11 +102,11 @@ def plan_walls(rooms: Sequence[LayoutRoom], furniture: Sequence[shapely.Polygon]
     edges = [_edges(index, room.polygon) for index, room in enumerate(rooms)]
     shared = _all_shared(edges)
     openings = _choose_openings(shared, furniture, len(rooms))
-    walls = [_inner_wall(stretch, openings.get(index)) for index, stretch in enumerate(shared)]
+    walls = [_wall(stretch, openings.get(index)) for index, stretch in enumerate(shared)]
     outer = [stretch for ring in edges for stretch in _outer_stretches(ring, shared)]
     exit_ = _choose_exit(outer, furniture)
     for index, stretch in enumerate(outer):
-        walls.append(_outer_wall(stretch, exit_[1] if exit_ and exit_[0] == index else None))
+        walls.append(_wall(stretch, exit_[1] if exit_ and exit_[0] == index else None))
     return walls
 
 
@@ -152,13 +152,14 @@ def _facing(edge: _Edge, opposite: _Edge) -> _Stretch | None:
     return _Stretch(edge, opposite.room, low, high, max(gap, 0.0))
 
 
-def _inner_wall(stretch: _Stretch, opening: float | None) -> WallPlan:
+def _wall(stretch: _Stretch, opening: float | None) -> WallPlan:
     middle = (stretch.low + stretch.high) / 2
+    depth = OUTER_M if stretch.other is None else stretch.gap
     return WallPlan(
-        centre=stretch.edge.at(middle, stretch.gap / 2),
+        centre=stretch.edge.at(middle, depth / 2),
         heading_rad=math.atan2(stretch.edge.uy, stretch.edge.ux),
         length_m=stretch.length,
-        thickness_m=max(stretch.gap, INNER_M),
+        thickness_m=max(depth, INNER_M),
         opening_m=None if opening is None else opening - middle,
     )
 
@@ -240,17 +241,6 @@ def _outer_stretches(ring: list[_Edge], shared: list[_Stretch]) -> list[_Stretch
             if end - low > OUTER_M:
                 stretches.append(_Stretch(edge, None, low, end, 0.0))
     return stretches
-
-
-def _outer_wall(stretch: _Stretch, opening: float | None) -> WallPlan:
-    middle = (stretch.low + stretch.high) / 2
-    return WallPlan(
-        centre=stretch.edge.at(middle, OUTER_M / 2),
-        heading_rad=math.atan2(stretch.edge.uy, stretch.edge.ux),
-        length_m=stretch.length,
-        thickness_m=OUTER_M,
-        opening_m=None if opening is None else opening - middle,
-    )
 
 
 def _turn(edge: _Edge, following: _Edge) -> float:

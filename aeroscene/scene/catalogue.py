@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
 from typing import Literal
 
 Level = Literal["coarse", "fine"]
@@ -127,25 +126,17 @@ _FINE: tuple[_Row, ...] = (
 )
 
 
-def _build() -> dict[int, Category]:
-    categories: dict[int, Category] = {}
-    for number, row in enumerate(_COARSE + _FINE, 1):
-        level: Level = "coarse" if number <= COARSE_COUNT else "fine"
-        name, length_m, width_m, height_m, supports, is_landable, surface = row
-        categories[number] = Category(
-            number, name, level, length_m, width_m, height_m, supports, is_landable, surface
-        )
-    return categories
-
-
-CATALOGUE: Mapping[int, Category] = MappingProxyType(_build())
+CATALOGUE: Mapping[int, Category] = {
+    number: Category(number, row[0], "coarse" if number <= COARSE_COUNT else "fine", *row[1:])
+    for number, row in enumerate(_COARSE + _FINE, 1)
+}
 """Categories under their ids: 1 to 23 coarse, 24 to 70 fine."""
 
 
 @cache
 def by_name() -> Mapping[str, Category]:
     """Categories under their names."""
-    return MappingProxyType({category.name: category for category in CATALOGUE.values()})
+    return {category.name: category for category in CATALOGUE.values()}
 
 
 def category_id(name: str) -> int:

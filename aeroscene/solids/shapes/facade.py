@@ -6,7 +6,7 @@ are: a partition meets the facade at a border between bays, where a pier stands.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from aeroscene.solids.shapes.materials import FACADE_BAY_M
@@ -164,13 +164,10 @@ def window_panels(size_x: float, size_y: float, height: float, material: str) ->
 def turned(parts: list[Part]) -> list[Part]:
     """Parts turned by a quarter about the vertical: x becomes y, y becomes minus x."""
     return [
-        Part(
-            kind=part.kind,
+        replace(
+            part,
             position_m=(-part.position_m[1], part.position_m[0], part.position_m[2]),
-            quat_wxyz=part.quat_wxyz,
             size_m=(part.size_m[1], part.size_m[0], part.size_m[2]),
-            material=part.material,
-            collides=part.collides,
         )
         for part in parts
     ]

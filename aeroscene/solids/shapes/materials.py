@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 FACADE_BAY_M = (3.0, 3.2)
 """Width and height of one bay of a painted facade: a window and the wall about it."""
@@ -166,5 +165,5 @@ def _build() -> dict[str, Material]:
     return {material.name: material for material in materials}
 
 
-MATERIALS: Mapping[str, Material] = MappingProxyType(_build())
+MATERIALS: Mapping[str, Material] = _build()
 """Every material that a shape may name."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import atan2, cos, hypot, sin
 
 from aeroscene.solids.shapes.forms import FORMS
@@ -105,14 +106,7 @@ def _mirrored(part: Part) -> Part:
     """The same part on the other side of x = 0."""
     w, qx, qy, qz = part.quat_wxyz
     px, py, pz = part.position_m
-    return Part(
-        kind=part.kind,
-        position_m=(-px, py, pz),
-        quat_wxyz=(w, qx, -qy, -qz),
-        size_m=part.size_m,
-        material=part.material,
-        collides=part.collides,
-    )
+    return replace(part, position_m=(-px, py, pz), quat_wxyz=(w, qx, -qy, -qz))
 
 
 def water_tank(look: Look) -> list[Part]:

@@ -7,12 +7,12 @@ from math import cos, pi
 import numpy as np
 import pytest
 
-from aeroscene.corpus.curation import places
 from aeroscene.corpus.curation.builder import Builder
+from aeroscene.corpus.curation.composers import themes
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.parcels import Parcel
-from aeroscene.corpus.curation.places import Ground
+from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.catalogue import CATALOGUE, by_name
 from aeroscene.solids.shapes import scene_primitives
@@ -20,7 +20,10 @@ from aeroscene.solids.solids import colliding
 from aeroscene.validation.boxes import overlaps
 from aeroscene.validation.support import floating
 
-KINDS = tuple(name for name in places.__all__ if name != "Ground")
+PLACES = {
+    kind.make.__name__: kind.make for kind in themes.KINDS.values() if isinstance(kind.make, type)
+}
+KINDS = tuple(sorted(PLACES))
 FURNISHED = ("Depot", "Houses", "School")
 """Kinds that can be asked for an interior; offices always have one."""
 SIZES = ((14, 12), (24, 20), (42, 30))
@@ -45,7 +48,7 @@ def grown(case: Case) -> Scene:
     parcel = Parcel(parcel_frame(depth), width, depth)
     ground = Ground(builder, Draw(np.random.default_rng(seed)), parcel)
     options = {"is_furnished": True} if is_furnished else {}
-    place = getattr(places, kind)(ground, **options)
+    place = PLACES[kind](ground, **options)
     for _ in place.structures():
         pass
     for _ in place.details():
@@ -137,7 +140,7 @@ def test_a_larger_parcel_holds_more(kind):
 def test_a_usual_parcel_offers_enough_in_small_steps(kind):
     builder = Builder("corpus-0000")
     ground = Ground(builder, Draw(np.random.default_rng(3)), Parcel(Frame(0, 0, 0), 26, 24))
-    place = getattr(places, kind)(ground)
+    place = PLACES[kind](ground)
     counts = [0, *(builder.n_coarse for _ in place.structures())]
     assert builder.n_fine == 0
     assert 1 <= counts[1] <= (20 if kind == "Offices" else 6)

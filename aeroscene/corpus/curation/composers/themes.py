@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType
 
 import numpy as np
 
@@ -13,22 +12,20 @@ from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.composition import Composition, Place
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.parcels import Parcel
-from aeroscene.corpus.curation.places import (
-    Construction,
-    Depot,
-    Flats,
-    Ground,
-    Houses,
-    Market,
-    Offices,
-    Park,
-    Parking,
-    School,
-    Station,
-    Terraces,
-    Waterfront,
-    Yard,
-)
+from aeroscene.corpus.curation.places.construction import Construction
+from aeroscene.corpus.curation.places.depot import Depot
+from aeroscene.corpus.curation.places.flats import Flats
+from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.houses import Houses
+from aeroscene.corpus.curation.places.market import Market
+from aeroscene.corpus.curation.places.offices import Offices
+from aeroscene.corpus.curation.places.park import Park
+from aeroscene.corpus.curation.places.parking import Parking
+from aeroscene.corpus.curation.places.school import School
+from aeroscene.corpus.curation.places.station import Station
+from aeroscene.corpus.curation.places.terraces import Terraces
+from aeroscene.corpus.curation.places.waterfront import Waterfront
+from aeroscene.corpus.curation.places.yard import Yard
 from aeroscene.corpus.curation.site import Site
 from aeroscene.corpus.curation.sites import lay_out_site
 from aeroscene.corpus.curation.start import place_start
@@ -59,25 +56,23 @@ class Kind:
         return parcel.width >= self.width and parcel.depth >= self.depth
 
 
-KINDS: Mapping[str, Kind] = MappingProxyType(
-    {
-        "offices": Kind(Offices, 17, 18),
-        "houses": Kind(Houses, 16, 15),
-        "furnished_house": Kind(partial(Houses, is_furnished=True), 18, 15),
-        "flats": Kind(Flats, 14, 14),
-        "park": Kind(Park, 12, 12),
-        "market": Kind(Market, 12, 12),
-        "school": Kind(School, 20, 20),
-        "terraces": Kind(Terraces, 13, 20),
-        "waterfront": Kind(Waterfront, 18, 20, is_lifted=False),
-        "station": Kind(Station, 20, 15, is_lifted=False),
-        "parking": Kind(Parking, 12, 17, is_lifted=False),
-        "construction": Kind(Construction, 17, 17, is_lifted=False),
-        "yard": Kind(Yard, 18, 18, is_lifted=False),
-        "depot": Kind(Depot, 20, 20, is_lifted=False),
-        "warehouse": Kind(partial(Depot, is_furnished=True), 20, 20, is_lifted=False),
-    }
-)
+KINDS: Mapping[str, Kind] = {
+    "offices": Kind(Offices, 17, 18),
+    "houses": Kind(Houses, 16, 15),
+    "furnished_house": Kind(partial(Houses, is_furnished=True), 18, 15),
+    "flats": Kind(Flats, 14, 14),
+    "park": Kind(Park, 12, 12),
+    "market": Kind(Market, 12, 12),
+    "school": Kind(School, 20, 20),
+    "terraces": Kind(Terraces, 13, 20),
+    "waterfront": Kind(Waterfront, 18, 20, is_lifted=False),
+    "station": Kind(Station, 20, 15, is_lifted=False),
+    "parking": Kind(Parking, 12, 17, is_lifted=False),
+    "construction": Kind(Construction, 17, 17, is_lifted=False),
+    "yard": Kind(Yard, 18, 18, is_lifted=False),
+    "depot": Kind(Depot, 20, 20, is_lifted=False),
+    "warehouse": Kind(partial(Depot, is_furnished=True), 20, 20, is_lifted=False),
+}
 """Kinds of places under the names that themes use."""
 
 OPEN = ("park", "market", "parking")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import cos, floor, pi, sin
-from types import MappingProxyType
 
 import numpy as np
 
@@ -26,36 +25,32 @@ from aeroscene.solids.shapes.forms import FORMS
 
 Plan = Callable[[Site, np.random.Generator], None]
 
-PLANS: Mapping[str, Plan] = MappingProxyType(
-    {
-        "through": lay_through,
-        "tee": lay_tee,
-        "cross": lay_cross,
-        "loop": lay_loop,
-        "square": lay_square,
-        "cul_de_sac": lay_cul_de_sac,
-        "curve": lay_curve,
-        "green_edge": lay_green_edge,
-        "paths": lay_paths,
-        "hillside": lay_hillside,
-        "quay": lay_quay,
-        "canal": lay_canal,
-        "shore": lay_shore,
-    }
-)
+PLANS: Mapping[str, Plan] = {
+    "through": lay_through,
+    "tee": lay_tee,
+    "cross": lay_cross,
+    "loop": lay_loop,
+    "square": lay_square,
+    "cul_de_sac": lay_cul_de_sac,
+    "curve": lay_curve,
+    "green_edge": lay_green_edge,
+    "paths": lay_paths,
+    "hillside": lay_hillside,
+    "quay": lay_quay,
+    "canal": lay_canal,
+    "shore": lay_shore,
+}
 """Plans under their names."""
 
-_LEAST_SIDE_M: Mapping[str, float] = MappingProxyType(
-    {
-        "square": 76.0,
-        "loop": 66.0,
-        "curve": 72.0,
-        "hillside": 64.0,
-        "quay": 62.0,
-        "canal": 66.0,
-        "shore": 60.0,
-    }
-)
+_LEAST_SIDE_M: Mapping[str, float] = {
+    "square": 76.0,
+    "loop": 66.0,
+    "curve": 72.0,
+    "hillside": 64.0,
+    "quay": 62.0,
+    "canal": 66.0,
+    "shore": 60.0,
+}
 """Plans that need more ground than others."""
 _SIDE_M = (55.0, 95.0)
 """Range of the sides of the flight volume."""
