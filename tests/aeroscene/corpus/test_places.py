@@ -193,7 +193,7 @@ def test_places_stand_as_well_on_raised_ground_and_on_a_slope():
     for kind in ("Houses", "Park", "Flats"):
         builder = Builder("corpus-0000")
         parcel = Parcel(Frame(0, 0, 0), 26, 24, level=0.0, rise=1.6)
-        place = getattr(places, kind)(Ground(builder, Draw(np.random.default_rng(1)), parcel))
+        place = PLACES[kind](Ground(builder, Draw(np.random.default_rng(1)), parcel))
         for growth in (place.structures(), place.details()):
             for _ in growth:
                 pass
