@@ -35,7 +35,7 @@ class Face:
     gradient: tuple[float, float]
     """Rise towards east and north."""
     height_at_origin_m: float
-    """Of the face's plane."""
+    """Height of the face's plane over the origin."""
 
     @property
     def slope_rad(self) -> float:
@@ -81,7 +81,7 @@ def upward_faces(solids: Solids, is_wanted: Callable[[int], bool]) -> list[Face]
 
 
 def _about_m2(group: list[tuple[_Piece, tuple[float, float, float]]]) -> float:
-    """At least the area of the pieces: that of the rectangles about them."""
+    """Upper bound of the pieces' area: that of the rectangles about them."""
     return sum(float(np.ptp(piece[2][:, :2], axis=0).prod()) for piece, _ in group)
 
 

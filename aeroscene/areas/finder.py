@@ -19,9 +19,9 @@ from aeroscene.scene.catalogue import by_name
 from aeroscene.solids.freespace import VoxelField
 
 SPACING_M = 2.5
-"""Between the circles of one face."""
+"""Gap between the circles of one face."""
 BORDER_M = 1.5
-"""From the border of the flight volume."""
+"""Distance from the border of the flight volume."""
 SHARE_M2: dict[DroneClass, float] = {"large": 300.0, "medium": 100.0, "small": 30.0}
 """One area of a class for each of these that a face began."""
 MAX_OF_A_FACE: dict[DroneClass, int] = {"large": 2, "medium": 3, "small": 5}
@@ -32,7 +32,7 @@ PERCH_CUT_M = 0.5
 LEDGE_M = 0.7
 """A face of something large is a place to perch where its widest circle is smaller than this."""
 LEDGE_GAP_M = 0.35
-"""Between a perch on something large and its walls: a drone comes down beside them."""
+"""Gap between a perch on something large and its walls: a drone comes down beside them."""
 _INNER_M = 5e-4
 """Taken off a radius, so that rounding never takes it beyond its face."""
 

@@ -99,7 +99,7 @@ def _is_enough(candidates: Sequence[Candidate], limits: AreaLimits | None) -> bo
 
 
 def _one_per_fine_object(scene: Scene, candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Of the places on one fine object, a car's bonnet and roof say, the highest alone."""
+    """Keep only the highest of the places on one fine object, such as a car's bonnet and roof."""
     highest: dict[int, Candidate] = {}
     for candidate in candidates:
         best = highest.setdefault(candidate.face.object_id, candidate)

@@ -18,9 +18,9 @@ class AreaNeeds:
     surface_radius_m: float
     """Even surface about the touchdown point: the feet and the scatter of a landing."""
     body_radius_m: float
-    """Free of what stands higher than the legs."""
+    """Radius that is free of what stands higher than the legs."""
     flight_radius_m: float
-    """Free ball all the way from the start."""
+    """Radius of a ball that is free all the way from the start."""
     clearance_m: float
     """Free height above the surface."""
 
@@ -63,7 +63,7 @@ LEGS_M = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AreaLimits:
-    """At most how many areas a scene keeps; of more, well spread ones stay."""
+    """Most areas that a scene keeps; of more, well spread ones stay."""
 
     small: int
     medium: int

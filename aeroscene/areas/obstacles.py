@@ -33,7 +33,7 @@ class Obstructions:
     """Height of their upper ends above the face."""
 
     def below(self, clearance_m: float) -> Obstructions:
-        """Those whose lower end is lower than a height."""
+        """The solids whose lower end is lower than a height."""
         keep = self.base_m < clearance_m
         return Obstructions(self.outlines[keep], self.base_m[keep], self.top_m[keep])
 
@@ -49,7 +49,7 @@ class Obstructions:
         return _without(outline, np.concatenate([self.outlines, walls]))
 
     def distance_m(self, point: shapely.Point, above_m: float) -> float:
-        """From a point to the nearest that rises above a height; infinite where none does."""
+        """Distance to the nearest solid that rises above a height; infinite where none does."""
         outlines = self.outlines[self.top_m > above_m]
         return float(shapely.distance(outlines, point).min(initial=np.inf))
 
@@ -66,7 +66,7 @@ def _without(outline: BaseGeometry, taken: np.ndarray) -> BaseGeometry:
 
 
 def _outermost(outlines: np.ndarray) -> np.ndarray:
-    """Those that lie in no other: uniting on a grid costs more than finding them."""
+    """The outlines that lie in no other: uniting on a grid costs more than finding them."""
     inner, outer = shapely.STRtree(outlines).query(outlines, predicate="within")
     within = np.zeros((len(outlines), len(outlines)), dtype=bool)
     within[inner, outer] = True

@@ -17,7 +17,7 @@ _CIRCLE = tuple(
     for i in range(_VERTICES)
 )
 _TOLERANCE = 0.02
-"""Of the largest circle's radius, as a share of the outline's size."""
+"""Tolerance of the largest circle's radius, as a share of the outline's size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,9 +26,9 @@ class Spot:
 
     centre: shapely.Point
     radius_m: float
-    """Of the circle inside the outline."""
+    """Radius of the circle inside the outline."""
     free_m: float
-    """Of a free circle about the centre, at least as wide."""
+    """Radius of a free circle about the centre, at least as wide."""
     outline: tuple[tuple[float, float], ...]
 
     def cut(self, radius_m: float) -> Spot:

@@ -43,7 +43,7 @@ class SceneEntry(
     file: Annotated[str, msgspec.Meta(pattern=r"^scenes/[\w.-]+$")]
     """Path below the dataset's folder."""
     sha256: str
-    """Of the file's bytes, hexadecimal."""
+    """Digest of the file's bytes, hexadecimal."""
     sources: str
     """Digest of what made it: the code, see `aeroscene.corpus.provenance`, or model and code."""
     attempt: int = 0
@@ -62,7 +62,7 @@ class Dataset:
 
     folder: Path
     entries: tuple[SceneEntry, ...]
-    """In the order of their numbers."""
+    """Scenes, in the order of their numbers."""
 
     @property
     def title(self) -> str:

@@ -56,7 +56,7 @@ class SceneSet(Protocol[Entry]):
 
     @property
     def entries(self) -> Sequence[Entry]:
-        """In the order of their numbers."""
+        """Scenes, in the order of their numbers."""
         ...
 
     def select(self, indices: Container[int]) -> SceneSet[Entry]:

@@ -25,7 +25,7 @@ class LayoutObject:
     """One box of a layout."""
 
     category: str
-    """In the source's words."""
+    """Category in the source's words."""
     p: Vector3
     """Centre, ENU, m."""
     q: Quaternion

@@ -41,7 +41,7 @@ AWAY_M = 2.0
 ENOUGH_AREAS = 3
 """Landing areas away from a start, for more than a small drone, that make it a good one."""
 _OVERHANG_M = 10.0
-"""By how much the flight volume reaches beyond the ground where things stand out over its edge."""
+"""Reach of the flight volume beyond the ground where things stand out over its edge."""
 
 
 def map_layout(layout: NeutralLayout) -> MappingReport:

@@ -1,4 +1,4 @@
-"""From other people's categories to our 70, and a report of what became of every object."""
+"""Maps other people's categories to our 70 and reports what became of every object."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class MappingReport:
 
     n_scenes: int = 0
     n_objects: int = 0
-    """Of the source, without the invalid ones."""
+    """Objects of the source, without the invalid ones."""
     mapped: Mapping[tuple[str, str, Fit], int] = field(default_factory=dict)
     """Number under the source's category, ours, and how well they fit."""
     unmapped: Mapping[str, int] = field(default_factory=dict)

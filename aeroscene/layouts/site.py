@@ -24,7 +24,7 @@ FINISH_M = 0.02
 MOST_CLEAR_M = 6.0
 """Rooms are not higher than this."""
 MAX_SIDE_M = 160.0
-"""Of the ground; what lies outside is dropped, because the free space of more takes too long."""
+"""Longest side of the ground; the free space of more takes too long, so the rest is dropped."""
 _MARGIN_M = 10.0
 """Ground about the objects of a layout without a floor."""
 _OUTSIDE_M = 3.0
@@ -40,9 +40,9 @@ class Kept:
     """An object of the layout that is in our scene."""
 
     category: str
-    """Ours."""
+    """Our category."""
     box: OrientedBox
-    """In our frame: front at +x, on our ground."""
+    """Box in our frame: front at +x, on our ground."""
 
     @property
     def low_m(self) -> float:
@@ -63,9 +63,9 @@ class Site:
     assembly: Assembly
     is_indoor: bool
     bounds: Rectangle
-    """Of the source's ground."""
+    """Bounds of the source's ground."""
     kept: dict[int, Kept] = field(default_factory=dict)
-    """Under the index in the layout."""
+    """Objects that are kept, under their index in the layout."""
     mapped: Counter[tuple[str, str, Fit]] = field(default_factory=Counter)
     unmapped: Counter[str] = field(default_factory=Counter)
     unmapped_first: dict[str, str] = field(default_factory=dict)

@@ -46,7 +46,7 @@ def start_places(
 
 
 def _outlines(objects: Sequence[SceneObject], ground_m: float) -> list[shapely.Geometry]:
-    """Of every box that is in the way of a drone that stands on the ground."""
+    """Outlines of the boxes that are in the way of a drone that stands on the ground."""
     outlines: list[shapely.Geometry] = []
     for obj in objects:
         corners = obj.bbox.corners()

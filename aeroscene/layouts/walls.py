@@ -35,7 +35,7 @@ _PARALLEL = 0.999
 _APRON_M = 0.9
 """Depth on either side of an opening that should be free of furniture."""
 _STEP_M = 0.2
-"""Between the places that are tried for an opening."""
+"""Distance between the places that are tried for an opening."""
 _FREE_M2 = 0.02
 """Furniture in the way of an opening that is as good as none, m2 of outline."""
 

@@ -25,7 +25,7 @@ DroneClass = Literal["small", "medium", "large"]
 AreaKind = Literal["landing", "perching"]
 
 INSCRIBED_TOLERANCE_M = 0.01
-"""By how much an area's radius may exceed the distance from its centroid to its border."""
+"""Length by which an area's radius may exceed the distance from its centroid to its border."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

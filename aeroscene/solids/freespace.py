@@ -36,7 +36,7 @@ class VoxelField:
     """Centre of cell (0, 0, 0)."""
     resolution_m: float
     distance_m: Float[np.ndarray, "nx ny nz"]
-    """From a cell's centre to the nearest occupied cell, 0 inside one, at most the cap."""
+    """Distance from a cell's centre to the nearest occupied cell, at most the cap; 0 inside."""
     reached: dict[tuple[tuple[int, int, int], float], np.ndarray] = field(
         default_factory=dict, init=False, repr=False
     )

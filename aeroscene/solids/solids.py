@@ -84,7 +84,7 @@ class Solids:
 
 
 def colliding(primitives: Iterable[Primitive]) -> Solids:
-    """Those of some primitives that collide."""
+    """The solids of those primitives that collide."""
     return Solids(primitive for primitive in primitives if primitive.collides)
 
 

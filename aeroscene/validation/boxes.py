@@ -13,7 +13,7 @@ from aeroscene.scene.overlap import pair_iou
 from aeroscene.validation.findings import Finding
 
 MAX_IOU = 0.01
-"""Of two boxes neither of which is the other's parent."""
+"""Largest overlap of two boxes neither of which is the other's parent."""
 OUTSIDE_TOLERANCE_M = 0.01
 
 

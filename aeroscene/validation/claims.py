@@ -22,7 +22,7 @@ from aeroscene.validation.columns import spans
 from aeroscene.validation.findings import Finding
 
 HEIGHT_TOLERANCE_M = 0.006
-"""Between the claimed plane and its polygon, and the surface below it."""
+"""Gap allowed between the claimed plane and its polygon, and the surface below it."""
 STEP_TOLERANCE_M = 0.004
 """Beyond `STEP_M` and `LEGS_M`, what stands there is in the way."""
 EDGE_M = 0.01
@@ -59,9 +59,9 @@ class _Obstacle:
 
     index: int
     rise_m: float
-    """Of its underside above the area's plane."""
+    """Height of its underside above the area's plane."""
     distance_m: float
-    """From the centroid, seen from above."""
+    """Distance from the centroid, seen from above."""
 
 
 def unlandable(scene: Scene, solids: Solids) -> Iterator[Finding]:

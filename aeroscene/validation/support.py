@@ -22,7 +22,7 @@ GAP_M = 0.02
 _FOOT_M = 0.03
 """Solids that reach down to within this of the lowest one are feet."""
 _MIDDLE_M = 0.02
-"""By how much the middle of the feet may lie outside what bears them."""
+"""Distance that the middle of the feet may lie outside what bears them."""
 _UP = np.array([0.0, 0.0, 1.0])
 
 

@@ -18,7 +18,7 @@ Attributes = Mapping[str, AttributeValue]
 TOUCH_M = 0.001
 """Overlaps below this count as touching."""
 MAX_IOU = 0.01
-"""Of two boxes neither of which is the other's parent."""
+"""Largest overlap of two boxes neither of which is the other's parent."""
 
 
 @dataclass(frozen=True, slots=True)

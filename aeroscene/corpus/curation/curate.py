@@ -1,4 +1,4 @@
-"""From the number of a corpus scene to the scene."""
+"""Makes a scene of the corpus, given its number."""
 
 from __future__ import annotations
 

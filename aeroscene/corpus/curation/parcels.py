@@ -79,7 +79,7 @@ class Parcel:
     level: float = 0.0
     """Height of the ground that the place starts from."""
     rise: float = 0.0
-    """By how much the ground climbs from the street to the back, m."""
+    """Climb of the ground from the street to the back, m."""
     bearer: Placed | None = None
     """Terrain that carries the parcel."""
     uses: tuple[str, ...] = ()

@@ -53,7 +53,7 @@ class Site:
 
     builder: Builder
     frame: Frame
-    """Of the plan in the world: a city need not lie along the axes."""
+    """Frame of the plan in the world: a city need not lie along the axes."""
     half_x: float
     half_y: float
     road_m: float

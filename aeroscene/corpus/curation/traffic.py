@@ -16,7 +16,7 @@ _SLOT_M = 11.0
 """Length of road for each place in which a vehicle may drive."""
 _BUSY = 0.4
 _STOP_M = 4.3
-"""From the end of a road with a crossing to the waiting vehicle's bumper."""
+"""Distance from the end of a road with a crossing to the waiting vehicle's bumper."""
 _BAY_M = 6.2
 """Length of kerb for a parked vehicle."""
 _WIDE_M = 2.7

@@ -51,7 +51,7 @@ class AreaColumns:
     sides: Column
     """Vertices of each border."""
     vertices: Vectors
-    """Of all borders, one after another."""
+    """Vertices of all borders, one after another."""
 
 
 def gather_areas(scenes: Sequence[Scene]) -> AreaColumns:

@@ -31,7 +31,7 @@ from aeroscene.scene import Scene, SceneDomain, Vector3
 
 _DOMAINS: tuple[SceneDomain, ...] = get_args(SceneDomain)
 _FRAME_DIGITS = (*[LENGTH_DIGITS] * 9, 6, 7, 7, LENGTH_DIGITS)
-"""Of what `_frame` lists."""
+"""Decimals of what `_frame` lists."""
 _CEILING = 5
 
 

@@ -161,7 +161,7 @@ def _within_scenes(parents: Column, shift: Column) -> Column:
 
 
 def _rise(height: Decimals) -> Column:
-    """From the underside to the top, as `ObjectColumns.tops` has it."""
+    """Height from the underside to the top, as `ObjectColumns.tops` has it."""
     return 2 * (height.units // 2)
 
 

@@ -16,7 +16,7 @@ from jaxtyping import Int64
 from aeroscene.corpus.shipped.columns import ColumnReader, ColumnWriter
 
 Vertices = Int64[np.ndarray, "m sides 3"]
-"""Of borders with equally many sides, from the centroid, in 0.1 mm."""
+"""Vertices of borders with equally many sides, from the centroid, in 0.1 mm."""
 
 _ROUND = 12
 """Sides of the borders that stand for circles; the first vertex is at 15 degrees."""

@@ -24,7 +24,7 @@ class ArchivedScenes:
     place: Path
     """The archive."""
     entries: tuple[SceneSummary, ...]
-    """In the order of their numbers."""
+    """Scenes, in the order of their numbers."""
 
     @property
     def title(self) -> str:

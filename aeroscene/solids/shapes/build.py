@@ -1,4 +1,4 @@
-"""From objects to primitives in the world."""
+"""Builds the primitives of objects in the world."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ SHAPES: Mapping[str, Shape] = {
 
 _LEAST_M = 5e-4
 _SLACK_M = 0.02
-"""By how much a part may stand out of its box: paint on a road, a handle."""
+"""Length by which a part may stand out of its box: paint on a road, a handle."""
 
 
 def object_parts(category: str, look: Look) -> list[Part]:

@@ -44,7 +44,7 @@ class Primitive:
     collides: bool
     """False for paint, panes of colour and other skins that touch nothing."""
     vertices_m: tuple[Vector3, ...] = ()
-    """Of a mesh, in its local frame; empty otherwise."""
+    """Vertices of a mesh, in its local frame; empty otherwise."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

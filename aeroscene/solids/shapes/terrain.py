@@ -17,7 +17,7 @@ _CRUST_M = 0.15
 _MOUND_SIDE_RAD = radians(19.0)
 """Steepest side of a mound."""
 _MOUND_SLOPE_SHARE = 0.8
-"""Of the way to the middle that the sides may take."""
+"""Share of the way to the middle that the sides may take."""
 _MOUND_CORNERS = 12
 _POND_M = 15.0
 """Wider water has banks of its own, and no rim unless told so."""

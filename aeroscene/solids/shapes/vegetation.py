@@ -11,7 +11,7 @@ from aeroscene.solids.shapes.solids import about, cone, paint, shifted
 
 LEAVES = ("leaves", "leaves_dark", "leaves_autumn")
 _CLEAR_TRUNK_M = 2.6
-"""Under the crown of a tall street tree one walks."""
+"""Height under the crown of a tall street tree: people walk there."""
 
 
 def tree(look: Look) -> list[Part]:

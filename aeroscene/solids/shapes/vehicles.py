@@ -50,7 +50,7 @@ class _CarPlan:
     """Side view of a car in fractions of its length and height."""
 
     cabin: Interval
-    """From the rear pane's foot to the windscreen's."""
+    """Span from the rear pane's foot to the windscreen's."""
     roof: Interval
     waist: float = 0.57
     nose: float = 0.44

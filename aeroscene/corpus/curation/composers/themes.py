@@ -90,7 +90,7 @@ class Theme:
     plans: Mapping[str, float]
     """Ground plans and their weights."""
     always: Sequence[Sequence[str]] = ()
-    """From each row one kind is certain, as far as parcels fit; the first gets the best parcel."""
+    """Rows of which one kind each is certain, as far as parcels fit, the best for the first."""
     others: Mapping[str, float]
     """Kinds of the other parcels and their weights."""
     terrace_chance: float = 0.1

@@ -28,7 +28,7 @@ class FloorPlan:
     finishes: dict[str, str]
     """Floor finish of each kind of zone."""
     colour: str
-    """Of the outer walls."""
+    """Colour of the outer walls."""
 
 
 @dataclass(slots=True)
@@ -38,9 +38,9 @@ class Building:
     plan: FloorPlan
     shell: Placed
     spaces: list[RoomSpace] = field(default_factory=list)
-    """In the order of the plan's zones."""
+    """Rooms, in the order of the plan's zones."""
     sides: list[tuple[str, ...]] = field(default_factory=list)
-    """Of each room, the sides along which walls stand."""
+    """Sides along which walls stand, for each room."""
 
 
 def sure(placed: Placed | None) -> Placed:

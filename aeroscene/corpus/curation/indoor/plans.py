@@ -18,7 +18,7 @@ LOW_CEILING_M = 3.5
 """Underside of an upper storey."""
 UPPER_LEVEL_M = LOW_CEILING_M + SLAB_M
 CORRIDOR_M = 3.25
-"""Between the middles of a corridor's walls: 3.1 m clear."""
+"""Distance between the middles of a corridor's walls: 3.1 m clear."""
 START_M = 6.4
 """Side of the square in the middle of the first hall that stays free around the start."""
 _DENSE = frozenset(("racks", "aisles", "checkout", "classroom", "library", "open_office", "stand"))
@@ -35,15 +35,15 @@ class Programme:
 
     halls: tuple[str, ...]
     small: tuple[str, ...]
-    """Of small rooms."""
+    """Kinds of small rooms."""
     wide: tuple[str, ...]
-    """Of wide rooms."""
+    """Kinds of wide rooms."""
     upper: tuple[str, ...]
-    """Of galleries over the rooms."""
+    """Kinds of galleries over the rooms."""
     is_tall: bool = False
     """Whether galleries lie over the rooms; else all ceilings are at one height."""
     rear: tuple[str, ...] = ("store",)
-    """Of rooms behind the rooms of the deep row."""
+    """Kinds of rooms behind those of the deep row."""
     rear_chance: float = 0.0
     """How often a wing's deep row is parted in that way."""
 

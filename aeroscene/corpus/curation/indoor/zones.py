@@ -49,7 +49,7 @@ class Zone:
     level: float
     """Height of the slab's upper face."""
     clear: float
-    """From there to the ceiling."""
+    """Height from the slab to the ceiling."""
     open_m: float = 0.0
     """Side of a square in the middle that stays free of furniture."""
 
@@ -60,7 +60,7 @@ class Zone:
 
     @property
     def area(self) -> float:
-        """In square metres."""
+        """Area, m2."""
         return self.size[0] * self.size[1]
 
 
@@ -69,7 +69,7 @@ class Border:
     """Where two zones meet: a vertical rectangle along x or y."""
 
     zones: tuple[int, int]
-    """On the low and on the high side of the line."""
+    """Numbers of the zones on the low and on the high side of the line."""
     along: Literal["x", "y"]
     at: float
     """The line's other coordinate."""
@@ -80,7 +80,7 @@ class Border:
 
     @property
     def length(self) -> float:
-        """Along the line, m."""
+        """Length of the line, m."""
         return self.high - self.low
 
     def side_of(self, zone: int) -> Side:

@@ -18,7 +18,7 @@ TWO_ROWS_M = 15.6
 _PAINTED_M = 0.02
 """Thickness of a field of bays on the asphalt."""
 _BAY_HALF_M = 2.65
-"""From the border of a field to the middle of its bays."""
+"""Distance from the border of a field to the middle of its bays."""
 _CARPORT_M = (5.2, 2.9)
 """Depth and height of a roof over bays."""
 _SOLAR_M = (2.0, 3.0, 0.5)

@@ -36,7 +36,7 @@ class Flats:
 
     ground: Ground
     _masses: list[Placed] = field(default_factory=list)
-    """With a plain wall for balconies to hang on."""
+    """Buildings with a plain wall for balconies to hang on."""
     _roofs: list[Placed] = field(default_factory=list)
     _roof_deck: Placed | None = None
     _balconies: list[Placed] = field(default_factory=list)

@@ -16,7 +16,7 @@ from aeroscene.solids.shapes.roofs import ROOF_SLAB_M
 
 PARAPET_RISE_M = 0.45
 _INSET_M = 0.5
-"""From the roof's outer edge to what stands on it: the parapet and a hand's breadth."""
+"""Distance from a roof's edge to what stands on it: the parapet and a hand's breadth."""
 _OVERHANG_M = 0.4
 """Eaves beyond the wall."""
 MONOPITCH_SLOPE = 0.12

@@ -21,7 +21,7 @@ from aeroscene.solids.shapes.materials import WALL_COLOURS
 _STRIP_M = 7.0
 """Least depth of one terrace."""
 _DEEP_M = 34.0
-"""From this depth on there are three terraces."""
+"""Depth from which a parcel has three terraces."""
 _RISE_M = 0.9
 _STEPS_M = (1.8, 1.6)
 """Length and width of the stairs from one terrace to the next."""

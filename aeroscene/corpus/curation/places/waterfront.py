@@ -29,7 +29,7 @@ _DRAUGHT_M = 0.03
 """Height of a keel above the bed: hulls lie in the water, not on it."""
 _JETTY_M = 3.0
 _BERTH_M = 0.35
-"""Between a hull and what it is moored to."""
+"""Gap between a hull and what it is moored to."""
 
 
 @dataclass(slots=True)

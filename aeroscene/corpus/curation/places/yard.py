@@ -23,7 +23,7 @@ from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.turns import in_turn
 
 _PITCH_M = 3.0
-"""From container to container in a row."""
+"""Pitch of the containers in a row."""
 _LANE_M = 6.5
 _GATE_M = 7.0
 

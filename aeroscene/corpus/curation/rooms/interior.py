@@ -14,7 +14,7 @@ from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS
 
 _GAP_M = 0.03
-"""Between furniture and the wall behind it."""
+"""Gap between furniture and the wall behind it."""
 _TRIES = 6
 
 _INDOOR_SIZES: dict[str, Vector3] = {"bin": (0.42, 0.42, 0.8), "sign": (0.2, 1.3, 2.3)}
@@ -64,7 +64,7 @@ class Interior:
 
     @property
     def area(self) -> float:
-        """Of the floor, m2."""
+        """Area of the floor, m2."""
         return self.room.size[0] * self.room.size[1]
 
     def wall(self, side: str) -> tuple[Frame, float]:

@@ -9,7 +9,7 @@ from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
 
 _SEAT_PITCH_M = 0.75
-"""Between the middles of chairs side by side."""
+"""Distance between the middles of chairs side by side."""
 
 
 def seats(room: Interior, table: Placed | None, count: int, name: str = "chair") -> list[Placed]:

@@ -34,7 +34,7 @@ class _Bend:
     turn: float
 
     def reach(self, offset: float) -> float:
-        """By how much the outer edge of a strip outlasts its middle line at a bend, m."""
+        """Excess length of a strip's outer edge over its middle line at a bend, m."""
         return offset * tan(abs(self.turn) / 2)
 
 

@@ -1,4 +1,4 @@
-"""From the name of a plan to a site laid out."""
+"""Lays out a site, given the name of a plan."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def lay_out_site(builder: Builder, rng: np.random.Generator, plan: str) -> Site:
 
 
 def _draw_yaw(rng: np.random.Generator) -> float:
-    """Along the axes now and then, else any direction."""
+    """A heading along the axes now and then, else in any direction."""
     if rng.random() < _ALIGNED_CHANCE:
         return float(rng.integers(4)) * pi / 2
     return round(float(rng.uniform(-pi, pi)), 3)
