@@ -9,74 +9,38 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(text.split(", "))
+
+
 SAME: Mapping[str, tuple[str, ...]] = {
     "table": ("Dining Table", "DiningTable"),
-    "chair": (
-        "Dining Chair",
-        "Dressing Chair",
-        "Classic Chinese Chair",
-        "Folding chair",
-        "Lounge Chair / Book-chair / Computer Chair",
-        "Chair",
+    "chair": _names(
+        "Dining Chair, Dressing Chair, Classic Chinese Chair, Folding chair, "
+        "Lounge Chair / Book-chair / Computer Chair, Chair"
     ),
-    "sofa": (
-        "Three-Seat / Multi-seat Sofa",
-        "Three-Seat / Multi-person sofa",
-        "Two-seat Sofa",
-        "Loveseat Sofa",
-        "L-shaped Sofa",
-        "U-shaped Sofa",
-        "Chaise Longue Sofa",
-        "Sofa",
+    "sofa": _names(
+        "Three-Seat / Multi-seat Sofa, Three-Seat / Multi-person sofa, Two-seat Sofa, "
+        "Loveseat Sofa, L-shaped Sofa, U-shaped Sofa, Chaise Longue Sofa, Sofa"
     ),
-    "armchair": (
-        "armchair",
-        "Lounge Chair / Cafe Chair / Office Chair",
-        "Lazy Sofa",
-        "ArmChair",
-    ),
-    "bed": (
-        "King-size Bed",
-        "Double Bed",
-        "Single bed",
-        "Kids Bed",
-        "Bunk Bed",
-        "Bed Frame",
-        "Bed",
-    ),
+    "armchair": _names("armchair, Lounge Chair / Cafe Chair / Office Chair, Lazy Sofa, ArmChair"),
+    "bed": _names("King-size Bed, Double Bed, Single bed, Kids Bed, Bunk Bed, Bed Frame, Bed"),
     "desk": ("Desk",),
-    "cabinet": (
-        "TV Stand",
-        "Sideboard / Side Cabinet / Console Table",
-        "Sideboard / Side Cabinet / Console",
-        "Drawer Chest / Corner cabinet",
-        "Children Cabinet",
-        "Shoe Cabinet",
-        "Dresser",
-        "TVStand",
+    "cabinet": _names(
+        "TV Stand, Sideboard / Side Cabinet / Console Table, Sideboard / Side Cabinet / Console, "
+        "Drawer Chest / Corner cabinet, Children Cabinet, Shoe Cabinet, Dresser, TVStand"
     ),
     "wardrobe": ("Wardrobe",),
     "shelf": ("Bookcase / jewelry Armoire", "Shelf", "ShelvingUnit"),
-    "coffee_table": (
-        "Coffee Table",
-        "Tea Table",
-        "Corner/Side Table",
-        "Round End Table",
-        "CoffeeTable",
-        "SideTable",
+    "coffee_table": _names(
+        "Coffee Table, Tea Table, Corner/Side Table, Round End Table, CoffeeTable, SideTable"
     ),
     "nightstand": ("Nightstand",),
     "counter": ("Bar", "CounterTop"),
     "fridge": ("Fridge",),
     "television": ("Television",),
-    "lamp": (
-        "Pendant Lamp",
-        "Ceiling Lamp",
-        "Floor Lamp",
-        "Wall Lamp",
-        "FloorLamp",
-        "DeskLamp",
-    ),
+    "lamp": _names("Pendant Lamp, Ceiling Lamp, Floor Lamp, Wall Lamp, FloorLamp, DeskLamp"),
     "plant": ("HousePlant",),
     "laptop": ("Laptop",),
     "monitor": ("Desktop",),
@@ -107,54 +71,20 @@ STAND_INS: Mapping[str, tuple[str, ...]] = {
     "lamp": ("Candle",),
     # Vessels, and what is as round and upright.
     "plate": ("Bowl", "Pan"),
-    "cup": (
-        "Bottle",
-        "Kettle",
-        "PaperTowelRoll",
-        "PepperShaker",
-        "Plunger",
-        "Pot",
-        "SaltShaker",
-        "SoapBottle",
-        "SprayBottle",
-        "ToiletPaper",
-        "Vase",
-        "WineBottle",
+    "cup": _names(
+        "Bottle, Kettle, PaperTowelRoll, PepperShaker, Plunger, Pot, SaltShaker, SoapBottle, "
+        "SprayBottle, ToiletPaper, Vase, WineBottle"
     ),
     # Long and thin, lying.
     "cutlery": ("Ladle", "Pen", "Pencil", "Spatula"),
     # Flat, lying.
     "book": ("CD", "CellPhone", "Cloth", "CreditCard", "KeyChain", "RemoteControl"),
     # Compact bodies of any kind.
-    "box": (
-        "AlarmClock",
-        "Apple",
-        "BaseballBat",
-        "BasketBall",
-        "Boots",
-        "Bread",
-        "CoffeeMachine",
-        "DishSponge",
-        "DogBed",
-        "Dumbbell",
-        "Egg",
-        "Faucet",
-        "Lettuce",
-        "Microwave",
-        "Others",
-        "Pillow",
-        "Potato",
-        "Safe",
-        "SoapBar",
-        "Statue",
-        "TableTopDecor",
-        "TeddyBear",
-        "TennisRacket",
-        "TissueBox",
-        "Toaster",
-        "Tomato",
-        "VacuumCleaner",
-        "Watch",
+    "box": _names(
+        "AlarmClock, Apple, BaseballBat, BasketBall, Boots, Bread, CoffeeMachine, DishSponge, "
+        "DogBed, Dumbbell, Egg, Faucet, Lettuce, Microwave, Others, Pillow, Potato, Safe, SoapBar, "
+        "Statue, TableTopDecor, TeddyBear, TennisRacket, TissueBox, Toaster, Tomato, "
+        "VacuumCleaner, Watch"
     ),
 }
 

@@ -6,7 +6,7 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder
-from aeroscene.solids.shapes.solids import about, cone, inwards, paint
+from aeroscene.solids.shapes.solids import about, cone, disc, inwards, paint
 
 PALLET_M = 0.144
 """Height of a bare pallet."""
@@ -47,10 +47,7 @@ def barrel(look: Look) -> list[Part]:
         return [
             cone(ends, waist, (0, 0.5 * z), "wood", sides=10),
             cone(waist, ends, (0.5 * z, z), "wood", sides=10),
-            *(
-                cylinder((0, 0, at * z), 0.99 * wide, 0.05, "dark_metal", collides=False)
-                for at in (0.3, 0.7)
-            ),
+            *(disc((0, 0, at * z), 0.99 * wide, 0.05, "dark_metal") for at in (0.3, 0.7)),
         ]
     if form == "keg":
         return [
@@ -60,11 +57,8 @@ def barrel(look: Look) -> list[Part]:
         ]
     return [
         cylinder((0, 0, z / 2), 0.97 * wide, z, _paint_colour(look)),
-        *(
-            cylinder((0, 0, at * z), wide, 0.04, "dark_metal", collides=False)
-            for at in (0.36, 0.66)
-        ),
-        cylinder((0.24 * wide, 0, z + 0.003), 0.12 * wide, 0.006, "metal", collides=False),
+        *(disc((0, 0, at * z), wide, 0.04, "dark_metal") for at in (0.36, 0.66)),
+        disc((0.24 * wide, 0, z + 0.003), 0.12 * wide, 0.006, "metal"),
     ]
 
 
@@ -161,4 +155,4 @@ def landing_pad(look: Look) -> list[Part]:
 
 def _disc(wide: float, z: float, layer: int, material: str) -> Part:
     """One coat of paint in the middle, over those of lower layers."""
-    return cylinder((0, 0, z + 0.001 + 0.0015 * layer), wide, 0.0015, material, collides=False)
+    return disc((0, 0, z + 0.001 + 0.0015 * layer), wide, 0.0015, material)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
-from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder, hull
-from aeroscene.solids.shapes.solids import PAINT_M, about, inwards, paint
+from aeroscene.solids.shapes.primitive import Interval, Part, block, hull
+from aeroscene.solids.shapes.solids import PAINT_M, about, disc, inwards, paint
 
 BAY_WIDTH_M = 2.5
 """Width of one parking space."""
@@ -140,8 +140,8 @@ def plaza(look: Look) -> list[Part]:
         parts += [
             paint(x, 0.9, _coat(z), trim),
             paint(0.9, y, _coat(z), trim),
-            cylinder((0, 0, z + 0.004), 0.4 * min(x, y), 0.008, trim, collides=False),
-            cylinder((0, 0, z + 0.006), 0.3 * min(x, y), 0.008, base, collides=False),
+            disc((0, 0, z + 0.004), 0.4 * min(x, y), 0.008, trim),
+            disc((0, 0, z + 0.006), 0.3 * min(x, y), 0.008, base),
         ]
     else:
         wide = min(0.8, 0.1 * min(x, y))

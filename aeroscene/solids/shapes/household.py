@@ -8,7 +8,7 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
 from aeroscene.solids.shapes.primitive import Part, block, cylinder, ellipsoid
-from aeroscene.solids.shapes.solids import about, cone, inwards, leaning, paint
+from aeroscene.solids.shapes.solids import about, cone, disc, inwards, leaning, paint
 
 
 def lamp(look: Look) -> list[Part]:
@@ -99,19 +99,19 @@ def plate(look: Look) -> list[Part]:
     x, y, z = look.size_m
     form, wide = look.set_choice("form", FORMS["plate"]), min(x, y)
     if form == "bowl":
-        inside = cylinder((0, 0, z), 0.86 * wide, 0.002, "marking_yellow", collides=False)
+        inside = disc((0, 0, z), 0.86 * wide, 0.002, "marking_yellow")
         return [cone(0.45 * wide, wide, (0, z), "ceramic", sides=12), inside]
     rim = z if form == "flat" else 0.6 * z
-    disc = cylinder((0, 0, 0.7 * rim), wide, 0.6 * rim, "ceramic")
-    foot = cylinder((0, 0, 0.2 * rim), 0.6 * wide, 0.4 * rim, "ceramic", collides=False)
+    dish = cylinder((0, 0, 0.7 * rim), wide, 0.6 * rim, "ceramic")
+    foot = disc((0, 0, 0.2 * rim), 0.6 * wide, 0.4 * rim, "ceramic")
     if form == "flat":
-        well = cylinder((0, 0, z + 0.001), 0.66 * wide, 0.002, "plastic_white", collides=False)
-        return [disc, foot, well]
+        well = disc((0, 0, z + 0.001), 0.66 * wide, 0.002, "plastic_white")
+        return [dish, foot, well]
     return [
-        disc,
+        dish,
         foot,
-        cylinder((-0.12 * wide, 0, 0.8 * z), 0.4 * wide, 0.4 * z, "leaves_light", collides=False),
-        cylinder((0.2 * wide, 0.1 * wide, 0.8 * z), 0.3 * wide, 0.4 * z, "bark", collides=False),
+        disc((-0.12 * wide, 0, 0.8 * z), 0.4 * wide, 0.4 * z, "leaves_light"),
+        disc((0.2 * wide, 0.1 * wide, 0.8 * z), 0.3 * wide, 0.4 * z, "bark"),
     ]
 
 
@@ -129,7 +129,7 @@ def cup(look: Look) -> list[Part]:
         ]
     glaze = look.choice("glaze", ("ceramic", "paint_blue", "paint_red", "terracotta"))
     handle = paint((0.36 * wide, wide / 2), 0.015, (0.25 * z, 0.75 * z), glaze)
-    inside = cylinder((0, 0, z), 0.66 * wide, 0.004, "bark", collides=False)
+    inside = disc((0, 0, z), 0.66 * wide, 0.004, "bark")
     return [cylinder((0, 0, z / 2), 0.8 * wide, z, glaze), handle, inside]
 
 

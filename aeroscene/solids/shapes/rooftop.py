@@ -8,7 +8,7 @@ from math import atan2, cos, hypot, sin
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder
-from aeroscene.solids.shapes.solids import about, cone, inwards, leaning, legs, paint, shifted
+from aeroscene.solids.shapes.solids import about, cone, disc, inwards, leaning, legs, paint, shifted
 
 
 def ac_unit(look: Look) -> list[Part]:
@@ -19,14 +19,7 @@ def ac_unit(look: Look) -> list[Part]:
     if form == "twin":
         wide = min(0.44 * y, 0.8 * z)
         fans = [
-            cylinder(
-                (x / 2 - 0.01, sign * 0.24 * y, 0.52 * z),
-                wide,
-                0.02,
-                "dark_metal",
-                axis="x",
-                collides=False,
-            )
+            disc((x / 2 - 0.01, sign * 0.24 * y, 0.52 * z), wide, 0.02, "dark_metal", axis="x")
             for sign in (-1, 1)
         ]
         feet = [block(x, about(sign * 0.4 * y, 0.1), (0, 0.1), "rubber") for sign in (-1, 1)]
@@ -39,8 +32,8 @@ def ac_unit(look: Look) -> list[Part]:
     fan = 0.74 * min(x, y)
     return [
         block((-x / 2, front[0]), y, (0, z), "metal"),
-        cylinder((0, 0, z + 0.004), fan, 0.008, "dark_metal", collides=False),
-        cylinder((0, 0, z + 0.008), 0.2 * fan, 0.008, "metal", collides=False),
+        disc((0, 0, z + 0.004), fan, 0.008, "dark_metal"),
+        disc((0, 0, z + 0.008), 0.2 * fan, 0.008, "metal"),
         grille,
     ]
 
@@ -130,7 +123,7 @@ def water_tank(look: Look) -> list[Part]:
             cone(wide, 0.1, (eaves, z), "dark_metal", sides=10),
             *feet,
         ]
-    lid = cylinder((0, 0, z + 0.004), 0.3 * wide, 0.008, "dark_metal", collides=False)
+    lid = disc((0, 0, z + 0.004), 0.3 * wide, 0.008, "dark_metal")
     return [cylinder((0, 0, (z + frame) / 2), wide, z - frame, "corrugated"), lid, *feet]
 
 

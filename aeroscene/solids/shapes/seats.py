@@ -9,7 +9,7 @@ from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS
 from aeroscene.solids.shapes.primitive import Part, block, cylinder
-from aeroscene.solids.shapes.solids import about, cone, inwards, leaning, legs, paint, prism
+from aeroscene.solids.shapes.solids import about, cone, disc, inwards, leaning, legs, paint, prism
 
 SEAT_M = 0.46
 """Height of a chair's seat."""
@@ -102,7 +102,7 @@ def armchair(look: Look) -> list[Part]:
                 )
                 for sign in (-1, 1)
             ),
-            cylinder((0, 0, 0.05), 0.4 * min(x, y), 0.1, "dark_metal", collides=False),
+            disc((0, 0, 0.05), 0.4 * min(x, y), 0.1, "dark_metal"),
         ]
     arm, foot = (0.17, 0.08) if form == "block" else (0.11, 0.18)
     inner, front = y / 2 - arm, (-x / 2 + 0.18, x / 2)

@@ -7,7 +7,16 @@ from dataclasses import replace
 from math import cos, pi, sin
 
 from aeroscene.scene import Quaternion, Vector3
-from aeroscene.solids.shapes.primitive import Axis, Interval, Part, Span, block, centred, hull
+from aeroscene.solids.shapes.primitive import (
+    Axis,
+    Interval,
+    Part,
+    Span,
+    block,
+    centred,
+    cylinder,
+    hull,
+)
 
 PAINT_M = 0.005
 """Thickness of paint."""
@@ -16,6 +25,13 @@ PAINT_M = 0.005
 def paint(x: Span, y: Span, z: Span, material: str) -> Part:
     """A box that touches nothing: paint, panes, handles."""
     return block(x, y, z, material, collides=False)
+
+
+def disc(
+    centre_m: Vector3, diameter_m: float, length_m: float, material: str, *, axis: Axis = "z"
+) -> Part:
+    """A cylinder that touches nothing: hoops, lamps, lids."""
+    return cylinder(centre_m, diameter_m, length_m, material, axis=axis, collides=False)
 
 
 def about(middle: float, length: float) -> Interval:

@@ -8,7 +8,7 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 from aeroscene.solids.shapes.primitive import Part, block, cylinder
-from aeroscene.solids.shapes.solids import about, inwards, legs, paint, prism
+from aeroscene.solids.shapes.solids import about, disc, inwards, legs, paint, prism
 
 _ROOF_M = 0.18
 _PITCH_RAD = radians(6.0)
@@ -74,13 +74,7 @@ def kiosk(look: Look) -> list[Part]:
         wide = min(x, y)
         return [
             cylinder((0, 0, (z - 0.3) / 2), 0.84 * wide, z - 0.3, colour),
-            cylinder(
-                (0, 0, (sill + lintel) / 2),
-                0.86 * wide,
-                lintel - sill,
-                "dark_glass",
-                collides=False,
-            ),
+            disc((0, 0, (sill + lintel) / 2), 0.86 * wide, lintel - sill, "dark_glass"),
             cylinder((0, 0, sill), 0.94 * wide, 0.08, "wood"),
             cylinder((0, 0, z - 0.15), wide, 0.3, "plastic_white"),
         ]

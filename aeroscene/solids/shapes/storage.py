@@ -6,8 +6,8 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
-from aeroscene.solids.shapes.primitive import Interval, Part, block, centred, cylinder
-from aeroscene.solids.shapes.solids import about, inwards, legs, paint
+from aeroscene.solids.shapes.primitive import Interval, Part, block, centred
+from aeroscene.solids.shapes.solids import about, disc, inwards, legs, paint
 
 _DOOR_M = 0.02
 
@@ -85,7 +85,7 @@ def _open_wardrobe(look: Look, wood: str) -> list[Part]:
         block(inwards(-1, x / 2, 0.02), y - 0.06, (0, z), wood),
         block(x, y - 0.06, (z - 0.03, z), wood),
         block(x, y - 0.06, (0.06, 0.3), wood),
-        cylinder((0, 0, rail), 0.03, y - 0.06, "metal", axis="y", collides=False),
+        disc((0, 0, rail), 0.03, y - 0.06, "metal", axis="y"),
         *clothes,
     ]
 
@@ -185,7 +185,7 @@ def stove(look: Look) -> list[Part]:
         hob = paint(0.84 * x, 0.86 * y, top, "plastic_black")
         return [case, hob, paint(front, 0.84 * y, window, "dark_glass")]
     plates = [
-        cylinder((u * x, v * y, z + 0.004), 0.3 * min(x, y), 0.008, "plastic_black", collides=False)
+        disc((u * x, v * y, z + 0.004), 0.3 * min(x, y), 0.008, "plastic_black")
         for u in (-0.22, 0.22)
         for v in (-0.24, 0.24)
     ]

@@ -6,7 +6,7 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder
-from aeroscene.solids.shapes.solids import about, cone, frustum, inwards, paint
+from aeroscene.solids.shapes.solids import about, cone, disc, frustum, inwards, paint
 
 
 def street_lamp(look: Look) -> list[Part]:
@@ -52,13 +52,12 @@ def traffic_light(look: Look) -> list[Part]:
     if form == "plate":
         parts.append(paint(about(0.1 * x, 0.02), y, (low - 0.06, z), "plastic_white"))
     parts += [
-        cylinder(
+        disc(
             (x / 2 - 0.025, 0, low + 0.16 + 0.32 * index),
             min(0.22, 0.7 * wide),
             0.03,
             colour,
             axis="x",
-            collides=False,
         )
         for index, colour in enumerate(colours)
     ]
@@ -83,14 +82,7 @@ def sign(look: Look) -> list[Part]:
         return [
             cylinder((back, 0, (z - wide / 2) / 2), min(post, 0.06), z - wide / 2, "metal"),
             cylinder((0, 0, middle), wide, thick, "light_red", axis="x"),
-            cylinder(
-                (thick / 2, 0, middle),
-                0.74 * wide,
-                0.012,
-                "plastic_white",
-                axis="x",
-                collides=False,
-            ),
+            disc((thick / 2, 0, middle), 0.74 * wide, 0.012, "plastic_white", axis="x"),
         ]
     if form == "board":
         low = max(0.4 * z, z - 1.4)
@@ -125,19 +117,17 @@ def bin_(look: Look) -> list[Part]:
         return [
             cylinder((0, 0, (z - rim) / 2), 0.92 * wide, z - rim, "dark_metal"),
             cylinder((0, 0, z - rim / 2), wide, rim, "metal"),
-            cylinder((0, 0, z), 0.6 * wide, 0.004, "rubber", collides=False),
+            disc((0, 0, z), 0.6 * wide, 0.004, "rubber"),
         ]
     if form == "dome":
         shell = [
             frustum((0.8 * x, 0.84 * y), (x, y), (0, 0.74 * z), colour),
             frustum((x, y), (0.62 * x, 0.62 * y), (0.74 * z, z), colour),
         ]
-        hole = cylinder(
-            (0.44 * x, 0, 0.66 * z), 0.24 * wide, 0.08 * x, "rubber", axis="x", collides=False
-        )
+        hole = disc((0.44 * x, 0, 0.66 * z), 0.24 * wide, 0.08 * x, "rubber", axis="x")
         return [*shell, hole]
     wheel = min(0.2, 0.25 * x, 0.3 * z)
-    axle = cylinder((-0.36 * x, 0, wheel / 2), wheel, 0.94 * y, "rubber", axis="y", collides=False)
+    axle = disc((-0.36 * x, 0, wheel / 2), wheel, 0.94 * y, "rubber", axis="y")
     return [
         frustum((0.74 * x, 0.8 * y), (0.92 * x, 0.94 * y), (0.04, 0.88 * z), colour),
         block(x, y, (0.88 * z, z), colour),

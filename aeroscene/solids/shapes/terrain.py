@@ -7,8 +7,8 @@ from math import cos, pi, radians, tan
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
-from aeroscene.solids.shapes.primitive import Part, block, centred, cylinder, hull
-from aeroscene.solids.shapes.solids import cone, inwards
+from aeroscene.solids.shapes.primitive import Part, block, centred, hull
+from aeroscene.solids.shapes.solids import cone, disc, inwards
 
 FINISHES = ("grass", "paving", "asphalt", "gravel", "concrete")
 """What terrain may be covered with: attribute `finish`."""
@@ -87,5 +87,5 @@ def water(look: Look) -> list[Part]:
         for index, (u, v) in enumerate(((-0.3, 0.28), (-0.22, 0.2), (0.3, -0.26))):
             lily = (u * x, v * y, level + 0.005)
             name = "blossom" if index == 1 else "leaves"
-            parts.append(cylinder(lily, wide, 0.01, name, collides=False))
+            parts.append(disc(lily, wide, 0.01, name))
     return parts

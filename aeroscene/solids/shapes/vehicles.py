@@ -12,21 +12,14 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 from aeroscene.solids.shapes.primitive import Interval, Part, block, centred, cylinder
-from aeroscene.solids.shapes.solids import inwards, paint, prism
+from aeroscene.solids.shapes.solids import disc, inwards, paint, prism
 
 
 def _wheels(x: float, y: float, diameter: float, axles: Sequence[float]) -> list[Part]:
     width = min(0.24, 0.2 * y)
     diameter = min(diameter, 0.3 * x)
     return [
-        cylinder(
-            (at * x, side * (y - width) / 2, diameter / 2),
-            diameter,
-            width,
-            "rubber",
-            axis="y",
-            collides=False,
-        )
+        disc((at * x, side * (y - width) / 2, diameter / 2), diameter, width, "rubber", axis="y")
         for at in axles
         for side in (-1, 1)
     ]
