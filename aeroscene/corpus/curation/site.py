@@ -147,13 +147,10 @@ class Site:
         height: float = SIDEWALK_M,
     ) -> Placed | None:
         """A sidewalk whose kerb lies on the x axis of a frame of the plan; see `lay_road`."""
+        spot = self.world(frame).moved(0, self.walk_m / 2)
+        size, look = (length, self.walk_m, height), self._form("sidewalk")
         strip = self.builder.place(
-            "sidewalk",
-            self.world(frame).moved(0, self.walk_m / 2),
-            (length, self.walk_m, height),
-            base=land.level,
-            parent=after or land.bearer,
-            look=self._form("sidewalk"),
+            "sidewalk", spot, size, base=land.level, parent=after or land.bearer, look=look
         )
         if strip:
             self.sidewalks.append(strip)

@@ -93,11 +93,7 @@ class Streets:
             yield
         growths = [self._wait_at_stops()]
         for road in self.site.roads:
-            growths += [
-                wait(self.builder, self.draw, road),
-                drive(self.builder, self.draw, road),
-                park(self.builder, self.draw, road),
-            ]
+            growths += [grow(self.builder, self.draw, road) for grow in (wait, drive, park)]
         growths += [self._light(walk) for walk in self.site.sidewalks]
         growths += [self._plant(verge) for verge in self.site.verges]
         growths += [self._furnish(walk) for walk in self.site.sidewalks]
@@ -178,14 +174,9 @@ class Streets:
         look: Attributes | None = None,
         turn: float = STREETWARD,
     ) -> Placed | None:
+        spot, size = strip.frame.moved(u, v, turn), size or self.draw.size_of(name)
         return self.builder.place(
-            name,
-            strip.frame.moved(u, v, turn),
-            size or self.draw.size_of(name),
-            parent=strip,
-            within=strip,
-            margin=0.05,
-            look=look,
+            name, spot, size, parent=strip, within=strip, margin=0.05, look=look
         )
 
     def _signal(self, junction: Frame) -> None:

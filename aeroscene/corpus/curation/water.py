@@ -77,13 +77,8 @@ class Basin:
 
     def _moor(self, u: float, v: float, size: tuple[float, float, float], turn: float) -> None:
         colour = {"colour": self.draw.one_of(PAINT_COLOURS)}
+        water, spot = self.water, self.water.frame.moved(u, v, turn)
+        base = water.base + _DRAUGHT_M
         self.builder.place(
-            "boat",
-            self.water.frame.moved(u, v, turn),
-            size,
-            base=self.water.base + _DRAUGHT_M,
-            parent=self.water,
-            within=self.water,
-            margin=0.25,
-            look=colour,
+            "boat", spot, size, base=base, parent=water, within=water, margin=0.25, look=colour
         )

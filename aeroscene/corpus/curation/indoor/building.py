@@ -68,22 +68,17 @@ def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side
         x0, x1 = zone.x0 + margin["x0"], zone.x1 - margin["x1"]
         y0, y1 = zone.y0 + margin["y0"], zone.y1 - margin["y1"]
         finish = building.plan.finishes.get(zone.kind, "floor_tiles")
-        placed = sure(
-            builder.place(
-                "room",
-                shell.frame.moved((x0 + x1) / 2, (y0 + y1) / 2),
-                (x1 - x0, y1 - y0, zone.clear),
-                base=zone.level,
-                parent=shell,
-                domain="indoor",
-                look={"finish": finish, "use": zone.kind},
-            )
+        look = {"finish": finish, "use": zone.kind}
+        spot = shell.frame.moved((x0 + x1) / 2, (y0 + y1) / 2)
+        size = (x1 - x0, y1 - y0, zone.clear)
+        placed = builder.place(
+            "room", spot, size, base=zone.level, parent=shell, domain="indoor", look=look
         )
-        building.spaces.append(RoomSpace(placed))
+        building.spaces.append(RoomSpace(sure(placed)))
         if zone.open_m > 0:
             size = (zone.open_m, zone.open_m, zone.clear - 0.1)
             u, v = open_place(zone)
-            builder.reserve(placed.frame.moved(u, v), size, placed.base + FINISH_M + 0.01)
+            builder.reserve(spot.moved(u, v), size, zone.level + FINISH_M + 0.01)
     hall = building.spaces[0]
     size = (START_M, START_M, hall.placed.size[2] - 0.1)
     builder.reserve(hall.placed.frame, size, hall.floor + PAD_RISE_M + 0.001)

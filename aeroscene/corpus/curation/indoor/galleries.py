@@ -40,16 +40,9 @@ def lay_upper_slabs(builder: Builder, building: Building, borders: Sequence[Bord
                 reach[border.side_of(index)] = PARTITION_M / 2 if is_rail else -PARTITION_M / 2
         x0, x1 = zone.x0 - reach["x0"], zone.x1 + reach["x1"]
         y0, y1 = zone.y0 - reach["y0"], zone.y1 + reach["y1"]
-        sure(
-            builder.place(
-                "floor",
-                shell.frame.moved((x0 + x1) / 2, (y0 + y1) / 2),
-                (x1 - x0, y1 - y0, SLAB_M),
-                base=zone.level - SLAB_M,
-                parent=shell,
-                domain="indoor",
-            )
-        )
+        spot, size = shell.frame.moved((x0 + x1) / 2, (y0 + y1) / 2), (x1 - x0, y1 - y0, SLAB_M)
+        base = zone.level - SLAB_M
+        sure(builder.place("floor", spot, size, base=base, parent=shell, domain="indoor"))
 
 
 def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Border) -> None:
@@ -68,8 +61,7 @@ def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Bord
         length, middle = high - low - 0.24, (low + high) / 2
         if length < 1.0:
             continue
-        u, v = (line, middle) if border.along == "y" else (middle, line)
-        spot = building.shell.frame.moved(u, v, 0.0 if border.along == "y" else QUARTER)
+        spot = building.shell.frame.moved(*border.spot(middle, line))
         size = (_RAIL_M[0], length, _RAIL_M[1])
         look = {"form": "rails"}
         builder.place(
@@ -93,14 +85,9 @@ def _climb(
         at = (border.low + border.high) / 2 + draw.between(-1.0, 1.0) * reach
         u, v = (across, at) if border.along == "y" else (at, across)
         turn = (0.0 if outward < 0 else 2 * QUARTER) if border.along == "y" else -outward * QUARTER
-        placed = builder.place(
-            "stairs",
-            building.shell.frame.moved(u, v, turn),
-            (run, width, rise),
-            base=floor_space.floor,
-            parent=floor_space.placed,
-            within=floor_space.placed,
-        )
+        spot, room = building.shell.frame.moved(u, v, turn), floor_space.placed
+        size, base = (run, width, rise), floor_space.floor
+        placed = builder.place("stairs", spot, size, base=base, parent=room, within=room)
         if placed:
             return at
     return None

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.draw import Draw
-from aeroscene.corpus.curation.frame import QUARTER
 from aeroscene.corpus.curation.indoor.floor_plan import Building, sure
 from aeroscene.corpus.curation.indoor.walls import PARTITION_M, wall_spans
 from aeroscene.corpus.curation.indoor.zones import CELL_M, DOORS_M, Border, Zone
@@ -92,18 +91,9 @@ def _raise_wall(
             "window_height_m": round(rise + _HEADS_M[1.75], 4),
         }
         air = (at, _HATCH_M[0], base + rise + _HATCH_M[1])
-    u, v = (border.at, middle) if border.along == "y" else (middle, border.at)
-    sure(
-        builder.place(
-            "wall",
-            building.shell.frame.moved(u, v, 0.0 if border.along == "y" else QUARTER),
-            (PARTITION_M, length, border.top - base),
-            base=base,
-            parent=building.shell,
-            domain="indoor",
-            look=look,
-        )
-    )
+    shell, size = building.shell, (PARTITION_M, length, border.top - base)
+    spot = shell.frame.moved(*border.spot(middle))
+    sure(builder.place("wall", spot, size, base=base, parent=shell, domain="indoor", look=look))
     return air
 
 
@@ -123,7 +113,7 @@ def _keep_free(
     builder: Builder, building: Building, border: Border, at: float, width: float, low: float
 ) -> None:
     """Reserve the air before and behind an opening."""
+    u, v, _ = border.spot(at)
     size = (2 * _APRON_M, width + 0.2) if border.along == "y" else (width + 0.2, 2 * _APRON_M)
-    u, v = (border.at, at) if border.along == "y" else (at, border.at)
     height = _first_cell(border.base) + _HEADS_M[1.75] - low
     builder.reserve(building.shell.frame.moved(u, v), (*size, height), low)

@@ -42,15 +42,10 @@ class IndoorPlace:
         Raises:
             NoStartError: If the plan has left no space for it.
         """
-        hall = self.building.spaces[0]
+        hall, base = self.building.spaces[0].placed, self.building.spaces[0].floor
+        size, look = (PAD_M, PAD_M, PAD_RISE_M), {"is_start": True}
         pad = self.builder.place(
-            "landing_pad",
-            hall.placed.frame,
-            (PAD_M, PAD_M, PAD_RISE_M),
-            base=hall.floor,
-            parent=hall.placed,
-            within=hall.placed,
-            look={"is_start": True},
+            "landing_pad", hall.frame, size, base=base, parent=hall, within=hall, look=look
         )
         if pad is None:
             raise NoStartError(f"{self.builder.scene_id}: no space for the home pad in the hall")

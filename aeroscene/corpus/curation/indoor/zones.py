@@ -15,6 +15,8 @@ from itertools import combinations
 from math import floor
 from typing import Literal
 
+from aeroscene.corpus.curation.frame import QUARTER
+
 Role = Literal["hall", "corridor", "gallery", "room"]
 Barrier = Literal["open", "rail", "wall"]
 Side = Literal["x0", "x1", "y0", "y1"]
@@ -82,6 +84,11 @@ class Border:
     def length(self) -> float:
         """Length of the line, m."""
         return self.high - self.low
+
+    def spot(self, place: float, across: float | None = None) -> tuple[float, float, float]:
+        """Coordinates and turn of what stands along the line at a place, or beside it."""
+        across = self.at if across is None else across
+        return (across, place, 0.0) if self.along == "y" else (place, across, QUARTER)
 
     def side_of(self, zone: int) -> Side:
         """Which side of a zone the border is."""

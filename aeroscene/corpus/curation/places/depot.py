@@ -122,14 +122,8 @@ class Depot:
         bearing = OpenGround(ground)
         if self._dock is None:
             u = self._gate_u
-            park(
-                bearing,
-                "truck",
-                ground.parcel.frame,
-                u,
-                6.0,
-                INWARD if draw.chance(0.5) else -INWARD,
-            )
+            turn = INWARD if draw.chance(0.5) else -INWARD
+            park(bearing, "truck", ground.parcel.frame, u, 6.0, turn)
             yield
             return
         dock, platform = self._dock, on_top(ground, self._dock)

@@ -172,14 +172,9 @@ class Ground:
         for piece in range(pieces):
             share = (piece + 0.5) / pieces
             u, v = u0 + share * (u1 - u0), v0 + share * (v1 - v0)
-            self.builder.place(
-                "fence",
-                self.parcel.frame.moved(u, v, turn),
-                size,
-                base=self.height_under(v, size, turn),
-                parent=self.surface,
-                look={"form": form},
-            )
+            spot, base = self.parcel.frame.moved(u, v, turn), self.height_under(v, size, turn)
+            look = {"form": form}
+            self.builder.place("fence", spot, size, base=base, parent=self.surface, look=look)
 
     def facing(self, spot: Frame) -> float:
         """A spot's heading in the parcel's frame."""

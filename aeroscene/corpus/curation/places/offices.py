@@ -145,9 +145,8 @@ class Offices:
             bays = on_top(ground, self._bays)
             for index in draw.shuffled(range(3)):
                 at = (index - 1) * 2.5
-                park(
-                    bays, "car", self._bays.frame, at, 0.0, INWARD if draw.chance(0.6) else -INWARD
-                )
+                turn = INWARD if draw.chance(0.6) else -INWARD
+                park(bays, "car", self._bays.frame, at, 0.0, turn)
                 yield
         bearing = OpenGround(ground)
         u = draw.between(-0.7, 0.7) * half

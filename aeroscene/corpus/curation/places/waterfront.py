@@ -127,9 +127,8 @@ class Waterfront:
         afloat = self._afloat(water)
         for jetty in self._jetties:
             for side in (-1, 1):
-                _moor_along(
-                    afloat, jetty, side * _JETTY_M / 2, INWARD if draw.chance(0.7) else -INWARD
-                )
+                turn = INWARD if draw.chance(0.7) else -INWARD
+                _moor_along(afloat, jetty, side * _JETTY_M / 2, turn)
             yield
         frame = self.ground.parcel.frame
         half = self.ground.parcel.width / 2
