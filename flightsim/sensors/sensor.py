@@ -149,7 +149,7 @@ def numbers(*names: str) -> Callable[[np.void], list[Any]]:
 
 
 def _unpacker(
-    dtype: np.dtype, names: Sequence[str], places: list[int | slice]
+    dtype: Any, names: Sequence[str], places: list[int | slice]
 ) -> Callable[[Any], tuple[Any, ...]]:
     """Unpacks the named fields from a record's bytes; writes where each is among the numbers."""
     offsets = {name: (dtype.fields or {})[name][1] for name in names}

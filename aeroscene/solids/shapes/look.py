@@ -48,10 +48,9 @@ class Look:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         return float(value) if is_number else default
 
-    def flag(self, name: str, *, default: bool = False) -> bool:
+    def flag(self, name: str) -> bool:
         """A yes-or-no attribute."""
-        value = self.attributes.get(name, default)
-        return value if isinstance(value, bool) else default
+        return self.attributes.get(name) is True
 
 
 Shape = Callable[[Look], list[Part]]

@@ -14,8 +14,6 @@ from aeroscene.solids.shapes.materials import PAINT_COLOURS
 
 CONTAINER_M = (6.06, 2.44, 2.59)
 """A twenty-foot container."""
-LONG_CONTAINER_M = (12.2, 2.44, 2.59)
-"""A forty-foot container."""
 
 _CLUSTER_M = (3.8, 2.0, 1.5)
 """Ground that a cluster of goods takes."""
@@ -30,12 +28,14 @@ def paint(draw: Draw) -> Attributes:
     return {"colour": draw.one_of(PAINT_COLOURS)}
 
 
-def set_container(
-    ground: Ground, u: float, v: float, turn: float, *, is_long: bool = False
-) -> Placed | None:
+def set_container(ground: Ground, u: float, v: float, turn: float) -> Placed | None:
     """A container on the ground."""
+<<<<<<< HEAD
     size = LONG_CONTAINER_M if is_long else CONTAINER_M
     return ground.erect("container", u, v, size, turn=turn, look=paint(ground.draw))
+=======
+    return ground.erect("container", u, v, CONTAINER_M, turn=turn, look=paint(ground.draw))
+>>>>>>> r1
 
 
 def stack_container(ground: Ground, lower: Placed) -> Placed | None:

@@ -70,15 +70,21 @@ class Ground:
         *,
         turn: float = STREETWARD,
         margin: float = 0.15,
+<<<<<<< HEAD
         on: Placed | None = None,
         base: float | None = None,
+=======
+>>>>>>> r1
         look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something on the parcel's surface, if there is space."""
-        bearer = on or self.surface
         size = size or self.draw.size_of(name)
+<<<<<<< HEAD
         if base is None:
             base = self.height_under(v, size, turn)
+=======
+        bearer, base = self.surface, self.height_under(v, size, turn)
+>>>>>>> r1
         spot = self.parcel.frame.moved(u, v, turn)
         return self.builder.place(
             name, spot, size, base=base, parent=bearer, within=bearer, margin=margin, look=look
@@ -95,7 +101,10 @@ class Ground:
         look: Attributes | None = None,
     ) -> Placed | None:
         """Put up a structure, if there is space: a root of its own, or a part of its hill."""
+        bearer, base = self.surface, self.height_under(v, size, turn)
+        spot, parent = self.parcel.frame.moved(u, v, turn), bearer if self.parcel.rise else None
         return self.builder.place(
+<<<<<<< HEAD
             name,
             self.parcel.frame.moved(u, v, turn),
             size,
@@ -104,6 +113,9 @@ class Ground:
             within=self.surface,
             margin=_MARGIN_M,
             look=look,
+=======
+            name, spot, size, base=base, parent=parent, within=bearer, margin=_MARGIN_M, look=look
+>>>>>>> r1
         )
 
     def scatter(
@@ -111,10 +123,12 @@ class Ground:
         name: str,
         count: int,
         *,
-        margin: float = 0.3,
         near: tuple[float, float, float, float] | None = None,
         turn: float | None = None,
+<<<<<<< HEAD
         look: Attributes | None = None,
+=======
+>>>>>>> r1
     ) -> list[Placed]:
         """Stand several of a kind at random places (u0, u1, v0, v1) of the parcel."""
         half, depth = self.parcel.width / 2, self.parcel.depth
@@ -126,7 +140,11 @@ class Ground:
             for _ in range(_TRIES):
                 u, v = self._spot(u0, u1, reach), self._spot(v0, v1, reach)
                 heading = self.draw.between(-pi, pi) if turn is None else turn
+<<<<<<< HEAD
                 placed = self.stand(name, u, v, size, turn=heading, margin=margin, look=look)
+=======
+                placed = self.stand(name, u, v, size, turn=heading, margin=0.3)
+>>>>>>> r1
                 if placed:
                     found.append(placed)
                     break

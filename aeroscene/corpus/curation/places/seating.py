@@ -18,17 +18,10 @@ _GAP_M = 0.06
 
 
 def set_table(
-    bearing: Bearing,
-    frame: Frame,
-    u: float,
-    v: float,
-    *,
-    turn: float = 0.0,
-    size: Vector3 | None = None,
-    chairs: int = 4,
+    bearing: Bearing, frame: Frame, u: float, v: float, *, turn: float = 0.0, chairs: int = 4
 ) -> Placed | None:
     """A table with chairs along its two long sides, each facing it."""
-    size = size or (0.9, bearing.draw.between(1.2, 1.8), 0.74)
+    size = (0.9, bearing.draw.between(1.2, 1.8), 0.74)
     wood, form = bearing.draw.one_of(WOODS), bearing.draw.one_of(("legs", "trestle"))
     spot = frame.moved(u, v, turn)
     table = bearing.stand("table", spot, size, margin=0.1, look={"wood": wood, "form": form})

@@ -191,27 +191,31 @@ class Interior:
         """Stand something at a place in another object's frame."""
         return self._stand(name, anchor.frame.moved(u, v, turn), size or self._size_of(name))
 
-    def in_front(
-        self, anchor: Placed | None, name: str, gap: float = 0.06, v: float = 0.0
-    ) -> Placed | None:
+    def in_front(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
         """Stand something before an object's front, facing it."""
         if anchor is None:
             return None
         size = self._size_of(name)
         u = anchor.size[0] / 2 + gap + size[0] / 2
+<<<<<<< HEAD
         return self._stand(name, anchor.frame.moved(u, v, pi), size)
+=======
+        return self._stand(name, anchor.frame.moved(u, 0.0, pi), size)
+>>>>>>> r1
 
-    def behind(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
+    def behind(self, anchor: Placed | None, name: str) -> Placed | None:
         """Stand something behind an object, facing its back."""
         if anchor is None:
             return None
         size = self._size_of(name)
+<<<<<<< HEAD
         u = -(anchor.size[0] / 2 + gap + size[0] / 2)
+=======
+        u = -(anchor.size[0] / 2 + 0.06 + size[0] / 2)
+>>>>>>> r1
         return self._stand(name, anchor.frame.moved(u, 0.0), size)
 
-    def on(
-        self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
-    ) -> Placed | None:
+    def on(self, bearer: Placed | None, name: str, u: float, v: float) -> Placed | None:
         """Lay something on top of an object, at fractions of its half extents."""
         if bearer is None:
             return None
@@ -220,7 +224,7 @@ class Interior:
             return None
         reach_u = bearer.size[0] / 2 - max(size[:2]) / 2 - 0.02
         reach_v = bearer.size[1] / 2 - max(size[:2]) / 2 - 0.02
-        return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size, turn)
+        return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size)
 
     def spots(
         self, pitch_u: float, pitch_v: float, rim: float, *, is_tight: bool = False
