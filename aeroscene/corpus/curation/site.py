@@ -160,13 +160,7 @@ class Site:
         """A strip of green between carriageway and sidewalk, the kerb on the frame's x axis."""
         spot = self.world(frame).moved(0, width / 2)
         size = (length, width, VERGE_M)
-<<<<<<< HEAD
-        strip = self.builder.place(
-            "lawn", spot, size, base=land.level, parent=land.bearer, look={"form": "plain"}
-        )
-=======
         strip = self.builder.place("lawn", spot, size, look={"form": "plain"})
->>>>>>> r1
         if strip:
             self.verges.append(strip)
 

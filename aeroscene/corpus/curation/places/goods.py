@@ -30,12 +30,7 @@ def paint(draw: Draw) -> Attributes:
 
 def set_container(ground: Ground, u: float, v: float, turn: float) -> Placed | None:
     """A container on the ground."""
-<<<<<<< HEAD
-    size = LONG_CONTAINER_M if is_long else CONTAINER_M
-    return ground.erect("container", u, v, size, turn=turn, look=paint(ground.draw))
-=======
     return ground.erect("container", u, v, CONTAINER_M, turn=turn, look=paint(ground.draw))
->>>>>>> r1
 
 
 def stack_container(ground: Ground, lower: Placed) -> Placed | None:

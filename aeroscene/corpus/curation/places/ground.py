@@ -70,21 +70,11 @@ class Ground:
         *,
         turn: float = STREETWARD,
         margin: float = 0.15,
-<<<<<<< HEAD
-        on: Placed | None = None,
-        base: float | None = None,
-=======
->>>>>>> r1
         look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something on the parcel's surface, if there is space."""
         size = size or self.draw.size_of(name)
-<<<<<<< HEAD
-        if base is None:
-            base = self.height_under(v, size, turn)
-=======
         bearer, base = self.surface, self.height_under(v, size, turn)
->>>>>>> r1
         spot = self.parcel.frame.moved(u, v, turn)
         return self.builder.place(
             name, spot, size, base=base, parent=bearer, within=bearer, margin=margin, look=look
@@ -104,18 +94,7 @@ class Ground:
         bearer, base = self.surface, self.height_under(v, size, turn)
         spot, parent = self.parcel.frame.moved(u, v, turn), bearer if self.parcel.rise else None
         return self.builder.place(
-<<<<<<< HEAD
-            name,
-            self.parcel.frame.moved(u, v, turn),
-            size,
-            base=self.height_under(v, size, turn),
-            parent=self.surface if self.parcel.rise else None,
-            within=self.surface,
-            margin=_MARGIN_M,
-            look=look,
-=======
             name, spot, size, base=base, parent=parent, within=bearer, margin=_MARGIN_M, look=look
->>>>>>> r1
         )
 
     def scatter(
@@ -125,10 +104,6 @@ class Ground:
         *,
         near: tuple[float, float, float, float] | None = None,
         turn: float | None = None,
-<<<<<<< HEAD
-        look: Attributes | None = None,
-=======
->>>>>>> r1
     ) -> list[Placed]:
         """Stand several of a kind at random places (u0, u1, v0, v1) of the parcel."""
         half, depth = self.parcel.width / 2, self.parcel.depth
@@ -140,11 +115,7 @@ class Ground:
             for _ in range(_TRIES):
                 u, v = self._spot(u0, u1, reach), self._spot(v0, v1, reach)
                 heading = self.draw.between(-pi, pi) if turn is None else turn
-<<<<<<< HEAD
-                placed = self.stand(name, u, v, size, turn=heading, margin=margin, look=look)
-=======
                 placed = self.stand(name, u, v, size, turn=heading, margin=0.3)
->>>>>>> r1
                 if placed:
                     found.append(placed)
                     break

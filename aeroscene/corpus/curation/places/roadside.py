@@ -28,11 +28,7 @@ def rack_bicycles(bearing: Bearing, frame: Frame, u: float, v: float, count: int
     for index in range(count):
         at = u + (index - (count - 1) / 2) * 0.75
         size = (1.75, 0.55, 1.05)
-<<<<<<< HEAD
-        bearing.stand("bicycle", frame.moved(at, v, turn), size, look=paint(bearing.draw))
-=======
         bearing.stand("bicycle", frame.moved(at, v, QUARTER), size, look=paint(bearing.draw))
->>>>>>> r1
 
 
 def line_way(

@@ -197,22 +197,14 @@ class Interior:
             return None
         size = self._size_of(name)
         u = anchor.size[0] / 2 + gap + size[0] / 2
-<<<<<<< HEAD
-        return self._stand(name, anchor.frame.moved(u, v, pi), size)
-=======
         return self._stand(name, anchor.frame.moved(u, 0.0, pi), size)
->>>>>>> r1
 
     def behind(self, anchor: Placed | None, name: str) -> Placed | None:
         """Stand something behind an object, facing its back."""
         if anchor is None:
             return None
         size = self._size_of(name)
-<<<<<<< HEAD
-        u = -(anchor.size[0] / 2 + gap + size[0] / 2)
-=======
         u = -(anchor.size[0] / 2 + 0.06 + size[0] / 2)
->>>>>>> r1
         return self._stand(name, anchor.frame.moved(u, 0.0), size)
 
     def on(self, bearer: Placed | None, name: str, u: float, v: float) -> Placed | None:
