@@ -56,8 +56,7 @@ class DepthImage:
         """Standard deviation of the inverse depth of a pixel, 1/m, as the image itself shows it.
 
         Inverse depth, or disparity, is linear over the image of a plane: what second differences
-        are left is noise. The median ignores borders. Depth errs by its square times
-        this.
+        are left is noise. The median ignores borders. Depth errs by its square times this.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
             inverse = 1.0 / self.depth_m[::_EVERY_ROW]

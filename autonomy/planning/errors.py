@@ -15,7 +15,7 @@ class UnreachableError(PlanningError):
     """No free path joins start and goal.
 
     Attributes:
-        narrowest_enu_m: Narrowest place of the widest way; None where there is none or unknown.
+        narrowest_enu_m: Narrowest place of the widest way, None if none was sought or found.
     """
 
     def __init__(self, message: str, narrowest_enu_m: tuple[float, float, float] | None = None):

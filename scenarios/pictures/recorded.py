@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.scene.io import scene_from_json
@@ -94,32 +94,20 @@ def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
 
 
 def _track(rows: RecordedRows) -> Track:
-    time_us, true_m = _positions(rows, "true")
-    _, est_m = _positions(rows, "estimate")
-    _, ref_m = _positions(rows, "reference")
+    axes = [rows.vectors(layout.state("position", axis), _SCALARS) for axis in layout.AXES]
     # A file that was torn may lack the last rows of one of them.
-    n = min(len(true_m), len(est_m), len(ref_m))
+    n = min(len(values) for _, values in axes)
+    time_us = axes[0][0]
+    ref_m, est_m, true_m = np.stack([values[:n] for _, values in axes], axis=2).swapaxes(0, 1)
     is_armed = np.zeros(n, dtype=bool)
     for since_us, state in rows.rows(layout.ARMED, "StateChange:state"):
         is_armed[time_us[:n] >= since_us] = state[0] == "armed"
     return Track(
         time_s=time_us[:n] * 1e-6,
-        true_enu_m=true_m[:n],
-        est_enu_m=est_m[:n],
-        ref_enu_m=np.where(is_armed[:, None], ref_m[:n], np.nan),
+        true_enu_m=true_m,
+        est_enu_m=est_m,
+        ref_enu_m=np.where(is_armed[:, None], ref_m, np.nan),
     )
-
-
-def _positions(
-    rows: RecordedRows, whose: str
-) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
-    """Times, us, and positions; as long as the shortest of the three axes."""
-    columns = [
-        rows.vectors(layout.state("position", axis, whose), _SCALARS, width=1)
-        for axis in layout.AXES
-    ]
-    n = min(len(values) for _, values in columns)
-    return columns[0][0][:n], np.hstack([values[:n] for _, values in columns])
 
 
 def _plans(rows: RecordedRows) -> tuple[PlannedLeg, ...]:

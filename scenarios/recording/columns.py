@@ -47,12 +47,14 @@ def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
 
 def _known(rows: np.ndarray, series: ScalarSeries) -> Float[np.ndarray, "n k"]:
     """Values of a series; NaN, which plots leave out, as long as they mean nothing."""
-    values = rows[series.field]
-    if series.column is not None:
-        values = values[:, series.column : series.column + 1]
-    if series.known_by is None:
-        return values
-    return np.where(np.any(rows[series.known_by], axis=1, keepdims=True), values, np.nan)
+    column = slice(None) if series.column is None else slice(series.column, series.column + 1)
+    parts = []
+    for field, by in zip(series.fields, series.known_by, strict=True):
+        values = rows[field][:, column]
+        if by is not None:
+            values = np.where(np.any(rows[by], axis=1, keepdims=True), values, np.nan)
+        parts.append(values)
+    return np.hstack(parts)
 
 
 def _send_errors(stream: rr.RecordingStream, rows: np.ndarray) -> None:

@@ -33,6 +33,7 @@ EARLIER_PLANS = "world/trajectory/earlier"
 EXECUTED = "world/trajectory/executed"
 
 STATE = "state"
+STATES = ("reference", "estimate", "true")
 AXES = ("east", "north", "up")
 POSITION_ERROR = "error/position"
 ATTITUDE_ERROR = "error/attitude"
@@ -67,9 +68,9 @@ def sensor(name: str) -> str:
     return f"sensors/{name}"
 
 
-def state(what: str, axis: str, whose: str) -> str:
-    """Entity of one axis of position or velocity: true, estimate or reference."""
-    return f"{STATE}/{what}/{axis}/{whose}"
+def state(what: str, axis: str) -> str:
+    """Entity of one axis of position or velocity; a column for each of `STATES`."""
+    return f"{STATE}/{what}/{axis}"
 
 
 def mover(name: str) -> str:

@@ -15,18 +15,18 @@ ESTIMATE_FIELD, REFERENCE_FIELD = "position_est_enu_m", "reference_position_enu_
 
 @dataclass(frozen=True, slots=True)
 class ScalarSeries:
-    """A plotted quantity: an entity, the history field it comes from, and its legend."""
+    """A plotted quantity: an entity, the history fields it comes from, and its legend."""
 
     entity: str
-    field: str
+    fields: tuple[str, ...]
     legend: tuple[str, ...]
     colours: tuple[tuple[int, int, int], ...]
     is_fast: bool = False
     """Kept at every control tick, else at every tick of the loop."""
     column: int | None = None
-    """Of the field, if not all of it."""
-    known_by: str | None = None
-    """A field that is all zero as long as this one means nothing."""
+    """Column of each field that is plotted; None for all of them."""
+    known_by: tuple[str | None, ...] = (None,)
+    """For each field one that is all zero as long as it means nothing."""
 
 
 _BODY = ("forward", "left", "up")
@@ -51,30 +51,32 @@ _ACCELERATIONS, _RATES = _axes("acceleration", " m/s²", _BODY), _axes("rate", "
 SERIES: tuple[ScalarSeries, ...] = (
     *(
         ScalarSeries(
-            layout.state(what, axis, whose), field, (whose,), (rgb,), column=k, known_by=by
+            layout.state(what, axis),
+            (f"reference_{what}_enu_{u}", f"{what}_est_enu_{u}", f"{what}_true_enu_{u}"),
+            layout.STATES,
+            (_GREY, _ORANGE, _BLUE),
+            column=k,
+            known_by=(REFERENCE_FIELD, ESTIMATE_FIELD, None),
         )
-        for what, unit in (("position", "m"), ("velocity", "mps"))
+        for what, u in (("position", "m"), ("velocity", "mps"))
         for k, axis in enumerate(layout.AXES)
-        for whose, field, rgb, by in (
-            ("reference", f"reference_{what}_enu_{unit}", _GREY, REFERENCE_FIELD),
-            ("estimate", f"{what}_est_enu_{unit}", _ORANGE, ESTIMATE_FIELD),
-            ("true", f"{what}_true_enu_{unit}", _BLUE, None),
-        )
     ),
-    ScalarSeries(layout.WIND, "wind_enu_mps", _axes("air", " m/s"), _AXES),
-    ScalarSeries(layout.ACCELERATION, "accel_flu_mps2", _ACCELERATIONS, _AXES, is_fast=True),
-    ScalarSeries(layout.ANGULAR_RATE, "gyro_flu_radps", _RATES, _AXES, is_fast=True),
+    ScalarSeries(layout.WIND, ("wind_enu_mps",), _axes("air", " m/s"), _AXES),
+    ScalarSeries(layout.ACCELERATION, ("accel_flu_mps2",), _ACCELERATIONS, _AXES, is_fast=True),
+    ScalarSeries(layout.ANGULAR_RATE, ("gyro_flu_radps",), _RATES, _AXES, is_fast=True),
     ScalarSeries(
-        layout.MOTOR_COMMAND, "rotor_command_radps", _rotors("command"), _ROTORS, is_fast=True
+        layout.MOTOR_COMMAND, ("rotor_command_radps",), _rotors("command"), _ROTORS, is_fast=True
     ),
-    ScalarSeries(layout.MOTOR_SPEED, "rotor_speed_radps", _rotors("speed"), _ROTORS, is_fast=True),
+    ScalarSeries(
+        layout.MOTOR_SPEED, ("rotor_speed_radps",), _rotors("speed"), _ROTORS, is_fast=True
+    ),
 )
 
 DERIVED: tuple[ScalarSeries, ...] = (
     ScalarSeries(
-        layout.POSITION_ERROR, "", (*_axes("position", " m"), "distance m"), (*_AXES, _GREY)
+        layout.POSITION_ERROR, (), (*_axes("position", " m"), "distance m"), (*_AXES, _GREY)
     ),
-    ScalarSeries(layout.ATTITUDE_ERROR, "", ("attitude deg",), (_ORANGE,)),
+    ScalarSeries(layout.ATTITUDE_ERROR, (), ("attitude deg",), (_ORANGE,)),
 )
 """Series that are computed of several fields."""
 
