@@ -45,7 +45,6 @@ def _landing_map() -> LandingMap:
     is_observed[2, 2] = is_safe[2, 2] = is_safe[0, 0] = False
     return LandingMap(
         surface_m=flat,
-        gradient=np.zeros((2, n, n), dtype=np.float32),
         slope_rad=np.linspace(0.0, 0.2, n * n).reshape(n, n),
         slope_sigma_rad=flat,
         roughness_m=flat + 0.01,
