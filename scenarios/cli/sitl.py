@@ -149,8 +149,8 @@ def _print_result(console: Console, result: TrialResult) -> None:
 def _keep_open(console: Console, viewer: Viewer) -> None:
     """What was watched stays, until its user has seen enough."""
     page = "window" if viewer.url is None else "page"
-    console.print(f"The flight has ended. The {page} stays until it is closed, or Ctrl-C.")
     with contextlib.suppress(KeyboardInterrupt):
+        console.print(f"The flight has ended. The {page} stays until it is closed, or Ctrl-C.")
         viewer.wait()
 
 
