@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from flightsim.plant import Plant
     from scenarios.recording.chase import ChaseEye
 
-_TICK_S = 0.02
+_PERIOD_US = 40_000
+"""Simulated time between two poses of the eye: 25 a second."""
 _SIZE_PX = (1600.0, 900.0)
 _PLANE_M = 0.05
 
@@ -37,12 +38,14 @@ class ChaseLog:
         """Follow the vehicle for a tick."""
         from scenarios.recording.chase import FOV_RAD, ChaseEye  # noqa: PLC0415 - as above
 
+        if plant.time_us % _PERIOD_US:
+            return
         last = plant.history[-1]
         if self._eye is None:
             self._eye = ChaseEye(plant.world, yaw_from_quat(last["quat_true_wxyz"]))
             self._log_lens(FOV_RAD)
         position = last["position_true_enu_m"]
-        eye_enu_m = self._eye.follow(position, last["velocity_true_enu_mps"], _TICK_S)
+        eye_enu_m = self._eye.follow(position, last["velocity_true_enu_mps"], 1e-6 * _PERIOD_US)
         self._times_us.append(plant.time_us)
         self._eyes_and_targets.append((*eye_enu_m, *position.tolist()))
 

@@ -35,9 +35,9 @@ def set_sim_time(stream: rr.RecordingStream, time_us: int) -> None:
 def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
     """Write a stretch of `Plant.history` rows, oldest first."""
     slow = history[SLOW_STEP - 1 :: SLOW_STEP]
-    fast_time = sim_time(history["time_us"])
+    fast_time, slow_time = sim_time(history["time_us"]), sim_time(slow["time_us"])
     for series in SERIES:
-        rows, time = (history, fast_time) if series.is_fast else (slow, sim_time(slow["time_us"]))
+        rows, time = (history, fast_time) if series.is_fast else (slow, slow_time)
         if len(rows):
             send_scalars(stream, series.entity, time, _known(rows, series))
     position_m, quat = history["position_true_enu_m"], history["quat_true_wxyz"]
