@@ -62,7 +62,7 @@ class BenchCfg:
 
 def run(cfg: BenchCfg) -> int:
     """Run the benchmark and print it; exit status 2 with one line where it cannot be run."""
-    # The whole stack: only where it is run.
+    # Imported here because it is the whole stack, which `--help` does not need.
     from aeroscene.scene import SceneError  # noqa: PLC0415
     from flightsim.vehicles.catalogue import AirframeError  # noqa: PLC0415
     from scenarios.bench.launch import LaunchError  # noqa: PLC0415
@@ -80,7 +80,7 @@ def run(cfg: BenchCfg) -> int:
 
 
 def _module(bench: AnyBenchCfg) -> Any:
-    """The benchmark itself; for scenes that are made already another than for generating."""
+    """Module of the benchmark; existing scenes have another one than generation."""
     is_made = isinstance(bench, GenerateBenchCfg) and bench.scenes is not None
     if isinstance(bench, GenerateBenchCfg) and not is_made:
         from aeroscene.learning import require_torch  # noqa: PLC0415 - with the scene model

@@ -38,7 +38,7 @@ _IN_OUR_WORDS = (
     # Where a configuration refuses itself, tyro names the dataclass, which tells a user nothing.
     (r"Error parsing \w+: (.*)", r"\1", ""),
 )
-"""What tyro says, what we say, and what would be valid."""
+"""Pattern of tyro's message, our message, and the valid values in it."""
 _KINDS = {"FLOAT": "a number", "INT": "a whole number"}
 
 
@@ -59,7 +59,8 @@ def execute(
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except Exception as error:
-        # The whole simulator: a second that a command without it does not spend.
+        # Imported here because it is the whole simulator: a second that other commands do not
+        # spend.
         from scenarios.run.sitl import INPUT_ERRORS  # noqa: PLC0415
 
         if isinstance(error, INPUT_ERRORS):
@@ -85,7 +86,7 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
 
 
 def default_hint(says: str, metavar: str | None = None) -> Any:
-    """What happens without an option whose own default says nothing, for its line of help."""
+    """Text of the default in the help of an option whose own default tells a user nothing."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {says})", metavar=metavar)
 
 
@@ -103,7 +104,7 @@ def fail_on_file(prog: str, error: OSError) -> NoReturn:
 
 @contextlib.contextmanager
 def handling_signals(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Have Ctrl-C and an end from outside call a handler; after that they do what they did."""
+    """Handle SIGINT and SIGTERM with a handler; afterwards restore the earlier ones."""
     before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
@@ -113,7 +114,7 @@ def handling_signals(handler: Callable[[int, FrameType | None], None]) -> Iterat
 
 
 def print_json(facts: Mapping[str, Any]) -> None:
-    """Print one object on standard output, its figures rounded to four places that count."""
+    """Print one object on standard output, its figures rounded to four significant digits."""
     print(json.dumps(_rounded(facts)), flush=True)
 
 
@@ -128,7 +129,7 @@ def _rounded(value: Any) -> Any:
 
 
 def _one_line(tyro_box: str, prog: str) -> str:
-    """What tyro says in its error box: what is wrong, what may have been meant, where help is."""
+    """Content of tyro's error box in one line: the fault, a suggestion, and where help is."""
     compartments: list[list[str]] = [[]]
     for line in tyro_box.splitlines()[1:-1]:
         text = line.strip(_SIDES)

@@ -17,7 +17,7 @@ class CompileCfg:
 
 
 def run(_: CompileCfg) -> int:
-    """Compile."""
+    """Compile all kernels, with a progress bar."""
     from scenarios.run.kernels import compile_everything  # noqa: PLC0415 - all that compiles
 
     with share_bar() as on_progress:

@@ -26,7 +26,7 @@ class DoctorCfg:
 
 
 def run(cfg: DoctorCfg) -> int:
-    """Check everything and print it."""
+    """Run all checks and print the results."""
     with share_bar() as on_progress:
         diagnosis = diagnose(on_progress)
     if cfg.json:

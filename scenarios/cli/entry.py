@@ -1,4 +1,4 @@
-"""Where the console scripts start: Ctrl-C ends them without a word, from the first moment on."""
+"""Entry points of the console scripts; Ctrl-C ends them silently from the first moment on."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def _start(module: str) -> int:
     if sys.argv[1:] == ["--version"]:
         print(f"aeroscene {importlib.import_module('aeroscene').__version__}")
         return 0
-    # Else MuJoCo's import has a process look for a window library that we never open.
+    # Otherwise MuJoCo's import starts a process that looks for a window library we never use.
     os.environ.setdefault("MUJOCO_GL", "disable")
-    # An import cannot be interrupted in order: libraries turn the exception into others of theirs.
+    # KeyboardInterrupt during an import is unsafe: libraries turn it into exceptions of their own.
     signal.signal(signal.SIGINT, _leave)
     try:
         return importlib.import_module(f"scenarios.cli.{module}").main()
     except BrokenPipeError:
-        os._exit(0)  # Who reads our output has seen enough.
+        os._exit(0)  # The reader of our output has closed the pipe.
     finally:
         signal.signal(signal.SIGINT, _leave)
 

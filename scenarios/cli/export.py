@@ -25,7 +25,7 @@ class ExportCfg:
     """
 
     to: Literal["mjcf", "glb", "usd"]
-    """Format."""
+    """Format of the file."""
     out: Path
     """Folder to write into; made where it is missing."""
     scene: str = "42"
@@ -39,7 +39,7 @@ class ExportCfg:
 
 def run(cfg: ExportCfg) -> int:
     """Export; exit status 2 with one line where that is not possible."""
-    # The whole simulator: only where something is exported.
+    # Imported here because it is the whole simulator, which `--help` does not need.
     from aeroscene.sources import open_scene  # noqa: PLC0415
     from flightsim.export.files import ExportError  # noqa: PLC0415
     from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415

@@ -36,7 +36,7 @@ _MOST_SEED = 2**63 - 1
 
 
 class GenerateError(SceneError):
-    """Something asked of `aeroscene generate` that it cannot do; one line."""
+    """A request that `aeroscene generate` cannot fulfil, in one line."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class GenerateCfg:
     """Make scenes with the trained model: the same seed gives the same scene on the same device.
 
     Each becomes OUT/aeroscene-SEED.json. A draw that cannot be flown is drawn again. Exit status 1
-    if there was a seed that gave no scene.
+    if a seed gave no scene.
     """
 
     seed: int = 42
@@ -54,9 +54,9 @@ class GenerateCfg:
     domain: Literal["any", "outdoor", "indoor", "mixed"] = "any"
     """Domain of the scenes; any draws one for each."""
     objects: Annotated[int | None, default_hint("drawn, 149 on average")] = None
-    """Objects in each scene, roughly."""
+    """Approximate number of objects in each scene."""
     areas: Annotated[int | None, default_hint("drawn")] = None
-    """Landing areas in each scene, at most."""
+    """Greatest number of landing areas in each scene."""
     outline: Annotated[str, default_hint("drawn")] = ""
     """The site's sides in metres as EAST,NORTH, or a JSON file with a list of corners
     [[x, y], ...], whose bounding rectangle is taken."""
@@ -67,7 +67,7 @@ class GenerateCfg:
     checkpoint: Annotated[Path | None, default_hint("the one that ships")] = None
     """File that `aeroscene train` has written."""
     preset: Literal["default", "paper"] = "default"
-    """Which of the checkpoints that ship."""
+    """Checkpoint that ships with the package: ours or the paper's."""
     steps: Annotated[int | None, default_hint("the preset's")] = None
     """Denoising steps."""
     batch: int = 1
@@ -75,7 +75,7 @@ class GenerateCfg:
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
     threads: Annotated[int | None, default_hint("all cores")] = None
-    """Threads of the processor."""
+    """Number of CPU threads."""
     progress: Annotated[Path | None, default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
@@ -96,23 +96,23 @@ def run(cfg: GenerateCfg) -> int:
 
 @dataclass
 class _Tally:
-    """What came of the draws so far."""
+    """Results of the draws so far."""
 
     files: list[str] = field(default_factory=list)
     failed: dict[int, str] = field(default_factory=dict)
-    """Why a seed gave no scene."""
+    """Reason why a seed gave no scene."""
     n_rejected: int = 0
     guided: list[float] = field(default_factory=list)
     """Collision rates of all draws."""
     feasible: list[float] = field(default_factory=list)
-    """Of the finished scenes."""
+    """Collision rates of the finished scenes."""
     seconds: float = 0.0
 
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
     require_torch()
-    # PyTorch: seconds that no other command should spend.
+    # Imported here because PyTorch takes seconds that no other command should spend.
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
 
     requests = _requests(cfg)
@@ -175,13 +175,13 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
 
 
 def outline_sides_m(text: str) -> tuple[float, float]:
-    """The sides of a site that a user names.
+    """Sides of the site that a user asks for.
 
     Args:
         text: `EAST,NORTH` in metres, or the path of a JSON file with corners.
 
     Raises:
-        GenerateError: If it is neither.
+        GenerateError: If the text is neither.
     """
     valid = "EAST,NORTH in metres such as 60,45, or a JSON file with [[x, y], ...]"
     parts = text.split(",")
@@ -213,7 +213,7 @@ def _bounding_sides_m(path: Path, valid: str) -> list[float]:
 def _generate(
     cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], tally: _Tally, advance: Any
 ) -> None:
-    """Draw every request until it gives a scene, or was drawn often enough."""
+    """Draw every request until it gives a scene or the attempts are used up."""
     from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
 
     pending = list(requests)
@@ -248,7 +248,7 @@ def _generate_with_pictures(
 
 
 def _keep(cfg: GenerateCfg, found: Generated, tally: _Tally) -> bool:
-    """Write a scene, if it is one; whether it is."""
+    """Write the scene of a draw; return whether the draw gave one."""
     from aeroscene.metrics.collision import collision_rate  # noqa: PLC0415 - SciPy
 
     tally.guided.append(collision_rate(found.raw))

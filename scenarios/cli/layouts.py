@@ -1,4 +1,4 @@
-"""`aeroscene layouts`: what a file of other people's layouts would become; its conversion."""
+"""`aeroscene layouts`: report how layouts of other projects map to ours, and convert them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 
 _SHOWN = 20
-"""Lines of a list that the table shows."""
+"""Number of entries of a list that are shown."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +45,7 @@ class LayoutsCfg:
 
 
 def run(cfg: LayoutsCfg) -> int:
-    """Report, and convert where asked.
+    """Report the mapping, and convert the layouts if asked to.
 
     Raises:
         SceneError: If the file breaks a rule and nothing is to be skipped.
@@ -73,7 +73,7 @@ def run(cfg: LayoutsCfg) -> int:
 
 
 def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout]:
-    """The layouts of the file, with a bar while they are converted."""
+    """Layouts of the file, with a progress bar while they are converted."""
     layouts = read_layouts(cfg.file, cfg.skip_invalid, faults)
     if cfg.out is None:
         yield from layouts
@@ -83,7 +83,7 @@ def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout
 
 
 def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: list[str]) -> MappingReport:
-    # shapely: not before the command line is known to be right.
+    # Imported here because shapely is slow to import and a bad command line should fail fast.
     from aeroscene.layouts.flyable import make_flyable, map_layout  # noqa: PLC0415
 
     if cfg.out is None:
@@ -97,7 +97,7 @@ def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: list[str]) -> Mapping
 
 
 def file_name(scene_id: str) -> str:
-    """A scene's id as a name of a file: letters, digits, dots, dashes and underscores."""
+    """File name for a scene's id, of letters, digits, dots, dashes and underscores."""
     return re.sub(r"[^A-Za-z0-9._-]+", "-", scene_id).strip(".-") or "scene"
 
 

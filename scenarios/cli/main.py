@@ -1,4 +1,4 @@
-"""`aeroscene`: every command."""
+"""The command `aeroscene` and its subcommands."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _COMMANDS: Mapping[str, str] = {
     "generate": "GenerateCfg",
     "train": "TrainCfg",
 }
-"""What a command's own module, which is imported only where it is asked for, calls its options."""
+"""Name of the options' class in the module of each command, which is imported on demand."""
 
 
 def main(args: list[str] | None = None) -> int:
@@ -45,7 +45,7 @@ def _module(name: str) -> Any:
 
 
 def _any_command() -> Any:
-    """All of them, to list and to suggest."""
+    """Union of all commands, for the list in the help and for suggestions."""
     commands = (
         Annotated[Any, tyro.conf.subcommand(name, constructor=getattr(_module(name), options))]
         for name, options in _COMMANDS.items()

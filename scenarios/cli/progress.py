@@ -1,4 +1,4 @@
-"""Bars on standard error: for work in parts, and for work that goes scene by scene."""
+"""Progress bars on standard error, for work in parts and for work item by item."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from rich.text import Text
 
 
 class Advance(Protocol):
-    """Moves a bar on."""
+    """Function that advances a progress bar."""
 
     def __call__(self, count: int = 1, /) -> None:
-        """By one item, or by several."""
+        """Advance the bar by one item or by several."""
 
 
 class _Rate(ProgressColumn):
-    """Items a second."""
+    """Column with the items done per second."""
 
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
@@ -36,10 +36,10 @@ class _Rate(ProgressColumn):
 
 @contextmanager
 def share_bar() -> Iterator[Callable[[str, float], None]]:
-    """A bar for work in parts, gone when all is done.
+    """Show a progress bar for work in parts, and remove it at the end.
 
     Yields:
-        What to call with the title of a part and the share that is done, 0 to 1.
+        Function to call with the title of a part and the share done, 0 to 1.
     """
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("", total=1.0)
@@ -48,10 +48,10 @@ def share_bar() -> Iterator[Callable[[str, float], None]]:
 
 @contextmanager
 def progress_bar(title: str, total: int, unit: str = "scenes") -> Iterator[Advance]:
-    """A bar with rate and time left, gone when all is done.
+    """Show a progress bar with rate and remaining time, and remove it at the end.
 
     Yields:
-        What to call when an item is done, or with how many.
+        Function to call when an item is done, or with the number of items done.
     """
     columns = (
         TextColumn("{task.description}"),

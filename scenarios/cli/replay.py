@@ -40,11 +40,11 @@ class ReplayCfg:
     formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (
         "png",
     )
-    """What the pictures are; several may be named."""
+    """Format of the pictures; several may be named."""
     video: Path | None = None
-    """Film the flight into this file instead of opening the viewer, from behind and by the
-    vehicle's cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display, and no
-    camera that ran in the flight."""
+    """Render a film of the flight into this file instead of opening the viewer, from behind the
+    vehicle and from its cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display;
+    the cameras need not have run in the flight."""
     summary: bool = False
     """Print what is in the recording instead of opening it; needs no display."""
     json: bool = False
@@ -53,7 +53,7 @@ class ReplayCfg:
 
 def run(cfg: ReplayCfg) -> int:
     """Replay; exit status 2 with one line where there is nothing to replay or no way to."""
-    # rerun: only where a recording is opened.
+    # Imported here because rerun takes time that `--help` should not spend.
     from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
     from scenarios.recording.summary import UnreadableRecordingError, summarise  # noqa: PLC0415
     from scenarios.recording.viewer import ViewerError  # noqa: PLC0415
@@ -73,7 +73,7 @@ def run(cfg: ReplayCfg) -> int:
 
 
 def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> None:
-    # The renderer and matplotlib: only where pictures are drawn.
+    # Imported here because only pictures need the renderer and matplotlib.
     from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415
     from scenarios.pictures.recorded import read_story  # noqa: PLC0415
 
@@ -85,7 +85,7 @@ def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> No
 
 
 def _film(recording: Path, video: Path) -> None:
-    # The renderer and the encoder: only where a film is made.
+    # Imported here because only films need the renderer and the encoder.
     from rich.progress import Progress  # noqa: PLC0415
 
     from scenarios.pictures import PictureError  # noqa: PLC0415
@@ -111,8 +111,8 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
     """Open an .rrd file in a viewer until the user closes it.
 
     Args:
-        kind: Which viewer; auto opens a window where there is a display.
-        source: The file.
+        kind: Kind of viewer; auto opens a window where there is a display.
+        source: File to open.
         what: Subject and verb of the line that says where it can be seen.
 
     Raises:
@@ -121,7 +121,7 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
     """
     from scenarios.recording.viewer import Viewer, has_display  # noqa: PLC0415
 
-    # An end from outside must end the viewer too.
+    # SIGTERM must end the viewer too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     if kind == "auto":
         kind = "native" if has_display() else "web"

@@ -14,7 +14,7 @@ class SceneNumbersError(ValueError):
 
 
 def scene_numbers(text: str) -> tuple[int, ...]:
-    """Numbers in ascending order: "0:10" is 0 to 9, "42" itself, commas join.
+    """Parse ranges into numbers in ascending order: "0:10" is 0 to 9, "42" itself, commas join.
 
     Raises:
         SceneNumbersError: If a part is malformed, empty or reaches beyond the corpus.

@@ -44,13 +44,13 @@ class SitlCommand(SitlCfg):
     place: tyro.conf.Positional[
         Annotated[str, tyro.conf.arg(metavar="[SCENE]", help_behavior_hint="")]
     ] = ""
-    """The scene: the same as --scene."""
+    """Scene to fly in; the same as --scene."""
     scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
     """Scene of the dataset by number, a scene file (.json, .json.gz), or one of a file of layouts
     (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be run, and two scenes."""
+        """Refuse invalid options, and two scenes."""
         SitlCfg.__post_init__(self)
         if self.place and self.scene:
             raise TestbenchError(
@@ -59,7 +59,7 @@ class SitlCommand(SitlCfg):
 
     @property
     def cfg(self) -> SitlCfg:
-        """The run that is asked for."""
+        """Configuration of the run."""
         values: dict[str, Any] = {name.name: getattr(self, name.name) for name in fields(SitlCfg)}
         values["scene"] = str(self.place or self.scene or SitlCfg.scene)
         return SitlCfg(**values)
@@ -74,11 +74,11 @@ def run(command: SitlCommand) -> int:
     """Run the testbench until it is done or told to stop.
 
     Raises:
-        INPUT_ERRORS: If something cannot be had.
+        INPUT_ERRORS: If the input is bad, or the machine lacks what the run needs.
     """
     # Standard output belongs to the result.
     console = Console(stderr=True)
-    # An end from outside must close ports, viewers and the recording too.
+    # SIGTERM must close ports, viewers and the recording too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     cfg = command.cfg
     made = [path for path in _folders(cfg) if not path.exists()]
@@ -100,7 +100,7 @@ def run(command: SitlCommand) -> int:
 
 
 def _folders(cfg: SitlCfg) -> list[Path]:
-    """Where the run writes to."""
+    """Folders that the run writes to."""
     folders = (cfg.record and cfg.record.parent, cfg.pictures)
     return [folder for folder in folders if folder is not None]
 
@@ -147,7 +147,7 @@ def _print_result(console: Console, result: TrialResult) -> None:
 
 
 def _keep_open(console: Console, viewer: Viewer) -> None:
-    """What was watched stays, until its user has seen enough."""
+    """Keep the viewer open until the user closes it or presses Ctrl-C."""
     page = "window" if viewer.url is None else "page"
     with contextlib.suppress(KeyboardInterrupt):
         console.print(f"The flight has ended. The {page} stays until it is closed, or Ctrl-C.")

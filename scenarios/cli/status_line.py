@@ -1,4 +1,4 @@
-"""What the terminal shows while a run goes on: a line of status, and events above it."""
+"""Terminal output during a run: a status line, and events above it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PERIOD_S = 0.25
 
 
 class StatusLine:
-    """Prints what autopilot and pilot say, and below it, on a terminal, how the flight goes."""
+    """Prints messages of autopilot and pilot, and on a terminal the state of the flight below."""
 
     def __init__(self, console: Console, sitl: Sitl) -> None:
         self._console = console
@@ -27,7 +27,7 @@ class StatusLine:
         self._last: tuple[float, float] | None = None
 
     def refresh(self) -> None:
-        """Print what is new, and update the line if it is time to; call as often as you like."""
+        """Print new transitions, and update the line every `PERIOD_S`; cheap to call often."""
         pilot = self._sitl.pilot
         if pilot is not None and len(pilot.transitions) > self._n_transitions:
             for transition in pilot.transitions[self._n_transitions :]:

@@ -34,7 +34,7 @@ _CORPUS_SIZE = 1016
 
 @dataclass(frozen=True, kw_only=True)
 class TrainCfg:
-    """Train a model that generates scenes: skeletons first, then where everything stands.
+    """Train a model that generates scenes: first skeletons, then the geometry of the objects.
 
     Ctrl-C saves and leaves; the same command with --resume goes on from there. The folder then
     holds checkpoint.safetensors for `aeroscene generate`, state.safetensors to go on from,
@@ -42,7 +42,7 @@ class TrainCfg:
     """
 
     preset: Annotated[Literal["default", "paper"] | None, default_hint("default")] = None
-    """The model and its training: default, or the paper's to the letter."""
+    """Model and training: default is ours, paper follows the paper to the letter."""
     config: Annotated[Path | None, default_hint("none")] = None
     """TOML file that changes fields of the preset; see docs/model.md."""
     data: Path = Path("corpus")
@@ -50,23 +50,25 @@ class TrainCfg:
     out: Path = Path("training")
     """Folder to write to; it is made where there is none."""
     steps: Annotated[int | None, default_hint("no limit")] = None
-    """Steps of the denoiser; the same number gives the same weights, stopped or not."""
+    """Training steps of the denoiser; the weights do not depend on whether the training was
+    resumed."""
     minutes: Annotated[float | None, default_hint("60 without --steps")] = None
-    """Minutes of the denoiser; what ends first, steps or minutes."""
+    """Minutes of training of the denoiser; it ends at steps or minutes, whichever comes first."""
     resume: bool = False
-    """Go on with the training in the folder."""
+    """Continue the training in the folder."""
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
     threads: Annotated[int | None, default_hint("all cores")] = None
-    """Threads of the processor."""
+    """Number of CPU threads."""
     parts: Annotated[
         tuple[Literal["skeleton", "prior", "denoiser"], ...] | None,
         default_hint("all of these", metavar="{skeleton,prior,denoiser} ..."),
     ] = None
-    """What to train. The default has skeleton (minutes) and denoiser, the paper prior (a minute)
-    and denoiser."""
+    """Parts of the model to train. The default preset has skeleton (minutes) and denoiser, paper
+    has prior (a minute) and denoiser."""
     take: Annotated[Path | None, default_hint("none")] = None
-    """Checkpoint whose other parts are taken over; it must be of the same data."""
+    """Checkpoint from which the parts that are not trained are copied; it must be of the same
+    data."""
     save_minutes: float = 5.0
     """Minutes between two saves."""
     json: bool = False
@@ -81,7 +83,7 @@ def run(cfg: TrainCfg) -> int:
 
     try:
         require_torch()
-        # PyTorch: seconds that no other command should spend.
+        # Imported here because PyTorch takes seconds that no other command should spend.
         from aeroscene.learning.training.procedure import Training  # noqa: PLC0415
 
         with _asked_to_stop() as stop:
@@ -100,7 +102,7 @@ def run(cfg: TrainCfg) -> int:
 
 @dataclass(frozen=True)
 class _Watcher:
-    """Moves the bar; stops where the user wants it."""
+    """Moves the progress bar, and stops the training when the user asks for it."""
 
     bar: TrainingBar
     stop: threading.Event
@@ -114,7 +116,7 @@ class _Watcher:
 
 @contextmanager
 def _asked_to_stop() -> Iterator[threading.Event]:
-    """An event that Ctrl-C, or an end from outside, sets; a second Ctrl-C ends at once."""
+    """Yield an event that SIGINT or SIGTERM sets; a second one ends the process at once."""
     event = threading.Event()
 
     def ask(number: int, _frame: Any) -> None:
@@ -159,7 +161,7 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     require(ok=cfg.save_minutes > 0, name="save_minutes", value=cfg.save_minutes, valid=least)
     minutes = 60.0 if cfg.minutes is None and cfg.steps is None else cfg.minutes
     budget = Budget(cfg.steps, None if minutes is None else 60.0 * minutes)
-    # What can be refused at once is, before the scenes are read.
+    # Refuse bad options before reading the scenes, which takes time.
     preset, sections = _sections(cfg, state)
     data = _read_data(cfg.data, sections)
     if state is None:
@@ -182,7 +184,7 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
 
 
 def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Any, dict[str, Any]]:
-    """Preset and configuration: those asked for; when resuming, those it was begun with."""
+    """Preset and sections of the configuration; on resuming, those of the training so far."""
     from aeroscene.learning.training.presets import (  # noqa: PLC0415 - PyTorch
         preset_sections,
         sections_from_plain,

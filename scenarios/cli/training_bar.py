@@ -1,4 +1,4 @@
-"""A bar on standard error for training: how far, which losses, how long to go."""
+"""Progress bar of a training on standard error, with losses and remaining time."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _SHOWN = ("total", "held_out", "learning_rate")
 
 @dataclass
 class TrainingBar:
-    """A line for each stage."""
+    """Progress bar with a line for each stage."""
 
     progress: Progress
     _tasks: dict[str, TaskID] = field(default_factory=dict)
     _figures: dict[str, float] = field(default_factory=dict)
 
     def show(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
-        """Move a stage's bar to a share, 0 to 1; figures stay until there are newer ones."""
+        """Move a stage's bar to a share, 0 to 1; old figures stay until there are newer ones."""
         if stage not in self._tasks:
             self._tasks[stage] = self.progress.add_task(stage, total=1.0, losses="")
             self._figures.clear()
@@ -34,7 +34,7 @@ class TrainingBar:
 
 @contextmanager
 def training_bar() -> Iterator[TrainingBar]:
-    """A bar where standard error is a terminal."""
+    """Show the training bar where standard error is a terminal."""
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

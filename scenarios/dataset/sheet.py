@@ -1,4 +1,4 @@
-"""Contact sheets: a picture of each scene, with what the manifest says of it."""
+"""Contact sheets: a picture of each scene, with a caption from the manifest."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _AZIMUTH_RAD = math.radians(-118.0)
 _ELEVATION_RAD = math.radians(36.0)
 _INDOOR_ELEVATION_RAD = math.radians(58.0)
 _OVER = 2
-"""Drawn larger by this and shrunk: smooth edges for less than a fine picture costs."""
+"""Supersampling factor, which smooths edges for less than a fine picture costs."""
 _CUT_M = 2.6
-"""Indoors, what begins above this height is left out: ceilings, roofs, upper storeys."""
+"""Height above the floor at which indoor scenes are cut: ceilings, roofs and upper storeys go."""
 
 _GAP_PX = 10
 _CAPTION_PX = 46
@@ -48,11 +48,11 @@ def draw_sheet(
     """Draw every scene of a dataset into one PNG file.
 
     Args:
-        dataset: The scenes.
+        dataset: Scenes to draw.
         out: File to write, whole or not at all.
-        columns: Pictures side by side.
-        width: Of one picture, pixels.
-        jobs: Processes.
+        columns: Number of pictures side by side.
+        width: Width of one picture, pixels.
+        jobs: Number of processes.
         on_scene: Called after each picture.
 
     Raises:
@@ -75,7 +75,7 @@ def _draw_cell(reader: SceneSet[Entry], width: int, entry: Entry) -> Picture:
 
 
 def draw_scene(scene: Scene, width: int, aspect: float = ASPECT) -> Picture:
-    """A scene from above one corner; indoors without what is overhead."""
+    """Draw a scene from above one corner; indoor scenes are cut open above the furniture."""
     height = round(width / aspect)
     world = build_world(scene, airframe_by_name("iris"), vehicle=False)
     is_indoor = scene.domain == "indoor"
@@ -95,7 +95,7 @@ def draw_scene(scene: Scene, width: int, aspect: float = ASPECT) -> Picture:
 
 
 def _outline(scene: Scene, height_m: float) -> np.ndarray:
-    """Corners of all boxes, none higher than the height above the scene's floor."""
+    """Corners of all boxes, capped at a height above the scene's floor."""
     corners = np.concatenate([obj.bbox.corners() for obj in scene.objects])
     top = scene.extent_min_enu_m[2] + height_m
     return np.minimum(corners, [np.inf, np.inf, top])
@@ -110,7 +110,7 @@ def _caption(entry: SceneSummary, width: int) -> Picture:
 
 
 def tile(cells: Sequence[Picture], columns: int) -> Picture:
-    """Pictures of equal size row by row, gaps between them."""
+    """Arrange pictures of equal size row by row, with gaps between them."""
     height, width, _ = cells[0].shape
     columns = min(columns, len(cells))
     rows = -(-len(cells) // columns)

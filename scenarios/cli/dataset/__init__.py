@@ -42,7 +42,7 @@ class DatasetCfg:
 
 
 def run(cfg: DatasetCfg) -> int:
-    """Do it; exit status 2 with one line where input, folder or machine do not allow it."""
+    """Run the command; exit status 2 with one line for bad input or an unusable folder."""
     prog = f"aeroscene dataset {type(cfg.action).__module__.rpartition('.')[2]}"
     try:
         return _RUN[type(cfg.action)](cfg.action)

@@ -41,7 +41,7 @@ class BuildCfg:
 def run(cfg: BuildCfg) -> int:
     """Build and say what was done."""
     check_jobs(cfg.jobs)
-    # An end from outside is taken as Ctrl-C: nothing stays half-written.
+    # SIGTERM is handled as Ctrl-C is, so that nothing stays half-written.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     plan = plan_build(cfg.out, scene_numbers(cfg.scenes))
     _announce(plan)

@@ -22,17 +22,17 @@ _USUAL_FOLDER = Path("corpus")
 
 
 def check_jobs(jobs: int) -> None:
-    """Refuse a number of processes that makes no sense.
+    """Refuse a number of processes that is out of range.
 
     Raises:
-        DatasetError: Saying what is valid.
+        DatasetError: If the number is out of range.
     """
     if not 1 <= jobs <= MAX_JOBS:
         raise DatasetError(f"jobs {jobs} is out of range, valid: 1 to {MAX_JOBS} processes")
 
 
 def open_scenes(data: str, scenes: str) -> SceneSet[Any]:
-    """The part of a dataset that a user names, all of it for an empty text.
+    """Open the scenes of a dataset that a user names, or all of them for an empty text.
 
     Args:
         data: A folder, or `shipped`; where it is empty, ./corpus if that is there, else shipped.
@@ -71,7 +71,7 @@ def _select(dataset: SceneSet[Any], scenes: str) -> SceneSet[Any]:
 
 
 def _mention_foreign(dataset: SceneSet[Any]) -> None:
-    """Say on standard error when the code that runs would make other scenes than those."""
+    """Say on standard error when the present code would make other scenes than those."""
     curated = [entry for entry in dataset.entries if entry.scene_id.startswith("corpus-")]
     n_foreign = sum(entry.sources != curation_digest() for entry in curated)
     if n_foreign:

@@ -36,16 +36,16 @@ class ShowCfg:
     columns: int = 4
     """Pictures side by side."""
     width: int = 480
-    """Of one picture, pixels; its height is three quarters of it."""
+    """Width of one picture, pixels; its height is three quarters of that."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     viewer: Literal["off", "auto", "native", "web"] = "off"
-    """Open the first of the scenes in rerun instead: in a window, as a page on loopback, or auto,
-    in a window where there is a display."""
+    """Open the first of the scenes in rerun instead of drawing: native opens a window, web serves a
+    page on loopback, auto takes the window where there is a display."""
 
 
 def run(cfg: ShowCfg) -> int:
-    """Draw or open."""
+    """Draw the sheet, or open a scene in the viewer."""
     dataset = _choose(cfg)
     if cfg.viewer != "off":
         return _view(dataset, cfg.viewer)
@@ -62,7 +62,7 @@ def _choose(cfg: ShowCfg) -> SceneSet[Any]:
     dataset = open_scenes(cfg.data, cfg.scenes)
     if cfg.scenes:
         return dataset
-    # One after another of every domain: datasets take the domains in turn.
+    # Evenly spread numbers would favour a domain, since datasets take the domains in turn.
     step = max(1, len(dataset.entries) // _SAMPLE)
     step += step % 3 == 0 and step > 1
     return dataset.select([e.index for e in dataset.entries[::step][:_SAMPLE]])
@@ -84,7 +84,7 @@ def _check(cfg: ShowCfg, dataset: SceneSet[Any]) -> None:
 
 
 def _view(dataset: SceneSet[Any], viewer: Literal["auto", "native", "web"]) -> int:
-    # rerun: only where something is opened in it.
+    # Imported here because only this option needs rerun.
     from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
     from scenarios.recording.scene_file import write_scene_recording  # noqa: PLC0415
     from scenarios.recording.viewer import ViewerError  # noqa: PLC0415

@@ -27,15 +27,15 @@ _CATEGORY_COLUMNS = 4
 class StatsCfg:
     """Count what a dataset holds, in the rows of the paper's table and beside its figures.
 
-    Then domains, categories and diversity. The unit of layout distance is the layout's radius: the
-    root mean square distance of its objects from their mean, seen from above.
+    Domains, categories and diversity follow. The unit of layout distance is the layout's radius:
+    the root mean square distance of its objects from their mean, seen from above.
     """
 
     data: Data = ""
     """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
     folder corpus where there is one, and else shipped."""
     beside: tuple[Path, ...] = ()
-    """Neutral layout files (.jsonl or .jsonl.gz) whose diversity stands beside its own."""
+    """Neutral layout files (.jsonl or .jsonl.gz) whose diversity is shown beside the dataset's."""
     scenes: str = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     jobs: int = field(default_factory=default_jobs)
@@ -46,7 +46,7 @@ class StatsCfg:
 
 
 def run(cfg: StatsCfg) -> int:
-    """Count and print."""
+    """Count the scenes and print the statistics."""
     check_jobs(cfg.jobs)
     dataset = open_scenes(cfg.data, cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}

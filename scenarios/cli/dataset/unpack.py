@@ -24,7 +24,7 @@ class UnpackCfg:
     scenes: str = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     gzip: bool = False
-    """Compress them: .json.gz, a fifth of the size."""
+    """Compress the files: .json.gz, a fifth of the size."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
@@ -32,7 +32,7 @@ class UnpackCfg:
 
 
 def run(cfg: UnpackCfg) -> int:
-    """Write them and say where they are."""
+    """Write the files and say where they are."""
     check_jobs(cfg.jobs)
     dataset = open_scenes(SHIPPED_NAME, cfg.scenes)
     suffix = ".json.gz" if cfg.gzip else ".json"

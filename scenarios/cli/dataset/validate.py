@@ -19,7 +19,7 @@ from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.validate import Report, first_of_each_kind, validate_all
 
 _EXAMPLES = 5
-"""Findings of each kind, failed drops and unreadable files that are shown."""
+"""Number of examples shown of each kind of finding, of failed drops and of unreadable files."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class ValidateCfg:
     """Also let an unpowered Iris fall from 0.3 m on this many random landing areas: it must come
     to rest on them, level within their slope and 2 degrees."""
     seed: int = 0
-    """Decides which areas it falls on, and its headings."""
+    """Seed of the areas that the Iris falls on, and of its headings."""
     scenes: str = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     skip_invalid: bool = False
