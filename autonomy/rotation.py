@@ -28,7 +28,7 @@ def quat_multiply(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> None:
 
 @kernel
 def quat_normalise(q: np.ndarray) -> None:
-    """Scale to unit length in place."""
+    """Scale a quaternion to unit length in place."""
     scale = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     for i in range(4):
         q[i] *= scale
@@ -80,5 +80,5 @@ def yaw_from_quat(q: np.ndarray) -> float:
 
 @kernel
 def wrap_angle(angle: float) -> float:
-    """The same angle in [-pi, pi]."""
+    """Wrap an angle to [-pi, pi]."""
     return angle - 2.0 * math.pi * np.floor((angle + math.pi) / (2.0 * math.pi))

@@ -20,11 +20,11 @@ Quaternion = tuple[float, float, float, float]
 NAN3: Vector3 = (math.nan, math.nan, math.nan)
 ZERO3: Vector3 = (0.0, 0.0, 0.0)
 LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
-"""No rotation at all."""
+"""Attitude without rotation: level, heading east."""
 
 
 def vector3(values: np.ndarray) -> Vector3:
-    """An array (3,) as a tuple."""
+    """Tuple of the components of an array (3,)."""
     x, y, z = values.tolist()
     return (x, y, z)
 

@@ -1,4 +1,4 @@
-"""Mapping: from depth images to what is known to be free, and ways through it."""
+"""Mapping: from depth images to known free space, and plans within it."""
 
 from autonomy.mapping.exploring import plan_towards
 from autonomy.mapping.map import GivenMap, Map

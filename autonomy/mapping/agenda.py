@@ -1,4 +1,4 @@
-"""The agenda of a vehicle that explores, from one plan to the next."""
+"""Agenda of a vehicle that explores, kept from one plan to the next."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from autonomy.planning.trajectory import Trajectory
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Errand:
-    """Cells that the way to a goal leads through, and from where they can be seen."""
+    """Cells on the way to a goal that must be seen first, and the place to see them from."""
 
     path: Int[np.ndarray, "n 3"]
     """Free cells to the place to look from; the last alone if that is where the vehicle is."""
     targets: Int[np.ndarray, "k 3"]
     facing_since: int | None = None
-    """Images that had been taken when the camera faced them."""
+    """Number of images taken before the camera faced the cells."""
     needs_nod: bool = False
-    """Whether they are seen from there only when the vehicle tilts."""
+    """Whether the cells are seen from there only when the vehicle tilts."""
     nods: int = 0
-    """Nods so far."""
+    """Number of nods so far."""
 
 
 @dataclass(kw_only=True, eq=False)
@@ -32,6 +32,6 @@ class Agenda:
     errand: Errand | None = None
     """Cells that the vehicle set out to look at, None without any."""
     searched_at: int = 0
-    """Images that had been taken when a way was last looked for."""
+    """Number of images taken before the last search for a way."""
     plan: Trajectory | None = None
-    """The last one that was made."""
+    """Last plan that was made."""

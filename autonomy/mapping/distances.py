@@ -21,7 +21,7 @@ def distance_to_marked(
     """Exact distance from cell centres to the nearest marked cell's surface, capped.
 
     Separable: along one axis, cells n apart are (2n - 1) / 2 cells apart from centre to surface,
-    and squares add up over the axes. What lies outside the block does not count.
+    and squares add up over the axes. Cells outside the block do not count.
     """
     nx, ny, nz = marked.shape
     reach = math.ceil(cap / resolution + 0.5)
@@ -72,7 +72,7 @@ def boxes_about(
     corner_enu_m: Float[np.ndarray, " 3"],
     resolution_m: float,
 ) -> Obstacles:
-    """Everything that is not free in and around a block of cells, as few upright boxes.
+    """Upright boxes, as few as possible, over all that is not free in and around a block of cells.
 
     Seen from free cells only the skin of the rest matters: each box holds some of it and whatever
     else is not free behind it. The last six are all that lies outside the block.
@@ -100,13 +100,13 @@ def _walls(corner: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def cover_skin(
     is_free: Bool[np.ndarray, "nx ny nz"],
 ) -> tuple[Int[np.ndarray, "n 3"], Int[np.ndarray, "n 3"]]:
-    """Blocks of cells that are not free and hold all of these that touch a free one.
+    """Blocks of cells that are not free and together hold each such cell that touches a free one.
 
     Each grows from the first such cell that is not held yet, downwards and upwards along z, then
     along y and x, as far as nothing in it is free.
 
     Returns:
-        First cells, and the cells beyond the last ones.
+        First cells of the blocks, and the cells beyond their last ones.
     """
     nx, ny, nz = is_free.shape
     is_held = np.zeros((nx, ny, nz), dtype=np.bool_)
@@ -168,7 +168,7 @@ def distance_to_cells(
     corner: Float[np.ndarray, " 3"],
     resolution: float,
 ) -> Float[np.ndarray, " k"]:
-    """Distance from points to the nearest cell with some evidence, within a few cells of them."""
+    """Distance from points to the nearest cell with enough evidence, within a few cells of them."""
     nx, ny, nz = evidence.shape
     distance = np.full(len(points), _REACH_CELLS * resolution)
     for n in range(len(points)):

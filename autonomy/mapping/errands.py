@@ -1,4 +1,4 @@
-"""Errands: to where something shows that the way to a goal leads through, and a look at it."""
+"""Errands: flights to a place from which unseen cells on the way to a goal can be seen."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
 
 LOOK_IMAGES = 4
-"""After so many images of cells that are still unknown, no more is expected."""
+"""Number of images after which cells that are still unknown are given up."""
 MOST_NODS = 2
 _SEARCHED_M = 14.0
 """Greatest distance of a place to look from."""
 _AHEAD_CELLS = 8
-"""Cells of the way on that are looked at together."""
+"""Number of cells of the way on that are looked at together."""
 _LEAST_WEIGHT = 0.2
 _FACING_RAD = math.radians(8.0)
 _EDGE_RAD = math.radians(3.0)
-"""Targets so near to the edge of the image are not counted on."""
+"""Angle from the edge of the image within which targets are not counted on."""
 _PAUSE_M = 8.0
-"""A look takes as long as flying so far."""
+"""Distance that could be flown in the time of a look."""
 
 
 def set_out(task: Task, ahead: Int[np.ndarray, "n 3"]) -> None:
-    """Choose from where to see what keeps the first cells of a way from being flown, or give up.
+    """Choose where to see the unknown about the first cells of a way from, or give up.
 
     Raises:
         PlanningError: If the vehicle still moves.
@@ -80,10 +80,10 @@ def set_out(task: Task, ahead: Int[np.ndarray, "n 3"]) -> None:
 
 
 def pursue(task: Task, errand: Errand) -> Trajectory | None:
-    """Fly to where cells can be seen from, and look at them; None when that is done.
+    """Plan a flight to where cells can be seen from, or a look at them; None when that is done.
 
     Raises:
-        PlanningError: If the vehicle still moves: what it flies leads there.
+        PlanningError: If the vehicle still moves: its present plan leads there.
     """
     seen = task.seen
     evidence = seen.evidence[tuple(errand.targets.T)]
@@ -142,27 +142,27 @@ def _require_rest(task: Task) -> None:
 
 
 def _unknown_about(task: Task, cells: Int[np.ndarray, "n 3"]) -> Int[np.ndarray, "k 3"]:
-    """Cells that were not seen and are too near to some others for the vehicle to be there."""
+    """Unseen cells that are nearer to the given ones than the vehicle needs."""
     if len(cells) == 0:
         return np.zeros((0, 3), dtype=np.int64)
     seen = task.seen
     block = seen.block_about(cells, task.needed_m)
     part = seen.evidence[slices(block)]
     unknown = np.argwhere((part > FREE_AT) & (part < OCCUPIED_AT)) + block[0]
-    # As distances are told: from the centre to the surface of the other cell.
+    # Distances are from the centre of a cell to the surface of the other one.
     away = np.maximum(np.abs(unknown[:, None] - cells[None]) - 0.5, 0.0)
     nearest_m = np.linalg.norm(away, axis=2).min(axis=1) * seen.cfg.resolution_m
     return unknown[nearest_m < task.needed_m]
 
 
 def _without(cells: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Those cells that are not among others."""
+    """Cells without those that are among the others."""
     known = set(map(tuple, others.tolist()))
     return cells[[tuple(cell) not in known for cell in cells.tolist()]].reshape(-1, 3)
 
 
 def _sight(seen: SeenMap, tilt_rad: float) -> Sight:
-    """View of the camera all around when the vehicle turns, and tilts as well."""
+    """View of the camera all around when the vehicle turns, and where asked tilts as well."""
     cfg = seen.cfg
     half = cfg.camera_vertical_fov_rad / 2 - _EDGE_RAD
     most = (cfg.max_range_m - 1.0) / cfg.resolution_m

@@ -1,11 +1,11 @@
-"""Plans towards a goal through a place that is still being seen.
+"""Plans towards a goal through a place that is only partly seen.
 
-A search leads to the goal also through what was not looked at, at a price. What is flown of it
-is the part before it leaves what was seen free, planned and proved against all the rest, and it
-ends at rest: the vehicle can always stay where its plan ends. As more is seen, a new plan takes
-over. Where the way leads on to cells that the camera does not see from there, because they are
-above, below or behind, the vehicle turns, or flies to where it sees most of them for the time that
-takes. What stays unseen though it was looked at is taken for occupied.
+A search leads to the goal, at a price also through unseen cells. Only the part of its way before it
+leaves seen free space is flown, planned and proved against all the rest, and the plan ends at rest:
+the vehicle can always stay where its plan ends. As more is seen, a new plan takes over. Where the
+way leads on to cells that the camera does not see from there, because they are above, below or
+behind, the vehicle turns, or flies to where it sees most of them for the time that takes. Cells
+that stay unseen though they were looked at are taken for occupied.
 
 Source: a plan that may use the unknown together with one that stops in the known, as in Tordesillas
 et al. 2019 (FASTER), here one after the other and each proved exactly.
@@ -34,30 +34,30 @@ if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
 
 WORTHWHILE_M = 0.5
-"""Shorter ways are not flown: the vehicle rather looks where the way goes on."""
+"""Length below which a way is not flown: the vehicle rather looks where the way goes on."""
 FURTHER_M = 1.0
-"""While it flies, a plan that leads no further than this beyond the last is not made."""
+"""Distance beyond the end of the present plan that a new plan must gain during flight."""
 SEARCH_IMAGES = 3
-"""While it flies, a way is looked for anew after so many images."""
+"""Number of images between two searches for a way during flight."""
 _N_SAMPLES = 50
 _MOST_GIVEN_UP = 12
 _CLIMB_PRICE = 2.0
-"""Cells, of a rise by one cell through what was not seen."""
+"""Price in cells of a rise by one cell through unseen space."""
 
 
 def plan_towards(
     seen: SeenMap, start: FlatReference, goal_enu_m: Vector3, craft: Craft
 ) -> Trajectory:
-    """A certified trajectory within what was seen free: to the goal, or towards it, or a look.
+    """Plan a certified trajectory within seen free space: to the goal, towards it, or for a look.
 
     Args:
-        seen: What was seen so far; what stays unseen though looked at is taken for occupied.
-        start: Where the vehicle is and how it moves.
-        goal_enu_m: Where it shall go.
-        craft: What flies.
+        seen: Map so far; cells that stay unseen though looked at become occupied in it.
+        start: State of the vehicle.
+        goal_enu_m: Position to go to.
+        craft: Vehicle that flies.
 
     Returns:
-        A plan that ends at rest; at the goal, if that is within what was seen free.
+        A plan that ends at rest; at the goal, if that is within seen free space.
 
     Raises:
         BlockedError: If start or goal is off the map, or the goal too near to what was seen.
@@ -100,7 +100,7 @@ def _next_plan(task: Task) -> Trajectory:
 
 
 def _has_plan(task: Task) -> bool:
-    """Whether the vehicle flies a plan that nothing is known against."""
+    """Whether the vehicle flies a plan that is still free by all that is known."""
     plan = task.seen.agenda.plan
     if not task.is_moving or plan is None:
         return False
@@ -110,7 +110,7 @@ def _has_plan(task: Task) -> bool:
 
 
 def _require_news(task: Task) -> None:
-    """Do not search anew with every image while there is a plan to fly."""
+    """Refuse a new search with every image while there is a plan to fly."""
     seen = task.seen
     n_new = seen.n_images - seen.agenda.searched_at
     if n_new < SEARCH_IMAGES and _has_plan(task):
@@ -143,7 +143,7 @@ def _require_place(task: Task) -> None:
 
 
 def _way(task: Task) -> Int[np.ndarray, "n 3"]:
-    """Cells from start to goal, through what was not seen as well."""
+    """Cells of a way from start to goal, through unseen space as well."""
     route = dataclasses.replace(task.seen.field, distance_m=task.seen.route_m(task.needed_m))
     start, goal = task.start_cell, task.seen.cells(np.array(task.goal_enu_m))
     at_ends_m = min(float(route.distance_m[tuple(cell)]) for cell in (start, goal))
@@ -159,7 +159,7 @@ def _way(task: Task) -> Int[np.ndarray, "n 3"]:
 
 
 def _n_open(task: Task, path: np.ndarray) -> int:
-    """Number of cells of a way, from its beginning, that have room that was seen free."""
+    """Number of cells, from the beginning of a way, around which enough room was seen free."""
     distance_m = task.seen.field.distance_m[tuple(path.T)]
     # Where the start itself has less room, the way out of there may have as little.
     needed = np.full(len(path), task.needed_m)
@@ -170,7 +170,7 @@ def _n_open(task: Task, path: np.ndarray) -> int:
 
 
 def _fly_some(task: Task, path: Int[np.ndarray, "n 3"]) -> Trajectory:
-    """As far along a way as can be proved."""
+    """Plan as far along a way as can be proved."""
     end = task.point(path[-1])
     plan = task.seen.agenda.plan
     if plan is not None and _has_plan(task):
@@ -190,10 +190,10 @@ def _fly_some(task: Task, path: Int[np.ndarray, "n 3"]) -> Trajectory:
 
 
 def _straight(task: Task, path: Int[np.ndarray, "n 3"]) -> Trajectory:
-    """From rest to somewhere along a way in a line, where clutter allows no better plan.
+    """Plan a straight leg from rest to a point on a way, where clutter allows no better plan.
 
     Raises:
-        PlanningError: If that cannot be proved, or the vehicle moves.
+        PlanningError: If the leg cannot be proved, or the vehicle moves.
     """
     end = task.point(path[-1])
     start = task.start

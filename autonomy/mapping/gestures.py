@@ -1,6 +1,6 @@
 """Short motions that only serve to look: a turn on the spot, and a nod.
 
-A camera that looks ahead and down sees little of what is above. A multirotor that sets out
+A camera that looks ahead and down sees little of the space above. A multirotor that sets out
 backwards tilts and looks up by as much, so a short way back and forth shows what is higher up.
 """
 
@@ -30,7 +30,7 @@ _RATE_SHARE, _SLOPE_SHARE = 0.9, 0.65
 
 
 def turn(task: Task, turn_rad: float) -> Trajectory:
-    """Come to rest on the spot while turning.
+    """Plan to come to rest on the spot while turning.
 
     Raises:
         PlanningError: If the vehicle cannot stop here.
@@ -52,10 +52,10 @@ def turn(task: Task, turn_rad: float) -> Trajectory:
 
 
 def nod(task: Task, *, backwards_first: bool) -> Trajectory:
-    """A short straight way that tilts the camera upwards, back from what it looks at or towards it.
+    """Plan a short straight leg that tilts the camera upwards, away from its target or towards it.
 
     Raises:
-        PlanningError: If there is room for neither.
+        PlanningError: If there is room for neither direction.
     """
     start = task.start
     ahead = np.array([math.cos(start.yaw_rad), math.sin(start.yaw_rad), 0.0])
@@ -90,7 +90,7 @@ def _motion(
 def _ramped(
     angle_rad: float, rate_radps: float, slope_radps2: float, shortest_s: float
 ) -> Float[np.ndarray, " n"]:
-    """An angle from 0 on that grows with bounded rate and acceleration, then stays."""
+    """Angle that grows from 0 with bounded rate and acceleration to its final value."""
     rate_radps = min(rate_radps, math.sqrt(angle_rad * slope_radps2))
     ramp_s = rate_radps / slope_radps2
     duration_s = ramp_s + (angle_rad / rate_radps if rate_radps > 0.0 else 0.0)

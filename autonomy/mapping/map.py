@@ -1,4 +1,4 @@
-"""The map as a pilot needs it, given before the flight or growing with what is seen."""
+"""The map as a pilot needs it, given before the flight or growing with depth images."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from autonomy.types import FlatReference, Vector3
 
 
 class Map(Protocol):
-    """Obstacles, as far as they are known."""
+    """Interface of a map: the obstacles, as far as they are known."""
 
     @property
     def is_given(self) -> bool:
-        """Whether all of it was known before the flight; else it grows with each image."""
+        """Whether the whole map was known before the flight; else it grows with each image."""
         ...
 
     @property
@@ -34,15 +34,15 @@ class Map(Protocol):
 
     @property
     def field(self) -> DistanceField:
-        """Distances to these obstacles."""
+        """Distance field of these obstacles."""
         ...
 
     def find_openings(self) -> Sequence[Opening]:
-        """Doors, windows and other narrow ways of a map that was given, the widest first."""
+        """Doors, windows and other narrow passages, the widest first; none in a growing map."""
         ...
 
     def observe(self, image: DepthImage) -> None:
-        """Take in a depth image of any camera."""
+        """Update the map with a depth image of any camera."""
         ...
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
@@ -50,11 +50,11 @@ class Map(Protocol):
         ...
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """Distance to what is known to be there; what was not seen counts as free."""
+        """Distance to known obstacles; unseen space counts as free."""
         ...
 
     def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """Distance to what is known to stand there, and not to move; 0 where nothing is known."""
+        """Distance to obstacles known not to move; 0 where nothing is known."""
         ...
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
@@ -81,19 +81,19 @@ class GivenMap:
     is_given: bool = True
 
     def find_openings(self) -> Sequence[Opening]:
-        """Takes 1 to 5 s."""
+        """Find the passages, the widest first; takes 1 to 5 s."""
         return tuple(find_openings(self.field, self.obstacles))
 
     def observe(self, image: DepthImage) -> None:
         """Learn nothing from an image."""
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """All of them."""
+        """All obstacles of the map."""
         del points_enu_m
         return self.obstacles
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """Exact distances."""
+        """Exact distances to the obstacles."""
         return self.obstacles.signed_distance(points_enu_m)[0]
 
     static_distance_m = distance_to_seen_m

@@ -1,12 +1,12 @@
-"""Depth images as evidence for cells: along a line of sight free, at its end occupied.
+"""Depth images as evidence: cells along a line of sight are free, the one at its end is occupied.
 
-Each image counts once for each cell, and what was hit counts more than what was passed: neighbours
-of a surface are grazed by many lines. Lines are taken for blocks of pixels, as far as the nearest
-pixel of a block and its neighbours reaches, so that neither a thin pole between two lines is called
-free nor a cell that holds the edge of something; ends are taken of all pixels. A cell that is
-partly in the shadow of something is not called free by that image, because part of that thing may
-be in it. Where a block measured nothing, as towards the sky, it counts as free as far as the
-nearest measurement of its neighbourhood, at most the range.
+Each image counts once for each cell, and a hit counts more than a pass, because many lines graze
+the neighbours of a surface. Lines are taken for blocks of pixels, as far as the nearest pixel of a
+block and its neighbours reaches, so that neither a thin pole between two lines is called free nor a
+cell that holds the edge of something; the ends of all pixels' lines count. A cell that is partly in
+the shadow of something is not called free by that image, because part of that thing may be in it.
+Where a block measured nothing, as towards the sky, it counts as free as far as the nearest
+measurement of its neighbourhood, at most the range.
 
 Source: cells along a line as in Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray
 tracing"; bounded evidence as in Hornung et al. 2013 (OctoMap).
@@ -26,15 +26,16 @@ from autonomy.perception.depth_image import Pixels
 HIT, MISS = 3, 1
 MOST_FREE, MOST_OCCUPIED = -4, 12
 FREE_AT, OCCUPIED_AT = -2, 2
-"""Two images must pass a cell that nothing hit; one that hits it takes that back."""
+"""Evidence at which a cell is free, after two images that passed it, and at which it is
+occupied."""
 BLOCK_PX = 3
 _NEIGHBOURHOOD = 6
-"""Blocks on each side."""
+"""Number of neighbouring blocks on each side."""
 _LEAST_DEPTH_M = 0.05
 
 
 class Cells(NamedTuple):
-    """Evidence about a volume, cell by cell."""
+    """Evidence about the cells of a volume, as arrays for kernels."""
 
     evidence: np.ndarray
     """Positive for occupied, negative for free."""
@@ -54,9 +55,9 @@ def integrate(
 
     Args:
         cells: Changed in place.
-        number: Of this image, 1 to 127, different from that of the image before.
-        pixels: The image.
-        max_range: Beyond this nothing is believed, m.
+        number: Number of this image, 1 to 127, different from that of the image before.
+        pixels: Image as kernels take it.
+        max_range: Depth beyond which nothing is believed, m.
         inverse_sigma: Standard deviation of inverse depth, 1/m.
     """
     _mark_ends(cells, number, pixels, max_range, inverse_sigma)
@@ -80,7 +81,7 @@ def integrate(
 def _mark_ends(
     cells: Cells, number: int, pixels: Pixels, max_range: float, inverse_sigma: float
 ) -> None:
-    """Call the cells occupied in which lines of sight end; see `integrate`."""
+    """Mark the cells in which lines of sight end as occupied; see `integrate`."""
     depth, fx, fy, cx, cy, eye, rotation = pixels
     evidence, seen_in, corner, resolution = cells
     for v in range(depth.shape[0]):
@@ -90,7 +91,7 @@ def _mark_ends(
             if not (_LEAST_DEPTH_M < d < np.inf):
                 continue
             x = (u - cx) / fx
-            # An end that may as well be two cells off says nothing.
+            # An end that may be two cells off is no evidence.
             if d * math.sqrt(x * x + y * y + 1.0) > max_range:
                 continue
             if 2.0 * inverse_sigma * d * d > resolution:
@@ -156,7 +157,7 @@ def _pass(
     far: float,
     is_shadow: bool,
 ) -> None:
-    """Call the cells free that a line of sight passes before the one it ends in.
+    """Mark the cells that a line of sight passes before its end as free.
 
     Those in a shadow are left as they are, and count as seen.
     """

@@ -1,4 +1,4 @@
-"""The map of a place not known before: cells seen free, seen occupied, or not seen.
+"""Map of a place not known before: cells seen free, seen occupied, or not seen.
 
 Whatever was not seen free is an obstacle to the proof of a plan.
 """
@@ -25,7 +25,7 @@ from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
 
 UNSEEN_LACK = 0.25
-"""Cells without room that is seen cost as if so much of the comfortable distance were lacking."""
+"""Share of comfortable less needed distance that cells without seen room lack for the search."""
 _SURFACE_M = 0.05
 _N_NUMBERS = 127
 
@@ -36,9 +36,9 @@ class SeenMapCfg:
 
     resolution_m: float = 0.25
     max_range_m: float = 8.0
-    """Depth beyond this is not believed."""
+    """Depth beyond which a measurement is not believed."""
     cap_m: float = 1.5
-    """Distances are capped here."""
+    """Cap of the distances to obstacles."""
     nearby_m: float = 10.0
     """Reach of `obstacles` from the last camera position."""
     camera_pitch_down_rad: float = math.radians(15.0)
@@ -52,9 +52,9 @@ class SeenMap:
     Attributes:
         evidence: Of each cell: free up to `FREE_AT`, occupied from `OCCUPIED_AT` on, else unknown.
         n_images: Images taken in so far.
-        is_given: All of it is seen, nothing was given.
-        agenda: What the vehicle that looks about in it is up to.
-        eye_enu_m: Where the last of them was taken from; the start before.
+        is_given: False: the map grows with what is seen.
+        agenda: Agenda of the vehicle that explores it.
+        eye_enu_m: Camera position of the last image; the start before the first one.
     """
 
     is_given = False
@@ -62,7 +62,7 @@ class SeenMap:
     def __init__(
         self, low_enu_m: Vector3, high_enu_m: Vector3, cfg: SeenMapCfg | None = None
     ) -> None:
-        """An empty map of a flight volume; beyond a whole number of cells nothing is flown in."""
+        """Create an empty map of a flight volume, cut to a whole number of cells."""
         self.cfg = SeenMapCfg() if cfg is None else cfg
         self.corner_enu_m = np.array(low_enu_m, dtype=float)
         size = (np.array(high_enu_m) - self.corner_enu_m) / self.cfg.resolution_m
@@ -76,12 +76,12 @@ class SeenMap:
         self._distance_m = np.zeros(shape, dtype=np.float32)
         self._route_m = np.full(shape, self.cfg.cap_m, dtype=np.float32)
         self._needed_m = 0.0
-        # First and beyond the last cell of what changed since the distances were computed.
+        # First cell, and the cell beyond the last, that changed since the distances were computed.
         self._changed = np.array([shape, np.zeros(3, dtype=np.int64)])
         self._obstacles: Obstacles | None = None
 
     def observe(self, image: DepthImage) -> None:
-        """Take in a depth image."""
+        """Update the map with a depth image."""
         cfg = self.cfg
         self.n_images += 1
         integrate(
@@ -97,7 +97,7 @@ class SeenMap:
     def assume_free_column(
         self, foot_enu_m: Vector3, *, radius_m: float = 1.1, height_m: float = 3.4
     ) -> None:
-        """Take the air above the start as free, until it is seen otherwise.
+        """Assume that the air above the start is free, until it is seen otherwise.
 
         The column is higher than the vehicle rises before it looks around.
         """
@@ -107,7 +107,7 @@ class SeenMap:
         block = self._within(np.array([low, high]))
         x, y, z = np.meshgrid(*self._axes(block), indexing="ij", sparse=True)
         across = np.hypot(x - foot_enu_m[0], y - foot_enu_m[1])
-        # A cell that the surface just reaches the middle of stands for the air above it.
+        # A cell whose middle the surface just reaches stands for the air above it.
         is_above = z >= foot_enu_m[2] - _SURFACE_M
         is_assumed = (across <= radius_m) & is_above & (z <= foot_enu_m[2] + height_m)
         part = self.evidence[slices(block)]
@@ -116,7 +116,7 @@ class SeenMap:
         self._change(block)
 
     def give_up(self, cells: Int[np.ndarray, "n 3"]) -> None:
-        """Take cells for occupied that could not be seen, until they are."""
+        """Assume that cells that could not be seen are occupied, until they are seen."""
         self.evidence[tuple(cells.T)] = OCCUPIED_AT
         self._change(np.array([cells.min(axis=0), cells.max(axis=0) + 1]))
 
@@ -132,7 +132,7 @@ class SeenMap:
     def distance_to_seen_m(
         self, points_enu_m: Float[np.ndarray, "k 3"], at_least: int = HIT
     ) -> Float[np.ndarray, " k"]:
-        """Distance to the nearest cell with so much evidence of a hit, up to five cells."""
+        """Distance to the nearest cell with enough evidence of a hit, up to five cells."""
         points = np.ascontiguousarray(points_enu_m, dtype=float)
         return distance_to_cells(
             points, self.evidence, at_least, self.corner_enu_m, self.cfg.resolution_m
@@ -141,17 +141,17 @@ class SeenMap:
     def distance_to_standing_m(
         self, points_enu_m: Float[np.ndarray, "k 3"]
     ) -> Float[np.ndarray, " k"]:
-        """Distance to the nearest cell that was occupied in several images: not by what moves."""
+        """Distance to the nearest cell that was occupied in several images, so not by a mover."""
         return self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
 
     def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """The same, but 0 where nothing was seen free yet: what comes into view need not move."""
+        """`distance_to_standing_m`, but 0 where nothing was seen free: no mover counts there."""
         is_known_free = self.obstacles.signed_distance(points_enu_m)[0] > 0.0
         is_new = ~is_known_free & (self.distance_to_seen_m(points_enu_m) > 0.0)
         return np.where(is_new, 0.0, self.distance_to_standing_m(points_enu_m))
 
     def find_openings(self) -> Sequence[Opening]:
-        """None are told."""
+        """No passages: a growing map does not look for them."""
         return ()
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
@@ -165,13 +165,13 @@ class SeenMap:
 
     @property
     def field(self) -> DistanceField:
-        """Distances to whatever was not seen free."""
+        """Distance field of everything that was not seen free."""
         self._refresh()
         return self._as_field(self._distance_m, np.zeros(3, dtype=np.int64))
 
     @property
     def obstacles(self) -> Obstacles:
-        """Everything near the camera that was not seen free, as boxes; beyond that everything."""
+        """Boxes over everything near the camera that was not seen free, and all beyond that."""
         if self._obstacles is None:
             at, reach = np.array(self.eye_enu_m), self.cfg.nearby_m
             block = self._within(np.array([self.cells(at - reach), self.cells(at + reach) + 1]))
@@ -179,26 +179,26 @@ class SeenMap:
         return self._obstacles
 
     def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """Everything about some points that was not seen free, as boxes; beyond that everything."""
+        """Boxes over everything about some points that was not seen free, and all beyond that."""
         away = np.abs(points_enu_m - np.array(self.eye_enu_m))
         if np.all(away < self.cfg.nearby_m - self.cfg.cap_m):
             return self.obstacles
         return self.obstacles_in(self.block_about(self.cells(points_enu_m), self.cfg.cap_m))
 
     def obstacles_in(self, block: Int[np.ndarray, "2 3"]) -> Obstacles:
-        """Everything in a block of cells that was not seen free, and all outside it, as boxes."""
+        """Boxes over everything in a block of cells that was not seen free, and all outside it."""
         is_free = np.ascontiguousarray(self.evidence[slices(block)] <= FREE_AT)
         corner = self.corner_enu_m + block[0] * self.cfg.resolution_m
         return boxes_about(is_free, corner, self.cfg.resolution_m)
 
     def field_in(self, block: Int[np.ndarray, "2 3"]) -> DistanceField:
-        """Distances to whatever was not seen free, of a block of cells."""
+        """Distance field of a block of cells, to everything that was not seen free."""
         self._refresh()
         part = np.ascontiguousarray(self._distance_m[slices(block)])
         return self._as_field(part, block[0])
 
     def route_m(self, needed_m: float) -> Float[np.ndarray, "nx ny nz"]:
-        """Distances for a search that also passes what was not seen, at a price.
+        """Distances for a search that also passes unseen cells, at a price.
 
         Where there is less than `needed_m` to what was seen occupied the distance to that, else,
         where that much room was not seen free, a distance that is less than comfortable.
@@ -230,7 +230,7 @@ class SeenMap:
         return np.clip(block, 0, self.evidence.shape)
 
     def _view_block(self, image: DepthImage) -> np.ndarray:
-        """A block that holds all that an image may have changed: the pyramid of its view."""
+        """Block of cells that an image may have changed: the pyramid of its view."""
         height, width = image.depth_m.shape
         ends = [np.array(image.position_enu_m, dtype=float)]
         for u in (0, width):

@@ -1,4 +1,4 @@
-"""The task of one plan through a place that is still being seen."""
+"""Task of one plan through a place that is only partly seen."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from autonomy.mapping.seen_map import SeenMap
 
 _AROUND_M = 2.0
-"""Beyond the way to fly, what the plan may use."""
+"""Margin about the way to fly that the plan may use."""
 _CALM = 0.5
 _AT_REST_MPS = 0.3
 _AT_REST_MPS2 = 0.5
@@ -29,7 +29,7 @@ _AT_REST_RADPS = 0.2
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Task:
-    """A vehicle's state, its goal and what it saw."""
+    """State, goal and map of a vehicle for one plan."""
 
     seen: SeenMap
     start: FlatReference
@@ -38,12 +38,12 @@ class Task:
 
     @property
     def needed_m(self) -> float:
-        """Distance to what was not seen free, below which no way is looked for."""
+        """Least distance from a way to everything that was not seen free."""
         return self.craft.cfg.vehicle_radius_m + self.craft.cfg.margins_m[-1]
 
     @property
     def start_cell(self) -> Int[np.ndarray, " 3"]:
-        """The cell that the vehicle is in."""
+        """Cell that the vehicle is in."""
         return self.seen.cells(np.array(self.start.position_enu_m))
 
     @property
@@ -57,7 +57,7 @@ class Task:
         )
 
     def point(self, cell: Int[np.ndarray, " 3"]) -> Vector3:
-        """The centre of a cell."""
+        """Centre of a cell, ENU, m."""
         x, y, z = self.seen.centres(cell).tolist()
         return (x, y, z)
 
@@ -66,10 +66,10 @@ class Task:
         return math.dist(point_enu_m, self.start.position_enu_m)
 
     def fly(self, path: Int[np.ndarray, "n 3"], goal_enu_m: Vector3) -> Trajectory:
-        """A trajectory about a way through what was seen free.
+        """Plan a trajectory about a way through seen free space.
 
         Raises:
-            PlanningError: If there is none, or it cannot be proved.
+            PlanningError: If there is no trajectory, or it cannot be proved.
         """
         block = self.seen.block_about(path, _AROUND_M)
         field, obstacles = self.seen.field_in(block), self.seen.obstacles_in(block)
@@ -83,17 +83,17 @@ class Task:
         return plan_trajectory(self.start, *world, calmer)
 
     def proved(self, trajectory: Trajectory, margin_m: float = 0.0) -> Trajectory:
-        """A trajectory from where the vehicle is, with the proof that it keeps to seen free space.
+        """Certify that a trajectory from the vehicle's position keeps to seen free space.
 
         Raises:
-            CertificateError: If it does not, or breaks a limit.
+            CertificateError: If the trajectory does not, or breaks a limit.
         """
         block = self.seen.block_about(self.start_cell[None], 2 * _AROUND_M)
         return self.craft.prove(trajectory, self.seen.obstacles_in(block), margin_m=margin_m)
 
 
 def _calmer(limits: FlightLimits) -> FlightLimits:
-    """Limits by which a short way among clutter asks less of the vehicle than it may."""
+    """Limits for a short way among clutter, calmer than those of the vehicle."""
     return dataclasses.replace(
         limits,
         acceleration_mps2=max(_CALM * limits.acceleration_mps2, MIN_ACCELERATION_MPS2),
@@ -104,5 +104,5 @@ def _calmer(limits: FlightLimits) -> FlightLimits:
 
 
 def in_words(point: Vector3 | Float[np.ndarray, " 3"]) -> str:
-    """A place, for a message."""
+    """Text of a position, for messages."""
     return f"({point[0]:.2f}, {point[1]:.2f}, {point[2]:.2f}) m"

@@ -21,7 +21,7 @@ class Sight(NamedTuple):
     """Lines of sight of a camera that turns about the vertical."""
 
     least_rise: float
-    """Over the horizontal length."""
+    """Least rise of a line of sight over its horizontal length."""
     most_rise: float
     least_length: float
     most_length: float
@@ -34,7 +34,7 @@ def visible(
     evidence: Int[np.ndarray, "nx ny nz"],
     sight: Sight,
 ) -> Bool[np.ndarray, " n"]:
-    """Whether a camera that turns about the vertical at a place sees each cell; all in cells."""
+    """Whether a camera that turns about the vertical at a place sees each cell; units are cells."""
     is_seen = np.zeros(len(targets), dtype=np.bool_)
     for n in range(len(targets)):
         is_seen[n] = _sees(eye, targets[n], evidence, sight)
@@ -73,18 +73,18 @@ def best_viewpoint(
     sight: Sight,
     pause: float,
 ) -> Int[np.ndarray, "k 3"]:
-    """The cell that free cells join to the start and that shows most for the way there.
+    """Cell that free cells join to the start and from which most is seen for the way there.
 
     Args:
-        distance: To what is not free.
-        start: Where the vehicle is.
+        distance: Distance of each cell to the nearest that is not free.
+        start: Cell of the vehicle.
         required: Least distance of cells to fly through.
-        targets: Cells to be seen.
-        weights: What each of them is worth.
-        n_needed: How many of them, the first ones, are of use alone.
-        evidence: Which cells are in the way of sight.
-        sight: How steep and how long lines of sight may be.
-        pause: Cells that one could fly while one looks.
+        targets: Cells to see.
+        weights: Worth of each target.
+        n_needed: Number of targets, the first ones, of which one must be seen.
+        evidence: Evidence of each cell, which says whether it blocks sight.
+        sight: Limits of steepness and length of lines of sight.
+        pause: Number of cells that could be flown during a look.
 
     Returns:
         The cells from there back to the start, or none.
@@ -104,7 +104,7 @@ def best_viewpoint(
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
         if so_far > cost[i, j, k]:
             continue
-        # Every fourth cell will do.
+        # Every fourth cell is enough.
         if here == first or ((i + j) % 2 == 0 and k % 2 == 0):
             eye[0], eye[1], eye[2] = i, j, k
             worth = _worth(eye, targets, weights, n_needed, evidence, sight) / (pause + so_far)
@@ -131,7 +131,7 @@ def _worth(
     evidence: np.ndarray,
     sight: Sight,
 ) -> float:
-    """Worth of the targets that are visible, nothing if none of the needed is among them."""
+    """Sum of the weights of the visible targets; 0 if none of the needed ones is visible."""
     worth = 0.0
     for n in range(len(targets)):
         if n == n_needed and worth == 0.0:

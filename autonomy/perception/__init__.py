@@ -1,4 +1,4 @@
-"""Perception: from depth images to a place where the vehicle can stand."""
+"""Perception: from depth images to landing sites, moving obstacles and the place in a given map."""
 
 from autonomy.perception.camera_pose import camera_pose
 from autonomy.perception.depth_image import DepthImage

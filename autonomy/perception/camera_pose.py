@@ -22,11 +22,11 @@ def camera_pose(
     Optical axes: x right, y down, z forward.
 
     Args:
-        position_enu_m: Of the vehicle, as estimated.
-        quat_wxyz: Its attitude, FLU to ENU, unit.
-        mount_position_flu_m: Of the camera in the body.
-        mount_pitch_down_rad: 0 looks along body x, pi/2 straight down with the image's top
-            towards body x.
+        position_enu_m: Estimated position of the vehicle.
+        quat_wxyz: Estimated attitude of the vehicle, FLU to ENU, unit.
+        mount_position_flu_m: Position of the camera in the body.
+        mount_pitch_down_rad: Pitch of the camera: 0 looks along body x, pi/2 straight down with the
+            image's top towards body x.
     """
     rotation_enu_from_flu = np.empty((3, 3))
     matrix_from_quat(np.array(quat_wxyz, dtype=float), rotation_enu_from_flu)

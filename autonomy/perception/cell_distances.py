@@ -1,4 +1,4 @@
-"""Distances to what stands, remembered by cells of space: an exact one costs microseconds a point.
+"""Distances to static surfaces, cached by cells of space: an exact one costs microseconds a point.
 
 A hash table with open addressing; its hash is Teschner's for cells of space.
 
@@ -26,10 +26,10 @@ _EMPTY = -1
 
 
 class CellDistances:
-    """Distances at the middles of cells, asked for once and kept for a while."""
+    """Distances at the middles of cells, computed once and kept for a while."""
 
     def __init__(self, cell_m: float, remember_s: float) -> None:
-        """Begin with nothing; after `remember_s` all is asked for again, as a map may grow."""
+        """Create an empty cache; entries are dropped after `remember_s`, since a map may grow."""
         self._cell_m = cell_m
         self._remember_s = remember_s
         self._keys = np.full(_N_SLOTS, _EMPTY, dtype=np.int64)
@@ -38,7 +38,7 @@ class CellDistances:
         self._since_s = -np.inf
 
     def forget_old(self, time_s: float) -> None:
-        """Forget everything if it is old by now, or too much."""
+        """Drop all entries if they are too old or too many."""
         if time_s - self._since_s >= self._remember_s or self._n_filled > _MOST_FILLED:
             self._keys[:] = _EMPTY
             self._n_filled = 0
@@ -63,9 +63,9 @@ class CellDistances:
 def find_cells(
     points: Float[np.ndarray, "n 3"], cell: float, keys: Int[np.ndarray, " s"]
 ) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " k"], Float[np.ndarray, "k 3"]]:
-    """Slots of the cells of points, slots that are new, and the middles of their cells.
+    """Slots of the cells of points, the new slots among them, and the middles of their cells.
 
-    The table of keys, one a slot, takes in the new cells; it must not fill up.
+    The new cells are added to the table of keys, one for each slot; it must not become full.
     """
     n = len(points)
     slots = np.empty(n, dtype=np.int64)

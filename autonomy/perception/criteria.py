@@ -1,4 +1,4 @@
-"""Criteria of a place to stand: each one once, for all cells of a map and in words."""
+"""Criteria of a landing site: each is defined once, for all cells of a map and in words."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ class Ground:
     slope_sigma_rad: Float[np.ndarray, "*b"]
     """Standard deviation of the slope due to the noise of depth."""
     roughness_m: Float[np.ndarray, "*b"]
-    """Height range about the plane under the feet, beyond what noise may do."""
+    """Height range about the plane under the feet, less the part that noise may explain."""
     sigma_m: Float[np.ndarray, "*b"]
     """Standard deviation of the heights of the cells under the feet, root mean square."""
     rise_m: Float[np.ndarray, "*b"]
-    """Greatest rise of anything within the body's radius above the plane; inf if it is unknown."""
+    """Greatest rise of anything within the body's radius above the plane; inf if unknown."""
 
     def at(self, cell: tuple[int, int]) -> Ground:
-        """The same of one cell."""
+        """Surroundings centred on one cell."""
         return Ground(**{field.name: getattr(self, field.name)[cell] for field in fields(Ground)})
 
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """One thing that a place needs."""
+    """One requirement of a landing site."""
 
     is_met: Callable[[Ground, LandingNeeds], Any]
     """Whether each cell meets the criterion; False where that is unknown."""
     lack: Callable[[Ground, LandingNeeds], str]
-    """Says what is wrong with the one cell that does not meet it."""
+    """Describes, in words, how a cell fails the criterion."""
 
 
 def _slope(ground: Ground, needs: LandingNeeds) -> str:
@@ -75,7 +75,7 @@ CRITERIA = (
     ),
     Criterion(lambda g, needs: g.rise_m <= needs.max_rise_m, _rise),
 )
-"""All criteria, in the order in which they are told."""
+"""All criteria, in the order in which failures are reported."""
 
 
 def is_safe(ground: Ground, needs: LandingNeeds) -> Bool[np.ndarray, "*b"]:
@@ -84,6 +84,6 @@ def is_safe(ground: Ground, needs: LandingNeeds) -> Bool[np.ndarray, "*b"]:
 
 
 def first_lack(ground: Ground, needs: LandingNeeds) -> str | None:
-    """The first thing that is wrong with one cell; None if it is safe."""
+    """First criterion that a cell fails, in words; None if the cell is safe."""
     lacks = (each.lack(ground, needs) for each in CRITERIA if not each.is_met(ground, needs))
     return next(lacks, None)

@@ -21,7 +21,7 @@ _SIGMA_PER_MEDIAN = 1.0 / (0.6745 * math.sqrt(1.5))
 
 
 class Pixels(NamedTuple):
-    """A depth image as kernels take it; see `DepthImage`."""
+    """Depth image in the form for kernels; see `DepthImage`."""
 
     depth: np.ndarray
     fx: float
@@ -43,7 +43,7 @@ class DepthImage:
     """
 
     depth_m: Float[np.ndarray, "height width"]
-    """Along the optical axis; inf, NaN or 0 where nothing was measured."""
+    """Depth along the optical axis; inf, NaN or 0 where nothing was measured."""
     fx: float
     fy: float
     cx: float
@@ -53,14 +53,14 @@ class DepthImage:
 
     @cached_property
     def inverse_depth_sigma_pm(self) -> float:
-        """Standard deviation of the inverse depth of a pixel, 1/m, as the image itself shows it.
+        """Standard deviation of the inverse depth of a pixel, 1/m, estimated from the image itself.
 
-        Inverse depth, or disparity, is linear over the image of a plane: what second differences
-        are left is noise. The median ignores borders. Depth errs by its square times this.
+        Inverse depth, or disparity, is linear over the image of a plane, so its second differences
+        are noise. The median ignores borders. The error of depth is its square times this.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
             inverse = 1.0 / self.depth_m[::_EVERY_ROW]
-        # Sky is even, but nothing was measured there.
+        # The sky has no differences either, but it is no measurement.
         inverse[~((inverse > 0.0) & (inverse < np.inf))] = np.nan
         curve = inverse[:, _APART:-_APART] - 0.5 * (
             inverse[:, : -2 * _APART] + inverse[:, 2 * _APART :]
@@ -71,7 +71,7 @@ class DepthImage:
         return float(np.median(np.abs(curve[is_seen]))) * _SIGMA_PER_MEDIAN
 
     def halved(self) -> DepthImage:
-        """Every second pixel of every second row."""
+        """Image of every second pixel of every second row."""
         return replace(
             self,
             depth_m=self.depth_m[::2, ::2],
@@ -83,7 +83,7 @@ class DepthImage:
 
     @cached_property
     def pixels(self) -> Pixels:
-        """The image for kernels: depth in single precision, all else in double."""
+        """Image in the form for kernels: depth in single precision, all else in double."""
         return Pixels(
             np.ascontiguousarray(self.depth_m, dtype=np.float32),
             *(float(self.fx), float(self.fy), float(self.cx), float(self.cy)),
@@ -92,7 +92,7 @@ class DepthImage:
         )
 
     def points_enu_m(self) -> Float[np.ndarray, "n 3"]:
-        """The point that each pixel with a measurement shows, row by row."""
+        """Point that each pixel with a measurement shows, row by row."""
         return sample(self.pixels, 1, math.inf)[0]
 
 
@@ -104,7 +104,7 @@ def sample(
 
     Args:
         pixels: The image.
-        stride: Between the rows and the columns that are looked at.
+        stride: Step between the sampled rows and columns.
         farthest: Greatest depth, m.
     """
     depth, fx, fy, cx, cy, eye, rotation = pixels
@@ -141,15 +141,15 @@ def steepest_sight(
 
     Entry (b, s) is the largest fall per metre of the lines in bearing b that end `s * step` or
     farther from the eye; -inf where none does. Nothing stands above such a line before its end,
-    which is taken two standard deviations of its depth nearer.
+    which is moved nearer by two standard deviations of its depth.
 
     Args:
         points: Ends of the lines.
-        eye: Where they begin.
-        pixel_rad: Width of a pixel: a line stands for all within it.
-        step: Between distances, m.
-        n_bearings: All around.
-        n_steps: The last distance holds for all beyond.
+        eye: Beginning of the lines.
+        pixel_rad: Width of a pixel; a line stands for all directions within it.
+        step: Step between distances, m.
+        n_bearings: Number of bearings all around.
+        n_steps: Number of distances; the last one stands for all beyond.
         inverse_sigma: Standard deviation of inverse depth, 1/m.
     """
     fall = np.full((n_bearings, n_steps), -np.inf)
@@ -185,9 +185,9 @@ def bound_hidden(
     east: Float[np.ndarray, " n"],
     north: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n n"]:
-    """Greatest height of anything in each cell of a grid that breaks no line of sight.
+    """Greatest height of anything in each cell of a grid that blocks no line of sight.
 
-    Cells are as wide as `step`; taken is the height of the line over their far side.
+    Cells are as wide as `step`; the bound is the height of the line over their far side.
     """
     bound = np.full((len(north), len(east)), np.inf)
     n_bearings, n_steps = fall.shape
@@ -204,7 +204,7 @@ def bound_hidden(
 
 @kernel
 def bearing(x: float, y: float) -> float:
-    """Direction as the way along the rim of a diamond, 0 to 4, from east by north: no atan2."""
+    """Direction as a position on the rim of a diamond, 0 to 4 from east by north; no atan2."""
     across = abs(x) + abs(y)
     turn = y / across if across > 0.0 else 0.0
     if x < 0.0:

@@ -1,9 +1,9 @@
 """Elevation map: depth images, levelled by the estimated attitude, fused on a grid in ENU.
 
-A cell keeps the mean height of the surface seen in it, each frame weighted by how well its range
-lets it know, with a bounded memory, and how surely that mean is known: by the noise of depth, which
-each image shows of itself, or by how much the frames disagree, whichever is worse. So frames from
-nearby, on the way down, soon outweigh those from above.
+A cell keeps the mean height of the surface seen in it, each frame weighted by the accuracy at its
+range, with a bounded memory, and the variance of that mean: by the noise of depth, estimated from
+each image, or by the disagreement of the frames, whichever is worse. So frames from nearby, on the
+way down, soon outweigh those from above.
 
 Its highest and lowest points count as far as noise cannot have made them, and where three points of
 a frame agree: then they move outwards at once and inwards slowly. A thin pole seen in one frame of
@@ -32,10 +32,10 @@ from autonomy.perception.rasterise import OUTLYING_SIGMAS, rasterise
 from autonomy.types import Vector3
 
 MEMORY_FRAMES = 12
-"""A new frame of the same quality weighs at least one in so many."""
+"""Length of the memory: a new frame of the same quality weighs at least one in so many."""
 _MIN_COMMON_CELLS = 50
 _N_BEARINGS = 512
-# Lines of sight that end farther away than this many map widths are as good as endless.
+# Lines of sight that end farther away than this many map widths count as endless.
 _SIGHT_WIDTHS = 2
 
 
@@ -47,10 +47,10 @@ class ElevationMap:
             and images have it. Without meaning where nothing was seen.
         top_m: Highest point of each cell.
         bottom_m: Lowest point of each cell.
-        hidden_m: Bound of the height of each cell by lines of sight over it in two frames; inf
-            without.
-        n_frames: In how many frames each cell was seen, 0 for never.
-        variance_m2: Of the mean height of each cell; inf where nothing was seen.
+        hidden_m: Upper bound of the height of each cell by lines of sight over it in two frames;
+            inf without.
+        n_frames: Number of frames in which each cell was seen.
+        variance_m2: Variance of the mean height of each cell; inf where nothing was seen.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class ElevationMap:
 
     @property
     def ceiling_m(self) -> Float[np.ndarray, "n n"]:
-        """No part of a cell is higher than this: its top where it was seen, else its bound."""
+        """Upper bound of the height of each cell: its top where it was seen, else `hidden_m`."""
         return np.where(self.is_observed, self.top_m, self.hidden_m)
 
     def cell_centres(self) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
@@ -87,14 +87,14 @@ class ElevationMap:
         return self.center_enu_m[0] + offset, self.center_enu_m[1] + offset
 
     def cell(self, east_m: float, north_m: float) -> tuple[int, int]:
-        """Row and column of a place; outside the patch they lie outside its shape."""
+        """Row and column of a position; outside the patch they lie outside its shape."""
         n = len(self.height_m)
         column = round((east_m - self.center_enu_m[0]) / self.resolution_m) + n // 2
         row = round((north_m - self.center_enu_m[1]) / self.resolution_m) + n // 2
         return row, column
 
     def cells_within(self, polygon_enu_m: Sequence[Vector3]) -> Bool[np.ndarray, "n n"]:
-        """Cells whose centres lie inside a polygon, seen from above."""
+        """Whether the centre of each cell lies inside a polygon, seen from above."""
         import shapely  # noqa: PLC0415 - loads only where something lands
 
         outline = shapely.Polygon([vertex[:2] for vertex in polygon_enu_m])
@@ -129,7 +129,7 @@ class ElevationMap:
         return bound_hidden(fall, eye, step, *self.cell_centres())
 
     def _align(self, frame: Float[np.ndarray, "4 n n"], hidden: np.ndarray) -> None:
-        """Bring a frame and the map to the mean of their heights, each by its weight."""
+        """Shift a frame and the map to the weighted mean of their heights."""
         common = (frame[3] > 0) & self.is_observed
         if np.count_nonzero(common) < _MIN_COMMON_CELLS:
             return
@@ -153,9 +153,9 @@ def fuse(
     variance: Float[np.ndarray, "n n"],
     frame: Float[np.ndarray, "4 n n"],
 ) -> None:
-    """Add a frame, as `rasterise` makes it, to the layers of a map.
+    """Add a frame made by `rasterise` to the layers of a map.
 
-    Top and bottom take a new extreme at once and let go of an old one slowly. `weight` is the sum
+    Top and bottom take a new extreme at once and forget an old one slowly. `weight` is the sum
     of the frames' inverse variances, `scatter` that of their squared differences from the mean over
     their variances; both fade.
     """
@@ -177,7 +177,7 @@ def fuse(
             total = keep * weight[row, column] + 1.0 / spread
             after = height[row, column] + before / (spread * total)
             scattered = keep * scatter[row, column] + before * (mean - after) / spread
-            # What stuck out does so from the surface as far as noise has moved that, no farther.
+            # Extremes follow the surface only as far as noise explains its movement.
             noise = OUTLYING_SIGMAS * math.sqrt(spread)
             doubt = OUTLYING_SIGMAS / math.sqrt(weight[row, column])
             moved = after - height[row, column]

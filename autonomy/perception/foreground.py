@@ -1,7 +1,7 @@
-"""Foreground: the pixels of a depth image that show what the map does not have, and their blobs.
+"""Foreground: the pixels of a depth image that the map does not explain, and their blobs.
 
-A pixel is explained if the map has a surface near its point, or near some point on its line of
-sight that it may as well be showing: depth errs along that line, by its square.
+A pixel is explained if the map has a surface near its point, or near a point on its line of sight
+within the error of depth, which grows with its square.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from autonomy.perception.cell_distances import CellDistances, StaticDistance
 from autonomy.perception.depth_image import DepthImage, sample
 
 STRIDE_PX = 2
-"""Every second pixel of every second row is looked at."""
+"""Step between the sampled pixels and rows."""
 _SIGMAS = 4.0
 _ALONG_SIGHT = (-0.5, 0.5, -1.0, 1.0)
 _BRIDGED = 2
@@ -24,11 +24,11 @@ _BRIDGED = 2
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Foreground:
-    """Samples of an image, row by row."""
+    """Samples of an image that the map does not explain, row by row."""
 
     points_enu_m: Float[np.ndarray, "n 3"]
     pixels: Int[np.ndarray, "n 2"]
-    """Row and column, of the image."""
+    """Row and column of each sample in the image."""
     depth_m: Float[np.ndarray, " n"]
     static_distance_m: Float[np.ndarray, " n"]
     """Distance from each point to the nearest surface of the map."""
@@ -42,16 +42,16 @@ def find_foreground(
     within_m: float,
     range_m: float,
 ) -> Foreground:
-    """Samples of an image, up to a range, that the map does not explain.
+    """Find the samples of an image, up to a range, that the map does not explain.
 
-    A surface of the map explains what is nearer to it than `within_m`: map, pose and cells err.
+    A surface explains points within `within_m`, the error of map, pose and cells.
     """
     points, pixels, depth_m = sample(image.pixels, STRIDE_PX, range_m)
     distance_m = cells.at(points, static_distance_m)
     is_far = distance_m > within_m
     points, pixels, depth_m = points[is_far], pixels[is_far], depth_m[is_far]
     distance_m = distance_m[is_far]
-    # Sight lines, as long as depth may err.
+    # Parts of the lines of sight within the error of depth.
     sight = points - image.pixels.eye
     error = _SIGMAS * image.inverse_depth_sigma_pm * depth_m[:, None] * sight
     is_doubtful = distance_m <= within_m + np.linalg.norm(error, axis=1)
@@ -72,10 +72,10 @@ def find_foreground(
 def find_blobs(
     foreground: Foreground, image: DepthImage, *, gap_m: float, beyond_m: float, least_samples: int
 ) -> list[Int[np.ndarray, " k"]]:
-    """Samples that belong together, as indices, the largest blob first.
+    """Group samples that belong together, as indices, the largest blob first.
 
-    Neighbours whose depths differ by less than `gap_m`, and what noise adds, are of one blob. A
-    blob counts if `least_samples` of it are farther than `beyond_m` from the map.
+    Neighbours whose depths differ by less than `gap_m` plus noise are of one blob. A blob counts if
+    at least `least_samples` of its samples are farther than `beyond_m` from the map.
     """
     n_rows, n_columns = (-(-n // STRIDE_PX) for n in image.depth_m.shape)
     places, error = foreground.pixels // STRIDE_PX, _SIGMAS * image.inverse_depth_sigma_pm
@@ -100,10 +100,10 @@ def connect(
     gap: float,
     inverse_error: float,
 ) -> Int[np.ndarray, " n"]:
-    """Label of the blob of each sample, row by row: the number of its first sample.
+    """Label each sample, row by row, with the number of the first sample of its blob.
 
-    Samples up to two apart belong together, because thin parts have holes, where their depths
-    differ by less than `gap` and `inverse_error` times the square of depth.
+    Samples up to two apart, because thin parts have holes, belong together if their depths differ
+    by less than `gap` plus `inverse_error` times the square of depth.
     """
     at = np.full((n_rows, n_columns), -1, dtype=np.int64)
     parent = np.arange(len(places))

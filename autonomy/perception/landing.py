@@ -1,11 +1,11 @@
-"""Landing sites: slope, roughness and room on an elevation map, and the best place on it.
+"""Landing sites: slope, roughness and room on an elevation map, and the best site on it.
 
 A cell is safe as the vehicle's centre when, within the circle that holds its feet, everything was
 observed in several frames that agree, the fitted plane is level enough and nothing stands out of it
 or drops below it, and when within the circle that holds the whole vehicle nothing rises above that
-plane into the rotors. What was not seen there counts as high as the lines of sight over it allow:
+plane into the rotors. An unseen cell counts as high as the lines of sight over it allow:
 beyond the edge of a roof, where the roof itself hides the ground, that is below the roof; elsewhere
-it is anything.
+it is unbounded.
 
 Heights count less what noise may have done to them: else its extremes among a hundred cells would
 make every floor rough. So that nothing hides in the noise, heights that are too uncertain make a
@@ -40,54 +40,54 @@ from autonomy.perception.windows import (
 from autonomy.types import Vector3
 
 _SIGMAS = 2.5
-"""Noise that the extremes under the feet are granted."""
+"""Standard deviations of noise that are subtracted from the extremes under the feet."""
 _SAME_SURFACE = 1.6
-"""Neighbours whose heights differ by less than this times the noise lie on one surface."""
+"""Difference of neighbouring heights, over the noise, below which they lie on one surface."""
 _DISTANCE_PRICE = 0.1
-"""Metres of room that a metre nearer to the preferred point is worth."""
+"""Price in metres of room for each metre of distance from the preferred point."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LandingSite:
-    """A place to touch down."""
+    """Point to touch down on."""
 
     position_enu_m: Vector3
-    """On the plane under the feet, in the frame of the estimate."""
+    """Position on the plane under the feet, in the frame of the estimate."""
     slope_rad: float
     roughness_m: float
     """Height range about the plane under the feet."""
     clearance_m: float
-    """Distance from here to the nearest place that is unsafe as a centre, or not allowed."""
+    """Distance to the nearest cell that is unsafe as a centre, or not allowed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LandingMap(Ground):
-    """All that is known about every cell; rows along north, columns along east."""
+    """Layers of the ground, cell by cell; rows along north, columns along east."""
 
     surface_m: Float[np.ndarray, "n n"]
-    """Height of the plane under the feet, ENU; NaN, like all that follows from it, where not all
-    under the feet was observed."""
+    """Height of the plane under the feet, ENU. NaN, as in all layers that follow from it, where not
+    all under the feet was observed."""
     height_m: Float[np.ndarray, "n n"]
-    """Height of the surface; without meaning where nothing was seen."""
+    """Height of the surface; meaningless where nothing was seen."""
     is_observed: Bool[np.ndarray, "n n"]
     is_safe: Bool[np.ndarray, "n n"]
     clearance_m: Float[np.ndarray, "n n"]
     """Distance to the nearest cell that is unsafe or not allowed; 0 in those."""
     enough_clearance_m: float
-    """Room beyond this costs no less."""
+    """Clearance beyond which the cost stays the same."""
     axes_enu_m: tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]
     """East coordinates of the columns and north coordinates of the rows."""
 
     @cached_property
     def cells_enu_m(self) -> Float[np.ndarray, "m 3"]:
-        """The observed cells as points."""
+        """Observed cells as points."""
         east, north = self.axes_enu_m
         rows, columns = np.nonzero(self.is_observed)
         return np.column_stack([east[columns], north[rows], self.height_m[self.is_observed]])
 
     @cached_property
     def cost(self) -> Float[np.ndarray, " m"]:
-        """Cost of each of those, from 0 with much room to 1 where it is unsafe or not allowed."""
+        """Cost of each observed cell: 0 with much room, 1 where unsafe or not allowed."""
         room = self.clearance_m[self.is_observed]
         share = np.minimum(room / self.enough_clearance_m, 1.0)
         return np.where(room > 0, 0.5 * (1.0 - share), 1.0)
@@ -118,7 +118,7 @@ def assess(
 def _ground(
     elevation: ElevationMap, needs: LandingNeeds, level_m: float
 ) -> tuple[Float[np.ndarray, "3 n n"], Ground]:
-    """Planes under the feet, height and rise to the east and to the north, and all about them."""
+    """Planes under the feet (height, rise to east and north) and the surroundings of each cell."""
     step = elevation.resolution_m
     known = elevation.n_frames >= needs.min_frames
     foot = disc(needs.footprint_radius_m, step)
@@ -147,9 +147,9 @@ def _ground(
 def choose_site(
     landing: LandingMap, elevation: ElevationMap, needs: LandingNeeds, preferred_enu_m: Vector3
 ) -> LandingSite | None:
-    """The best place to touch down, None if there is no safe one.
+    """Choose the best site to touch down on; None if there is no safe one.
 
-    Room counts up to a limit, closeness to the preferred point a little.
+    Clearance counts up to a limit, closeness to the preferred point a little.
     """
     east, north = elevation.cell_centres()
     away = np.hypot(east[None, :] - preferred_enu_m[0], north[:, None] - preferred_enu_m[1])
@@ -165,7 +165,7 @@ def choose_site(
 def site_at(
     landing: LandingMap, elevation: ElevationMap, place_enu_m: Vector3
 ) -> LandingSite | None:
-    """A place by a map's present state, safe or not; None where its ground was not observed."""
+    """Site at a position by the present map, safe or not; None where it was not observed."""
     cell = elevation.cell(*place_enu_m[:2])
     if not _is_known(landing, cell):
         return None
@@ -180,7 +180,7 @@ def site_at(
 def objection(
     landing: LandingMap, elevation: ElevationMap, needs: LandingNeeds, place_enu_m: Vector3
 ) -> str | None:
-    """Why a place is not safe, by what a map holds by now; None if it is safe."""
+    """Reason why a position is not safe by the present map; None if it is safe."""
     cell = elevation.cell(*place_enu_m[:2])
     if not _is_known(landing, cell):
         return f"not all of the ground under the feet was observed in {needs.min_frames} frames"

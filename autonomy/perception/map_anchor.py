@@ -1,4 +1,4 @@
-"""Offset and yaw of the frame of the estimate in the map, held up by depth images.
+"""Offset and yaw of the frame of the estimate in the map, corrected by depth images.
 
     symbol   name                                        unit
     x        offset o (3) and yaw a of the anchor        m, rad
@@ -7,10 +7,10 @@
 
     in the map: q + o, and every direction turned by a about the vertical
 
-A receiver of metre grade wanders and odometry drifts; what a camera sees of a known map does not.
-x does a random walk; each depth image is laid onto the map (`registration.py`) and fused as a
-measurement of those directions alone about which it says something: over a level roof that is the
-height, along a wall all but the way along it.
+A receiver of metre grade wanders and odometry drifts; the view of a known map does not.
+x is a random walk; each depth image is registered with the map (`registration.py`) and fused as a
+measurement of only those directions that it determines: over a level roof that is the height, along
+a wall all but the way along it.
 
 Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and
 navigation", section 5.2 (Kalman filter); Zhang, Kaess and Singh 2016, "On degeneracy of
@@ -35,21 +35,22 @@ from autonomy.types import FlatReference, Quaternion, Vector3
 _BARE_RECEIVER = MapAnchorCfg()
 _LONGEST_PAUSE_S = 60.0
 _HEIGHT_TO_ACROSS = 1.5
-"""Deviation of a receiver's height to that across: ionosphere, and no satellites below."""
+"""Ratio of a receiver's vertical deviation to the horizontal one: ionosphere, no satellites
+below."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AnchorFix:
-    """The outcome of one depth image."""
+    """Result of one depth image."""
 
     accepted: bool
-    """Whether it was fused."""
+    """Whether the image was fused."""
     reason: str
-    """Why, or why not, in a few words."""
+    """Reason in a few words."""
     offset_enu_m: Vector3
-    """Offset from the estimate to the map, by this image and all before."""
+    """Offset from the estimate to the map, by this image and all earlier ones."""
     yaw_rad: float
-    """Yaw from the estimate to the map, likewise."""
+    """Yaw from the estimate to the map, by the same images."""
     residual_m: float
     """Mean distance of the explained points from the map's surfaces."""
     inlier_share: float
@@ -62,11 +63,11 @@ class MapAnchor:
     """Keeps the estimate of a vehicle tied to a map that was given.
 
     Attributes:
-        fix: What came of the latest image, None before the first.
+        fix: Result of the latest image, None before the first.
     """
 
     def __init__(self, obstacles: Obstacles, cfg: MapAnchorCfg = _BARE_RECEIVER) -> None:
-        """Begin with nothing but what the estimate claims of itself."""
+        """Start from the deviations that the estimate claims, without an image."""
         self._cfg = cfg
         self._matcher = MapMatcher(obstacles)
         self._claimed_m = (math.nan, math.nan)
@@ -90,9 +91,9 @@ class MapAnchor:
         return east, north, up
 
     def claim(self, horizontal_m: float, vertical_m: float = math.inf) -> None:
-        """Adopt the standard deviations that the autopilot claims of its estimate, per axis.
+        """Adopt the standard deviations that the autopilot claims for each axis of its estimate.
 
-        A better estimate moves less from image to image, and is searched for less far. An infinite
+        A better estimate drifts less between images and needs a smaller search. An infinite
         vertical deviation stands for half as much again as the horizontal one.
         """
         if (horizontal_m, vertical_m) == self._claimed_m:
@@ -107,7 +108,7 @@ class MapAnchor:
     def stand_at(
         self, time_s: float, position_est_m: Vector3, position_map_m: Vector3, sigma_m: float = 0.1
     ) -> None:
-        """Fuse the known position of the vehicle in the map: the pad that it starts from.
+        """Fuse the known position of the vehicle in the map, such as the pad that it starts from.
 
         The offset in use jumps there: nothing flies yet. `sigma_m` holds for each axis.
         """
@@ -118,7 +119,7 @@ class MapAnchor:
         self._used_at_s = time_s
 
     def update(self, time_s: float, image: DepthImage) -> AnchorFix:
-        """Register a depth image, posed by the estimate, with the map, and fuse what it tells."""
+        """Register a depth image, posed by the estimate, with the map, and fuse the result."""
         self._let_drift(time_s)
         match = self._matcher.match(image, self._x, self._covariance)
         if match.is_doubtful:
@@ -207,7 +208,7 @@ class MapAnchor:
         return np.diag([h * h, h * h, v * v, yaw * yaw])
 
     def _let_drift(self, time_s: float) -> None:
-        """Random walk since the last time."""
+        """Add the random walk since the last call to the covariance."""
         elapsed_s = 0.0 if self._time_s is None else time_s - self._time_s
         self._time_s = time_s
         cfg = self._cfg
@@ -216,7 +217,7 @@ class MapAnchor:
         self._covariance = self._covariance + walk
 
     def _objection(self, match: Match) -> str | None:
-        """The objection to a match, None if there is none."""
+        """Reason to refuse a match, None if there is none."""
         if match.objection is not None:
             return match.objection
         least = self._cfg.least_inlier_share
@@ -225,7 +226,7 @@ class MapAnchor:
         return None
 
     def _doubt(self) -> None:
-        """Search a little farther: the map explains an image less well than it should."""
+        """Widen the search, because the map explains an image less well than it should."""
         h, v = self._cfg.doubt_m**2, (0.5 * self._cfg.doubt_m) ** 2
         more = np.array([h, h, v, 0.0])
         self._covariance = self._covariance + np.diag(more)

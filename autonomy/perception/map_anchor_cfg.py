@@ -35,18 +35,19 @@ class MapAnchorCfg:
     least_inlier_share: float = 0.6
     """Least share of the points that the map must explain."""
     doubt_m: float = 0.4
-    """Deviation that an image adds that the map does not wholly explain."""
+    """Deviation added by an image that the map does not wholly explain."""
     slew_s: float = 0.5
-    """Time in which the difference of offset and yaw in use to the fused ones falls to 1/e."""
+    """Time constant with which offset and yaw in use approach the fused ones."""
     slew_mps: float = 0.5
     """Greatest speed of the offset in use."""
 
     def for_accuracy(self, horizontal_m: float, vertical_m: float) -> MapAnchorCfg:
-        """The same for an estimate that claims these standard deviations.
+        """Settings for an estimate that claims these standard deviations.
 
         Args:
-            horizontal_m: Each horizontal axis; NaN or infinite counts as a bare receiver's.
-            vertical_m: Of the height, likewise.
+            horizontal_m: Deviation of each horizontal axis; NaN or infinity counts as a bare
+                receiver's.
+            vertical_m: Deviation of the height, likewise.
         """
         bare = MapAnchorCfg()
         h = horizontal_m if math.isfinite(horizontal_m) else bare.horizontal_sigma_m

@@ -1,8 +1,8 @@
-"""Finds where a depth image fits into a map: near where it is thought to be, or anywhere about.
+"""Matches a depth image to a map, near the expected offset or in a search about it.
 
-Where the offset is known to a third of a metre, one registration from there will do. Where it is
-not, a lattice of offsets is scanned with a few points, the best nodes are registered, and what two
-of them explain equally well is refused.
+Where the offset is known to a third of a metre, one registration from there is enough. Otherwise a
+lattice of offsets is scanned with a few points and the best nodes are registered; an image that two
+places explain equally well is refused.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _N_POINTS = 700
 _N_SCANNED = 70
 _LEAST_POINTS = 80
 _INDEPENDENT = 25.0
-"""Measurements that an image is worth, however many its points."""
+"""Number of independent measurements that an image is worth, whatever its number of points."""
 _LEAST_SUPPORT = 12.0
-"""Points of `_N_POINTS` that must lie across a direction before it counts as seen."""
+"""Number of points, of `_N_POINTS`, that must lie across a direction to determine it."""
 _LEAST_INFORMATION = 1e-6
 _KNOWN_M = 0.35
-"""A larger standard deviation requires a search all about."""
+"""Standard deviation of the offset above which a search is needed."""
 _SCAN_SIGMAS = 2.5
 _MAX_SCAN_REACH_M = 5.0
 _NODES_PER_REACH = 4
@@ -45,31 +45,31 @@ _NARROW_M = np.array([0.6, 0.4, 0.3, 0.2, 0.2])
 _SAME_M = 0.35
 _DOUBTFUL_SHARE = 0.93
 _RIVAL_COST = 2.0
-"""A second place whose cost is no higher than this above the best makes it ambiguous."""
+"""Cost above the best within which a second place makes the match ambiguous."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Match:
-    """The fit of an image."""
+    """Fit of one image to the map."""
 
     objection: str | None
-    """Why it is not to be used; None where it is."""
+    """Reason not to use the match; None if it is good."""
     is_doubtful: bool
-    """Whether the map explains less of it than it does where the offset is right."""
+    """Whether the map explains less of the image than it does at a right offset."""
     measured: Float[np.ndarray, " k"]
-    """Values along the directions that were seen."""
+    """Measured values along `directions`."""
     directions: Float[np.ndarray, "4 k"]
-    """Orthonormal directions of offset and yaw."""
+    """Orthonormal directions of offset and yaw that the image determines."""
     variances: Float[np.ndarray, " k"]
-    """Variances of the values."""
+    """Variances of the measured values."""
     is_angle: Bool[np.ndarray, " k"]
-    """Whether each direction is yaw."""
+    """Whether each direction is that of yaw."""
     residual_m: float
     inlier_share: float
 
 
 class MapMatcher:
-    """Lays depth images onto a map."""
+    """Matches depth images to one map."""
 
     def __init__(self, obstacles: Obstacles) -> None:
         self._grid = index_solids(obstacles, reach_m=_REACH_M)
@@ -77,7 +77,7 @@ class MapMatcher:
     def match(
         self, image: DepthImage, x: Float[np.ndarray, " 4"], covariance: Float[np.ndarray, "4 4"]
     ) -> Match:
-        """Fit an image, posed by the estimate, given what was known of offset and yaw before."""
+        """Match an image, posed by the estimate, given the prior of offset and yaw."""
         points, sigmas = spread_points(image, _N_POINTS)
         if len(points) < _LEAST_POINTS:
             return _nothing(f"{len(points)} points measured; wanted: {_LEAST_POINTS}")
@@ -100,7 +100,7 @@ class MapMatcher:
         return _seen(view, best)
 
     def _likely_places(self, view: View, deviations: np.ndarray) -> list[np.ndarray]:
-        """The best of a lattice about the prior, registered with a few points."""
+        """Best nodes of a lattice about the prior, registered with a few points."""
         points = np.ascontiguousarray(view.points[:: max(1, len(view.points) // _N_SCANNED)])
         reach = np.minimum(_SCAN_SIGMAS * deviations[:3], _MAX_SCAN_REACH_M)
         step = np.maximum(reach / _NODES_PER_REACH, _SCAN_STEP_M)
@@ -118,11 +118,11 @@ class MapMatcher:
         return places[:_N_PLACES]
 
     def _settled(self, view: View, starts: list[np.ndarray], widths: np.ndarray) -> list[_Found]:
-        """The ends of registrations from some starts, the best first."""
+        """Results of registrations from several starts, the best first."""
         return sorted((self._settle(view, s, widths) for s in starts), key=lambda f: f.cost)
 
     def _settle(self, view: View, start: np.ndarray, widths: np.ndarray) -> _Found:
-        """Register from a start, and appraise the outcome."""
+        """Register from a start, and appraise the result."""
         x = register(view, start, widths, self._grid)
         cost, share, residual_m, information, support = appraise(view, x, self._grid)
         away = x - view.prior
@@ -138,7 +138,7 @@ class MapMatcher:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Found:
-    """The end of one registration."""
+    """Result of one registration."""
 
     x: Float[np.ndarray, " 4"]
     cost: float
@@ -149,7 +149,7 @@ class _Found:
 
 
 def _thinned(view: View) -> View:
-    """Every few points, worth as much as all."""
+    """View of every few points, weighted to be worth as much as all."""
     return view._replace(
         points=np.ascontiguousarray(view.points[::_THINNING]),
         sigmas=np.ascontiguousarray(view.sigmas[::_THINNING]),
@@ -158,7 +158,7 @@ def _thinned(view: View) -> View:
 
 
 def _rival(found: list[_Found]) -> _Found | None:
-    """Another place that fits about as well as the best, and that the best rules out."""
+    """Another place that fits about as well as the best, but lies outside its uncertainty."""
     best = found[0]
     for other in found[1:]:
         if other.cost > best.cost + _RIVAL_COST:
@@ -171,7 +171,7 @@ def _rival(found: list[_Found]) -> _Found | None:
 
 
 def _seen(view: View, best: _Found) -> Match:
-    """The directions that enough points lie across, and what the image says of them."""
+    """Directions that enough points lie across, with measured values and variances."""
     counts, axes = np.linalg.eigh(best.support * _N_POINTS / len(view.points))
     columns = [np.append(axes[:, k], 0.0) for k in range(3) if counts[k] >= _LEAST_SUPPORT]
     level_support = np.linalg.eigvalsh(best.support[:2, :2])[-1] * _N_POINTS / len(view.points)
@@ -181,7 +181,7 @@ def _seen(view: View, best: _Found) -> Match:
     if not columns:
         return _nothing("nothing of the map in view", best)
     directions = np.stack(columns, axis=1)
-    # The registration has the prior in it: take it out again.
+    # The registration contains the prior, which is removed again here.
     information = directions.T @ best.information @ directions
     covariance = np.linalg.inv(information + _LEAST_INFORMATION * np.eye(len(columns)))
     pulled = (best.information + view.information) @ (best.x - view.prior)

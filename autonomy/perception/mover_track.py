@@ -2,8 +2,8 @@
 
 An interacting multiple-model filter weighs four linear Kalman filters of position and velocity by
 how well each foretells the sightings: one that stands, one of constant velocity and two that turn,
-left and right. What stopped is seen to have stopped, and a fast car's velocity need not be smoothed
-as heavily as a mode for everything would have to.
+left and right. An obstacle that stops is soon known to stand, and a fast car's velocity is smoothed
+less than one mode for everything would smooth it.
 
 Source: Blom and Bar-Shalom 1988, as in filterpy.kalman.IMMEstimator.
 """
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from filterpy.kalman import IMMEstimator
 
 _MODES = ((0.0, 0.01), (0.0, 2.0), (0.6, 1.4), (-0.6, 1.4))
-"""Standing, straight, left and right: the rate of turn in rad/s and the power spectral density of
-white acceleration in m^2/s^3 (people turn within a second); of standing, that of velocity."""
+"""Modes standing, straight, left and right: rate of turn in rad/s and power spectral density of
+white acceleration in m^2/s^3 (people turn within a second); for standing, of white velocity."""
 _FIRST_SHARES = (0.3, 0.5, 0.1, 0.1)
 _STAYS = 0.9
 """Probability that a mode lasts from one sighting to the next."""
@@ -39,7 +39,7 @@ _CHANGES = np.array(
     ]
 )
 _LONGEST_TURN_S = 1.0
-"""A turn is believed to last no longer unseen."""
+"""Longest time for which an unseen obstacle is predicted to go on turning."""
 _STANDING_VARIANCE = 0.05**2
 _FIRST_SPEED_SIGMA_MPS = 2.5
 _SHRINK = 0.1
@@ -56,15 +56,15 @@ class MoverTrack:
 
     Attributes:
         mean: Position and velocity of its centre, ENU, at the time last predicted for.
-        covariance: Of them.
-        size: Its half extents, turned along its motion once that is known.
-        n_hits: Images that showed it.
-        n_misses: Images in a row that showed that it is not where it was predicted.
-        last_seen_s: When it was seen last; the filter stands at that time.
+        covariance: Covariance of the mean.
+        size: Half extents of the obstacle, turned along its motion once that is known.
+        n_hits: Number of images that showed it.
+        n_misses: Number of images in a row that showed that it is not at its predicted place.
+        last_seen_s: Time of the last sighting, which is the time of the filter's state.
     """
 
     def __init__(self, time_s: float, sighting: Sighting) -> None:
-        """Begin where it is seen, at rest for all that is known."""
+        """Start at the first sighting, at rest since nothing else is known."""
         forward = sighting.forward
         self.size: Footprint = sighting.footprint(math.atan2(forward[1], forward[0]))
         position, covariance = sighting.centre(self.size)
@@ -77,7 +77,7 @@ class MoverTrack:
         self.last_seen_s = self._time_s = time_s
 
     def predicted(self, time_s: float) -> tuple[Float[np.ndarray, " 6"], Float[np.ndarray, "6 6"]]:
-        """Mean and covariance at a later time: the modes', blended by their probabilities."""
+        """Mean and covariance at a later time, blended from the modes by their probabilities."""
         dt = max(time_s - self.last_seen_s, 0.0)
         modes = zip(self._filter.filters, _motions(dt), strict=True)
         ahead = [mode.get_prediction(F=move, Q=noise) for mode, (move, noise) in modes]
@@ -88,7 +88,7 @@ class MoverTrack:
         return mean, np.tensordot(shares, spreads, 1) + (shares * apart.T) @ apart
 
     def predict(self, time_s: float) -> None:
-        """Go on to a later time."""
+        """Advance the filter to a later time."""
         self.mean, self.covariance = self.predicted(time_s)
         self._time_s = max(time_s, self._time_s)
 
@@ -99,9 +99,9 @@ class MoverTrack:
         return float(off @ np.linalg.solve(self.covariance[:3, :3] + covariance, off))
 
     def see(self, sighting: Sighting) -> None:
-        """Take a sighting in.
+        """Update the track with a sighting.
 
-        A size newly learned puts the centre elsewhere, without anything having moved.
+        A newly learned size shifts the centre although nothing has moved.
         """
         before, _ = sighting.centre(self.size)
         self._learn_size(sighting)
@@ -118,7 +118,7 @@ class MoverTrack:
         self.last_seen_s = self._time_s
 
     def _learn_size(self, sighting: Sighting) -> None:
-        """Grow at once to what is seen; shrink slowly, and only where no border cuts it."""
+        """Grow at once to the seen size; shrink slowly, and only where no border cuts it off."""
         vx, vy = self.mean[3:5].tolist()
         yaw, size = self.size.yaw_rad, self.size
         if math.hypot(vx, vy) > _HEADING_SPEED_MPS:
@@ -155,7 +155,7 @@ class MoverTrack:
 
 
 def _learned(known_m: float, seen_m: float, is_cut: bool) -> float:
-    """Half an extent after one more sighting."""
+    """Half extent after one more sighting."""
     if seen_m >= known_m or is_cut:
         return max(seen_m, known_m)
     return known_m + _SHRINK * (seen_m - known_m)
@@ -164,7 +164,7 @@ def _learned(known_m: float, seen_m: float, is_cut: bool) -> float:
 def _new_filter(
     mean: Float[np.ndarray, " 6"], covariance: Float[np.ndarray, "6 6"]
 ) -> IMMEstimator:
-    # Half a second of imports that only a flight with traffic needs.
+    # Imported here: half a second that only flights with traffic need.
     from filterpy.kalman import IMMEstimator, KalmanFilter  # noqa: PLC0415
 
     modes = []
@@ -177,7 +177,7 @@ def _new_filter(
 
 @lru_cache(maxsize=16)
 def _motions(dt: float) -> list[tuple[Float[np.ndarray, "6 6"], Float[np.ndarray, "6 6"]]]:
-    """Transition of position and velocity over a time and the noise in it, for each mode."""
+    """Transition matrix of position and velocity over a time, and its noise, for each mode."""
     wander = np.kron([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]], np.eye(3))
     (_, drift), *moving = _MODES
     still = np.diag([1.0] * 3 + [0.0] * 3), np.diag([drift * dt] * 3 + [_STANDING_VARIANCE] * 3)
@@ -186,7 +186,8 @@ def _motions(dt: float) -> list[tuple[Float[np.ndarray, "6 6"], Float[np.ndarray
         turn_s = min(dt, _LONGEST_TURN_S)
         angle = rate * turn_s
         c, s = math.cos(angle), math.sin(angle)
-        # What a unit of velocity covers, ahead and to its left: on the arc, then straight on.
+        # Distance covered per unit of velocity, ahead and to its left: on the arc, then straight
+        # on.
         ahead, aside = (s / rate, (1.0 - c) / rate) if rate else (turn_s, 0.0)
         ahead, aside = ahead + (dt - turn_s) * c, aside + (dt - turn_s) * s
         move = np.eye(6)

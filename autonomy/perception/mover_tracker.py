@@ -1,9 +1,9 @@
-"""Moving obstacles from onboard depth: what the map does not explain, followed over images.
+"""Moving obstacles from onboard depth: blobs that the map does not explain, tracked over images.
 
 Each image's foreground falls into blobs, and blobs close together are one sighting. A sighting
 goes to the track that expected it, the best pairs first; an unexpected one begins a track,
 which counts once a few images have shown it. A track ends when images show what is behind the
-place where it should be, or when nothing was seen of it for a while.
+place where it should be, or when it was not seen for a while.
 
 An obstacle at rest that is not on the map, a person who waits, is followed like the rest:
 it is as much in the way.
@@ -36,45 +36,46 @@ class MoverTrackerCfg:
     """Settings for finding and following moving obstacles."""
 
     static_within_m: float = 0.35
-    """A point nearer than this to the map counts as part of it."""
+    """Distance to the map within which a point counts as part of it."""
     mover_beyond_m: float = 0.55
-    """Some of what moves must be farther than this from the map. Must cover the error of the
-    estimated pose and the 17 cm by which remembered distances err; a mover nearer than this to a
-    wall is not seen."""
+    """Distance from the map beyond which some points of a mover must lie. It must cover the error
+    of the estimated pose and the 17 cm by which remembered distances err; a mover nearer than this
+    to a wall is not seen."""
     range_m: float = 16.0
-    """Depth beyond which nothing is looked at."""
+    """Depth beyond which pixels are ignored."""
     most_depth_sigma_m: float = 0.3
-    """Depth known less well than this is ignored as well."""
+    """Standard deviation of depth above which pixels are ignored."""
     least_samples: int = 5
-    """Fewer, so far from the map, are noise; a sample stands for two by two pixels."""
+    """Number of samples so far from the map that make a mover; one stands for two by two pixels."""
     most_size_m: float = 7.0
-    """Larger blobs are no movers: something large that the map does not have."""
+    """Size above which a blob is no mover but something large that the map lacks."""
     hits_to_confirm: int = 3
-    """Images that must show an obstacle before it counts."""
+    """Number of images that must show an obstacle before it counts."""
     misses_to_end: int = 2
-    """Images in a row that show what is behind it, after which it is gone."""
+    """Number of images in a row that show what is behind an obstacle, after which it is gone."""
     coast_s: float = 5.0
-    """Time for which an obstacle out of sight is believed to go on."""
+    """Time for which an obstacle out of sight is predicted."""
     gate: float = 16.0
     """Largest squared Mahalanobis distance of a sighting from its track."""
     remember_s: float = math.inf
-    """For how long the map's distances are kept. With a map that grows: 0, if its distances are
-    cheap, or half a second."""
+    """Time for which distances to the map are kept. With a growing map: 0 if its distances are
+    cheap, else half a second."""
     margin_sigmas: float = 1.0
-    """Standard deviations of position that are added to a radius, and of velocity to its growth."""
+    """Number of standard deviations of position added to a radius, and of velocity to its
+    growth."""
     most_margin_m: float = 0.5
-    """Most that is added to a radius."""
+    """Greatest addition to a radius."""
     most_growth_mps: float = 0.4
-    """Fastest that radii grow, all of them as fast as the one that is known worst."""
+    """Greatest growth of radii; all grow as fast as that of the least certain obstacle."""
     horizon_s: float = 4.0
-    """Time for which predictions are believed."""
+    """Time for which predictions are valid."""
 
 
 class MoverTracker:
-    """Follows what moves.
+    """Tracks moving obstacles over depth images.
 
     Attributes:
-        tracks: All that is followed, counted or not yet.
+        tracks: All tracks, confirmed or not yet.
     """
 
     def __init__(self, cfg: MoverTrackerCfg | None = None) -> None:
@@ -83,14 +84,15 @@ class MoverTracker:
         self.tracks: list[MoverTrack] = []
 
     def update(self, time_s: float, image: DepthImage, static_distance_m: StaticDistance) -> None:
-        """Take in one depth image.
+        """Update the tracks with one depth image.
 
         Args:
-            time_s: When it was taken; not before the last one.
-            image: Posed by the estimate.
-            static_distance_m: Distance from points, ENU (n, 3), to what is known to stand. With a
-                map that grows: to what was occupied for a second or more, and 0 or less where
-                nothing was ever seen to be free, for what comes into view there need not move.
+            time_s: Time of the image; not before the last one.
+            image: Image posed by the estimate.
+            static_distance_m: Distance from points, ENU (n, 3), to obstacles known to stand. With a
+                growing map: to cells that were occupied for a second or more, and 0 or less where
+                nothing was ever seen to be free, since a thing that comes into view there need not
+                move.
         """
         self._cells.forget_old(time_s)
         for track in self.tracks:
@@ -103,13 +105,13 @@ class MoverTracker:
         self.tracks += [MoverTrack(time_s, sighting) for sighting in unexpected]
 
     def in_question(self) -> Float[np.ndarray, "n 3"]:
-        """Places where something was seen too seldom yet to count: worth another look, ENU."""
+        """Positions of tracks that are not confirmed yet and deserve another look, ENU."""
         cfg = self._cfg
         places = [track.mean[:3] for track in self.tracks if track.n_hits < cfg.hits_to_confirm]
         return np.array(places).reshape(-1, 3)
 
     def moving(self, time_s: float) -> MovingObstacles:
-        """Confirmed obstacles, predicted from a time on."""
+        """Confirmed obstacles, as predictions from a time on."""
         cfg = self._cfg
         tracks = [track for track in self.tracks if track.n_hits >= cfg.hits_to_confirm]
         position, velocity, half = (np.zeros((len(tracks), 3)) for _ in range(3))
@@ -158,7 +160,7 @@ class MoverTracker:
         ]
 
     def _match(self, sightings: list[Sighting]) -> tuple[list[MoverTrack], list[Sighting]]:
-        """Give sightings to tracks; which tracks got one, and which sightings found none."""
+        """Assign sightings to tracks; return the tracks with one and the sightings left over."""
         pairs = sorted(
             (surprise, i, j)
             for i, track in enumerate(self.tracks)
@@ -183,7 +185,7 @@ class MoverTracker:
 
 
 def _joined(points: np.ndarray, blobs: list[np.ndarray]) -> list[np.ndarray]:
-    """Blobs whose upright boxes are close together, made one."""
+    """Merge blobs whose upright boxes are close together."""
     joined: list[np.ndarray] = []
     for blob in blobs:
         near = [other for other in joined if _gap_m(points[blob], points[other]) < _BLOB_GAP_M]

@@ -1,4 +1,4 @@
-"""Takes a few points of a depth image, spread evenly over it, and says how well each is known."""
+"""Points spread evenly over a depth image, with the standard deviation of each."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _TILT_SIGMA_RAD = 0.004
 def spread_points(
     image: DepthImage, n_points: int
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Points from the camera, ENU, and the standard deviation of each from its surface, m.
+    """Points relative to the camera, ENU, and the standard deviation of each from its surface, m.
 
     About `n_points` pixels are taken, evenly over the image, with a measurement or not.
     """
@@ -33,7 +33,7 @@ def spread_points(
 def sample_points(
     pixels: Pixels, stride: int, inverse_sigma: float
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Every so many pixels as points from the camera, ENU, and the deviations of their distance."""
+    """Sampled pixels as points from the camera, ENU, and the deviations of their distance."""
     depth, fx, fy, cx, cy, _, rotation = pixels
     most = (depth.shape[0] // stride + 1) * (depth.shape[1] // stride + 1)
     points, sigmas = np.empty((most, 3)), np.empty(most)

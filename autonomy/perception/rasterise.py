@@ -1,4 +1,4 @@
-"""A depth image on the cells of a grid: mean height, extremes, and how surely.
+"""Depth image on the cells of a grid: mean height, its variance, and extremes.
 
 Points are placed in their cells; a few wrong ones among them, matched with something else
 altogether, move neither the mean nor the extremes.
@@ -14,13 +14,13 @@ from jaxtyping import Float, Int
 from autonomy.jit import kernel
 
 OUTLYING_SIGMAS = 3.0
-"""Noise may put a point so far from the surface."""
+"""Standard deviations by which noise may move a point off the surface."""
 _FLOOR_M = 0.001
 """Least deviation of a cell's height by one frame."""
 _ALIKE_PIXELS = 4.0
-"""Neighbouring pixels of stereo cameras err alike: so many say as much as one."""
+"""Number of neighbouring pixels that count as one, since those of stereo cameras err alike."""
 _FEW_POINTS = 40
-"""Wrong points do not move the mean of a cell with more points by much."""
+"""Number of points above which a wrong one hardly moves the mean of a cell."""
 
 
 @kernel
@@ -35,10 +35,9 @@ def rasterise(
     """Mean, top and bottom of the heights in each cell, and variance of the mean, 0 for unseen.
 
     The mean is without the highest and the lowest point where there are four or more. Top and
-    bottom are those that three points agree on, or all where there are fewer, less what noise may
-    do.
+    bottom are those that three points agree on, or all where there are fewer, less the noise.
     """
-    # Of each cell: number, sum, lowest, highest.
+    # Number of points, and sum, lowest and highest of their heights, for each cell.
     cells = np.zeros((n, n, 4), dtype=np.float32)
     cells[:, :, 2] = np.inf
     cells[:, :, 3] = -np.inf
@@ -67,7 +66,7 @@ def rasterise(
 def _means(
     cells: Float[np.ndarray, "n n 4"], eye_height: float, inverse_sigma: float
 ) -> tuple[Float[np.ndarray, "4 n n"], Float[np.ndarray, "n n"]]:
-    """Means as heights, tops and bottoms of the cells, and what noise may do to a point."""
+    """Means as heights, tops and bottoms of the cells, and the noise of one point in each."""
     n = len(cells)
     frame, noise = np.zeros((4, n, n)), np.zeros((n, n))
     for row in range(n):
@@ -93,7 +92,7 @@ def _medians(
     noise: Float[np.ndarray, "n n"],
     frame: Float[np.ndarray, "4 n n"],
 ) -> None:
-    """Put medians for means where few points spread more than noise can: some may be wrong."""
+    """Replace means by medians where a few points spread more than noise can: some may be wrong."""
     n = len(noise)
     slot = np.full((n, n), -1, dtype=np.int32)
     n_slots = 0
@@ -126,9 +125,9 @@ def _agree(
     noise: Float[np.ndarray, "n n"],
     frame: Float[np.ndarray, "4 n n"],
 ) -> None:
-    """Move tops and bottoms to where enough points are that noise has not put there."""
+    """Move tops and bottoms out to where enough points lie beyond the noise."""
     n = len(noise)
-    # The farthest three of each cell beyond the noise, in falling order, above and below.
+    # Three farthest points of each cell beyond the noise, farthest first, above and below.
     beyond = np.zeros((n, n, 6), dtype=np.float32)
     for k in range(len(points)):
         if place[k] < 0:

@@ -1,4 +1,4 @@
-"""Lays the points of a depth image onto the surfaces of a map: three of offset and one of yaw.
+"""Registration of a depth image with the surfaces of a map: offset (3) and yaw.
 
     symbol   name                                            unit
     c        camera, by the estimate                         m
@@ -8,9 +8,9 @@
 
     J(o, a) = sum_i rho(d_i / s_i) + 1/2 (x - x0)^T P^-1 (x - x0),   x = (o, a)
 
-by Gauss-Newton. Each point pulls along the normal of the surface that it lies at, so that a level
-floor says nothing about east and north, and the prior x0, P decides there. rho is Tukey's biweight,
-whose width shrinks from step to step: first all pull, at last only what the map explains.
+by Gauss-Newton. Each point pulls along the normal of the surface that it lies at, so a level floor
+does not determine east and north, and the prior x0, P decides there. rho is Tukey's biweight, whose
+width shrinks from step to step: first all points pull, at last only those that the map explains.
 
 Source: Chen and Medioni 1992, "Object modelling by registration of multiple range images" (distance
 along normals); Fitzgibbon 2003, "Robust registration of 2D and 3D point sets" (distance fields).
@@ -28,43 +28,43 @@ from autonomy.jit import kernel
 from autonomy.perception.solid_index import Grid, nearest_plane
 
 INLIER_SIGMAS = 3.0
-"""A point farther from every surface is not explained by the map."""
+"""Standard deviations from the nearest surface beyond which the map does not explain a point."""
 _SIGHT_EVERY = 4
-"""One of so many lines of sight is followed."""
+"""Step between the lines of sight that are followed."""
 _SIGHT_STEP_M = 0.05
 _GRAZING = 0.05
-"""Cosine between a surface's normal and the line of sight from which on it is seen from behind."""
+"""Cosine between normal and line of sight above which a surface is seen from behind."""
 _BACKWARDS_M = (0.06, 0.12, 0.25, 0.5, 0.9)
-"""Steps from a point in a solid back towards the camera, to find the side that was seen."""
+"""Step from a point in a solid back towards the camera, to find the side that was seen."""
 
 
 class View(NamedTuple):
-    """Points of an image, and what was known of offset and yaw before."""
+    """Points of an image, and the prior of offset and yaw."""
 
     points: Float[np.ndarray, "n 3"]
-    """Points from the camera, ENU by the estimate."""
+    """Points relative to the camera, ENU by the estimate, m."""
     sigmas: Float[np.ndarray, " n"]
     """Standard deviation of the distance of each from its surface, m."""
     camera: Float[np.ndarray, " 3"]
-    """Position by the estimate."""
+    """Position of the camera by the estimate, ENU, m."""
     prior: Float[np.ndarray, " 4"]
     information: Float[np.ndarray, "4 4"]
     """Inverse of the prior's covariance."""
     worth: float
-    """Independent measurements that a point stands for; neighbours err alike."""
+    """Number of independent measurements that a point stands for; neighbours err alike."""
 
 
 @kernel
 def register(
     view: View, start: Float[np.ndarray, " 4"], widths: Float[np.ndarray, " k"], grid: Grid
 ) -> Float[np.ndarray, " 4"]:
-    """Offset and yaw that lay points onto surfaces.
+    """Find the offset and yaw that lay the points onto surfaces.
 
     Args:
         view: Points and prior.
         start: Offset and yaw to begin from.
-        widths: Widths of the biweight, step by step, m; never below the points' own.
-        grid: The map.
+        widths: Widths of the biweight, step by step, m; a point's own width is the least.
+        grid: Solids of the map.
     """
     points, sigmas, camera, prior, prior_information, worth = view
     x = start.copy()
@@ -148,7 +148,7 @@ def scan(
     step: Float[np.ndarray, " 3"],
     grid: Grid,
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, " m"]]:
-    """Offsets on a lattice, and the mean distance of points from surfaces at each of them.
+    """Find offsets on a lattice, and the mean distance of points from surfaces at each of them.
 
     Distances are cut off at the grid's reach; the mean is infinite where the camera would be in a
     solid. The lattice reaches so far from its centre, an offset with the yaw, along each axis.

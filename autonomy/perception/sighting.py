@@ -1,9 +1,9 @@
-"""A moving obstacle in one depth image: where its edges are, and its centre for a given size.
+"""Moving obstacle in one depth image: its edges, and its centre for a given size.
 
 A camera sees the near side only. Seen from the eye, horizontally, an obstacle's near edge is known
 along the line of sight, and its left and right edges across, unless the image's border or something
-nearer cuts them off. The centre lies half the obstacle's size behind the near edge; how large it
-is, frames from other sides tell.
+nearer cuts them off. The centre lies half the obstacle's size behind the near edge; frames from
+other sides show that size.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.foreground import STRIDE_PX, Foreground
 
 LEAST_HALF_M = 0.15
-"""Nothing that matters is thinner."""
+"""Least half extent of an obstacle: nothing that matters is thinner."""
 _USUAL_HALF_M = 0.3
-"""The unseen part behind the near side is as deep as half the width, up to this."""
+"""Greatest assumed half depth behind the near side, which is otherwise half the width."""
 _NEAR_PERCENT, _FAR_PERCENT = 10.0, 90.0
 _EDGE_PERCENT = 2.0
 # Share of a spread that lies between these percentiles, for points even over it.
 _SPREAD_SHARE = 0.8
-_NORMAL_SPREAD = 2.56  # of a normal error between them, in standard deviations
+_NORMAL_SPREAD = 2.56  # width between them of a normal error, in standard deviations
 _BESIDE_PX = 5
 _BEHIND_M = 0.2
 _BEHIND_SIGMAS = 4.0
 _SURFACE_SIGMA_M, _UNSEEN_SIGMA_M = 0.06, 0.5
-# Of half the size: how much what one sees of the near side wanders, and an edge that is not seen.
+# Shares of half the size: wander of the seen part of the near side, and of an unseen edge.
 _UNSEEN_SHARE, _CUT_SHARE = 0.08, 0.15
 _ROUNDNESS = 1.5  # 1 is a box, 2 an ellipse
 _STEEP = 1.0
@@ -48,7 +48,7 @@ class Footprint:
     """Heading of `along`, counter-clockwise from east."""
 
     def reach_m(self, direction: Float[np.ndarray, " 2"]) -> float:
-        """How far it reaches towards a horizontal unit direction: between its box and the ellipse.
+        """Reach towards a horizontal unit direction, between that of the box and of the ellipse.
 
         People are nearly ellipses, cars nearly boxes whose corners few points show.
         """
@@ -60,24 +60,24 @@ class Footprint:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sighting:
-    """One image's evidence of one obstacle."""
+    """Evidence of one image for one obstacle."""
 
     points_enu_m: Float[np.ndarray, "n 3"]
     forward: Float[np.ndarray, " 2"]
     """Horizontal unit direction of sight; left of it is 90 degrees counter-clockwise."""
     near_m: float
-    """Its near edge, along `forward` from the origin."""
+    """Distance of the near edge along `forward` from the origin."""
     right_m: float
-    """Its edges, along the left of `forward` from the origin."""
+    """Right edge; like `left_m` it is measured to the left of `forward` from the origin."""
     left_m: float
     bottom_m: float
     top_m: float
     is_cut: tuple[bool, bool, bool, bool]
-    """Whether the image ends before it does: left, right, top, bottom."""
+    """Whether the image ends before the obstacle does: left, right, top, bottom."""
     depth_sigma_m: float
 
     def spread_m(self, yaw_rad: float) -> tuple[float, float]:
-        """Spread of its points along a heading and across it, without their noise."""
+        """Spread of the points along a heading and across it, without their noise."""
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         spreads = []
         for direction in (np.array([c, s]), np.array([-s, c])):
@@ -88,7 +88,7 @@ class Sighting:
         return spreads[0], spreads[1]
 
     def footprint(self, yaw_rad: float) -> Footprint:
-        """The least footprint that it shows, turned to a heading."""
+        """Least footprint that the sighting shows, turned to a heading."""
         along, across = self.spread_m(yaw_rad)
         unseen = max(min((self.left_m - self.right_m) / 2, _USUAL_HALF_M), LEAST_HALF_M)
         return Footprint(
@@ -99,7 +99,7 @@ class Sighting:
         )
 
     def centre(self, size: Footprint) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, "3 3"]]:
-        """Centre of an obstacle of some size that is seen like this, and its covariance."""
+        """Centre, with its covariance, of an obstacle of some size that causes this sighting."""
         left = np.array([-self.forward[1], self.forward[0]])
         reach, half = size.reach_m(self.forward), size.reach_m(left)
         is_left, is_right, is_top, is_bottom = self.is_cut
@@ -118,8 +118,9 @@ def _between(
 ) -> tuple[float, float]:
     """Middle of two edges of which either may be unknown, and its standard deviation.
 
-    Half an extent off the edge that is seen, also where more than that is in view: a track that
-    learns a larger size then moves its centre, and does not take what comes into view for motion.
+    The middle is half an extent off the seen edge even where more than that is in view, so that a
+    track that learns a larger size moves its centre and does not take a part that comes into view
+    for motion.
     """
     is_low_cut, is_high_cut = is_cut
     if is_low_cut == is_high_cut:
@@ -131,11 +132,11 @@ def _between(
 def see(
     image: DepthImage, foreground: Foreground, blob: Int[np.ndarray, " k"], *, within_m: float
 ) -> Sighting:
-    """Edges of a blob.
+    """Find the edges of a blob.
 
-    What is nearer than `within_m` to the map is no foreground: where a blob ends about so far
-    above something, it is taken to stand on it; so it is up to 2 m above, where its lower parts are
-    hidden because it is looked down on steeply or the image ends.
+    Points nearer than `within_m` to the map are no foreground, so a blob that ends about so far
+    above a surface is assumed to stand on it; so is one up to 2 m above, where its lower parts are
+    hidden because the view is steep or the image ends.
     """
     points, pixels = foreground.points_enu_m[blob], foreground.pixels[blob]
     sight = np.median(points, axis=0) - image.pixels.eye
@@ -175,8 +176,8 @@ def _cut_sides(
 ) -> tuple[bool, bool, bool, bool]:
     """Whether a blob may go on beyond its pixels: left, right, up, down.
 
-    It does not where most pixels beside its edge show what is farther away than `behind_m`, or
-    nothing at all.
+    It does not if most pixels beside its edge show something farther away than `behind_m`, or
+    nothing.
     """
     height, width = image.depth_m.shape
     sides = []

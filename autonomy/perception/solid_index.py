@@ -1,4 +1,4 @@
-"""Signed distance near the surfaces of many solids, fast: a grid that knows which are near.
+"""Index of solids on a grid, for fast signed distances near the surfaces of many.
 
 Each cell of the grid lists the solids that come within `reach_m` of any point of it, so that the
 distance to the nearest one, cut off at the reach, is found among a few.
@@ -18,11 +18,11 @@ from autonomy.planning.solids import Plane, Solids, gap_to_sphere, plane_between
 
 _MAX_CELLS = 400_000
 _VAST_M = 300.0
-"""A solid that is longer lies under everything and bounds nothing."""
+"""Length above which a solid, such as the ground, does not count for the grid's extent."""
 
 
 class Grid(NamedTuple):
-    """Solids, and which of them are near each cell of a grid."""
+    """Solids, with the list of those near each cell of a grid."""
 
     solids: Solids
     corner: np.ndarray
@@ -30,17 +30,17 @@ class Grid(NamedTuple):
     cell: float
     """Width of a cell, m."""
     reach: float
-    """Distances beyond it read as this, m."""
+    """Distance at which all distances are cut off, m."""
     counts: np.ndarray
-    """Cells along each axis, (3,)."""
+    """Number of cells along each axis, (3,)."""
     ends: np.ndarray
-    """One past the last entry of each cell."""
+    """Index one past the last entry of each cell."""
     entries: np.ndarray
     """Indices of the solids near the cells, cell by cell."""
 
 
 def index_solids(obstacles: Obstacles, *, reach_m: float, cell_m: float = 1.0) -> Grid:
-    """Index all solids, in cells of `cell_m` or wider where there would be too many."""
+    """Index all solids in cells of `cell_m`, or wider ones if there would be too many."""
     solids = obstacles.solids
     half = np.einsum("nij,nj->ni", np.abs(solids.rotations), solids.halves)
     low, high = solids.centers - half - reach_m, solids.centers + half + reach_m
@@ -68,7 +68,7 @@ def fill_cells(
     last: Int[np.ndarray, "n 3"],
     solids: Solids,
 ) -> tuple[Int[np.ndarray, " cells"], Int[np.ndarray, " k"]]:
-    """Solids within reach of each cell: one past the last entry of each, and the entries.
+    """List the solids within reach of each cell: index past each cell's last entry, and entries.
 
     A solid's bounding box, wider by the reach, touches cells from `first` to before `last`.
     """
@@ -104,7 +104,7 @@ def fill_cells(
 
 @kernel
 def nearest_plane(x: float, y: float, z: float, grid: Grid) -> Plane:
-    """The plane that touches the solid nearest to a point below it, see `plane_between`.
+    """Plane that touches the solid nearest to a point from below the point, see `plane_between`.
 
     The distance is the reach, and the normal zero, where nothing is nearer; outside the grid every
     solid is asked.

@@ -1,4 +1,4 @@
-"""What lies within a window about every cell of a grid: planes, extremes, room.
+"""Properties of a window about every cell of a grid: planes, extremes, clearance.
 
 Over a fully observed disc the least-squares plane separates into three sums: of heights, and of
 heights times offsets to the east and to the north.
@@ -24,7 +24,7 @@ def disc(radius_m: float, resolution_m: float) -> Float[np.ndarray, "k k"]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowFit:
-    """The contents of a window about each cell; NaN where it is not all known."""
+    """Plane and variance in a window about each cell; NaN where it is not all known."""
 
     plane: Float[np.ndarray, "3 n n"]
     """Least-squares plane: height over the cell, rise to east and north."""
@@ -58,11 +58,11 @@ def window_sums(
 ) -> Float[np.ndarray, "4 n n"]:
     """Sums over a window about each cell; NaN where a height in it is, or the border cuts it.
 
-    They are of heights, of heights times offsets in cells to the east and to the north, and of
-    variances. Row by row the window has `half_widths` cells on either side of its middle.
+    The sums are those of heights, of heights times offsets in cells to the east and to the north,
+    and of variances. Row by row the window has `half_widths` cells on either side of its middle.
     """
     n, reach = len(height), len(half_widths) // 2
-    # Running sums along each row: one more than there are columns.
+    # Running sums along each row, one more than the number of columns.
     sums = np.zeros((4, n, n + 1))
     for i in range(n):
         for j in range(n):
@@ -152,7 +152,7 @@ def extremes(
 ) -> Float[np.ndarray, "2 n n"]:
     """How far one surface rises above each cell's plane within the window, and one sinks below.
 
-    Beyond the border both do so infinitely. An empty bottom is not asked for.
+    Beyond the border both are infinite. An empty bottom is skipped.
     """
     reach = len(window) // 2
     above = np.pad(top.astype(np.float32), reach, constant_values=np.inf)
@@ -205,7 +205,7 @@ def extremes_about_planes(
 
 
 def clearance(is_usable: Bool[np.ndarray, "n n"], resolution_m: float) -> np.ndarray:
-    """Distance to the nearest cell that is not usable; the map's border is one."""
+    """Distance to the nearest cell that is not usable; the map's border counts as such."""
     import cv2  # noqa: PLC0415 - loads only where something lands
 
     padded = np.pad(is_usable.astype(np.uint8), 1)

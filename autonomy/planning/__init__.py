@@ -1,4 +1,4 @@
-"""Planning: from a map and a goal to a trajectory that is proved safe before it is flown."""
+"""Planning: from a map and a goal to a trajectory that is certified before it is flown."""
 
 from autonomy.planning.braking import brake
 from autonomy.planning.certificate import Certificate, certify

@@ -1,9 +1,9 @@
-"""Coming to rest as soon as possible: a stop ahead, or aside where something comes along.
+"""Braking: coming to rest as soon as possible, ahead, or aside where a mover approaches.
 
 Many motions of one piece from the present state to rest are drawn: straight stops, stops on the
-plan, and stops beside, above and below them. The first by time and way aside that can be proved is
-taken; the proof goes on past its end, where the vehicle stands, as far as the prediction of what
-moves reaches.
+plan, and stops beside, above and below them. The first, ordered by time and way aside, that can be
+proved is taken; the proof extends past its end, where the vehicle stands, to the horizon of the
+movers' prediction.
 
 Source: motions of least jerk and their test as in Mueller, Hehn and D'Andrea 2015; a stop that is
 always at hand as in Tordesillas et al. 2019 (FASTER).
@@ -31,9 +31,9 @@ from autonomy.types import FlatReference
 _TIMES_S = np.geomspace(0.4, 6.0, 20)
 _ASIDE_M = (0.6, 1.2, 2.0, 3.2)
 _PRICE_ASIDE_SPM = 0.5
-"""Seconds that a metre away from the straight stop counts for."""
+"""Price in seconds of each metre away from the straight stop."""
 _RESERVE = 1.004
-"""Between the optimiser's tolerance, which a start may have used up, and the certificate's."""
+"""Tolerance between the optimiser's, which a start may have used up, and the certificate's."""
 _MOST_PROOFS = 12
 
 
@@ -46,19 +46,19 @@ def brake(
     moving: MovingObstacles = NOTHING_MOVES,
     start: FlatReference | None = None,
 ) -> Trajectory:
-    """A certified trajectory to rest, as soon as it can be, away from what moves.
+    """Plan a certified trajectory to rest as soon as possible, away from moving obstacles.
 
     The arguments are those of `replan`, but `previous` may be any trajectory, and `at_time_s` later
-    than its end, where the vehicle stands. After the stop the vehicle also stands clear of what
-    moves, until the prediction's horizon.
+    than its end, where the vehicle stands. After the stop the vehicle also stands clear of them
+    until the prediction's horizon.
 
     Returns:
         A trajectory without a corridor: `plan_trajectory` goes on from its end.
 
     Raises:
         LimitsError: If the start is beyond the limits.
-        EvasionError: If something moves and no stop is clear of it; without `moving` there may
-            still be one.
+        EvasionError: If there are moving obstacles and no stop is clear of them; without `moving`
+            one may still exist.
         CertificateError: If nothing moves and no stop could be proved.
     """
     begin = previous.sample(at_time_s) if start is None else start
@@ -87,7 +87,7 @@ def _feasible_stops(
     craft: Craft,
     moving: MovingObstacles,
 ) -> Iterator[Trajectory]:
-    """Stops that pass a quick test of limits and clearance, best first, a few."""
+    """A few stops that pass a quick test of limits and clearance, best first."""
     limits, quadrotor, keep_m = craft.limits, craft.quadrotor, craft.keep_m
     allowed = allowances(bounds_for(begin, limits, quadrotor), limits, quadrotor, _RESERVE)
     ends, durations_s, order = _stops(begin, plan, at_s)
@@ -109,10 +109,10 @@ def _feasible_stops(
 def _stops(
     begin: FlatReference, plan: Trajectory, at_s: float
 ) -> tuple[Float[np.ndarray, "m 3 3"], Float[np.ndarray, " m"], np.ndarray]:
-    """States at rest, times to get there, and their order, best first."""
+    """States at rest, times to reach them, and their order, best first."""
     p, v, a = as_node(begin)
     t = _TIMES_S[:, None]
-    # With the end left free, the least jerk leads here.
+    # The motion of least jerk with a free end stops here.
     ahead = p + v * t / 2 + a * t**2 / 12
     aside = np.concatenate([np.zeros((1, 3)), *(reach * _directions(v) for reach in _ASIDE_M)])
     along = plan.positions(at_s + np.multiply.outer(_TIMES_S, (0.25, 0.5, 0.75)).ravel())
@@ -140,7 +140,7 @@ def _directions(velocity: np.ndarray) -> Float[np.ndarray, "26 3"]:
 def _is_clear_at_rest(
     places: np.ndarray, since_s: np.ndarray, moving: MovingObstacles, keep_m: float
 ) -> np.ndarray:
-    """Whether what moves stays away from places from some times on, by samples."""
+    """Whether moving obstacles stay away from positions after given times, by samples."""
     if not len(moving):
         return np.ones(len(places), dtype=bool)
     is_clear = np.ones(len(places), dtype=bool)
@@ -151,7 +151,7 @@ def _is_clear_at_rest(
 
 
 def _then_stand(stop: Trajectory, moving: MovingObstacles) -> Trajectory:
-    """The same, standing at its end until the prediction's horizon."""
+    """The trajectory, followed by rest at its end until the prediction's horizon."""
     rest_s = moving.horizon_s - stop.duration_s if len(moving) else 0.0
     if rest_s <= 0:
         return stop

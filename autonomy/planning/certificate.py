@@ -53,16 +53,17 @@ def certify(
     """Prove that a sphere about the trajectory is free of obstacles and that the limits hold.
 
     Args:
-        trajectory: What is to be flown.
-        obstacles: What stands.
-        radius_m: Of the vehicle's sphere.
-        limits: Of the motion; thrust, tilt and body rate with the rotors' drag in still air.
+        trajectory: Trajectory to fly.
+        obstacles: Static obstacles.
+        radius_m: Radius of the vehicle's sphere.
+        limits: Limits of the motion; thrust, tilt and body rate include the rotors' drag in still
+            air.
         quadrotor: Mass, thrust and drag of the vehicle.
         margin_m: Distance that the sphere must keep.
-        moving: What moves, predicted from the trajectory's beginning on.
+        moving: Moving obstacles, predicted from the trajectory's beginning on.
 
     Raises:
-        CertificateError: Naming the first thing that is wrong, and where.
+        CertificateError: If a bound is broken; names the first one, and where.
     """
     if not np.all(np.isfinite(trajectory.coefficients)):
         raise CertificateError("a coefficient is not finite; valid: finite numbers")
@@ -81,7 +82,7 @@ def certify(
         ("body rate", certificate.max_body_rate_radps, limits.body_rate_radps),
         ("yaw rate", certificate.max_yaw_rate_radps, limits.yaw_rate_radps),
     ):
-        # Not "above": a trajectory of NaN passes nothing.
+        # "Not at most" instead of "above", so that NaN fails.
         if not value <= limit * (1 + _TOLERANCE):
             raise CertificateError(f"{name} reaches {value:.2f}; valid: at most {limit:.2f}")
     return certificate
@@ -114,7 +115,7 @@ def _clearance(
 
 
 def _speed_bounds(trajectory: Trajectory) -> Float[np.ndarray, " n"]:
-    """Bound of the speed of each piece: the longest control point of its velocity."""
+    """Upper bound of the speed of each piece: the longest control point of its velocity."""
     t = trajectory.durations_s[:, None]
     ends = []
     for since in (np.zeros(len(t)), trajectory.durations_s):

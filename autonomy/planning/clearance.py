@@ -1,4 +1,4 @@
-"""Distance along a trajectory, proved between samples: march as far as the last distance allows.
+"""Clearance along a trajectory, proved between samples: march as far as each distance allows.
 
 The vehicle moves at most S m/s, so from a point with distance D the distance is at least D - S s
 for s seconds; and between two points with distances D and E that are s seconds apart it is at
@@ -38,15 +38,15 @@ def clearance_along(
     """Lower bound of the distance from a trajectory to obstacles.
 
     Args:
-        durations: Of the pieces, s.
-        coefficients: Of rising powers of time, m.
-        speeds: What the speed of each piece nowhere exceeds, m/s.
-        solids: Obstacles that stand.
-        movers: Obstacles that move.
-        enough: Ends at the first place with less than this, m.
+        durations: Durations of the pieces, s.
+        coefficients: Coefficients of rising powers of time, m.
+        speeds: Upper bound of the speed of each piece, m/s.
+        solids: Static obstacles.
+        movers: Moving obstacles.
+        enough: Distance below which the march ends, m.
 
     Returns:
-        The bound in m, when it is met, the obstacle there, and whether that one moves.
+        The bound in m, the time of it, the obstacle there, and whether that one moves.
     """
     bound, at, nearest, is_moving = np.inf, 0.0, -1, False
     mover_speed = movers.growth

@@ -24,7 +24,7 @@ from autonomy.planning.solids import Point, Solids, gap_to_sphere, plane_to_segm
 
 MAX_PLANES = 20
 REACHES_M = (6.0, 3.0, 1.5, 0.75)
-"""Reaches of a polytope beyond its leg along each axis: the first that needs few planes."""
+"""Reaches of a polytope beyond its leg along each axis; the first that needs few planes counts."""
 _SLACK_M = 1e-6
 _PARALLEL = 1e-10
 """Determinant of three planes' normals below which they have no corner in common."""
@@ -35,15 +35,16 @@ class Corridor:
     """Polytopes in flight order; neighbours share the gate between them."""
 
     planes: Float[np.ndarray, "n planes 4"]
-    """Unit normal n and offset d: inside, n.x <= d for all. Unused ones are (0, 0, 0, 1)."""
+    """Unit normal n and offset d of each plane: n.x <= d inside. Unused planes are (0, 0, 0, 1)."""
     gates_enu_m: Float[np.ndarray, "n_plus_1 3"]
     """Start, a point in each overlap, goal."""
     moving_mps: Float[np.ndarray, "n planes"] | None = None
-    """Growth of offsets from time 0 on, in the frame of obstacles that move; None without any."""
+    """Growth of the offsets from time 0 on, for planes against moving obstacles; None without
+    any."""
 
     @property
     def rates_mps(self) -> Float[np.ndarray, "n planes"]:
-        """`moving_mps`, zero where nothing moves."""
+        """`moving_mps`, or zeros without moving obstacles."""
         return np.zeros(self.planes.shape[:2]) if self.moving_mps is None else self.moving_mps
 
     def __len__(self) -> int:
@@ -53,7 +54,7 @@ class Corridor:
 def straighten(
     points_enu_m: Float[np.ndarray, "n 3"], obstacles: Obstacles, *, enough_m: float
 ) -> Float[np.ndarray, "m 3"]:
-    """Leave out points of a path wherever the straight line costs no clearance.
+    """Drop points of a path wherever the straight line costs no clearance.
 
     A line may replace a part whose smallest distance it does not undercut, up to what is enough
     anywhere.
@@ -72,16 +73,17 @@ def build_corridor(
     least_m: float,
     max_leg_m: float,
 ) -> Corridor:
-    """Polytopes about the legs of a polyline.
+    """Build polytopes about the legs of a polyline.
 
     Args:
-        legs_enu_m: Vertices, start first.
-        obstacles: What to stay away from.
-        bounds_enu_m: Lower and upper corner of where flight is allowed.
-        wanted_m: Distance to keep, centre of the vehicle to obstacle.
+        legs_enu_m: Vertices of the polyline, start first.
+        obstacles: Obstacles to stay away from.
+        bounds_enu_m: Lower and upper corner of the volume in which flight is allowed.
+        wanted_m: Distance to keep from the centre of the vehicle to obstacles.
         least_m: Distance to keep where a leg offers less than `wanted_m`: half of what it offers
             beyond this is kept, the other half is freedom for the optimiser.
-        max_leg_m: Longer legs get their polytope several times, one for each piece to fly.
+        max_leg_m: Length above which a leg gets its polytope several times, once for each piece to
+            fly.
 
     Raises:
         CertificateError: If a leg comes closer to an obstacle than `least_m`.
@@ -104,7 +106,7 @@ def build_corridor(
 
 
 def refine(corridor: Corridor, counts: Int[np.ndarray, " n"]) -> Corridor:
-    """The same free space with each piece cut into several."""
+    """Corridor of the same free space with each piece cut into several."""
     gates = [corridor.gates_enu_m[:1]]
     for (a, b), count in zip(pairwise(corridor.gates_enu_m), counts.tolist(), strict=True):
         gates.append(a + (b - a) * np.arange(1, count + 1)[:, None] / count)
@@ -151,7 +153,7 @@ def segment_clearance(p: Point, q: Point, enough: float, solids: Solids) -> floa
 def thin_out(
     points: Float[np.ndarray, "n 3"], room: Float[np.ndarray, " n"], solids: Solids
 ) -> Int[np.ndarray, " m"]:
-    """Greedy: from each kept point jump to the farthest (by bisection) seen with no less room."""
+    """Keep few points: jump from each to the farthest (by bisection) seen with no less room."""
     kept = [0]
     while kept[-1] < len(points) - 1:
         at = kept[-1]
@@ -171,10 +173,10 @@ def thin_out(
 def polytope_about(
     p: Point, q: Point, kept: float, low: Point, high: Point, solids: Solids
 ) -> tuple[Float[np.ndarray, "planes 4"], bool]:
-    """Planes about the segment from p to q: a box, then one for each obstacle in the way.
+    """Build planes about the segment from p to q: a box, then one for each obstacle in the way.
 
     Returns:
-        The planes, and whether all that are needed fit.
+        The planes, and whether all needed ones fit.
     """
     planes = np.zeros((MAX_PLANES, 4))
     planes[6:, 3] = 1.0
@@ -199,7 +201,7 @@ def polytope_about(
 def _without_idle(
     planes: Float[np.ndarray, "planes 4"], count: int
 ) -> Float[np.ndarray, "planes 4"]:
-    """The same polytope by the planes that have a corner of it, first of all; it is bounded."""
+    """Bounded polytope with the planes that have a corner of it first, and the others unused."""
     has_corner = np.zeros(count, dtype=np.bool_)
     for i in range(count):
         for j in range(i + 1, count):
@@ -242,7 +244,7 @@ def _is_inside(point: Point, planes: Float[np.ndarray, "k 4"]) -> bool:
 def _separating_planes(
     p: Point, q: Point, low: Point, high: Point, kept: float, solids: Solids
 ) -> tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, " k"]]:
-    """Plane (4) and index of each solid that may reach into a box, and its distance to the leg."""
+    """Plane (4), index and distance to the leg of each solid that may reach into a box."""
     planes = np.empty((len(solids.centers), 5))
     distance = np.empty(len(solids.centers))
     count = 0

@@ -1,4 +1,4 @@
-"""The craft that flies: its limits, its mass and thrust, and how plans for it are made."""
+"""Craft that flies: its limits, its mass and thrust, and the settings of its plans."""
 
 from __future__ import annotations
 
@@ -23,20 +23,22 @@ class PlannerCfg:
     vehicle_radius_m: float
     """Radius of a sphere about the centre of mass that holds the vehicle."""
     method: Literal["optimise", "primitives"] = "optimise"
-    """Space and time optimised over a corridor, or the motion primitives of Mueller et al. 2015."""
+    """Method: optimise space and time over a corridor, or string motion primitives (Mueller
+    2015)."""
     margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
-    """Distances from that sphere to obstacles to aim at; the first that gives a plan is taken."""
+    """Distances from that sphere to obstacles to try in turn; the first that gives a plan is
+    taken."""
     min_margin_m: float = 0.05
     """Distance that the proof demands beyond the sphere."""
     comfortable_m: float = 1.5
     """Beyond this distance to the sphere, closeness to obstacles has no price in the search."""
     max_piece_m: float = 12.0
-    """Longer legs are flown in several pieces."""
+    """Length above which a leg is flown in several pieces."""
     min_pieces: int = 1
-    """More pieces can bend more often, and take longer to plan."""
+    """Least number of pieces: more can bend more often, and take longer to plan."""
 
     def __post_init__(self) -> None:
-        """Refuse what no plan can be made by."""
+        """Refuse settings by which no plan can be made."""
         checks = {
             "vehicle_radius_m": (0 < self.vehicle_radius_m < math.inf, "a positive number"),
             "method": (self.method in ("optimise", "primitives"), "'optimise' or 'primitives'"),
@@ -54,7 +56,7 @@ class PlannerCfg:
 
 @dataclass(frozen=True, slots=True)
 class Craft:
-    """The vehicle that a plan is made for."""
+    """Vehicle that a plan is made for."""
 
     limits: FlightLimits
     """Limits of the motion."""
@@ -76,10 +78,10 @@ class Craft:
         moving: MovingObstacles = NOTHING_MOVES,
         margin_m: float | None = None,
     ) -> Trajectory:
-        """The trajectory with its clearance, proved by `certify`; margin None is `min_margin_m`.
+        """Certify a trajectory and note its clearance; margin None is `min_margin_m`.
 
         Raises:
-            CertificateError: If it breaks the clearance or a limit.
+            CertificateError: If the trajectory breaks the clearance or a limit.
         """
         proof = certify(
             trajectory,

@@ -20,7 +20,7 @@ from autonomy.planning.trajectory import Trajectory, coefficients_from_nodes, de
 _PROOF_STEP_S = 0.02
 _SEARCH_STEP_S = 0.06
 _DRAG_STRAY = 1.2
-"""The drag coefficient changes a little between samples as well: what strays counts this much."""
+"""Factor on the stray that allows for the drag coefficient's change between samples."""
 _MOST_EXCESS = 0.5
 
 
@@ -54,10 +54,10 @@ def excess(
     limits: FlightLimits,
     quadrotor: QuadrotorParams,
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """Shares by which each piece must lower its accelerations, and its body rates.
+    """Shares by which each piece must lower its accelerations and its body rates.
 
-    Gravity and drag cannot be lowered, so what thrust and tilt lack is told as a share of the
-    acceleration at that place.
+    Gravity and drag cannot be lowered, so the lack of thrust and tilt is given as a share of the
+    acceleration at that point.
     """
     piece, since, _ = _samples(durations_s, _SEARCH_STEP_S)
     coefficients = coefficients_from_nodes(nodes, durations_s)
@@ -80,7 +80,7 @@ def excess(
 def _samples(
     durations_s: Float[np.ndarray, " n"], step_s: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Evenly spaced in each piece, both of its ends included.
+    """Samples evenly spaced in each piece, both of its ends included.
 
     Returns:
         Piece, time since its beginning and spacing there, of each sample.

@@ -1,4 +1,4 @@
-"""Why there is no plan; every message names what stands in the way and what would help."""
+"""Errors of planning; every message names the obstacle and the remedy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class UnreachableError(PlanningError):
     """
 
     def __init__(self, message: str, narrowest_enu_m: tuple[float, float, float] | None = None):
-        """Say why, and where the widest way is narrowest."""
+        """Create the error with its message and the narrowest place of the widest way."""
         super().__init__(message)
         self.narrowest_enu_m = narrowest_enu_m
 
@@ -33,4 +33,4 @@ class CertificateError(PlanningError):
 
 
 class EvasionError(PlanningError):
-    """What moves is in the way, and no way past it could be proved."""
+    """A moving obstacle is in the way, and no way past it could be proved."""

@@ -1,7 +1,8 @@
-"""The rest of a plan, and where it could lead past what moves.
+"""Rest of a plan, and its possible ways past moving obstacles.
 
-A plane in each piece keeps an obstacle that it comes near to on one side. Its side is where a guess
-of the path passes: the plan itself where that is clear, else bent to either side, above or below.
+A plane in each piece keeps an obstacle that it comes near to on one side. The side is that of a
+guess of the path: the plan itself where that is clear, else one bent to either side, above or
+below.
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ from autonomy.planning.program import pieces_to_fill
 from autonomy.planning.trajectory import Trajectory, rest_of
 
 _NEAR_M = 3.0
-"""Obstacles that stay farther away than this need no plane."""
+"""Distance beyond which an obstacle needs no plane."""
 _MOST_NEAR = 4
-"""The nearest so many get planes; the proof knows all."""
+"""Number of nearest obstacles that get planes; the proof includes all."""
 _STEP_S = 0.1
 _PIECE_S = 0.8
-"""Pieces near a moving obstacle are cut to about this, so that they can bend around it."""
+"""Duration to which pieces near a moving obstacle are cut, so that they can bend around it."""
 _LEAST_PIECE_S = 0.08
 _MAX_PIECES = 20
 _EASE_M = 0.02
-"""Beyond what is asked, so that a proof has something to go by."""
+"""Distance beyond the demanded one, so that the proof has some slack."""
 _SLOW_SHARES = (0.6, 0.3)
 """Shares of the plan's speed at which waiting for an obstacle to pass is tried."""
 
@@ -36,7 +37,7 @@ _SLOW_SHARES = (0.6, 0.3)
 def remainder(
     previous: Trajectory, corridor: Corridor, at_s: float
 ) -> tuple[np.ndarray, np.ndarray, Corridor]:
-    """The rest of a plan as it is: it had its proof, but for what moves."""
+    """Rest of a plan as it is, proved already except against moving obstacles."""
     coefficients, durations_s, first = rest_of(previous, at_s)
     gates = corridor.gates_enu_m[first:].copy()
     gates[0] = coefficients[0, 0]
@@ -46,9 +47,9 @@ def remainder(
 def no_nearer(
     moving: MovingObstacles, point_enu_m: Float[np.ndarray, " 3"], keep_m: float
 ) -> MovingObstacles:
-    """The same predictions, where a start is too near already with what is asked cut down to it.
+    """Predictions with their radii cut down where the start is nearer to an obstacle than demanded.
 
-    Else nothing could be proved from there, not even the way out. What is proved is then that the
+    Otherwise nothing could be proved from there, not even the way out. The proof is then that the
     vehicle comes no nearer than it is.
     """
     distance_m = moving.distances(point_enu_m[None], np.zeros(1))[0][:, 0]
@@ -59,7 +60,7 @@ def no_nearer(
 
 
 class Rest:
-    """The rest of a plan: free space and times, finer where something moves nearby."""
+    """Rest of a plan: free space and times, finer where something moves nearby."""
 
     def __init__(
         self, previous: Trajectory, corridor: Corridor, at_s: float, moving: MovingObstacles
@@ -68,7 +69,8 @@ class Rest:
         gates, planes = left.gates_enu_m, left.planes
         self.goal_enu_m = gates[-1].copy()
         if times[0] < _LEAST_PIECE_S and len(times) > 1 and _contains(planes[1], gates[0]):
-            # Too short to steer in, and the next free space already holds where it begins.
+            # The piece is too short to steer in, and the next free space already contains its
+            # beginning.
             times = np.concatenate([[times[0] + times[1]], times[2:]])
             gates, planes = np.delete(gates, 1, axis=0), planes[1:]
         self._moving, self._previous, self._since = moving, previous, at_s
@@ -84,7 +86,7 @@ class Rest:
         self._gates, self.planes = fine.gates_enu_m, fine.planes
 
     def problems(self, keep_m: float) -> Iterator[tuple[Corridor, np.ndarray]]:
-        """Free space with planes against what moves, and times: one choice after another."""
+        """Free space with planes against moving obstacles, and times: one choice after another."""
         nearest = self._distance.min(axis=1, initial=math.inf)
         order = np.argsort(nearest, kind="stable")[:_MOST_NEAR].tolist()
         near = [i for i in order if nearest[i] < keep_m + _NEAR_M]
@@ -92,7 +94,7 @@ class Rest:
             yield Corridor(planes=self.planes, gates_enu_m=self._gates), self.durations_s
             return
         hits = [i for i in near if self._distance[i].min() < keep_m]
-        # The one met first is evaded; for others the side is kept that this evasion leads past.
+        # The obstacle met first is evaded; past the others the side follows from this evasion.
         hit = min(hits, key=lambda i: int(np.argmax(self._distance[i] < keep_m)), default=None)
         guesses = [(self._path, 1.0)] if hit is None else self._evasions(hit, keep_m)
         for path, speed_share in guesses:
@@ -100,7 +102,7 @@ class Rest:
             yield self._parted(path, times, near, keep_m), times
 
     def _counts(self, times: np.ndarray) -> np.ndarray:
-        """Into how many each piece is cut."""
+        """Number of parts into which each piece is cut."""
         counts = np.ones(len(times), dtype=np.int64)
         if len(self._moving) and self._distance.min() < 2 * _NEAR_M:
             since = np.cumsum(times) - times
@@ -111,9 +113,9 @@ class Rest:
         return counts
 
     def _evasions(self, hit: int, keep_m: float) -> list[tuple[np.ndarray, float]]:
-        """Paths bent to either side of an obstacle that would be hit, least bend first; slow ones.
+        """Paths bent to either side of an obstacle on the way, least bend first, and slow ones.
 
-        With each its share of the plan's speed.
+        Each comes with its share of the plan's speed.
         """
         worst = int(np.argmin(self._distance[hit]))
         at, velocity = self._at, self._moving.velocity_enu_mps[hit]
@@ -143,8 +145,8 @@ class Rest:
     def _parted(
         self, path: np.ndarray, durations_s: np.ndarray, near: list[int], keep_m: float
     ) -> Corridor:
-        """The corridor with a plane between a path and each obstacle nearby."""
-        # Room for planes that move; unused ones are (0, 0, 0, 1).
+        """Corridor with a plane between a path and each obstacle nearby."""
+        # Room for moving planes; unused ones are (0, 0, 0, 1).
         spare = np.zeros((len(self.planes), _MOST_NEAR, 4))
         spare[:, :, 3] = 1.0
         planes = np.concatenate([self.planes, spare], axis=1)
@@ -159,7 +161,7 @@ class Rest:
                 nearest = in_piece[np.argmin(distance[i, in_piece])]
                 free = int(np.argmin(np.any(planes[k, :, :3] != 0, axis=1)))
                 normal = away[i, nearest]
-                # What is not known yet at the start is not asked of it.
+                # The first piece keeps no more distance than the start itself has.
                 kept = min(keep_m, max(float(self._distance[i, 0]), 0.0)) if k == 0 else keep_m
                 offset = self._moving.reach_m(i, normal) + kept
                 offset += float(normal @ self._moving.position_enu_m[i])

@@ -27,7 +27,7 @@ _LEAST_SECTION_S = 0.02
 def allowances(
     bounds: MotionBounds, limits: FlightLimits, quadrotor: QuadrotorParams, share: float
 ) -> Float[np.ndarray, " 8"]:
-    """Bounds for `first_feasible`: a share of the limits."""
+    """Bounds for `first_feasible`, as a share of the limits."""
     return np.array(
         [
             *(share * bounds.as_array()),
@@ -49,16 +49,16 @@ def first_feasible(
     movers: Movers,
     radius: float,
 ) -> int:
-    """Place in an order of the first primitive that can be flown and touches nothing, else -1.
+    """Find the first primitive of an order that can be flown and touches nothing; -1 if none.
 
     Args:
-        order: Which to try, best first; -1 for those that were tried.
-        coefficients: Of all.
-        durations: Of all, s.
+        order: Primitives to try, best first; -1 for those that were tried.
+        coefficients: Coefficients of all primitives.
+        durations: Durations of all primitives, s.
         allowed: Horizontal and vertical speed and acceleration, thrust over mass, body rate,
             tangent of the tilt, rotor drag per speed.
-        solids: Obstacles.
-        movers: Obstacles that move.
+        solids: Static obstacles.
+        movers: Moving obstacles.
         radius: Distance to keep, m.
     """
     speeds = np.array([math.hypot(allowed[0], allowed[1])])
@@ -100,7 +100,7 @@ def is_input_feasible(
             jerk += largest * largest
         if most <= thrust * thrust and jerk <= rate * rate * least:
             continue
-        # At its ends the section is exact: what fails there fails.
+        # The ends of the section are exact: a failure there is one of the primitive.
         if least > thrust * thrust or b - a < _LEAST_SECTION_S:
             return False
         middle = 0.5 * (a + b)
@@ -144,7 +144,7 @@ def _jerk(c: Float[np.ndarray, "6 3"], axis: int, t: float) -> float:
 
 @kernel
 def _largest_jerk(c: Float[np.ndarray, "6 3"], axis: int, a: float, b: float) -> float:
-    """A parabola: at the section's ends or at its vertex."""
+    """Largest jerk on a section, a parabola: at the section's ends or at its vertex."""
     largest = max(abs(_jerk(c, axis, a)), abs(_jerk(c, axis, b)))
     if c[5, axis] != 0.0:
         t = -24.0 * c[4, axis] / (120.0 * c[5, axis])
@@ -157,7 +157,7 @@ def _largest_jerk(c: Float[np.ndarray, "6 3"], axis: int, a: float, b: float) ->
 def _within_bounds(
     c: Float[np.ndarray, "6 3"], duration: float, allowed: Float[np.ndarray, " 8"]
 ) -> bool:
-    """Speed, acceleration and tilt with drag, at samples."""
+    """Whether speed, acceleration and tilt with drag keep their bounds at samples."""
     for n in range(_N_SAMPLES + 1):
         t = duration * n / _N_SAMPLES
         v, h = np.empty(3), np.empty(3)

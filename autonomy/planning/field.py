@@ -1,4 +1,4 @@
-"""Distance field: how far from the nearest obstacle every cell of a grid is."""
+"""Distance field: distance of every cell of a grid to the nearest obstacle."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class DistanceField:
     """Distance from the centre of a cell to the nearest occupied cell; 0 in occupied cells."""
 
     def __post_init__(self) -> None:
-        """Refuse what is not a field."""
+        """Refuse a resolution or an array that makes no field."""
         if not self.resolution_m > 0:
             raise ValueError(f"resolution_m {self.resolution_m} is not positive; valid: metres")
         if self.distance_m.ndim != 3 or 0 in self.distance_m.shape:
@@ -30,7 +30,7 @@ class DistanceField:
             )
 
     def cells(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> Int[np.ndarray, "*b 3"]:
-        """Indices of the cells that hold the points; off the grid they lie outside its shape."""
+        """Indices of the cells that contain the points; off the grid they lie outside its shape."""
         offset = (np.asarray(points_enu_m) - self.origin_enu_m) / self.resolution_m
         return np.rint(offset).astype(np.int64)
 

@@ -1,4 +1,4 @@
-"""Straight legs, for where a vehicle leaves or meets a surface, or has no room for more."""
+"""Straight legs, for take-off and landing and where there is no room for more."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def plan_leg(
     limits: FlightLimits,
     quadrotor: QuadrotorParams,
 ) -> Trajectory:
-    """A straight line from rest to rest, as fast as the limits allow; not certified.
+    """Plan a straight line from rest to rest, as fast as the limits allow; not certified.
 
     For take-off and landing, where the vehicle leaves or meets a surface on purpose.
     """

@@ -1,4 +1,4 @@
-"""Dynamic limits of a flight, and what they leave for velocity and acceleration."""
+"""Dynamic limits of a flight, and the bounds of velocity and acceleration that follow."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.planning.errors import LimitsError
 
 MIN_ACCELERATION_MPS2 = 0.2
-"""Less room than this to accelerate allows no sensible flight."""
+"""Least acceleration with which a flight makes sense."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MotionBounds:
-    """Speeds and accelerations that a trajectory may reach."""
+    """Greatest speeds and accelerations of a trajectory."""
 
     speed_horizontal_mps: float
     speed_vertical_mps: float
@@ -32,23 +32,23 @@ class MotionBounds:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FlightLimits:
-    """Limits of the motion that a trajectory may ask of the vehicle."""
+    """Limits of the motion that a trajectory may demand of the vehicle."""
 
     speed_horizontal_mps: float = 5.0
     speed_vertical_mps: float = 2.0
     acceleration_mps2: float = 3.0
-    """Horizontal, m/s^2."""
+    """Horizontal acceleration, m/s^2."""
     acceleration_vertical_mps2: float = 2.0
     thrust_fraction: float = 0.85
     """Share of the maximum collective thrust; the rest is left to torques."""
     tilt_rad: float = math.radians(30.0)
     body_rate_radps: float = math.radians(180.0)
-    """About the axes across the thrust: how fast the vehicle may tilt."""
+    """Body rate about the axes across the thrust, at which the vehicle may tilt."""
     yaw_rate_radps: float = math.radians(90.0)
     yaw_acceleration_radps2: float = math.radians(180.0)
 
     def __post_init__(self) -> None:
-        """Refuse limits that nothing can keep."""
+        """Refuse limits that no flight can keep."""
         for name in self.__slots__:
             value = getattr(self, name)
             if not 0 < value < math.inf:
@@ -69,13 +69,13 @@ class FlightLimits:
         return self.thrust_fraction * quadrotor.max_thrust_n / quadrotor.mass_kg
 
     def motion_bounds(self, quadrotor: QuadrotorParams) -> MotionBounds:
-        """Where an optimiser begins; what rotor drag takes on top it finds by tightening.
+        """Bounds from which an optimiser begins; tightening them allows for rotor drag.
 
         Raises:
             LimitsError: If hovering leaves too little of the thrust to accelerate.
         """
         horizontal, vertical = self.accelerations_mps2(quadrotor)
-        # In level cruise the tilt holds against the rotors' drag and still accelerates a little.
+        # In level cruise the tilt overcomes the rotors' drag and still accelerates a little.
         thrust = self.max_specific_thrust_mps2(quadrotor)
         across = min(math.tan(self.tilt_rad) * GRAVITY_MPS2, math.sqrt(thrust**2 - GRAVITY_MPS2**2))
         drag = max(hover_drag_per_s(quadrotor), 1e-9)
@@ -94,7 +94,7 @@ class FlightLimits:
         )
 
     def accelerations_mps2(self, quadrotor: QuadrotorParams) -> tuple[float, float]:
-        """Horizontal and vertical bounds that keep thrust and tilt as well, without drag.
+        """Horizontal and vertical bounds of acceleration that keep thrust and tilt, without drag.
 
         Thrust over mass is |a + g e3| and tilt its angle to the vertical. With vertical
         accelerations in +-v the worst of the first is at +v, of the second at -v.

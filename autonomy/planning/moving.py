@@ -1,7 +1,7 @@
-"""Obstacles that move: upright rounded boxes, each predicted to keep its velocity for a while.
+"""Moving obstacles: upright rounded boxes, each predicted to keep its velocity for a while.
 
-A rounded box is all that lies within a radius of a box: a ball if the box is a point, an upright
-capsule if it is a line. What is not known about the motion lets the radius grow with time.
+A rounded box is the set of points within a radius of a box: a ball if the box is a point, an
+upright capsule if it is a line. Uncertainty of the motion lets the radius grow with time.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ class Movers(NamedTuple):
     """Arrays of n moving obstacles for kernels."""
 
     positions: np.ndarray
-    """(n, 3)."""
+    """Centres at time 0 (n, 3), ENU, m."""
     velocities: np.ndarray
-    """(n, 3)."""
+    """Velocities (n, 3), ENU, m/s."""
     halves: np.ndarray
-    """(n, 3), half extents."""
+    """Half extents of the boxes (n, 3), m."""
     headings: np.ndarray
-    """(n, 2), cosine and sine."""
+    """Cosine and sine of the headings (n, 2)."""
     radii: np.ndarray
-    """(n,)."""
+    """Radii at time 0 (n,), m."""
     growth: float
     horizon: float
 
@@ -52,7 +52,7 @@ class MovingObstacles:
     """Time for which the prediction is believed; later the obstacles are left out."""
 
     def __post_init__(self) -> None:
-        """Refuse what is no prediction."""
+        """Refuse arrays of a wrong shape and negative numbers."""
         n = len(self.position_enu_m)
         for name, shape in (
             ("position_enu_m", (n, 3)),
@@ -80,7 +80,7 @@ class MovingObstacles:
         growth_mps: float = 0.2,
         horizon_s: float = 4.0,
     ) -> MovingObstacles:
-        """Balls only."""
+        """Create moving balls."""
         position = np.asarray(position_enu_m, dtype=float).reshape(-1, 3)
         return cls(
             position_enu_m=position,

@@ -14,14 +14,14 @@ from autonomy.planning.solids import Solids, distances_to_solids
 
 
 class Shape(IntEnum):
-    """Shape of an obstacle, which says how to read its local extents."""
+    """Shape of an obstacle, which determines the meaning of its local extents."""
 
     BOX = 0
     CYLINDER = 1
-    """About its local z; the first extent is the diameter."""
+    """Cylinder about its local z; the first extent is the diameter."""
     ELLIPSOID = 2
     HULL = 3
-    """The intersection of half-spaces."""
+    """Intersection of half-spaces."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,7 +30,7 @@ class Obstacles:
 
     center_enu_m: Float[np.ndarray, "n 3"]
     quat_wxyz: Float[np.ndarray, "n 4"]
-    """Local to world, unit."""
+    """Rotations from local axes to the world, unit quaternions."""
     size_m: Float[np.ndarray, "n 3"]
     """Full local extents."""
     shape: Int[np.ndarray, " n"]
@@ -46,7 +46,7 @@ class Obstacles:
         quat_wxyz: Float[np.ndarray, "n 4"],
         size_m: Float[np.ndarray, "n 3"],
     ) -> Obstacles:
-        """Oriented boxes only."""
+        """Create oriented boxes."""
         n = len(center_enu_m)
         return cls(
             center_enu_m=np.asarray(center_enu_m, dtype=float).reshape(n, 3),

@@ -1,8 +1,8 @@
-"""Doors, windows and other openings in walls, found in free space alone.
+"""Doors, windows and other openings in walls, found from free space alone.
 
-An opening is where free space narrows: across it solids stand close on both sides and above, and a
-step before and a step behind it is wider and higher. Cells of a distance field tell where, the
-obstacles themselves how wide and how high.
+An opening is a place where free space narrows: across it solids stand close on both sides and
+above, and a step before and a step behind it space is wider and higher. Cells of a distance field
+show the place, the obstacles themselves the width and height.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from autonomy.types import Vector3
 
 MAX_WIDTH_M = 3.5
 LEAST_WIDTH_M, LEAST_HEIGHT_M = 0.5, 0.8
-"""Smaller ones are gaps between things."""
+"""Least width and height of an opening; smaller ones are gaps between things."""
 _N_DIRECTIONS = 12
 _WIDER_M = 0.5
 """Excess of the width before and behind an opening."""
@@ -40,11 +40,11 @@ _MARCH_STEPS = 60
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Opening:
-    """A door, a window, a hatch or the like."""
+    """Opening such as a door, a window or a hatch."""
 
     center_enu_m: Vector3
     normal_rad: float
-    """Direction of the way through it, from east by north; the opposite one as well."""
+    """Direction of the way through the opening, from east by north; the opposite one counts too."""
     width_m: float
     height_m: float
 
@@ -54,11 +54,11 @@ class Opening:
 
 
 def find_openings(field: DistanceField, obstacles: Obstacles) -> list[Opening]:
-    """Every opening in something upright, the widest first.
+    """Find every opening in something upright, the widest first.
 
     Args:
         field: Free space; its cells find openings that are wider than about two of them.
-        obstacles: The same exactly, for the measures.
+        obstacles: Exact obstacles of the same space, for the measures.
     """
     from scipy import ndimage  # noqa: PLC0415 - start-up time: loads only on demand
 
@@ -85,19 +85,19 @@ def _measured(
     field: DistanceField,
     obstacles: Obstacles,
 ) -> Opening | None:
-    """The opening that some cells belong to; None where the obstacles leave less than cells say."""
+    """Measure the opening of some cells; None where the obstacles leave too little."""
     middle = members[np.argmin(np.linalg.norm(members - members.mean(axis=0), axis=1))]
     across_rad = math.pi * float(direction[tuple(middle)]) / _N_DIRECTIONS
     return _measured_about(field.centres(middle), across_rad, obstacles)
 
 
 def opening_at(point_enu_m: Vector3, obstacles: Obstacles) -> Opening | None:
-    """The opening that a free place is in or just beside, by the obstacles alone; None if none."""
+    """Find the opening in which, or just beside which, a free point is, by the obstacles alone."""
     angles: Float[np.ndarray, " n"] = np.pi * np.arange(_N_DIRECTIONS) / _N_DIRECTIONS
     angles = np.repeat(angles, len(_BESIDE_M))
     through = np.column_stack([-np.sin(angles), np.cos(angles), np.zeros(len(angles))])
     points = np.array(point_enu_m) + np.tile(_BESIDE_M, _N_DIRECTIONS)[:, None] * through
-    # From within an obstacle nothing is narrow.
+    # A point within an obstacle is in no opening.
     is_free = obstacles.signed_distance(points)[0] > _TOUCH_M
     if not is_free.any():
         return None
@@ -108,7 +108,7 @@ def opening_at(point_enu_m: Vector3, obstacles: Obstacles) -> Opening | None:
 def _measured_about(
     center: Float[np.ndarray, " 3"], across_rad: float, obstacles: Obstacles
 ) -> Opening | None:
-    """The opening near a place, given about the direction across it."""
+    """Measure the opening near a point, given the approximate direction across it."""
     # Walls are thinner than cells: look for the narrowest place along the way through.
     turns = across_rad + np.repeat(_TURNS_RAD, len(_OFFSETS_M))
     along = np.tile(np.outer(_OFFSETS_M, _level(across_rad + math.pi / 2)), (len(_TURNS_RAD), 1))
@@ -139,7 +139,7 @@ def _level(angle_rad: float) -> Float[np.ndarray, " 3"]:
 def _centred(
     center: Float[np.ndarray, " 3"], way: Float[np.ndarray, " 3"], obstacles: Obstacles
 ) -> tuple[Float[np.ndarray, " 3"], float]:
-    """The middle between the obstacles against a direction and along it, and how far apart."""
+    """Middle between the obstacles on both sides along a direction, and their distance."""
     low, high = _reach(np.tile(center, (2, 1)), np.array([-way, way]), obstacles).tolist()
     return center + (high - low) / 2 * way, low + high
 
@@ -152,7 +152,7 @@ def _is_wider(
     height_m: float,
     obstacles: Obstacles,
 ) -> bool:
-    """Whether somewhere on a side of an opening it is wider and higher."""
+    """Whether space is wider and higher somewhere on a side of an opening."""
     through = side * np.cross(level, _UP)
     points = center + np.outer(_STEPS_M, through)
     steps = len(points)
@@ -165,7 +165,7 @@ def _is_wider(
 def _narrowest(
     points_enu_m: Float[np.ndarray, "n 3"], angle: Float[np.ndarray, " n"], obstacles: Obstacles
 ) -> int:
-    """Index of the point with the least width; of several the middle one."""
+    """Index of the point with the least width; the middle one of several."""
     ways = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))])
     width_m = _reach(points_enu_m, ways, obstacles) + _reach(points_enu_m, -ways, obstacles)
     least = np.flatnonzero(width_m < width_m.min() + 2 * _TOUCH_M)
@@ -175,7 +175,7 @@ def _narrowest(
 def _reach(
     points_enu_m: Float[np.ndarray, "n 3"], ways: Float[np.ndarray, "n 3"], obstacles: Obstacles
 ) -> Float[np.ndarray, " n"]:
-    """Distance from points to the obstacles along unit vectors, by sphere tracing."""
+    """Distance from points to obstacles along unit vectors, by sphere tracing."""
     reach_m = np.zeros(len(points_enu_m))
     is_going = np.ones(len(points_enu_m), dtype=bool)
     for _ in range(_MARCH_STEPS):
@@ -191,7 +191,7 @@ def _reach(
 def narrow_cells(
     is_free: Bool[np.ndarray, "nx ny nz"], resolution: float
 ) -> Int[np.ndarray, "nx ny nz"]:
-    """Cells in the middle of openings: the number of the direction across, -1 for all others."""
+    """Mark cells in the middle of openings by the number of the direction across, others by -1."""
     nx, ny, nz = is_free.shape
     number = np.full((nx, ny, nz), -1, dtype=np.int8)
     for i in range(nx):
@@ -236,7 +236,7 @@ def _opens(
     up: float,
     resolution: float,
 ) -> bool:
-    """Whether it is wider and higher on the side to the left of the direction across."""
+    """Whether space is wider and higher to the left of the direction across."""
     for step in _STEPS_M:
         n = step / resolution
         u, v = math.floor(i - n * y + 0.5), math.floor(j + n * x + 0.5)
@@ -255,10 +255,10 @@ def _opens(
 def _run(
     is_free: np.ndarray, i: int, j: int, k: int, x: float, y: float, z: float, most: float
 ) -> float:
-    """Number of cells from a cell to the last before one that is not free or off the grid."""
+    """Number of free cells after a cell, up to one that is not free or the end of the grid."""
     gone = 0.5
     while gone < most:
-        # Not round(): that of numbers halfway alternates.
+        # Not round(), which alternates for halves.
         u, v = math.floor(i + gone * x + 0.5), math.floor(j + gone * y + 0.5)
         w = math.floor(k + gone * z + 0.5)
         if not (0 <= u < is_free.shape[0] and 0 <= v < is_free.shape[1] and w < is_free.shape[2]):

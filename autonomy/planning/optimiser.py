@@ -1,4 +1,4 @@
-"""Trajectory through a corridor: a QP at fixed times inside, the times outside.
+"""Trajectory through a corridor: an inner QP at fixed times, an outer search of the times.
 
 Piece k joins the states of node k and k + 1 (position p, velocity v, acceleration a) by a
 polynomial of degree 5 in its time T_k, so it is twice differentiable everywhere by construction.
@@ -6,9 +6,9 @@ Its Bezier control points are linear in the node states at fixed times; a Bezier
 hull of its control points, so bounds on those hold between samples.
 
 Every T has a solution, as limits have slack at a price (see `program`); J(T), the optimum, has the
-Lagrangian's gradient, and L-BFGS moves log T down it. Where the flatness model then asks for more
+Lagrangian's gradient, and L-BFGS moves log T down it. Where the flatness model then demands more
 than the vehicle has (thrust, tilt, body rates, with rotor drag), the piece's accelerations are
-tightened, and where a limit still gives, the piece gets more time.
+tightened, and where a limit is still exceeded, the piece gets more time.
 
 Source: Bezier corridor constraints as in Gao, Wu, Lin and Shen 2018; the gradient of the times as
 in Sun, Tang, Hauser and Manchester 2021 (bilevel time allocation).
@@ -29,29 +29,29 @@ from autonomy.planning.limits import MotionBounds
 from autonomy.planning.solver import Solver
 
 _STEP = 0.25
-"""Change of the logarithms of the times by the search's first step, about."""
+"""Approximate change of the logarithms of the times by the search's first step."""
 _FIRST_END_S = 1.5
 COLD = {"maxiter": 40, "ftol": 5e-4}
 WARM = {"maxiter": 2, "maxfun": 3, "ftol": 2e-3, "gtol": 0.2 * _STEP}
-"""For times that were good a moment ago: good enough where a per cent of a time's change brings no
-more than two thousandths of a second."""
+"""Settings for times that were good a moment ago: the search ends where a change of a time by one
+per cent gains no more than two thousandths of a second."""
 EVADING = {"maxiter": 8, "maxfun": 8, "ftol": 2e-3}
 """Settings for times that were good without the obstacle."""
 _MAX_TIGHTENINGS = 5
 _MAX_STRETCHES = 25
 _STRICT_STRETCHES = 5
-"""After so many twice the tolerance is good enough."""
+"""Number of stretches after which twice the tolerance is good enough."""
 _TOLERANCE = 1e-3
-"""Share of a limit that a piece may exceed it by."""
+"""Share by which a piece may exceed a limit."""
 
 Excess = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""From nodes and durations to the share by which each piece asks for more force, and more body
-rate, than there is."""
+"""Function from nodes and durations to the shares by which each piece demands too much force, and
+too much body rate."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Solution:
-    """An optimum."""
+    """Optimal trajectory through a corridor."""
 
     nodes: Float[np.ndarray, "n_plus_1 3 3"]
     """Position, velocity and acceleration, rows, at each end of a piece, ENU."""
@@ -70,19 +70,19 @@ def optimise(
     first_s: Float[np.ndarray, " n"] | None = None,
     search: Mapping[str, float] = COLD,
 ) -> Solution:
-    """A good trajectory within the bounds.
+    """Optimise a trajectory within the bounds.
 
     Args:
         start: Position, velocity and acceleration at the beginning, rows, ENU.
         goal: The same at the end.
         corridor: One polytope for each piece; start in the first, goal in the last.
         bounds: Limits of the motion.
-        excess: What the vehicle cannot do beyond them.
-        first_s: Durations that were good for nearly the same problem.
-        search: How long to look for the best times: `COLD`, `WARM` or `EVADING`.
+        excess: Demands beyond the vehicle's abilities that the bounds do not cover.
+        first_s: Durations to begin from, good for nearly the same problem.
+        search: Settings of the search for the best times: `COLD`, `WARM` or `EVADING`.
 
     Raises:
-        LimitsError: Naming the limit that more time does not make hold.
+        LimitsError: If more time does not make a limit hold; names the limit.
         PlanningError: If no curve from the start stays in the corridor.
     """
     solve = Solver(start, goal, corridor, bounds)
@@ -120,7 +120,8 @@ def _best_times(solve: Solver, log_times: np.ndarray, options: Mapping[str, floa
     worst, gradient = solve.cost_and_gradient(log_times)
 
     def cost_and_gradient(steps: np.ndarray) -> tuple[float, np.ndarray]:
-        # Where planes move, some times have no solution: too dear for the line search to stay.
+        # With moving planes some times have no solution; a high cost makes the line search leave
+        # them.
         try:
             cost, slope = solve.cost_and_gradient(_STEP * steps)
         except PlanningError:
@@ -139,9 +140,10 @@ def _best_times(solve: Solver, log_times: np.ndarray, options: Mapping[str, floa
 
 
 def _within_limits(solve: Solver, log_times: np.ndarray, excess: Excess | None) -> Solution:
-    """Give pieces that exceed a limit more time until none does.
+    """Stretch the pieces that exceed a limit until none does.
 
-    The first one less, where more makes it worse: its velocity at the start leads on for longer.
+    The first piece gets less time where more makes it worse: its velocity at the start leads on for
+    longer.
     """
     first, before = 1.0, math.inf
     for n in range(_MAX_STRETCHES):

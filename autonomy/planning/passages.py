@@ -1,8 +1,8 @@
-"""Ways through doors that are hardly wider than the vehicle.
+"""Ways through openings that are hardly wider than the vehicle.
 
-Between the cells of a field and the middle of a door there is up to half a cell, so that a door may
-be wide enough and no cell in it have enough room. Where a search ends there, the opening is
-measured exactly, and the way goes through its middle.
+The middle of a door may be half a cell away from the nearest cell of a field, so a door may be wide
+enough although no cell in it has enough room. Where a search ends there, the opening is measured
+exactly, and the way goes through its middle.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from autonomy.types import Vector3
 BEFORE_M = (0.5, 0.75, 1.0, 1.25)
 """Distances before and behind an opening at which a way through it may begin and end."""
 MOST_OPENINGS = 4
-"""Most openings in one way."""
+"""Greatest number of such openings on one way."""
 _STEP_M = 0.05
 _TUBE_CELLS = 0.9
-"""About a line, so that neighbours in a row join its ends."""
+"""Radius in cells about a line within which cells in a row join its ends."""
 
 Search = Callable[[DistanceField], Int[np.ndarray, "n 3"]]
 
@@ -33,7 +33,7 @@ Search = Callable[[DistanceField], Int[np.ndarray, "n 3"]]
 def way_through_openings(
     search: Search, field: DistanceField, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, "n 3"]:
-    """Centres of cells along a way, and the axes of openings where no cell has enough room.
+    """Find a way: centres of cells, and the axes of openings where no cell has enough room.
 
     In an opening the vehicle needs a distance of `needed_m` to obstacles.
 
@@ -63,7 +63,7 @@ def way_through_openings(
 
 
 def _named(error: UnreachableError, opening: Opening, needed_m: float) -> UnreachableError:
-    """The same error, with the measures of the opening that the way would lead through."""
+    """Error with the measures of the opening that the way would lead through."""
     what, valid = str(error).rsplit("; valid: ", 1)
     return UnreachableError(
         f"{what}: the opening there is {opening.width_m:.2f} m wide and {opening.height_m:.2f} m "
@@ -75,7 +75,7 @@ def _named(error: UnreachableError, opening: Opening, needed_m: float) -> Unreac
 def _axis(
     opening: Opening, place: Vector3, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, "3 3"] | None:
-    """A line through an opening, None where it is not wide enough or nothing leads there."""
+    """Line through an opening; None where it is not wide enough or no cell leads there."""
     if not opening.fits(needed_m):
         return None
     through = np.array([np.cos(opening.normal_rad), np.sin(opening.normal_rad), 0.0])
@@ -87,7 +87,7 @@ def _axis(
 
 
 def _lowered(opening: Opening, near: Vector3, needed_m: float) -> Float[np.ndarray, " 3"]:
-    """The middle between the sides of an opening, at the height nearest to a place."""
+    """Middle between the sides of an opening, at the height nearest to a point."""
     x, y, z = opening.center_enu_m
     play_m = opening.height_m / 2 - 1.5 * needed_m
     return np.array([x, y, np.clip(near[2], z - play_m, z + play_m) if play_m > 0 else z])
@@ -96,7 +96,7 @@ def _lowered(opening: Opening, near: Vector3, needed_m: float) -> Float[np.ndarr
 def _end(
     center: np.ndarray, way: np.ndarray, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, " 3"] | None:
-    """Beginning of the line into an opening on one side, None if it is not free."""
+    """Beginning of the line into an opening on one side; None if it is not free."""
     along_m = np.arange(0.0, BEFORE_M[-1] + _STEP_M, _STEP_M)
     room_m = obstacles.signed_distance(center + np.outer(along_m, way))[0]
     if np.any(room_m[along_m <= BEFORE_M[0]] < needed_m):
@@ -109,7 +109,7 @@ def _end(
 def _widened(
     field: DistanceField, axis: Float[np.ndarray, "3 3"], needed_m: float
 ) -> DistanceField:
-    """A field in which the cells about a line have at least what is needed."""
+    """Field in which the cells about a line have at least the needed distance."""
     length_m = float(np.linalg.norm(axis[2] - axis[0]))
     share = np.linspace(0.0, 1.0, round(length_m / _STEP_M) + 1)[:, None]
     line = axis[0] + share * (axis[2] - axis[0])
@@ -128,7 +128,7 @@ def _widened(
 def _along_axes(
     points: Float[np.ndarray, "n 3"], axes: list[Float[np.ndarray, "3 3"]], resolution_m: float
 ) -> Float[np.ndarray, "m 3"]:
-    """A way with the points about each axis that it follows replaced by that axis."""
+    """Way in which the points about each axis that it follows are replaced by that axis."""
     for axis in axes:
         away = np.linalg.norm(points - axis[1], axis=1)
         to_ends = np.linalg.norm(points[:, None] - axis[None, (0, 2)], axis=2)

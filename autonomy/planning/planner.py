@@ -1,4 +1,4 @@
-"""From here to there through free space: search, corridor, optimisation, proof."""
+"""Planner from a state to a goal through free space: search, corridor, optimisation, proof."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _START_TOLERANCE = 5e-3
 """Share by which a plan's own states may be beyond its limits, after many replans; the proof
 grants twice that."""
 _MOVING_MPS = 0.3
-"""A start faster than this gets a short first piece: its velocity fixes where that one leads."""
+"""Speed above which a start gets a short first piece, because its velocity fixes that piece."""
 
 
 def plan_trajectory(
@@ -40,14 +40,14 @@ def plan_trajectory(
     obstacles: Obstacles,
     craft: Craft,
 ) -> Trajectory:
-    """A certified trajectory from the vehicle's state to rest at the goal.
+    """Plan a certified trajectory from the vehicle's state to rest at the goal.
 
     Args:
-        start: Where the vehicle is and how it moves; its yaw is where the heading begins.
-        goal_enu_m: Where it shall stop.
+        start: State of the vehicle; the heading begins at its yaw.
+        goal_enu_m: Position to stop at.
         field: Distances for search and corridor.
-        obstacles: The same obstacles exactly, for the proof.
-        craft: What flies.
+        obstacles: Exact obstacles of the same space, for the proof.
+        craft: Vehicle that flies.
 
     Raises:
         BlockedError: If start or goal has no room.
@@ -69,7 +69,7 @@ def plan_trajectory(
         try:
             return craft.prove(_attempt(task, margin_m, doubt_m), obstacles)
         except PlanningError as error:
-            # A way that was found and failed says more than "cut off" for a narrower one.
+            # The failure of a way that was found says more than "cut off" for a narrower one.
             reason = error if reason is None or not isinstance(reason, CertificateError) else reason
     assert reason is not None
     raise reason
@@ -78,7 +78,7 @@ def plan_trajectory(
 def bounds_for(
     start: FlatReference, limits: FlightLimits, quadrotor: QuadrotorParams
 ) -> MotionBounds:
-    """Bounds of a motion that goes on from a start, which is within them.
+    """Bounds of a motion that continues from a start, raised to include it.
 
     Raises:
         LimitsError: If the limits contradict themselves or the start is beyond them.
@@ -94,7 +94,7 @@ def bounds_for(
         ("acceleration_vertical_mps2", abs(start.acceleration_enu_mps2[2])),
     ):
         limit = getattr(bounds, name)
-        # Not "above": what is not finite passes nothing.
+        # "Not at most" instead of "above", so that NaN fails.
         if not value <= limit * (1 + _START_TOLERANCE):
             what = " ".join(reversed(name.split("_")[:2]))
             raise LimitsError(f"start has a {what} of {value:.2f}; valid: at most {limit:.2f}")
@@ -133,7 +133,7 @@ class _Task:
 
 
 def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
-    """A trajectory that keeps a margin where it can, not proved yet.
+    """Plan a trajectory that keeps a margin where it can; not proved yet.
 
     The search also enters cells whose distance lacks `doubt_m`.
     """
@@ -141,7 +141,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
     ends = np.array([start.position_enu_m, task.goal_enu_m])
     start_cell, goal_cell = field.cells(ends)
     wanted_m = cfg.vehicle_radius_m + margin_m
-    # Start and goal may stand closer to something than one would fly by choice.
+    # Start and goal may be closer to obstacles than the rest of the way.
     at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
     required_m = min(wanted_m - doubt_m, max(at_ends_m, field.resolution_m / 4))
     search = functools.partial(
@@ -185,7 +185,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
 
 
 def as_node(state: FlatReference) -> np.ndarray:
-    """Position, velocity and acceleration as rows."""
+    """Position, velocity and acceleration of a reference as rows."""
     return np.array([state.position_enu_m, state.velocity_enu_mps, state.acceleration_enu_mps2])
 
 
@@ -196,7 +196,7 @@ def with_yaw(
     limits: FlightLimits,
     start_rate_radps: float = 0.0,
 ) -> Trajectory:
-    """A trajectory that looks where it goes."""
+    """Trajectory with a heading that looks where it goes."""
     still = YawProfile(step_s=STEP_S, yaw_rad=np.array([start_yaw_rad]))
     trajectory = Trajectory(durations_s=durations_s, coefficients=coefficients, yaw=still)
     times = np.arange(0.0, trajectory.duration_s + STEP_S, STEP_S)

@@ -3,7 +3,7 @@
 A primitive joins two full states in a given time with the least integral of squared jerk: a
 polynomial of degree 5 in closed form. From each state many are drawn that end on the path ahead, at
 several distances, speeds and durations; the best by cost and estimated cost to go that the vehicle
-can fly and that touches nothing is taken. Where none is left the last choice is taken back.
+can fly and that touches nothing is taken. Where none is left the last choice is undone.
 
 Source: Mueller, Hehn and D'Andrea 2015, "A computationally efficient motion primitive for
 quadrocopter trajectory generation"; their primitives alone plan no way around obstacles, so here
@@ -30,14 +30,14 @@ _REACHES_M = (1.0, 2.0, 4.0, 7.0, 11.0, 16.0, 24.0)
 _SPEED_SHARES = (0.0, 0.35, 0.7, 0.95)
 _STRETCHES = (1.05, 1.25, 1.5, 1.9, 2.5, 3.5)
 _CRUISE_SHARE = 0.7
-"""Share of the speed limit at which the rest of the way is expected to be flown."""
+"""Share of the speed limit that is assumed as the average over the rest of the way."""
 _RESERVE = 0.98
 _MAX_EXPANSIONS = 400
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Candidate:
-    """A state that was reached, and what is left to try from it."""
+    """State that was reached, and the primitives left to try from it."""
 
     coefficients: np.ndarray
     durations_s: np.ndarray
@@ -53,7 +53,7 @@ def fly_primitives(
     bounds: MotionBounds,
     craft: Craft,
 ) -> tuple[Float[np.ndarray, "n 6 3"], Float[np.ndarray, " n"]]:
-    """Coefficients and durations of primitives from a state to rest at the end of a way.
+    """Find coefficients and durations of primitives from a state to rest at the end of a way.
 
     The start is position, velocity and acceleration, ENU, as rows; the way a free polyline from
     there to the goal. Beside the bounds the craft's limits of thrust, tilt and body rate hold.
@@ -98,7 +98,7 @@ def fly_primitives(
 
 
 class _Way:
-    """A polyline by the distance along it."""
+    """Polyline, parametrised by the distance along it."""
 
     def __init__(self, vertices: np.ndarray) -> None:
         self._vertices = vertices
@@ -109,7 +109,7 @@ class _Way:
         self.length_m = float(self._ends[-1])
 
     def point(self, along_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions, and directions halfway between those just before and just after."""
+        """Positions, and directions halfway between those just before and just after each."""
         leg = np.minimum(np.searchsorted(self._ends, along_m), len(self._ends) - 1)
         back = (self._ends[leg] - along_m)[:, None]
         before = self._directions[leg]
@@ -119,12 +119,12 @@ class _Way:
         return self._vertices[leg + 1] - before * back, mean / norm
 
     def vertices_after(self, along_m: float) -> list[float]:
-        """Distances along it of the next corners."""
+        """Distances along the way of the next corners."""
         return [float(end) for end in self._ends[:-1] if end > along_m + 0.3][:2]
 
 
 def _expand(node: np.ndarray, along_m: float, way: _Way, bounds: MotionBounds) -> _Candidate:
-    """All primitives from a state, cheapest first."""
+    """Draw all primitives from a state, cheapest first."""
     ahead = {along_m + reach for reach in _REACHES_M} | set(way.vertices_after(along_m))
     ahead = {min(distance, way.length_m) for distance in ahead}
     along = np.array(sorted(ahead))
@@ -147,7 +147,7 @@ def _expand(node: np.ndarray, along_m: float, way: _Way, bounds: MotionBounds) -
     durations = least * stretch
     coefficients = join_states(np.broadcast_to(node, ends.shape), ends, durations)
     to_go = (way.length_m - along[end]) / (_CRUISE_SHARE * bounds.speed_horizontal_mps)
-    # Speed that is already there need not be gained again.
+    # Speed that the state already has need not be gained again.
     to_go = to_go + np.where(to_go > 0, 1 - share, 0.0)
     cost = squared_jerk(coefficients, durations) / JERK_WEIGHT_M2PS5 + durations + to_go
     return _Candidate(
@@ -160,7 +160,7 @@ def _expand(node: np.ndarray, along_m: float, way: _Way, bounds: MotionBounds) -
 
 
 def _least_durations(node: np.ndarray, ends: np.ndarray, bounds: MotionBounds) -> np.ndarray:
-    """About the shortest times in which the bounds could be kept."""
+    """Approximate shortest durations in which the bounds can be kept."""
     way = np.abs(ends[:, 0] - node[0])
     turn = np.abs(ends[:, 1] - node[1])
     across, up = np.hypot(way[:, 0], way[:, 1]), way[:, 2]

@@ -7,10 +7,10 @@
 
 minimise  sum_k  int |jerk|^2 dt / jerk_weight  +  T_k  +  T_k (PRICE s_k + SQUARE_PRICE s_k^2)
 
-The linear price exceeds what a limit is ever worth where times are well chosen, so there the slack
-is exactly zero; the square keeps the optimum smooth in the times. A plane n.x <= d + r t moves with
-the obstacle that it keeps away: its offset at control point j of a piece is that at j fifths of the
-piece, and the curve stays behind it at all times in between.
+The linear price exceeds the worth of any limit where times are well chosen, so there the slack is
+exactly zero; the square keeps the optimum smooth in the times. A plane n.x <= d + r t moves with
+the obstacle that it keeps away: its offset at control point j of a piece is the one at j fifths of
+the piece, and the curve stays behind it at all times in between.
 
 Node states are made dimensionless by the times beside them, (p, v tau, a tau^2) with tau the
 geometric mean: in plain SI units the QP is too badly scaled for any solver in CasADi's wheel.
@@ -30,16 +30,16 @@ from jaxtyping import Float, Int
 from autonomy.planning.bezier import control_points, integral_of_square
 
 PRICE = 4.0
-"""Seconds a second of flight that its whole excess over a limit costs."""
+"""Price of exceeding a limit by its whole value, seconds for each second of flight."""
 SQUARE_PRICE = 20.0
 JERK_WEIGHT_M2PS5 = 40.0
 """Integral of squared jerk that is worth one second."""
 OCTAGON = math.cos(math.pi / 8)
-"""Distance of the sides of an octagon inside the unit circle from its middle."""
+"""Distance from the middle to the sides of an octagon inside the unit circle."""
 PLANES = (8, 12, 16, 24)
 """Sizes of polytopes that programs are built for."""
 PIECES = (1, 2, 3, 4, 6, 8, 10, 12, 16, 20)
-"""Numbers of pieces that they are built for; beyond, for each number."""
+"""Numbers of pieces that programs are built for; above these, every number."""
 REPLANNED = (6, 8, 10, 12)
 """Numbers of pieces that nearly all replans in flight have."""
 _DIRECTIONS = [(math.cos(n * math.pi / 4), math.sin(n * math.pi / 4)) for n in range(8)]
@@ -50,9 +50,9 @@ class Program:
     """CasADi's functions for one number of pieces and of planes."""
 
     solve: Any
-    """x, f and multipliers from p, at fixed times."""
+    """Function from p, at fixed times, to x, f and the multipliers."""
     gradient: Any
-    """Gradient of the optimum with respect to log T, from x, p and the multipliers."""
+    """Function from x, p and the multipliers to the gradient of the optimum by log T."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,12 +67,12 @@ class Symbols:
     nodes: Any
     cost: Any
     rows: Any
-    """Rows that are at most zero."""
+    """Inequality constraints: rows that are at most zero."""
 
 
 @functools.cache
 def build(n_pieces: int, n_planes: int) -> Program:
-    """Build the QP of a size, once in a process; 0.1 to 0.4 s."""
+    """Build the QP of a size, once in a process; takes 0.1 to 0.4 s."""
     import casadi as ca  # noqa: PLC0415 - loads only where something is planned
 
     s = symbols(n_pieces, n_planes)
@@ -94,14 +94,14 @@ def build(n_pieces: int, n_planes: int) -> Program:
 
 
 def prepare(pieces: Iterable[int] = REPLANNED) -> None:
-    """Build programs for some numbers of pieces, so that no replan waits for one; some 3 s."""
+    """Build programs for some numbers of pieces, so that no replan waits for one; takes 3 s."""
     for n_pieces in pieces:
         for n_planes in PLANES[1:]:
             build(n_pieces, n_planes)
 
 
 def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.ndarray, " n"]:
-    """Into how many to cut each piece, the longest first, so that their number is built for.
+    """Number of parts to cut each piece into, longest first, so that a program of that size exists.
 
     Lengths are in metres or seconds; there will be `least` pieces or more.
     """
@@ -134,7 +134,7 @@ def symbols(n_pieces: int, n_planes: int) -> Symbols:
         cost += integral_of_square(jerk, t) / JERK_WEIGHT_M2PS5 + t
         cost += t * (PRICE * slack[k] + SQUARE_PRICE * slack[k] ** 2)
         polytope = ca.reshape(planes[5 * n_planes * k : 5 * n_planes * (k + 1)], 5, n_planes)
-        # Where it begins and ends is given: those two points are not the program's to choose.
+        # Start and goal are given, so the program does not choose these two points.
         for j in range(1 if k == 0 else 0, 5 if k == n - 1 else 6):
             offset = polytope[3, :].T + polytope[4, :].T * (since + t * j / 5)
             rows.append(polytope[:3, :].T @ position[j] - offset)
@@ -155,7 +155,7 @@ def symbols(n_pieces: int, n_planes: int) -> Symbols:
 
 
 def _within(split: Any, points: list[Any], across: Any, up: Any, slack: Any) -> list[Any]:
-    """Rows for vectors in an octagonal prism."""
+    """Constraint rows for vectors within an octagonal prism."""
     rows = []
     for x, y, z in (split(point) for point in points):
         rows += [(c * x + s * y) / (across * OCTAGON) - 1 - slack for c, s in _DIRECTIONS]

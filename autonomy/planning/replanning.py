@@ -1,13 +1,13 @@
-"""Replanning in flight: the rest of a plan, optimised again from now on, around what moves.
+"""Replanning in flight: the rest of a plan, optimised again around moving obstacles.
 
 The free space of the plan is kept, and its times are good guesses, so a few quadratic programs are
 enough. An obstacle that moves gets a plane in each piece that it comes near to. The plane moves
 along with it, so for motion that is straight in the obstacle's frame one plane parts the two, and
-the hull of the control points proves it for the whole piece. On which side to pass is tried: where
-the plan already clears the obstacle the side that it is on, else left, right, above and below, as
-seen along the motion relative to the obstacle, and flying more slowly. The first that can be proved
-and costs little time is taken, else the quickest; where none can, the rest of the plan as it is, if
-that can.
+the hull of the control points proves it for the whole piece. The side to pass on is found by trial:
+the side of the plan where it already clears the obstacle, else left, right, above and below, as
+seen along the motion relative to the obstacle, and a slower flight. The first choice that can be
+proved and costs little time is taken, else the quickest; if none can be proved, the rest of the
+plan as it is, if that can be.
 """
 
 from __future__ import annotations
@@ -31,9 +31,10 @@ from autonomy.planning.trajectory import Trajectory, coefficients_from_nodes
 from autonomy.types import ZERO3, FlatReference
 
 MOVING_MARGIN_M = 0.3
-"""Wanted beyond the vehicle's sphere and the predicted obstacle; the proof demands less."""
+"""Distance to aim at between the vehicle's sphere and a predicted obstacle; the proof demands
+less."""
 _SMALL_DELAY_S = 1.0
-"""A way past that costs no more than this is taken without a look at the other sides."""
+"""Delay up to which a way past is taken without trying the other sides."""
 
 
 def replan(
@@ -45,22 +46,22 @@ def replan(
     moving: MovingObstacles = NOTHING_MOVES,
     start: FlatReference | None = None,
 ) -> Trajectory:
-    """A certified trajectory for the rest of a plan.
+    """Plan a certified trajectory for the rest of a plan.
 
     Args:
         previous: A plan by `plan_trajectory` with the optimiser, or by this function.
         at_time_s: Time of that plan from which the new one, at its time 0, takes over.
-        obstacles: What stands, for the proof.
-        craft: What flies.
-        moving: What moves, predicted from `at_time_s` on. What is nearer to the start than the
+        obstacles: Static obstacles, for the proof.
+        craft: Vehicle that flies.
+        moving: Moving obstacles, predicted from `at_time_s` on. One nearer to the start than the
             margin is proved to come no nearer.
-        start: Where the vehicle is and how it moves then; None for where the plan has it.
+        start: State of the vehicle at that time; None for the state of the plan.
 
     Raises:
         PlanningError: If the plan is over or has no corridor, or if the start has left it.
         LimitsError: If the start is beyond the limits.
-        EvasionError: If no way past what moves could be proved: hold, or plan anew.
-        CertificateError: If nothing moves and the rest of the plan cannot be proved.
+        EvasionError: If no way past the moving obstacles could be proved: hold, or plan anew.
+        CertificateError: If nothing moves and the rest of the plan could not be proved.
     """
     if previous.corridor is None or not 0 <= at_time_s < previous.duration_s:
         raise PlanningError(
@@ -88,7 +89,7 @@ def replan(
 
 
 def _quickest(task: _Task, rest: Rest) -> tuple[Trajectory | None, PlanningError | None]:
-    """The first way past that costs little time, else the quickest; why the last try failed."""
+    """Find the first way past that costs little time, else the quickest, and the last failure."""
     reason: PlanningError | None = None
     best: Trajectory | None = None
     for corridor, first_s in rest.problems(task.craft.cfg.vehicle_radius_m + MOVING_MARGIN_M):
@@ -117,10 +118,10 @@ class _Task:
     moving: MovingObstacles
 
     def solve(self, corridor: Corridor, first_s: np.ndarray, goal_enu_m: np.ndarray) -> Trajectory:
-        """A certified trajectory through a corridor.
+        """Plan a certified trajectory through a corridor.
 
         Raises:
-            PlanningError: If there is none.
+            PlanningError: If there is no such trajectory.
         """
         limits, quadrotor = self.craft.limits, self.craft.quadrotor
         solution = optimise(
@@ -138,10 +139,10 @@ class _Task:
     def prove(
         self, coefficients: np.ndarray, durations_s: np.ndarray, corridor: Corridor
     ) -> Trajectory:
-        """A trajectory with its heading, certified.
+        """Add the heading to a trajectory and certify it.
 
         Raises:
-            CertificateError: If it breaks the clearance or a limit.
+            CertificateError: If the trajectory breaks the clearance or a limit.
         """
         begin, limits = self.begin, self.craft.limits
         trajectory = with_yaw(

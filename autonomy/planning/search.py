@@ -7,7 +7,7 @@ the price is 1 where the distance is comfortable and rises with the square of wh
 grid, which is consistent, so the path is optimal.
 
 Where a map grows, climbing through cells that were not seen may have a price of its own: a camera
-that looks ahead sees where to climb only from far away.
+that looks ahead sees the space to climb into only from far away.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Cell = Int[np.ndarray, " 3"]
 Grid = Float[np.ndarray, "nx ny nz"]
 Marks = Bool[np.ndarray, "nx ny nz"]
 _MOST_SEARCHED = 400_000
-"""Cells, before a message is written without the narrowest place."""
+"""Number of cells searched for the narrowest place, before the message is written without it."""
 _ALL_SEEN = np.ones((1, 1, 1), dtype=np.bool_)
 _SQRT_2, _SQRT_3 = math.sqrt(2.0), math.sqrt(3.0)
 
@@ -43,21 +43,21 @@ def shortest_path(
     is_seen: Marks | None = None,
     climb_price: float = 0.0,
 ) -> Int[np.ndarray, "n 3"]:
-    """Cells from start to goal, neighbours in a row, both ends included.
+    """Find the cells from start to goal, neighbours in a row, both ends included.
 
     Args:
-        field: Where the obstacles are.
+        field: Distances to the obstacles.
         start_cell: Index of the first cell.
         goal_cell: Index of the last cell.
-        required_m: Cells with less distance than this are not entered.
-        comfortable_m: From this distance on closeness has no price.
-        is_seen: Cells in which climbing costs no more than its length; None for all.
-        climb_price: Of a rise by one cell elsewhere, in cells.
+        required_m: Least distance of cells that may be entered.
+        comfortable_m: Distance from which on closeness has no price.
+        is_seen: Whether climbing in a cell costs no more than its length; None for all.
+        climb_price: Price in cells of a rise by one cell elsewhere.
 
     Raises:
-        UnreachableError: If free cells do not join the two.
+        UnreachableError: If free cells do not join start and goal.
     """
-    # Backwards: a goal shut in a room empties its room and fails fast, a start rarely is shut in.
+    # Search backwards: a goal in a closed room fails fast, and a start is rarely closed in.
     path = search_grid(
         field.distance_m,
         goal_cell,
@@ -75,7 +75,7 @@ def shortest_path(
 def _cut_off(
     field: DistanceField, start_cell: Cell, goal_cell: Cell, required_m: float
 ) -> UnreachableError:
-    """Says where the widest way there is narrowest, if there is one at all."""
+    """Error that names the narrowest place of the widest way, if there is one."""
     room_m, cell = widest_way(
         field.distance_m, start_cell, goal_cell, field.resolution_m / 4, _MOST_SEARCHED
     )
@@ -134,12 +134,12 @@ def search_grid(
     is_seen: Marks,
     climb_price: float,
 ) -> Int[np.ndarray, "n 3"]:
-    """Cells from goal back to start, so from end to end of a search that began at `start`.
+    """Search from `start` to `goal`; return the cells from goal back to start.
 
-    The way is to be flown from `goal` to `start`: so the search descends where the flight climbs.
+    The way will be flown from `goal` to `start`, so the search descends where the flight climbs.
     """
     nx, ny, nz = distance.shape
-    # All that is above what was seen has to be climbed unseen.
+    # Unseen cells above seen ones have to be climbed unseen.
     top = max(_highest(is_seen), goal[2]) if climb_price > 0.0 else nz
     cost = np.full(distance.size, np.inf, dtype=np.float32)
     came_from = np.full(distance.size, -1, dtype=np.int32)
@@ -187,10 +187,10 @@ def search_grid(
 def widest_way(
     distance: Grid, start: Cell, goal: Cell, least: float, most_searched: int
 ) -> tuple[float, Cell]:
-    """The narrowest place of the way whose narrowest place is widest.
+    """Find the narrowest place of the way whose narrowest place is widest.
 
-    A way may begin and end closer to something than that. Of places that are equally good the one
-    nearer to the goal is gone on from.
+    A way may begin and end closer to an obstacle than that. Among equal cells the search continues
+    from the one nearer to the goal.
 
     Returns:
         Least distance on that way and the cell, or 0 and any cell if there is no way with at least
@@ -230,7 +230,7 @@ def widest_way(
 def way_back(
     came_from: Int[np.ndarray, " cells"], end: int, ny: int, nz: int
 ) -> Int[np.ndarray, "n 3"]:
-    """Cells from one back to where a search began, by their predecessors; none if it is -1."""
+    """Cells from one back to the beginning of a search, by their predecessors; none for -1."""
     count, here = 0, end
     while here >= 0:
         count, here = count + 1, came_from[here]

@@ -1,9 +1,9 @@
 """Distances to convex solids, and planes that separate from them, compiled.
 
 The point nearest to a convex solid gives a plane that touches the solid and has it on one side;
-with the solid's support function as offset that holds to the last bit, whatever the nearest point
-was rounded to. So "farther than r" can always be believed. From outside distances are exact, except
-that the iteration for hulls stops, on the safe side, when it no longer matters.
+with the solid's support function as offset that is exact to the last bit, however the nearest point
+was rounded. So "farther than r" is always true. From outside distances are exact, except that the
+iteration for hulls stops, on the safe side, when it no longer matters.
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ _CYLINDER, _ELLIPSOID, _HULL = 1, 2, 3
 
 Point = Float[np.ndarray, " 3"]
 Plane = tuple[float, float, float, float, float]
-"""Distance, unit normal and offset."""
+"""Distance, unit normal (3) and offset of a plane."""
 
 
 class Solids(NamedTuple):
     """Arrays of n solids for kernels."""
 
     centers: np.ndarray
-    """(n, 3), ENU."""
+    """Centres (n, 3), ENU, m."""
     rotations: np.ndarray
-    """(n, 3, 3), local to world."""
+    """Rotation matrices (n, 3, 3), local to world."""
     halves: np.ndarray
-    """(n, 3), half extents."""
+    """Half extents (n, 3), local, m."""
     shapes: np.ndarray
-    """(n,), numbers of `Shape`."""
+    """Numbers of `Shape` (n,)."""
     faces: np.ndarray
-    """(m, 4), of all hulls."""
+    """Faces of all hulls (m, 4): outward unit normal and offset, local."""
     faces_end: np.ndarray
-    """(n,), one past the last face of each solid."""
+    """Index one past the last face of each solid (n,)."""
 
 
 @kernel
@@ -106,7 +106,7 @@ def plane_between(x: float, y: float, z: float, i: int, solids: Solids) -> Plane
 
 @kernel
 def support(nx: float, ny: float, nz: float, i: int, solids: Solids) -> float:
-    """Largest n.x of all points of solid i; for a hull that of its bounding box, which is more."""
+    """Largest n.x of all points of solid i; for a hull that of its bounding box, an upper bound."""
     centers, rotations, halves, shapes, _, _ = solids
     r = rotations[i]
     n = r[0, 0] * nx + r[1, 0] * ny + r[2, 0] * nz

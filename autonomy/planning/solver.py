@@ -1,4 +1,4 @@
-"""The problem of a corridor at fixed times: its optimum, and how that changes with the times."""
+"""Inner problem of a corridor at fixed times: its optimum, and the gradient by the times."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _INSIDE_M = 1e-3
 
 
 class Solver:
-    """The inner problem of one corridor; remembers its last solution."""
+    """Inner problem of one corridor, which starts from its last solution."""
 
     def __init__(
         self, start: np.ndarray, goal: np.ndarray, corridor: Corridor, bounds: MotionBounds
@@ -68,7 +68,7 @@ class Solver:
         return np.array(self._solve(log_times)["x"]).ravel()[9 * (self._n - 1) :]
 
     def name_worst(self, log_times: np.ndarray) -> str:
-        """Name the limit that is exceeded most, by how much and where."""
+        """Describe the limit that is exceeded most, by how much and where."""
         nodes, times, b = self.nodes(log_times), np.exp(log_times), self._bounds
         worst = (-math.inf, "")
         for k in range(self._n):
@@ -111,7 +111,7 @@ class Solver:
 
 
 def _filled(planes: np.ndarray, size: int) -> np.ndarray:
-    """Polytopes of a size, with planes that bound nothing."""
+    """Polytopes filled up to a size with planes that bound nothing."""
     filled = np.zeros((len(planes), size, 5))
     filled[:, :, 3] = 1.0
     kept = min(size, planes.shape[1])
@@ -123,7 +123,7 @@ def _longest_first_piece_s(start: np.ndarray, corridor: Corridor) -> float:
     """Longest first piece whose control points that the start fixes lie in its polytope.
 
     Raises:
-        LimitsError: If not even the shortest will do.
+        LimitsError: If not even the shortest piece is short enough.
     """
     p, v, a = start
     normals, offsets = corridor.planes[0, :, :3], corridor.planes[0, :, 3]

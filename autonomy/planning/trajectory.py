@@ -1,4 +1,4 @@
-"""A trajectory: polynomials of degree 5 in time for position, a table of angles for yaw."""
+"""Trajectory: polynomials of degree 5 in time for position, a table of angles for yaw."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class YawProfile:
 
     step_s: float
     yaw_rad: Float[np.ndarray, " n"]
-    """Unwrapped."""
+    """Headings, unwrapped."""
 
     @cached_property
     def _angles(self) -> list[float]:
         return self.yaw_rad.tolist()
 
     def sample(self, t_s: float) -> tuple[float, float]:
-        """Heading and its rate."""
+        """Heading and its rate at a time."""
         angles = self._angles
         at = t_s / self.step_s
         index = int(at)
@@ -41,7 +41,7 @@ class YawProfile:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trajectory:
-    """A motion to fly, from time 0 to `duration_s`; before and after it stands still."""
+    """Motion to fly from time 0 to `duration_s`; before and after that it stands still."""
 
     durations_s: Float[np.ndarray, " n"]
     coefficients: Float[np.ndarray, "n 6 3"]
@@ -50,16 +50,16 @@ class Trajectory:
     min_clearance_m: float = field(default=float("nan"))
     """Certified distance between the vehicle's sphere and the nearest obstacle."""
     corridor: Corridor | None = None
-    """Free space that it was planned in, one polytope for each piece; None for a plain leg."""
+    """Free space of the plan, one polytope for each piece; None for a plain leg."""
 
     @cached_property
     def ends_s(self) -> list[float]:
-        """When each piece ends."""
+        """End time of each piece."""
         return np.cumsum(self.durations_s).tolist()
 
     @cached_property
     def duration_s(self) -> float:
-        """When the last piece ends."""
+        """End time of the last piece."""
         return self.ends_s[-1]
 
     @cached_property
@@ -68,7 +68,7 @@ class Trajectory:
         return np.swapaxes(self.coefficients, 1, 2).tolist()
 
     def sample(self, t_s: float) -> FlatReference:
-        """The reference at a time."""
+        """Reference at a time."""
         t = min(max(t_s, 0.0), self.duration_s)
         index = min(bisect_right(self.ends_s, t), len(self.ends_s) - 1)
         since = t - (self.ends_s[index - 1] if index else 0.0)
@@ -89,7 +89,7 @@ class Trajectory:
         return self.derivatives(t_s, 0)
 
     def derivatives(self, t_s: Float[np.ndarray, " k"], order: int) -> Float[np.ndarray, "k 3"]:
-        """A time derivative of the position at many times within the trajectory."""
+        """Time derivative of the position at many times within the trajectory."""
         t = np.clip(t_s, 0.0, self.duration_s)
         ends = np.array(self.ends_s)
         index = np.minimum(np.searchsorted(ends, t, side="right"), len(ends) - 1)
@@ -98,10 +98,10 @@ class Trajectory:
 
 
 def rest_of(trajectory: Trajectory, at_s: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """What is left of a trajectory at a time before its end.
+    """Rest of a trajectory from a time before its end on.
 
     Returns:
-        Coefficients and durations of its pieces, and which piece of the whole is its first.
+        Coefficients and durations of the remaining pieces, and the index of the first of them.
     """
     first = bisect_right(trajectory.ends_s, at_s)
     durations = trajectory.durations_s[first:].copy()
@@ -120,7 +120,7 @@ def derivative_at(
     since_s: Float[np.ndarray, " k"],
     order: int,
 ) -> Float[np.ndarray, "k 3"]:
-    """A time derivative at times since the beginning of pieces."""
+    """Time derivative at times since the beginning of pieces."""
     total = np.zeros((len(since_s), 3))
     for power in range(DEGREE, order - 1, -1):
         factor = math.perm(power, order)
@@ -164,7 +164,7 @@ def join_states(
     ends: Float[np.ndarray, "n 3 3"],
     durations_s: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n 6 3"]:
-    """Polynomials that join pairs of states; no others of that time have less squared jerk."""
+    """Polynomials of least squared jerk that join pairs of states in given times."""
     t = durations_s[:, None]
     (p0, v0, a0), (p1, v1, a1) = np.moveaxis(begins, 1, 0), np.moveaxis(ends, 1, 0)
     position = p1 - p0 - v0 * t - a0 * t**2 / 2

@@ -1,4 +1,4 @@
-"""Heading along a path: look where the vehicle will be, turn no faster than allowed."""
+"""Heading along a path: towards the coming positions, within limits of rate and acceleration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from autonomy.planning.trajectory import YawProfile
 LOOK_AHEAD_S = 0.8
 STEP_S = 0.05
 _MIN_TRAVEL_M = 0.4
-"""Less horizontal travel ahead gives no direction, and the heading stays."""
+"""Least horizontal travel ahead that gives a direction; with less the heading stays."""
 _BANDWIDTH_RADPS = 4.0
 
 
@@ -26,9 +26,9 @@ def yaw_along_path(
 ) -> YawProfile:
     """Heading for positions sampled every `STEP_S`.
 
-    A critically damped second-order filter with bounded rate and acceleration follows the
-    direction to where the vehicle will be `LOOK_AHEAD_S` later, so the camera sees what comes.
-    It begins to turn to its way at once, also where it climbs or rests first.
+    A critically damped second-order filter with bounded rate and acceleration follows the direction
+    to the position `LOOK_AHEAD_S` later, so that the camera sees the way ahead. The turn to the way
+    begins at once, even if the vehicle climbs or rests first.
     """
     wanted = _wanted_yaw(positions_enu_m, start_yaw_rad)
     rate = min(max(start_rate_radps, -max_rate_radps), max_rate_radps)
@@ -48,8 +48,8 @@ def next_rate(
     max_rate_radps: float,
     max_acceleration_radps2: float,
 ) -> float:
-    """Yaw rate after one step of turning by what is left to turn, with bounded acceleration."""
-    # The speed from which a stop at the target is still possible.
+    """Yaw rate after one step, given the angle left to turn, with bounded acceleration."""
+    # Rate from which a stop at the target is still possible.
     stoppable = math.sqrt(2 * 0.5 * max_acceleration_radps2 * abs(error_rad))
     fastest = min(max_rate_radps, stoppable, 0.5 * _BANDWIDTH_RADPS * abs(error_rad))
     change = max_acceleration_radps2 * step_s
@@ -63,7 +63,7 @@ def _wanted_yaw(positions_enu_m: np.ndarray, start_yaw_rad: float) -> list[float
     travel = later - positions_enu_m
     is_moving = np.hypot(travel[:, 0], travel[:, 1]) >= _MIN_TRAVEL_M
     direction = np.arctan2(travel[:, 1], travel[:, 0])
-    # It turns to the way before it departs.
+    # The vehicle turns to its way before it departs.
     wanted, latest = [], float(direction[is_moving][0]) if is_moving.any() else start_yaw_rad
     for moves, angle in zip(is_moving.tolist(), direction.tolist(), strict=True):
         latest = angle if moves else latest

@@ -29,7 +29,8 @@ class ExportCfg:
     out: Path
     """Folder to write into; made where it is missing."""
     scene: str = "42"
-    """Scene of the dataset by number, or a scene file."""
+    """Scene of the dataset by number, corpus:N, gen:SEED, a scene file or one of a file of
+    layouts."""
     vehicle: str = "iris"
     """Airframe at the start by its name, or none; an unknown one is answered with the valid names.
     A GLB has none."""
