@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 import tyro
 
 from scenarios.cli.entry import EXIT_INTERRUPTED
+from scenarios.cli.help_text import flow_help
 
 EXIT_DONE = 0
 EXIT_NEGATIVE = 1
@@ -73,6 +74,9 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
 
     Prints one line and exits with status 2 where the command line is malformed.
     """
+    args = sys.argv[1:] if args is None else args
+    if not {"-h", "--help"}.isdisjoint(args):
+        flow_help(command)
     errors = io.StringIO()
     try:
         with contextlib.redirect_stderr(errors):

@@ -41,7 +41,7 @@ class ReplayCfg:
         "png",
     )
     """Format of the pictures; several may be named."""
-    video: Path | None = None
+    video: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
     """Render a film of the flight into this file instead of opening the viewer, from behind the
     vehicle and from its cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display;
     the cameras need not have run in the flight."""

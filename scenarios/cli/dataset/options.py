@@ -13,8 +13,12 @@ from aeroscene.corpus.provenance import curation_digest
 from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.scene_numbers import scene_numbers
 
-Data = tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="DIR|shipped")]]
-"""What a user calls a dataset."""
+Data = tyro.conf.Positional[
+    Annotated[str, tyro.conf.arg(metavar="[DIR|shipped]", help_behavior_hint="")]
+]
+"""Name of a dataset: a folder, or `shipped`; empty for the default."""
+SceneNumbers = Annotated[str, tyro.conf.arg(help_behavior_hint="")]
+"""Numbers of scenes as `scene_numbers` reads them; empty for the default."""
 
 MAX_JOBS = 512
 SHIPPED_NAME = "shipped"

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.command_line import EXIT_DONE
-from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
+from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.replay import show
 from scenarios.dataset.pool import default_jobs
@@ -29,7 +29,7 @@ class ShowCfg:
     data: Data = ""
     """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
     folder corpus where there is one, and else shipped."""
-    scenes: str = ""
+    scenes: SceneNumbers = ""
     """Which scenes: A:B without B, single ones, joined by commas; by default twelve, spread."""
     out: Path = Path("sheet.png")
     """PNG file to write."""

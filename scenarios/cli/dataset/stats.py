@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
@@ -14,8 +15,8 @@ from rich.table import Table
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
-from scenarios.cli.command_line import EXIT_DONE, print_json
-from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
+from scenarios.cli.command_line import EXIT_DONE, default_hint, print_json
+from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.stats import Diversity, Statistics, statistics
@@ -34,9 +35,9 @@ class StatsCfg:
     data: Data = ""
     """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
     folder corpus where there is one, and else shipped."""
-    beside: tuple[Path, ...] = ()
+    beside: Annotated[tuple[Path, ...], default_hint("none")] = ()
     """Neutral layout files (.jsonl or .jsonl.gz) whose diversity is shown beside the dataset's."""
-    scenes: str = ""
+    scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""

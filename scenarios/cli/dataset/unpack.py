@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from scenarios.cli.command_line import EXIT_DONE, print_json
-from scenarios.cli.dataset.options import SHIPPED_NAME, check_jobs, open_scenes
+from scenarios.cli.dataset.options import SHIPPED_NAME, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.unpack import unpack_all
@@ -21,7 +21,7 @@ class UnpackCfg:
 
     out: Path = Path("scenes")
     """Folder to write to; it is made where there is none. Files of the same names are replaced."""
-    scenes: str = ""
+    scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     gzip: bool = False
     """Compress the files: .json.gz, a fifth of the size."""

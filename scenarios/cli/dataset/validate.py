@@ -12,7 +12,7 @@ from rich.table import Table
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
-from scenarios.cli.dataset.options import Data, check_jobs, open_scenes
+from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
 from scenarios.dataset.pool import default_jobs
@@ -42,7 +42,7 @@ class ValidateCfg:
     to rest on them, level within their slope and 2 degrees."""
     seed: int = 0
     """Seed of the areas that the Iris falls on, and of its headings."""
-    scenes: str = ""
+    scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     skip_invalid: bool = False
     """Go on after a file that cannot be read, name it and count it."""

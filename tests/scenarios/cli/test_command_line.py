@@ -122,3 +122,12 @@ def test_help_names_every_option_with_its_default(capsys):
     ):
         assert option in text
     assert "(default: 42)" in text
+
+
+def test_help_lines_break_where_the_terminal_ends_not_where_the_source_does(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "250")
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    text = capsys.readouterr().out
+    assert "or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID" in text
+    assert "mocap (motion capture), or auto, which is GNSS" in text  # of a nested dataclass

@@ -1,0 +1,52 @@
+"""Help texts of options, taken from the docstrings of their fields."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import textwrap
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Any, get_args, get_type_hints
+
+
+def flow_help(options: Any) -> None:
+    """Give all fields of options a help text whose lines break where the terminal ends.
+
+    tyro decides on line breaks before it removes the indentation of a field's docstring, and so
+    keeps every line break of the source. A help text in the field's metadata comes first.
+
+    Args:
+        options: A dataclass, or a union of them; fields that are dataclasses are included.
+    """
+    if not (isinstance(options, type) and dataclasses.is_dataclass(options)):
+        for part in get_args(options):
+            flow_help(part)
+        return
+    docstrings: dict[str, str] = {}
+    for base in reversed(options.__mro__):
+        if dataclasses.is_dataclass(base):
+            docstrings |= _field_docstrings(base)
+    for field in dataclasses.fields(options):
+        if text := docstrings.get(field.name):
+            field.metadata = MappingProxyType({**field.metadata, "help": " ".join(text.split())})
+    for part in get_type_hints(options, include_extras=True).values():
+        flow_help(part)
+
+
+def _field_docstrings(options: type) -> dict[str, str]:
+    """Docstrings below the fields of a class, by the names of the fields."""
+    (tree,) = ast.parse(textwrap.dedent(inspect.getsource(options))).body
+    assert isinstance(tree, ast.ClassDef)
+    docstrings: dict[str, str] = {}
+    for field, below in pairwise(tree.body):
+        match field, below:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(text))),
+            ):
+                docstrings[name] = text
+            case _:
+                pass
+    return docstrings
