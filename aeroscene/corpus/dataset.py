@@ -211,7 +211,7 @@ def store_scene(
     """Write a scene's file.
 
     Args:
-        folder: Of the dataset.
+        folder: Folder of the dataset.
         scene: The scene.
         index: Its number in the dataset; None for a scene of the corpus, where that is its seed.
         sources: What made it; None for the curation code that runs now.

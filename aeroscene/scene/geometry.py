@@ -27,7 +27,7 @@ def layer(
 
     Args:
         points: Points that span a convex solid.
-        normal: Of the planes.
+        normal: Unit normal of the planes.
         low: Least `normal @ x` that is kept; minus infinity keeps all.
         high: Greatest.
     """

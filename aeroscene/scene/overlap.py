@@ -63,9 +63,9 @@ def pair_iou(
         p_a: Centres, m.
         q_a: Unit quaternions wxyz.
         s_a: Full extents, m.
-        p_b: Of the other boxes.
-        q_b: Of the other boxes.
-        s_b: Of the other boxes.
+        p_b: Centres of the other boxes.
+        q_b: Rotations of the other boxes.
+        s_b: Full extents of the other boxes.
     """
     boxes = (p_a, q_a, s_a, p_b, q_b, s_b)
     tilt = np.maximum(*(np.hypot(q[:, 1], q[:, 2]) for q in (q_a, q_b)))

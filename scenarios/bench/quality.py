@@ -110,8 +110,8 @@ def comparison(figures: Mapping[str, Figures]) -> Iterator[Row]:
     """Compare every figure before and after feasibility with the corpus's own.
 
     Args:
-        figures: Of `RAW` where it is known what scenes were, of `FEASIBLE` where enough scenes were
-            not rejected, of `TEST` and of as many scenes of `TRAIN`.
+        figures: Figures of `RAW` where it is known what scenes were, of `FEASIBLE` where enough
+            scenes were not rejected, of `TEST` and of as many scenes of `TRAIN`.
     """
     table = {row.key: row for row in comparison_rows(figures)}
     for keys, truth in ((_BY_SCENE, TEST), (_OF_SETS, TRAIN), (_OF_COPIES, TEST)):

@@ -18,16 +18,16 @@ from flightsim.sensors.cameras import CameraRenderer, RgbdFrame, open_camera_ren
 from flightsim.world import World
 
 _TOP_FOV_RAD = math.radians(14.0)
-"""Narrow, so that walls hardly lean."""
+"""Field of view from above, narrow so that walls hardly lean."""
 _OBLIQUE_FOV_RAD = math.radians(32.0)
 _OBLIQUE_ELEVATION_RAD = math.radians(36.0)
 # The sun stands in the south-west: from there faces are lit, and shadows fall to the right.
 _OBLIQUE_AZIMUTH_RAD = math.radians(-118.0)
 _HIDDEN_M = 0.2
-"""A point this far behind what a picture shows is hidden: a path along a wall is not."""
+"""Distance behind the visible surface from which a point is hidden; a path along a wall is not."""
 _NEAR_M = 0.1
 _OVER_THE_PATH_M = 0.4
-"""What begins this far above all of a path is taken away where it would hide it."""
+"""Height above all of a path from which structures are removed where they would hide it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class Backdrop:
         return places, depth_m > frame.depth_m[row, column] + _HIDDEN_M
 
     def pixels_per_m(self, point_enu_m: Vector3) -> float:
-        """Of something that lies across the line of sight at a point."""
+        """Scale of an object that lies across the line of sight at a point, pixels per metre."""
         frame = self.frame
         away = np.array(point_enu_m) - np.array(frame.position_enu_m)
         return frame.fx / float(away @ frame.rotation_enu_from_optical[:, 2])
@@ -105,7 +105,7 @@ class Stage:
 
 @contextmanager
 def open_stage(world: World, width: int, height: int) -> Iterator[Stage]:
-    """A stage whose pictures have a size, pixels."""
+    """Open a stage for pictures of a size in pixels."""
     with closing(open_camera_renderer(world, width, height)) as renderer:
         yield Stage(world, renderer, width / height)
 
@@ -119,11 +119,11 @@ def opened_above(world: World, points_enu_m: Float[np.ndarray, "n 3"]) -> World:
 def surfaces_m(
     world: World, points_enu_m: Float[np.ndarray, "n 3"]
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """Heights of what is next below and next above each point; NaN where nothing is.
+    """Heights of the surfaces next below and next above each point; NaN where there is none.
 
     Args:
-        world: Without a vehicle, which would be in the way.
-        points_enu_m: Where to look from.
+        world: World without a vehicle, which would be in the way.
+        points_enu_m: Points to look from.
     """
     data, geom = world.new_data(), np.zeros(1, dtype=np.int32)
 

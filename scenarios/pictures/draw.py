@@ -20,15 +20,15 @@ def draw_pictures(
     """Draw `flight`, and `landing` if the pilot looked at a place to land.
 
     Args:
-        story: What to draw.
-        folder: Where to; it is made if it does not exist.
-        formats: What the files are: pixels, or lines around renderings.
+        story: Flight to draw.
+        folder: Folder to write into; it is made if it does not exist.
+        formats: Formats of the files: pixels, or lines around renderings.
 
     Returns:
         The files that were written.
 
     Raises:
-        PictureError: If they cannot be written.
+        PictureError: If the files cannot be written.
     """
     flight, landing = ([folder / f"{name}.{kind}" for kind in formats] for name in _NAMES)
     try:

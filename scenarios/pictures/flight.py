@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 _SIZE_IN = (16.0, 10.4)
 _VIEW_PX = (1560, 1400)
 _ROOM_M = 3.0
-"""Shown around the flight."""
+"""Margin shown around the flight."""
 _MARGIN = 1.08
 _MUCH_HIDDEN = 0.25
-"""Of a path hidden from above, from which on roofs are taken away."""
+"""Share of a path hidden from above, beyond which roofs are removed."""
 _PLANNED_PT, _FLOWN_PT = 7.5, 2.2
 _STRIDE = 5
-"""Ticks of 20 ms from one drawn point to the next."""
+"""Number of ticks of 20 ms from one drawn point to the next."""
 
 
 def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
@@ -70,7 +70,7 @@ def thinned(track: Track) -> Track:
 
 
 def _backdrops(story: FlightStory, world: World, flown: Track) -> tuple[Backdrop, Backdrop, bool]:
-    """From above, from aside, and whether roofs were taken away that hid much of the flight."""
+    """Views from above and aside, and whether roofs that hid much of the flight were removed."""
     framed = _framed(story, flown)
     with open_stage(world, *_VIEW_PX) as stage:
         above = stage.from_above(framed, _MARGIN)
@@ -81,7 +81,7 @@ def _backdrops(story: FlightStory, world: World, flown: Track) -> tuple[Backdrop
 
 
 def _framed_paths(story: FlightStory, flown: Track) -> np.ndarray:
-    """Points of the way as flown and planned, and of the area."""
+    """Points of the flown and planned way and of the area."""
     parts = [flown.true_enu_m, *(leg.points_enu_m for leg in story.plans)]
     if story.area is not None:
         parts.append(np.array(story.area.polygon))
@@ -89,7 +89,7 @@ def _framed_paths(story: FlightStory, flown: Track) -> np.ndarray:
 
 
 def _framed(story: FlightStory, flown: Track) -> np.ndarray:
-    """What both views must show: the way, the area, and a little room around."""
+    """Points that both views must show: the way, the area and a margin."""
     points = _framed_paths(story, flown)
     low, high = points.min(axis=0), points.max(axis=0)
     room = np.array([_ROOM_M, _ROOM_M, 0.0])

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _HEADROOM_M = 2.0
-"""Above the flight, up to which what is overhead is drawn."""
+"""Height above the flight up to which obstacles overhead are drawn."""
 _BANDS = ("#eef2f6", "#ffffff")
 _LABELLED_SHARE = 0.028
-"""Of the width: a phase that takes less has no room for its name."""
+"""Share of the width below which a phase has no room for its name."""
 _TAIL_QUANTILE = 0.995
 
 
@@ -29,7 +29,7 @@ def draw_profile(
     above_m: Float[np.ndarray, " n"],
     flown: Track,
 ) -> None:
-    """Height over time, between what was below and what was above."""
+    """Draw height over time, between the surfaces below and overhead."""
     style.plain(axes)
     style.heading(axes, "height, between what is below and what is overhead")
     time_s, height_m = flown.time_s, flown.true_enu_m[:, 2]
@@ -63,7 +63,7 @@ def _legs(story: FlightStory) -> list[tuple[float, float, np.ndarray]]:
 
 
 def draw_errors(axes: Axes, story: FlightStory) -> None:
-    """How far truth, estimate and setpoint are apart, over the pilot's phases."""
+    """Draw the distances between truth, estimate and setpoint over the pilot's phases."""
     style.plain(axes)
     style.heading(axes, "position errors")
     track = story.track
@@ -101,7 +101,7 @@ def _draw_phases(axes: Axes, story: FlightStory, begin_s: float, end_s: float) -
 
 
 def _span(time_s: np.ndarray, is_flying: np.ndarray) -> tuple[float, float]:
-    """From a second before the rotors turn to a second after."""
+    """Time span from a second before the rotors turn to a second after they stop."""
     shown = time_s[is_flying] if is_flying.any() else time_s
     first_s, *_, last_s = time_s.tolist()
     return max(first_s, float(shown[0]) - 1.0), min(last_s, float(shown[-1]) + 1.0)

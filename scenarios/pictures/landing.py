@@ -1,4 +1,4 @@
-"""`landing.png`: what the pilot knew of the ground it landed on, layer by layer."""
+"""`landing.png`: the pilot's map of the ground that it landed on, layer by layer."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ _UNSEEN = "#c9ced4"
 _JUDGED = ("#d1495b", "#f2b84b", "#3fb56b")
 _WORDS = ("unsafe", "safe, but off the area or covered", "safe")
 _RELIEF_M = 0.05
-"""The least range of heights that the colours span."""
+"""Least range of heights that the colours span."""
 _MOST_TICKS = 6
 _USUAL = 0.9
 """Share of the cells whose heights the colours tell apart."""
 _ROOM_ABOVE_M = 1.5
-"""The picture from above shows what is lower than this above the touchdown point."""
+"""Height above the touchdown point up to which the picture from above shows structures."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Layer:
-    """A panel: values by cell, in which colours, and the limit that a vehicle sets."""
+    """Panel: values by cell, their colours, and the limit that the vehicle sets."""
 
     title: str
     unit: str
@@ -54,7 +54,7 @@ def draw_landing(story: FlightStory, paths: Sequence[Path]) -> None:
     """Draw the landing map of a flight into files, each in the format of its name.
 
     Args:
-        story: Of a flight that looked at an area; `story.landing` is not None.
+        story: Flight that looked at an area; `story.landing` is not None.
         paths: Files to write.
 
     Raises:
@@ -79,13 +79,13 @@ def draw_landing(story: FlightStory, paths: Sequence[Path]) -> None:
 
 
 def _needs(story: FlightStory) -> LandingNeeds:
-    """What the pilot asked of the place."""
+    """Needs of the vehicle for a landing site."""
     is_perch = story.area is not None and story.area.kind == "perching"
     return landing_needs(story.airframe, PERCHING_SCATTER_M if is_perch else SCATTER_M)
 
 
 def _level_m(story: FlightStory) -> float:
-    """The height that others are given against: of the touchdown point, or of the area."""
+    """Reference height of the elevation: that of the touchdown point, or of the area."""
     if story.touchdown_enu_m is not None:
         return story.touchdown_enu_m[2]
     assert story.landing is not None
@@ -126,7 +126,7 @@ def _draw_layer(axes: Axes, landing: LandingLayers, layer: _Layer) -> None:
 
 
 def _draw_limit(axes: Axes, landing: LandingLayers, values: np.ndarray, limit: float) -> None:
-    """A line where a layer goes beyond what the vehicle stands on."""
+    """Draw a line where a layer exceeds the vehicle's limit."""
     known = values[np.isfinite(values)]
     if len(known) and known.min() < limit < known.max():
         axes.contour(
@@ -176,7 +176,7 @@ def _explain(figure: Figure, needs: LandingNeeds) -> None:
 
 
 def _draw_picture(axes: Axes, story: FlightStory, landing: LandingLayers) -> None:
-    """The place from above, to the scale of the maps."""
+    """Draw the place from above, to the scale of the maps."""
     world = build_world(story.scene, story.airframe, vehicle=False)
     level_m = _level_m(story)
     west, east, south, north = _extent(landing)
@@ -189,7 +189,7 @@ def _draw_picture(axes: Axes, story: FlightStory, landing: LandingLayers) -> Non
 
 
 def _draw_marks(axes: Axes, story: FlightStory, needs: LandingNeeds) -> None:
-    """Area, touchdown point and the vehicle to scale."""
+    """Draw area, touchdown point and the vehicle to scale."""
     from matplotlib.patches import Circle, Polygon  # noqa: PLC0415 - only where pictures are drawn
 
     if story.area is not None:

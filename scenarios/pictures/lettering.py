@@ -1,4 +1,4 @@
-"""Words in pictures that are arrays of pixels, by Pillow."""
+"""Text in pictures that are arrays of pixels, by Pillow."""
 
 from __future__ import annotations
 

@@ -20,11 +20,11 @@ Corner = Literal["upper left", "upper right", "lower right"]
 
 _HIDDEN_ALPHA = 0.3
 _LEGEND_SHARE = 0.34
-"""Of a view's edges, what a legend in its corner covers."""
+"""Share of a view's width and height that a legend in its corner covers."""
 
 
 class View:
-    """A panel that shows a backdrop; what lies behind things is drawn pale."""
+    """Panel that shows a backdrop; hidden parts of paths are drawn pale."""
 
     def __init__(self, axes: Axes, backdrop: Backdrop) -> None:
         self.axes = axes
@@ -94,7 +94,7 @@ class View:
         )
 
     def label(self, point_enu_m: Float[np.ndarray, " 3"], text: str, colour: str) -> None:
-        """Small words beside a point, if it is in the picture."""
+        """Draw a small label beside a point, if it is in the picture."""
         (column, row), _ = (values[0] for values in self._backdrop.pixels(point_enu_m[None]))
         height, width, _ = self._backdrop.rgb.shape
         if 0 <= column < 0.93 * width and 0.03 * height <= row < height:
@@ -104,7 +104,7 @@ class View:
             place.set_bbox({"facecolor": colour, "alpha": 0.85, "pad": 1.5, "edgecolor": "none"})
 
     def emptiest_corner(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Corner:
-        """Where a legend hides least of some points; the lower left is the scale's."""
+        """Corner where a legend hides the fewest points; the lower left belongs to the scale."""
         pixels, _ = self._backdrop.pixels(points_enu_m)
         height, width, _ = self._backdrop.rgb.shape
         column, row = pixels[:, 0] / width, pixels[:, 1] / height

@@ -40,10 +40,10 @@ _SCALARS = "Scalars:scalars"
 
 
 def read_story(path: Path) -> FlightStory:
-    """What a recording tells of its flight.
+    """Read the story of a flight from its recording.
 
     Raises:
-        UnreadableRecordingError: If it is missing or no recording.
+        UnreadableRecordingError: If the file is missing or no recording.
         PictureError: If it holds no scene or no flight.
     """
     with readable(path) as source:
@@ -68,7 +68,7 @@ def read_story(path: Path) -> FlightStory:
 
 
 def read_scene(rows: RecordedRows, path: Path) -> Scene:
-    """The scene that was flown in.
+    """Read the scene of the flight.
 
     Raises:
         PictureError: If the recording holds none.
@@ -82,7 +82,7 @@ def read_scene(rows: RecordedRows, path: Path) -> Scene:
 
 
 def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
-    """What flew.
+    """Read the airframe of the flight.
 
     Raises:
         PictureError: If the recording does not say.
@@ -95,7 +95,7 @@ def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
 
 def _track(rows: RecordedRows) -> Track:
     axes = [rows.vectors(layout.state("position", axis), _SCALARS) for axis in layout.AXES]
-    # A file that was torn may lack the last rows of one of them.
+    # A truncated file may lack the last rows of one of them.
     n = min(len(values) for _, values in axes)
     time_us = axes[0][0]
     ref_m, est_m, true_m = np.stack([values[:n] for _, values in axes], axis=2).swapaxes(0, 1)
@@ -111,7 +111,7 @@ def _track(rows: RecordedRows) -> Track:
 
 
 def _plans(rows: RecordedRows) -> tuple[PlannedLeg, ...]:
-    """Those from arming on; what the pilot holds before is not flown."""
+    """Plans from arming on; what the pilot plans before that is not flown."""
     durations_s = dict(rows.rows(layout.PLANNED, "duration_s"))
     armed = [t for t, s in rows.rows(layout.ARMED, "StateChange:state") if s[0] == "armed"]
     begin_us = armed[0] if armed else 0
@@ -152,7 +152,7 @@ def _touchdown(rows: RecordedRows) -> Vector3 | None:
 
 
 def _landing(rows: RecordedRows) -> LandingLayers | None:
-    """The last map whose layers were written."""
+    """Last landing map whose layers were written."""
     layers = ("height_m", "slope_rad", "roughness_m", "clearance_m")
     names = ("east_m", "north_m", "is_observed", "is_safe", *layers)
     found = {name: rows.rows(layout.LANDING_GRID, name) for name in names}

@@ -1,4 +1,4 @@
-"""What pictures tell of a flight, wherever it comes from."""
+"""Story of a flight: the data of its pictures, from a run or from a recording."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 
 _JOINED_M = 0.05
-"""A plan that begins this close to where another ends goes on from it."""
+"""Distance between the end of a plan and the beginning of the next up to which it continues."""
 
 
 class PictureError(ValueError):
-    """Pictures that cannot be drawn; says of what or where."""
+    """Pictures cannot be drawn; the message says of what or where."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Track:
-    """Where the vehicle was, and where it was thought and meant to be; a row for each moment."""
+    """True, estimated and reference positions of the vehicle; a row for each moment."""
 
     time_s: Float[np.ndarray, " n"]
     true_enu_m: Float[np.ndarray, "n 3"]
     est_enu_m: Float[np.ndarray, "n 3"]
     ref_enu_m: Float[np.ndarray, "n 3"]
-    """What the controller followed; NaN while the rotors stood."""
+    """Reference of the controller; NaN while the rotors stood."""
 
     @property
     def speed_mps(self) -> Float[np.ndarray, " n"]:
-        """Of the true positions."""
+        """Speed at the true positions."""
         if len(self.time_s) < 2:
             return np.zeros(len(self.time_s))
         return np.linalg.norm(np.gradient(self.true_enu_m, self.time_s, axis=0), axis=1)
@@ -41,19 +41,19 @@ class Track:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlannedLeg:
-    """A plan that was flown, or begun."""
+    """Plan that was flown at least in part."""
 
     time_s: float
-    """When it was taken up."""
+    """Time from which the plan was flown."""
     points_enu_m: Float[np.ndarray, "n 3"]
-    """Along all of it, evenly in time."""
+    """Points along the whole plan, evenly spaced in time."""
     step_s: float
-    """From one of them to the next."""
+    """Time from one point to the next."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MoverPath:
-    """Where something that moves by itself went."""
+    """Path of a mover."""
 
     name: str
     points_enu_m: Float[np.ndarray, "n 3"]
@@ -61,18 +61,18 @@ class MoverPath:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LandingLayers:
-    """What the pilot knew of the ground when it landed; rows along north, columns along east."""
+    """The pilot's map of the ground at its landing; rows along north, columns along east."""
 
     east_m: Float[np.ndarray, " n"]
     north_m: Float[np.ndarray, " n"]
     height_m: Float[np.ndarray, "n n"]
-    """NaN where nothing was seen, as in all layers."""
+    """Height of each cell; NaN where nothing was seen, as in all layers."""
     slope_rad: Float[np.ndarray, "n n"]
     roughness_m: Float[np.ndarray, "n n"]
     clearance_m: Float[np.ndarray, "n n"]
     """Distance to the nearest cell that is unsafe or not allowed; 0 in those."""
     is_safe: Bool[np.ndarray, "n n"]
-    """As ground; some of it may lie off the area or below something."""
+    """Whether the ground is safe; some of it may lie off the area or below something."""
 
     @classmethod
     def of(cls, landing: LandingMap) -> Self:
@@ -96,25 +96,25 @@ class LandingLayers:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FlightStory:
-    """Everything that the pictures of a flight show."""
+    """All data that the pictures of a flight show."""
 
     scene: Scene
     airframe: Airframe
     title: str
-    """Which run, and how it ended."""
+    """Title with scene, vehicle and result of the run."""
     track: Track
     phases: tuple[tuple[float, str], ...] = ()
-    """When the pilot entered each phase, s, and its name."""
+    """Time in s at which the pilot entered each phase, and the phase's name."""
     plans: tuple[PlannedLeg, ...] = ()
     movers: tuple[MoverPath, ...] = ()
     area: InteractionArea | None = None
-    """Where it wanted to land at last."""
+    """Area that the pilot wanted to land on last."""
     touchdown_enu_m: Vector3 | None = None
-    """The point that it chose."""
+    """Touchdown point that the pilot chose."""
     landing: LandingLayers | None = None
 
     def superseded(self) -> tuple[bool, ...]:
-        """Of each plan, whether the next took over before it was flown to its end."""
+        """Whether each plan was replaced before it was flown to its end."""
         ends = [leg.points_enu_m[-1] for leg in self.plans]
         begins = [leg.points_enu_m[0] for leg in self.plans]
         gaps = [np.linalg.norm(begin - end) for end, begin in zip(ends, begins[1:], strict=False)]
@@ -122,5 +122,5 @@ class FlightStory:
 
 
 def title_of(scene: Scene, airframe: Airframe, ending: str) -> str:
-    """Which flight, and how it ended."""
+    """Title of a flight: scene, vehicle and result."""
     return f"{scene.scene_id} ({scene.domain}), {airframe.title}: {ending}"

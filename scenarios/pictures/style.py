@@ -1,4 +1,4 @@
-"""How pictures look: colours, sizes, and a figure that belongs to no window."""
+"""Style of pictures: colours, sizes, and figures that belong to no window."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ AREA, TOUCHDOWN = "#2fbf5f", "#ffffff"
 MOVERS = ("#ff9f1c", "#2ec4b6", "#a06cff", "#e4572e", "#76b041", "#3a86ff")
 SPEED_MAP, FLOWN = "plasma", "#ed7953"
 DPI, VECTOR_DPI = 100, 200
-"""Of pictures, and of the renderings within those that are made of lines."""
+"""Resolution of pictures in pixels, and of renderings within those made of lines."""
 
 
 def new_figure(width_in: float, height_in: float) -> Figure:
@@ -50,7 +50,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def plain(axes: Axes) -> None:
-    """Few lines: a light grid, no box."""
+    """Give a graph a light grid and no box."""
     axes.set_facecolor("white")
     axes.grid(visible=True, color=RULE, linewidth=0.8)
     axes.set_axisbelow(True)

@@ -1,4 +1,4 @@
-"""Gathers what pictures need while a flight goes on."""
+"""Tape of a flight: gathers the data of its pictures while it goes on."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from scenarios.pilot import Pilot
 
 PLAN_STEP_S = 0.1
-"""From one drawn point of a plan to the next."""
+"""Time from one drawn point of a plan to the next."""
 _MOVER_TICKS = 5
-"""Movers are looked at once in so many ticks of 20 ms."""
+"""Number of ticks of 20 ms between two samples of the movers."""
 _FIELDS = ("position_true_enu_m", "position_est_enu_m", "reference_position_enu_m")
 
 
 class FlightTape:
-    """Looks at a run after every tick; call `story` when it is over."""
+    """Samples a run after every tick; call `story` when it is over."""
 
     def __init__(self, plant: Plant, autopilot: Autopilot, pilot: Pilot | None) -> None:
         self._plant = plant
@@ -46,11 +46,11 @@ class FlightTape:
 
     @property
     def has_any(self) -> bool:
-        """Whether there is anything to tell."""
+        """Whether anything was gathered."""
         return len(self._times_us) > 1
 
     def on_tick(self) -> None:
-        """Take in the present moment."""
+        """Sample the present moment."""
         plant = self._plant
         last = plant.history[-1]
         self._times_us.append(plant.time_us)
@@ -58,14 +58,14 @@ class FlightTape:
         self._is_armed.append(self._autopilot.is_armed)
         if plant.world.obstacles and len(self._times_us) % _MOVER_TICKS == 0:
             self._movers.append(plant.obstacles_true.position_enu_m.copy())
-        # What it holds before the rotors turn is not flown.
+        # A plan from before the rotors turn is not flown.
         pilot = self._pilot
         if pilot is not None and self._is_armed[-1] and pilot.trajectory is not self._plan:
             self._plan = pilot.trajectory
             self._plans.append(planned_leg(plant.time_us * 1e-6, self._plan))
 
     def story(self, ending: str) -> FlightStory:
-        """Everything that was gathered, with a few words about how the run ended."""
+        """Story of the flight so far, with a few words about its result."""
         plant, pilot = self._plant, self._pilot
         scene, airframe = plant.world.scene, plant.world.airframe
         known = FlightStory(

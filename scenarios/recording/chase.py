@@ -21,7 +21,7 @@ _STEPS_A_LOOK = 3
 _LEAST_M = 0.7
 """The eye comes no nearer, whatever is behind the vehicle."""
 _CLEAR_OF_WALLS = 0.85
-"""Of the way to what is behind the vehicle, where the eye stays."""
+"""Share of the distance to the obstacle behind the vehicle at which the eye stays."""
 _TURN_S, _APPROACH_S = 0.9, 0.5
 """Time in which the eye follows a turn, or makes room again, by all but a third."""
 _MOVING_MPS = 0.4
@@ -30,7 +30,7 @@ _WALLS = (np.arange(mujoco.mjNGROUP) == GeomGroup.SCENE).astype(np.uint8)
 
 
 class ChaseEye:
-    """Where the eye is, step by step; looks along the way that is flown."""
+    """Position of the eye, step by step; it looks along the flown way."""
 
     def __init__(self, world: World, heading_rad: float) -> None:
         """Begin behind a vehicle.
@@ -51,7 +51,7 @@ class ChaseEye:
         velocity_enu_mps: Float[np.ndarray, " 3"],
         step_s: float,
     ) -> Vector3:
-        """Where the eye is after a step; it looks at the vehicle."""
+        """Position of the eye after a step; it looks at the vehicle."""
         u, v, _ = velocity_enu_mps.tolist()
         if math.hypot(u, v) > _MOVING_MPS:
             turn_rad = math.remainder(math.atan2(v, u) - self._heading_rad, math.tau)

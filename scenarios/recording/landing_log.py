@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 LAYER_PERIOD_US = 1_000_000
 """Simulated time from one writing of all layers to the next; safety is written with every look."""
 _THINNED = 2
-"""Of the layers that are switched off, one cell in so many along each axis is drawn."""
+"""Step in cells along each axis at which layers that are switched off are drawn."""
 _CELL_RADIUS_M = 0.025
 _SAFE_RGB, _UNSAFE_RGB = (60, 200, 90), (220, 50, 40)
 _LOW_RGB, _HIGH_RGB = (40, 60, 160), (255, 230, 60)

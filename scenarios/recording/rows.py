@@ -22,8 +22,8 @@ class RecordedRows:
     """The rows of some entities.
 
     Attributes:
-        properties: Of the recording, by name.
-        entities: Those that were found, without their leading slash.
+        properties: Properties of the recording, by name.
+        entities: Entities that were found, without their leading slash.
     """
 
     def __init__(self, path: Path, wanted: Iterable[str]) -> None:

@@ -20,7 +20,7 @@ from scenarios.recording.program import quiet_environment, rerun_program
 
 _MENDING_TIMEOUT_S = 300.0
 PROPERTIES = "/__properties/"
-"""What stands before the name of a property in an entity's path."""
+"""Prefix of the name of a property in an entity's path."""
 
 
 class UnreadableRecordingError(ValueError):
@@ -29,7 +29,7 @@ class UnreadableRecordingError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class RecordingSummary:
-    """What a recording holds."""
+    """Summary of a recording's content."""
 
     recording: str
     """The file."""
@@ -51,7 +51,7 @@ class RecordingSummary:
     """Entities that never change: scene, models, legends."""
 
     def to_json(self) -> dict[str, Any]:
-        """As plain data."""
+        """The summary as plain data."""
         return asdict(self)
 
 

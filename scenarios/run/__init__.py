@@ -1,1 +1,1 @@
-"""One run of the testbench: what it is asked for, the flight, and the verdict."""
+"""One run of the testbench: its configuration, the flight and the verdict."""

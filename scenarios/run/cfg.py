@@ -1,4 +1,4 @@
-"""What a run of the testbench is asked for."""
+"""Configuration of a run of the testbench."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import tyro
 from flightsim.testbench import TestbenchCfg, TestbenchError
 
 MAX_CAMERA_HZ = 50.0
-"""A frame for every tick of the loop."""
+"""Greatest frame rate: one frame for every tick of the loop."""
 _UNSET = tyro.conf.arg(help_behavior_hint="")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SitlCfg:
-    """A scene, the testbench in it, who flies, and what is kept of the flight."""
+    """Configuration of a run: scene, testbench, mission, and what is kept of the flight."""
 
     scene: str = "42"
     """Scene of the dataset by number, corpus:N, gen:SEED, a scene file (.json, .json.gz), or one of
@@ -43,12 +43,12 @@ class SitlCfg:
     camera_hz: float = 5.0
     """Frames of each camera in a simulated second, 0 to 50, while recording or watching."""
     headless_seconds: Annotated[float | None, _UNSET] = None
-    """End after this many simulated seconds, whatever goes on."""
+    """End after this many simulated seconds, even in flight."""
     json: bool = False
     """Print one JSON object on standard output when the run ends, and nothing else there."""
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be run, before anything starts."""
+        """Refuse invalid settings before anything starts."""
         if not 0 <= self.camera_hz <= MAX_CAMERA_HZ:
             raise TestbenchError(
                 f"camera-hz {self.camera_hz} is out of range; valid: 0 to {MAX_CAMERA_HZ:.0f} Hz"

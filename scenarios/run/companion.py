@@ -1,4 +1,4 @@
-"""A pilot of one's own: what it is given, and what it has to say."""
+"""Interface of a pilot of one's own: its equipment, and the members that it must have."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from scenarios.run.trial import Verdict
 
 
 class CameraImage(DepthFrame, Protocol):
-    """A frame of an on-board camera; where it was really taken, a vehicle cannot know."""
+    """Frame of an on-board camera, without the true pose, which a vehicle cannot know."""
 
     @property
     def rgb(self) -> np.ndarray:
@@ -27,21 +27,21 @@ class CameraImage(DepthFrame, Protocol):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Aboard:
-    """What a companion computer has: MAVLink, cameras and a map, but never the true state."""
+    """Equipment of a companion computer: MAVLink, cameras and a map, but never the true state."""
 
     client: MavlinkClient
     """Commands, setpoints and telemetry in the scene's frame; call its `update` every tick."""
     link: BytePipe
-    """The bytes beneath it, for a MAVLink client of one's own."""
+    """Byte pipe beneath the client, for a MAVLink library of one's own."""
     render: Callable[[str], CameraImage]
-    """What the named camera sees now."""
+    """Function that renders the present frame of the named camera."""
     scene: Scene
     """The map."""
     airframe: Airframe
 
 
 class Companion(Protocol):
-    """What `Sitl` lets fly, our pilot or a class of one's own."""
+    """Interface of a pilot that `Sitl` runs: our own or another class."""
 
     @property
     def is_done(self) -> bool:
@@ -50,12 +50,12 @@ class Companion(Protocol):
 
     @property
     def verdict(self) -> Verdict | PilotVerdict:
-        """How it ended, as far as the companion can know; read when the run is over."""
+        """Result of the flight as far as the companion knows; read when the run is over."""
         ...
 
     @property
     def area(self) -> InteractionArea | None:
-        """Where it wants to come to rest; None if the flight is no landing on an area."""
+        """Area that the companion wants to land on; None if it wants none."""
         ...
 
     def update(self, time_us: int) -> None:

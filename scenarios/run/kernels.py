@@ -37,20 +37,20 @@ PILOT_MODULES = (
     "autonomy.planning.search",
     "autonomy.planning.solids",
 )
-"""Where the kernels are that only our own pilot uses."""
+"""Modules with kernels that only our own pilot uses."""
 EXPLORING_MODULES = (
     "autonomy.mapping.distances",
     "autonomy.mapping.rays",
     "autonomy.mapping.views",
 )
-"""Where the kernels are that only a flight with a map that grows uses."""
+"""Modules with kernels that only a flight with a growing map uses."""
 SCENE = "42"
 VEHICLE = "iris"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Frame:
-    """What a camera sees before something flat."""
+    """Frame of a camera in front of a plane."""
 
     depth_m: np.ndarray
     fx: float = 208.0

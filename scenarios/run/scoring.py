@@ -1,4 +1,4 @@
-"""What a flight was worth, judged by the truth: estimation errors, contacts, resting place."""
+"""Score of a flight, judged by the truth: estimation errors, contacts, resting place."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from autonomy.types import ControlLevel, Vector3
 from flightsim.plant import Plant
 
 CONTACT_GAP_S = 0.2
-"""Contacts closer together than this are one."""
+"""Time below which two contacts count as one."""
 LIFT_OFF_S = 0.5
 """A vehicle without contact for this long has left the ground."""
 SURFACE_TOLERANCE_M = 0.15
-"""Contact within this of the area's plane, sole to surface, is contact with the area."""
+"""Distance from sole to the area's plane within which a contact is one with the area."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,8 +64,8 @@ class FlightLog:
         """Judge the flight so far.
 
         Args:
-            area: Where it should have landed; None where nothing was asked.
-            touchdown_enu_m: The point that the pilot chose, None if it never did.
+            area: Area to land on; None if no landing was asked for.
+            touchdown_enu_m: Touchdown point that the pilot chose; None if it never did.
             leg_length_m: Resting height of the vehicle's origin above its soles.
         """
         if not self._history:
@@ -113,7 +113,7 @@ def score_flight(
 def is_over_area(
     soles_enu_m: Float[np.ndarray, "n 3"], area: InteractionArea
 ) -> Bool[np.ndarray, " n"]:
-    """Which points lie over (or under) an area's polygon and close to its plane."""
+    """Whether each point lies over (or under) an area's polygon and close to its plane."""
     import shapely  # noqa: PLC0415 - only scored flights need it
 
     footprint = shapely.Polygon([corner[:2] for corner in area.polygon])

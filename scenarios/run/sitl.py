@@ -44,19 +44,19 @@ INPUT_ERRORS = (
     CameraError,
     TestbenchError,
 )
-"""What a run raises when its input or this machine does not allow it; each says so in a line."""
+"""Errors of a run whose input or machine does not allow it; each has a message of one line."""
 
 
 class Sitl:
-    """Everything of one run: opens it, runs it, judges it, closes it.
+    """One run of the testbench: opens its parts, runs it, judges it and closes it.
 
     Attributes:
         bench: The simulated world and its autopilot.
         pilot: Our own pilot, in a demo.
-        companion: Whoever flies, our pilot or the caller's; None in a run for clients alone.
-        recorder: Where the run is recorded or watched.
-        viewer: What shows the run live, if it is watched.
-        pictures: What was drawn when the run ended.
+        companion: Pilot that flies, our own or the caller's; None in a run for clients alone.
+        recorder: Recorder of the run, if it is recorded or watched.
+        viewer: Viewer that shows the run live, if it is watched.
+        pictures: Files that were drawn when the run ended.
     """
 
     def __init__(
@@ -68,17 +68,17 @@ class Sitl:
         pilot: Callable[[Aboard], Companion] | None = None,
         has_network: bool = True,
     ) -> None:
-        """Open every part, or none.
+        """Open every part of the run, or none.
 
         Args:
-            cfg: What is asked for.
-            scene: Where to fly, instead of the scene that the configuration names.
+            cfg: Configuration of the run.
+            scene: Scene to fly in, instead of the one that the configuration names.
             airframe: A vehicle of one's own, instead of the one that the configuration names.
             pilot: Makes a pilot of one's own, which flies instead of ours.
             has_network: Whether clients outside this process can connect.
 
         Raises:
-            INPUT_ERRORS: One line that says what cannot be had, and what would be valid.
+            INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
         """
         self.cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
@@ -170,8 +170,8 @@ class Sitl:
         """Simulate, judge what was flown, and write the verdict into and beside the recording.
 
         Args:
-            should_stop: Asked every tick; the run ends where the demo is done, the time is up, or
-                this says so.
+            should_stop: Called every tick; the run ends when the demo is done, the time is up, or
+                this returns True.
 
         Returns:
             The verdict and the figures; without a demo there is no verdict, only figures.

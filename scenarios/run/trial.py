@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 MAX_TRIAL_S = 240.0
 """Simulated seconds after which a trial has failed."""
 SETTLE_S = 1.0
-"""How long the vehicle rests after the pilot is done, before it is judged."""
+"""Time for which the vehicle rests after the pilot is done, before it is judged."""
 MAX_TILT_AT_REST_DEG = 20.0
 """Beyond this it did not land, it fell over."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TrialResult:
-    """What `--json` prints of a flight; figures that do not apply are None."""
+    """Result of a flight, which `--json` prints; figures that do not apply are None."""
 
     success: bool | None
     reason: str
@@ -36,15 +36,15 @@ class TrialResult:
     real_time_factor: float
     contacts_before_touchdown: int | None
     touchdown_error_m: float | None
-    """Where it rests against the touchdown point that the pilot chose, horizontally."""
+    """Horizontal distance of the resting place from the touchdown point that the pilot chose."""
     position_rmse_m: float | None
     attitude_rmse_deg: float | None
     state_hash: str
-    """Of every state of the flight: the same seed gives the same on the same machine."""
+    """Hash of every state of the flight: the same seed gives the same one on the same machine."""
     recording: str | None
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """The result as plain data."""
         return asdict(self)
 
 
@@ -57,7 +57,7 @@ class Verdict:
 
 
 def rounded(figure: float | None) -> float | None:
-    """To a millimetre or a thousandth of a degree; None where there is no figure."""
+    """Round to a millimetre or a thousandth of a degree; None where there is no figure."""
     return None if figure is None or math.isnan(figure) else round(figure, 3)
 
 

@@ -125,7 +125,7 @@ class Site:
             zebra_end: At which end along x people cross it, 0 for neither.
             land: What it lies on.
             after: A carriageway that this one continues, and may overlap at the bend.
-            height: Of its surface above the land.
+            height: Height of its surface above the land.
         """
         size = (length, width or self.road_m, height)
         look = {"zebra_end": zebra_end, **self._form("road")}

@@ -27,7 +27,7 @@ def write_attributes(rows: Sequence[Attributes], writer: ColumnWriter) -> None:
     """Append the attributes of objects.
 
     Args:
-        rows: Of each object; likeliest smallest where like stands beside like.
+        rows: Rows of each object; likeliest smallest where like stands beside like.
         writer: Takes the columns.
 
     Raises:

@@ -23,7 +23,7 @@ class Look:
         """A named attribute, if it is one of the options, else the variant's pick.
 
         Args:
-            name: Of the attribute.
+            name: Name of the attribute.
             options: Its valid values.
             drawn: Those among which the variant picks; all by default.
         """

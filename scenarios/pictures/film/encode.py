@@ -1,4 +1,4 @@
-"""Pictures into a file that moves.
+"""Encoding of pictures as a film or an animation.
 
 VP9 in MP4 or VP8 in WebM by the FFmpeg within OpenCV: browsers play both, and no library is needed
 that the product does not have. (Wheels that encode H.264 carry x264, which is under the GPL.) At

@@ -19,9 +19,9 @@ from scenarios.recording.chase import FOV_RAD, ChaseEye
 SUFFIXES = (".mp4", ".webm", ".webp", ".gif")
 _VIDEO_PX, _VIDEO_FPS = 432, 20.0
 _LOOP_PX, _LOOP_FPS, _LOOP_SPEED = 324, 10.0, 2.0
-"""Of a picture that moves on a page, where every byte is loaded: it plays twice as fast."""
+"""Width, frame rate and speed of an animation on a page, where every byte is loaded."""
 _WORDS_PX = 36
-"""A caption's height is the picture's divided by this."""
+"""Height of the picture divided by that of a caption."""
 
 
 def draw_film(recording: Path, out: Path, on_frame: Callable[[int, int], None]) -> None:

@@ -1,4 +1,4 @@
-"""Where everything was at each moment of a film, read from a recording."""
+"""Poses of vehicle and movers at each moment of a film, read from a recording."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from scenarios.recording.summary import readable
 
 _WANTED = (layout.VEHICLE, layout.TRAFFIC, layout.PHASE, layout.SCENE_DOCUMENT)
 _BEFORE_S = 1.5
-"""A film begins so long before the vehicle moves, and ends so long after it came to rest."""
+"""Time from the beginning of a film to the vehicle's motion, and from its rest to the end."""
 _MOVED_M = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Poses:
-    """Where something was, in order of time."""
+    """Poses of one thing, in order of time."""
 
     time_us: Int[np.ndarray, " n"]
     position_enu_m: Float[np.ndarray, "n 3"]
@@ -45,17 +45,17 @@ class Moment:
 
     time_s: float
     phase: str
-    """What our pilot was doing; empty for others."""
+    """Phase of our pilot; empty for other pilots."""
     data: mujoco.MjData
     position_enu_m: Float[np.ndarray, " 3"]
     velocity_enu_mps: Float[np.ndarray, " 3"]
 
 
 class Reel:
-    """A recorded flight that can be looked at again.
+    """A recorded flight, whose world can be rendered again.
 
     Attributes:
-        world: What was flown in.
+        world: World of the flight.
     """
 
     def __init__(self, path: Path) -> None:
@@ -82,7 +82,7 @@ class Reel:
         self._phases = [(t, row[0]) for t, row in rows.rows(layout.PHASE, "StateChange:state")]
 
     def times_us(self, step_s: float) -> Int[np.ndarray, " n"]:
-        """When to take pictures, from shortly before the flight to shortly after."""
+        """Times of the pictures, from shortly before the flight to shortly after."""
         vehicle = self._vehicle
         away_m = [
             np.linalg.norm(vehicle.position_enu_m - vehicle.position_enu_m[end], axis=1)

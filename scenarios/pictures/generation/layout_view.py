@@ -14,9 +14,9 @@ _COARSE_RGB, _FINE_RGB = (148, 172, 200), (226, 110, 54)
 _COARSE_ALPHA, _FINE_ALPHA = 76, 158
 _EDGE_SHADE = 0.72
 _OVER = 4
-"""Drawn larger by this and shrunk: smooth edges."""
+"""Supersampling factor, which smooths edges."""
 _FAR_PX = 1e5
-"""Corners farther off are noise."""
+"""Greatest distance of a corner that is drawn; farther ones are noise."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ def draw_layout(layout: Layout, width: int, half_span_m: float) -> Picture:
     """A square picture of boxes, north up, the origin in its middle.
 
     Args:
-        layout: The boxes.
-        width: Of the picture, pixels.
-        half_span_m: From the middle of the picture to its border.
+        layout: Boxes to draw.
+        width: Width of the picture, pixels.
+        half_span_m: Distance from the middle of the picture to its border.
     """
     side = width * _OVER
     picture = Image.new("RGB", (side, side), PAPER_RGB)

@@ -1,4 +1,4 @@
-"""Looks on while a scene is generated, and draws what it saw."""
+"""Recorder of the layouts during a generation, which draws them as a strip."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scenarios.pictures.generation.layout_view import Layout
 from scenarios.pictures.generation.strip import chosen_steps, draw_strip
 
 _MARGIN = 1.15
-"""The pictures show this much of the finished site's half side."""
+"""Half side of the pictures, relative to that of the finished site."""
 
 
 class Recorder:

@@ -1,4 +1,4 @@
-"""How a scene came about, as two rows of pictures: noise, layouts, the scene.
+"""Generation of a scene as two rows of pictures: noise, layouts, the scene.
 
 The paper's figure of the generation sequence.
 """
@@ -18,7 +18,7 @@ from scenarios.pictures.generation.layout_view import Layout, draw_layout
 from scenarios.pictures.lettering import INK_RGB, PAPER_RGB, Picture, write
 
 N_MOMENTS = 5
-"""Pictures of the denoising."""
+"""Number of pictures of the denoising."""
 _COLUMNS = 4
 _WIDTH = 300
 _TITLE_PX, _LETTERS_PX = 32, 20
@@ -45,11 +45,11 @@ def layout_of(scene: Scene) -> Layout:
 def draw_strip(
     moments: Sequence[tuple[str, Layout]], half_span_m: float, scene: Scene | None, out: Path
 ) -> None:
-    """Draw layouts one after the other, and then the scene that came of them.
+    """Draw layouts one after the other, and then the finished scene.
 
     Args:
         moments: Titles and layouts, the noise first.
-        half_span_m: From the middle of a layout's picture to its border.
+        half_span_m: Distance from the middle of a layout's picture to its border.
         scene: The finished scene; None where it was rejected.
         out: PNG file, written whole or not at all.
 

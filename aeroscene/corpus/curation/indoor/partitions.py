@@ -32,7 +32,7 @@ def raise_walls(
     """Place all walls, then keep the air before and behind their openings free.
 
     Args:
-        builder: Where to.
+        builder: Builder to add to.
         draw: Places of the doors, choice of windows.
         building: Its shell and rooms stand already.
         borders: All borders of its plan.
