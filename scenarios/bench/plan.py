@@ -219,10 +219,10 @@ def _rows(tally: _Tally) -> Iterator[Row]:
     n_avoided = sum(crossing.is_avoided for crossing in tally.crossings)
     n_crossings = len(tally.crossings)
     if n_crossings:
-        title = f"somebody crosses at up to 3 m/s: avoided, of {n_crossings}"
+        title = f"walker crosses at up to 3 m/s: avoided, of {n_crossings}"
         yield _share(title, n_avoided, n_crossings, LEAST_AVOIDED)
         spent = [ms for crossing in tally.crossings for ms in crossing.replans_ms]
-        yield from _times("replan past somebody", spent, None)
+        yield from _times("replan past a walker", spent, None)
         n_gone_on = sum(crossing.has_gone_on for crossing in tally.crossings)
         yield _share("on the way to the goal again after that", n_gone_on, n_crossings, None)
         n_braked = sum(crossing.has_braked for crossing in tally.crossings)

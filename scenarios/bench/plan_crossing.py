@@ -55,22 +55,22 @@ def fly_past_a_crossing(
         return None
     velocity = speed * np.array([math.cos(heading), math.sin(heading), 0.0])
     meet = plan.positions(np.array([at_s]))[0]
-    somebody = _capsule(meet - velocity * at_s, velocity, growth_mps=0.0)
-    if somebody.distances(plan.positions(np.zeros(1)), np.zeros(1))[0][0, 0] < world.radius_m + 0.6:
+    walker = _capsule(meet - velocity * at_s, velocity, growth_mps=0.0)
+    if walker.distances(plan.positions(np.zeros(1)), np.zeros(1))[0][0, 0] < world.radius_m + 0.6:
         return None
     flight = _Flight(world, plan)
     least_m = math.inf
     for look in range(math.ceil((at_s + _AFTER_S) / _LOOK_EVERY_S)):
         now_s = look * _LOOK_EVERY_S
         seen_velocity = velocity + rng.normal(0.0, _VELOCITY_SIGMA_MPS)
-        seen = somebody.position_enu_m[0] + velocity * now_s + rng.normal(0.0, _POSITION_SIGMA_M)
+        seen = walker.position_enu_m[0] + velocity * now_s + rng.normal(0.0, _POSITION_SIGMA_M)
         ahead = seen + seen_velocity * _PLANNING_TIME_S
         t = now_s + np.arange(0.0, _PLANNING_TIME_S, _STEP_S)
         path = [flight.positions(t)]
         flight.look(now_s + _PLANNING_TIME_S, _capsule(ahead, seen_velocity))
         later = now_s + np.arange(_PLANNING_TIME_S, _LOOK_EVERY_S, _STEP_S)
         path.append(flight.positions(later))
-        gap = somebody.distances(np.concatenate(path), np.concatenate([t, later]))[0][0]
+        gap = walker.distances(np.concatenate(path), np.concatenate([t, later]))[0][0]
         least_m = min(least_m, float(gap.min()))
     return Crossing(
         is_avoided=least_m > world.radius_m,

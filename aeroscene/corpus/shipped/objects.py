@@ -1,7 +1,7 @@
 """Objects of several scenes as columns, each number told by how it differs from what is likely.
 
 Places are told from the parent's, undersides from the parent's top, and what depends on the
-category is sorted by it, so that like stands beside like. Lengths count in .1 mm, quaternions in
+category is sorted by it, so that like stands beside like. Lengths count in 0.1 mm, quaternions in
 1e-9; what is no such multiple keeps its last bits all the same (`decimals`).
 """
 
