@@ -1,4 +1,4 @@
-"""From a scene that was sampled to one that can be flown, at the least displacement."""
+"""Projection of a sampled scene to one that can be flown, at the least displacement."""
 
 from aeroscene.feasibility.projection import FeasibilityCfg, Feasible, make_feasible
 from aeroscene.feasibility.report import FeasibilityReport

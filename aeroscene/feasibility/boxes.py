@@ -1,4 +1,4 @@
-"""The boxes of a scene as arrays, and how deep they reach into each other.
+"""Boxes of a scene as arrays, and the depths of their overlaps.
 
 Objects of a scene stand upright; a box that tilts is taken by its heading alone.
 """
@@ -20,7 +20,7 @@ class Boxes:
     """Upright boxes; row i of each array belongs to object i of a scene."""
 
     centre_m: Float[np.ndarray, "n 3"]
-    """ENU."""
+    """Centres, ENU."""
     half_m: Float[np.ndarray, "n 3"]
     """Half extents along the box's own axes."""
     yaw_rad: Float[np.ndarray, " n"]
@@ -95,7 +95,7 @@ def strangers(
 
 
 def kinship(parent: Int[np.ndarray, " n"]) -> Bool[np.ndarray, "n n"]:
-    """Which pairs are the same object, or ancestor and descendant."""
+    """Whether each pair is the same object, or ancestor and descendant."""
     is_kin = np.eye(len(parent), dtype=bool)
     for row in range(len(parent)):
         above = int(parent[row])
@@ -161,7 +161,7 @@ def forbidden_overlaps(
 def footprint_depth(
     boxes: Boxes, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
 ) -> Float[np.ndarray, " k"]:
-    """How deep footprints reach into each other along the best separating axis, m."""
+    """Depth of the overlap of footprints along the best separating axis, m."""
     return -separation(boxes, first, second)[0]
 
 

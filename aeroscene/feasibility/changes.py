@@ -30,7 +30,7 @@ _GROUND_FACTOR = 3.0
 
 
 class Changes:
-    """Which unknowns there are, what each costs, and rows of demands upon them."""
+    """The unknowns, their costs, and rows of demands upon them."""
 
     def __init__(self, layout: Layout, began: Boxes, movable: Int[np.ndarray, " m"]) -> None:
         """Set up the unknowns; in `began`, obstacles stand behind the boxes of the layout."""
@@ -55,7 +55,7 @@ class Changes:
         self.costs = self._count_costs(layout)
 
     def _count_costs(self, layout: Layout) -> Float[np.ndarray, " v"]:
-        """What a metre of each change costs: the objects that it displaces."""
+        """Cost of a metre of each change: the number of objects that it displaces."""
         carried = layout.moves_with[:, self._movable] & layout.is_left[:, None]
         is_ground = [layout.objects[row].category in GROUND for row in self._movable]
         moves = carried.sum(axis=0) * np.where(is_ground, _GROUND_FACTOR, 1.0)
@@ -67,7 +67,7 @@ class Changes:
         return 2 * self._began.half_m[self._movable[self._cut_of], self._cut_axis]
 
     def sizes(self, x: Float[np.ndarray, " v"]) -> Float[np.ndarray, " v"]:
-        """How large each change is; both parts of a displacement count as one."""
+        """Size of each change; both parts of a displacement count as one."""
         m = len(self._movable)
         moved = np.hypot(x[:m], x[m : 2 * m])
         return np.concatenate([moved, moved, np.abs(x[2 * m :])])
@@ -91,7 +91,7 @@ class Changes:
     def shifts(
         self, rows: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
     ) -> Float[np.ndarray, "k v"]:
-        """How far objects move along normals."""
+        """Displacements of objects along normals."""
         m = len(self._movable)
         found = np.zeros((len(rows), self.width))
         carries = self.carries[rows]

@@ -20,7 +20,7 @@ _SAME_M = 1e-4
 _APRON_M = 1.3
 """Depth of the air that stays free on either side, as curation keeps it."""
 _SILL_M = 0.1
-"""What lies lower before a door is in nobody's way."""
+"""Height below which an object before a door is not in the way."""
 
 
 def door_air(layout: Layout) -> Boxes:

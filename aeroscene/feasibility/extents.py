@@ -9,7 +9,7 @@ import numpy as np
 from aeroscene.feasibility.layout import Layout
 
 _MOST_GROWTH_M = 4.0
-"""How far each side of an open flight volume moves out for ground that reaches beyond it."""
+"""Greatest distance that each side of an open flight volume moves out for ground beyond it."""
 _MOST_SIDE_M = 100.0
 _HEADROOM_M = 10.0
 """Flight volume above the highest thing under open sky."""

@@ -1,4 +1,4 @@
-"""What bears each object, and at which height: undersides are set onto real surfaces."""
+"""Heights of objects: undersides are set onto the real surfaces that bear them."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from aeroscene.validation.columns import spans
 DRAUGHT_M = 0.03
 """Height of a keel above the bed of its water."""
 _PATH_M = 0.02
-"""How far the paving of a path lies above the slope it climbs."""
+"""Height of the paving of a path above the slope that it climbs."""
 _UNDER_M = 0.05
 """Share of an outline over ground, in each direction, that lifts a bridge onto it."""
 _SAME_M = 2e-4
 """Heights that differ by less are equal."""
 _SHAPED = frozenset({"roof", "terrain"})
-"""What does not bear at the upper face of its box."""
+"""Categories that do not bear at the upper face of their box."""
 _INNER = 0.999
 _SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 
@@ -42,7 +42,7 @@ def set_heights(layout: Layout, rows: Int[np.ndarray, " k"]) -> None:
 
 
 def _bearing_m(layout: Layout, row: int) -> float:
-    """Where the underside of an object belongs."""
+    """Height at which the underside of an object belongs."""
     obj, parent, host = layout.objects[row], layout.parent_of(row), int(layout.host[row])
     if parent is not None:
         return _within_m(layout, row, parent)
@@ -52,7 +52,7 @@ def _bearing_m(layout: Layout, row: int) -> float:
 
 
 def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
-    """Where the underside of an object belongs that has a parent."""
+    """Height at which the underside of an object with a parent belongs."""
     boxes, obj, host = layout.boxes, layout.objects[row], int(layout.host[row])
     base_m = float(boxes.base_m[row])
     low_m, top_m = float(boxes.base_m[host]), float(boxes.top_m[host])

@@ -1,4 +1,4 @@
-"""Where the flight starts: the home pad on open ground, and the air about it that stays free."""
+"""Start of the flight: the home pad on open ground, and the air about it that stays free."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _OPEN_RADII_M = (11.0, 9.0, 7.0, 5.0)
 _OPEN_ABOVE_M = 3.5
 _INDOOR_RADIUS_M = 3.2
 _CEILING_M = 0.1
-"""Below a ceiling, where lights hang."""
+"""Height below a ceiling in which lights hang."""
 _KERB_M = 0.16
-"""What rises less than this about the pad is no obstacle."""
+"""Height about the pad below which an object is no obstacle."""
 _WANTED_M = 5.0
 _STEP_M = 0.75
 _RIM_M = 0.3
@@ -160,7 +160,7 @@ def _square(
 
 
 def home_air(layout: Layout, row: int) -> Boxes:
-    """What stays free about the pad."""
+    """Boxes of air about the pad that stay free."""
     boxes, host = layout.boxes, int(layout.host[row])
     spot, top_m, yaw = boxes.centre_m[row, :2], float(boxes.top_m[row]), float(boxes.yaw_rad[row])
     if layout.scene.domain == "indoor" and host >= 0:

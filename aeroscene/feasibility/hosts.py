@@ -1,4 +1,4 @@
-"""What bears what, when things are cut or moved: other rooms, other ground, or the bare earth."""
+"""Hosts of objects after cuts and moves: other rooms, other ground, or the bare earth."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from aeroscene.feasibility.roles import BEARING, COVERS, FITTINGS, GROUND, is_ch
 
 _MOST_HOSTS = 4
 _BESIDE_M = 0.5
-"""What lies less far beside its ground is pulled back onto it."""
+"""Distance beside its ground up to which an object is pulled back onto it."""
 _LOST_M = 3.0
-"""What lies further from all ground is left on the bare earth."""
+"""Distance from all ground beyond which an object is left on the bare earth."""
 _STEP_M = 0.2
 """Rooms whose floors differ by less are on one level."""
 
@@ -73,7 +73,7 @@ def _ground_below(layout: Layout, row: int, host: int) -> int:
 
 
 def other_hosts(layout: Layout, row: int) -> list[int]:
-    """What else could bear an object, nearest first; -1 is the bare earth."""
+    """Other possible hosts of an object, nearest first; -1 is the bare earth."""
     if layout.objects[row].category in COVERS | FITTINGS | {"roof"}:
         return []
     boxes, host = layout.boxes, int(layout.host[row])
@@ -127,7 +127,7 @@ def _rooms_beside(layout: Layout, room: int) -> list[int]:
 
 
 def _beside_m(layout: Layout, host: int, at: Float[np.ndarray, " 2"]) -> float:
-    """How far a point lies beside an outline."""
+    """Distance of a point beside an outline."""
     boxes = layout.boxes
     local = np.abs(boxes.frame(host) @ (at - boxes.centre_m[host, :2]))
     return float(np.hypot(*np.maximum(local - boxes.half_m[host, :2], 0.0)))

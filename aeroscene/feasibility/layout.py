@@ -29,7 +29,7 @@ class Layout:
     """Objects of a scene with boxes that may change; rows are the scene's objects throughout."""
 
     scene: Scene
-    """The scene as it came."""
+    """Scene before any change."""
     boxes: Boxes
     host: Int[np.ndarray, " n"]
     """Row of what an object moves with: its parent, or for a root the ground on which it stands;
@@ -73,7 +73,7 @@ class Layout:
         return found
 
     def relink(self) -> None:
-        """Take note of hosts that have changed."""
+        """Update `moves_with` after hosts have changed."""
         self.moves_with = np.eye(len(self.host), dtype=bool)
         for row in range(len(self.host)):
             self.moves_with[row, self.chain(row)] = True

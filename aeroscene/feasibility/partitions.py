@@ -16,7 +16,7 @@ from aeroscene.feasibility.roles import BUILDINGS, least_m
 _APART_M = 1.1
 """Walls whose middle lines are further apart leave room between them."""
 _IN_LINE_M = 0.5
-"""What is nearer than this to the line of another continues it."""
+"""Distance from the line of another wall up to which a wall continues it."""
 _SHARED_M = 0.3
 """Walls that run beside each other for less are parted as all else is."""
 _LEAST_HEIGHT_M = 0.5
@@ -46,7 +46,7 @@ def _is_partition(layout: Layout, row: int) -> bool:
 
 
 def _from(layout: Layout, longer: int, other: int) -> Float[np.ndarray, " 2"]:
-    """Where one wall's middle is from another's: across that and along it."""
+    """Position of one wall's middle from another's: across that and along it."""
     boxes = layout.boxes
     return boxes.frame(longer) @ (boxes.centre_m[other, :2] - boxes.centre_m[longer, :2])
 

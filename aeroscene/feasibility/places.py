@@ -1,4 +1,4 @@
-"""The nearest free place: for what no push can part from its neighbours."""
+"""The nearest free place, for objects that no push can part from their neighbours."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from aeroscene.solids.shapes.shell import FINISH_M
 
 _QUARTER = math.pi / 2
 _NO_HOST_M = 40.0
-"""How far away a place may be for what stands on nothing in particular."""
+"""Greatest distance of a place for an object without a host."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an object could go."""
+    """Place that an object could move to."""
 
     host: int
-    """What it would stand on, -1 for the bare earth."""
+    """Host that the object would stand on, -1 for the bare earth."""
     shift_m: tuple[float, float]
     quarters: int
-    """Quarter turns."""
+    """Number of quarter turns."""
     swing_m: float
-    """How far on average these move what the object carries."""
+    """Mean distance by which the turns move the object and all it carries."""
 
     @property
     def distance_m(self) -> float:
-        """How far it is, by shift and turns together."""
+        """Distance of the place, by shift and turns together."""
         return math.hypot(*self.shift_m) + self.swing_m
 
 
@@ -52,10 +52,10 @@ def find_place(
 
     Args:
         layout: Left as it is.
-        row: The object.
-        host: What it is to stand on, -1 for the bare earth.
+        row: Row of the object.
+        host: Host to stand on, -1 for the bare earth.
         obstacles: Boxes that must be left free, beside all objects of the layout.
-        reach_m: How far to look.
+        reach_m: Greatest distance of the place.
         may_cut: Whether ground is no obstacle, because it can be cut.
         among_coarse: Whether fine objects are none, because they make room afterwards.
     """
@@ -86,7 +86,7 @@ def find_place(
 
 
 def _swing_m(layout: Layout, row: int) -> float:
-    """How far a quarter turn moves an object and all it carries, on average."""
+    """Mean distance by which a quarter turn moves an object and all it carries."""
     group = layout.carried(row)
     offset = layout.boxes.centre_m[group, :2] - layout.boxes.centre_m[row, :2]
     return math.sqrt(2) * float(np.hypot(*offset.T).mean())
@@ -138,7 +138,7 @@ def _bounds(layout: Layout) -> Float[np.ndarray, " 4"]:
 
 
 def _region(layout: Layout, row: int, host: int) -> tuple[Float[np.ndarray, " 6"], float]:
-    """Where an object may be: centre, half extents, heading of a rectangle; and how far to look."""
+    """Rectangle that an object may be in (centre, half extents, heading), and how far to search."""
     boxes, parent = layout.boxes, layout.parent_of(row)
     if host < 0:
         return np.array([0.0, 0.0, np.inf, np.inf, 1.0, 0.0]), _NO_HOST_M

@@ -20,13 +20,13 @@ from aeroscene.feasibility.place_search import TOUCH_M
 from aeroscene.feasibility.roles import POSTS, margin_m
 
 _GAP_M = 0.002
-"""Left between what was parted."""
+"""Gap that is left between parted boxes."""
 _RIM_M = 0.003
-"""What reaches less over its host's border than this stays as it is."""
+"""Reach over the host's border up to which an object stays as it is."""
 _NEAR_M = 0.4
 """Strangers further apart than this do not meet within one problem."""
 _BORDER_M = 8.0
-"""What is further from the flight volume's sides than this does not reach them."""
+"""Distance from the flight volume's sides beyond which an object does not reach them."""
 _ROUNDS = 12
 _SWEEPS = 160
 _LEAST_CHANGE_M = 0.2

@@ -26,7 +26,7 @@ AWAY_M = 2.0
 
 @dataclass(frozen=True, kw_only=True)
 class FeasibilityCfg:
-    """What a scene must offer after its projection."""
+    """Demands on a scene after its projection."""
 
     limits: AreaLimits | None = None
     """At most how many landing and perching areas of each class; all that there are by default."""
@@ -88,7 +88,7 @@ def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]
 def _rejection(
     began: Scene, found: Scene, findings: Sequence[Finding], cfg: FeasibilityCfg
 ) -> str | None:
-    """Why a scene cannot be used, None if it can."""
+    """Reason why a scene cannot be used, None if it can."""
     n_dropped, n = len(began.objects) - len(found.objects), len(began.objects)
     if n_dropped > cfg.most_dropped_share * n:
         return f"{n_dropped} of {n} objects have no place, valid: {cfg.most_dropped_share:.0%}"

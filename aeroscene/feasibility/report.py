@@ -1,4 +1,4 @@
-"""What a projection has done to a scene."""
+"""Report on the changes that a projection has made to a scene."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from aeroscene.feasibility.layout import Layout
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FeasibilityReport:
-    """What a projection has changed, and whether its result can be used."""
+    """Changes by a projection, and whether its result can be used."""
 
     n_objects: int
     """Objects before the projection."""
@@ -21,7 +21,7 @@ class FeasibilityReport:
     """Median displacement of the centres of the objects that are left."""
     mean_moved_m: float
     rejection: str | None
-    """Why the scene cannot be used, None if it can."""
+    """Reason why the scene cannot be used, None if it can."""
 
 
 def report_of(layout: Layout, rejection: str | None = None) -> FeasibilityReport:

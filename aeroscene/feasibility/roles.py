@@ -1,4 +1,4 @@
-"""What an object may do in a projection: what it lies on, what may be cut, what must stay upright.
+"""Roles of objects in a projection: their hosts, and which may be cut or must stay in a building.
 
 Facts about the categories, read off the corpus: which surfaces abut, what reaches where.
 """
@@ -19,7 +19,7 @@ GROUND = COVERS | {"terrain"}
 TILING = frozenset({"lawn", "plaza", "parking_lot"})
 """Covers that are laid as wide as what stands on them."""
 BUILDINGS = frozenset({"building", "house", "tower", "warehouse"})
-"""What rooms, walls, floors and roofs are parts of."""
+"""Categories of which rooms, walls, floors and roofs are parts."""
 FITTINGS = frozenset({"room", "wall", "floor"})
 """Parts that lie within a building."""
 BEARING = COVERS - {"water", "road"} | {"terrain"}
@@ -40,11 +40,11 @@ _CUTTABLE: Mapping[str, tuple[bool, bool]] = MappingProxyType(
     }
 )
 _RIM_M: Mapping[str, float] = MappingProxyType({"roof": 0.25, "water": 0.0})
-"""What a parent keeps to itself along its borders: the parapet of a roof."""
+"""Rim along a parent's borders that its children leave free: the parapet of a roof."""
 _BEARING_M = 0.1
-"""How far a slab may reach into the walls that carry it."""
+"""Distance that a slab may reach into the walls that carry it."""
 POSTS = frozenset({"street_lamp"})
-"""What reaches beyond its parent's outline, but for its foot: the arm of a lamp."""
+"""Categories that reach beyond their parent's outline except at the foot, as the arm of a lamp."""
 
 
 def cuttable(obj: SceneObject) -> tuple[bool, bool]:
@@ -69,7 +69,7 @@ def is_fitting(obj: SceneObject, parent: SceneObject) -> bool:
 
 
 def margin_m(obj: SceneObject, parent: SceneObject) -> float | None:
-    """How far from its parent's border an object stays, None where it may reach over it."""
+    """Distance that an object keeps from its parent's border; None where it may reach over it."""
     if is_chained(obj, parent) or obj.category == "roof":
         return None
     if is_fitting(obj, parent):

@@ -1,4 +1,4 @@
-"""What the least changes leave over: cut what may be cut, move the rest, drop what fits nowhere."""
+"""Settling of the remaining overlaps: cut objects, move the rest, drop those that fit nowhere."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _MOST_CUT = 0.6
 _BUILT = BUILDINGS | {"garage", "container", "kiosk", "bridge"}
 _ROUNDS = 3
 _FAR_M = 2.0
-"""Further away than this, places upon other hosts are looked at."""
+"""Distance of a place beyond which other hosts are considered as well."""
 _MUCH_TOO_FAR_M = 4.0
-"""A structure whose place is further away stands where ground has to be cut for it."""
+"""Distance of a structure's place beyond which ground is cut for it instead."""
 _WORTH = 0.5
-"""A structure goes where fine objects have to make room if that is nearer by this factor."""
+"""Factor by which a place must be nearer for fine objects to make room for a structure."""
 _LOYALTY_M = 1.0
-"""A place upon another host must be nearer by this."""
+"""Distance by which a place upon another host must be nearer than one upon the own host."""
 
 
 def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:

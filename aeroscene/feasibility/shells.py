@@ -15,7 +15,7 @@ from aeroscene.feasibility.roles import BUILDINGS
 from aeroscene.solids.shapes.facade import WALL_M
 
 _MOST_GROWTH_M = {"indoor": 4.0, "outdoor": 0.75, "mixed": 0.75}
-"""How far a side of a shell moves out to hold its rooms."""
+"""Greatest distance that a side of a shell moves out to hold its rooms."""
 _EAVES_M = 0.4
 _MOST_EAVES_M = 0.6
 _PITCHED = frozenset({"gable", "hip", "shed"})

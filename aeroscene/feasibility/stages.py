@@ -101,7 +101,7 @@ def _part_fine(layout: Layout) -> None:
 
 
 def _air(layout: Layout) -> Boxes:
-    """What fine objects leave free: before doors, and about the home pad."""
+    """Boxes of air that fine objects leave free: before doors, and about the home pad."""
     doors, row = door_air(layout), home_row(layout)
     return doors if row is None else joined(home_air(layout, row), doors)
 

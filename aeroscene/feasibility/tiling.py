@@ -18,11 +18,11 @@ from aeroscene.feasibility.roles import BUILDINGS, TILING, is_fitting, margin_m
 _TOUCH_M = 0.001
 _SAME_M = 0.01
 _GAP_M = 0.0005
-"""Left between neighbours."""
+"""Gap that is left between neighbours."""
 _LEAST_M = 0.1
 """Gaps narrower than this stay: jambs of the corpus leave six centimetres."""
 _MOST_M = 8.0
-"""How far a side of open ground moves out for what stands beside it."""
+"""Greatest distance that a side of open ground moves out for objects beside it."""
 _CROWDED_M = 0.05
 """Things that overlap deeper than this need room."""
 _RIM_M = 0.1
@@ -66,7 +66,7 @@ def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
 
 
 def _beyond_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
-    """How far a surface's low and high sides must move out over the fine objects it bears."""
+    """Distances to move out a surface's low and high sides over the fine objects it bears."""
     boxes = layout.boxes
     is_child = (boxes.parent == row) & layout.is_left & ~layout.is_coarse
     middle, reach = _spans(layout, row, np.flatnonzero(is_child))
@@ -78,7 +78,7 @@ def _beyond_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
 
 
 def _within_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
-    """How far a room's low and high sides are from the shell, and from the edges of its slab.
+    """Distances of a room's low and high sides from the shell, and from the edges of its slab.
 
     A room that is fitted into nothing stays as it is.
     """

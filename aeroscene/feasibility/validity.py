@@ -1,4 +1,4 @@
-"""Which objects of a scene are where they may be: free of others, and rightly supported.
+"""Validity of the objects of a scene: whether they are free of others and rightly supported.
 
 The measure for raw scenes, which as wholes are hardly ever sound: how many of their objects are.
 """
@@ -29,7 +29,7 @@ OUTSIDE_M = 0.01
 _INNER = 0.98
 """Share of the half extents at which outlines are probed: a wall beside one does not count."""
 _YIELDING = frozenset({"water", "roof"})
-"""What stands on them may sink in: a boat, a chimney in the slope of a roof."""
+"""Categories into which objects may sink: a boat into water, a chimney into a roof's slope."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,17 +47,17 @@ class ObjectValidity:
 
     @property
     def is_free(self) -> Bool[np.ndarray, " n"]:
-        """Without a forbidden overlap deeper than `OVERLAP_M`."""
+        """Whether an object has no forbidden overlap deeper than `OVERLAP_M`."""
         return self.overlap_m <= OVERLAP_M
 
     @property
     def is_supported(self) -> Bool[np.ndarray, " n"]:
-        """Rightly: standing on what should bear it."""
+        """Whether an object stands on what should bear it."""
         return self.is_standing & ~self.is_sunk & ~self.is_away
 
     @property
     def is_valid(self) -> Bool[np.ndarray, " n"]:
-        """Free and rightly supported."""
+        """Whether an object is free and rightly supported."""
         return self.is_free & self.is_supported
 
 
