@@ -25,7 +25,7 @@ _GATE_MARGIN = 1e-6
 
 
 class Prediction(NamedTuple):
-    """What a denoiser says of a noisy layout."""
+    """Prediction of a denoiser for a noisy layout."""
 
     output: Float[Tensor, "batch n channels"]
     """Noise, velocity or clean layout, as the parameterisation has it; zero at padding."""
@@ -41,10 +41,10 @@ GuidanceLoss = Callable[[Tensor, TokenBatch], Float[Tensor, " batch"]]
 
 @dataclass(frozen=True, kw_only=True)
 class LossCfg:
-    """What is minimised."""
+    """Settings of the loss."""
 
     parameterisation: Parameterisation = "v"
-    """What the network predicts; the paper: eps."""
+    """Quantity that the network predicts; the paper: eps."""
     min_snr_gamma: float | None = None
     """Cap of min-SNR weighting; None weighs all times alike, as the paper."""
     is_stratified: bool = True
@@ -97,7 +97,7 @@ def diffusion_loss(
         model: The network.
         batch: Layouts with `x0`. Channels of weight 0 are held at 0, as they are in `sample`.
         schedule: Noise schedule.
-        cfg: What is minimised.
+        cfg: Settings of the loss.
         generator: Source of times and noise.
         guide: L_guide, evaluated on the predicted x0; the paper leaves open on which layout. It
             is weighted by alpha_bar, because at large t that prediction is a blur of all layouts,

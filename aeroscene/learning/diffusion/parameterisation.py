@@ -1,4 +1,4 @@
-"""What the network predicts: the noise (the paper), the velocity or the clean layout."""
+"""Quantity that the network predicts: the noise (the paper), the velocity or the clean layout."""
 
 from __future__ import annotations
 

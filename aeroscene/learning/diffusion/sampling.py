@@ -38,14 +38,14 @@ Spacing = Literal["time", "log_snr"]
 
 @dataclass(frozen=True, kw_only=True)
 class SamplerCfg:
-    """How a layout is sampled."""
+    """Settings of the sampling of a layout."""
 
     kind: SamplerKind = "ddim"
     """`ddpm` is the paper's; `ddim` and `dpm-solver++` need fewer steps."""
     n_steps: int = 30
     """Calls of the network; the paper: 100."""
     parameterisation: Parameterisation = "v"
-    """What the network predicts, as in its training."""
+    """Quantity that the network predicts, as in its training."""
     spacing: Spacing = "time"
     """Steps of equal time, or of equal log signal-to-noise ratio and a last one to 0."""
     eta: float = 0.0
@@ -75,7 +75,7 @@ class Fixed:
 
 @dataclass(frozen=True)
 class Moment:
-    """Where a sampler is."""
+    """State of a sampler at a step."""
 
     index: int
     """Number of the step, from 0."""
@@ -99,7 +99,7 @@ class Moment:
 
 
 class Guidance(Protocol):
-    """What pulls a layout towards plausibility while it is sampled."""
+    """Guidance that pulls a layout towards plausibility while it is sampled."""
 
     def on_x0(self, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
         """The predicted clean layout, corrected."""

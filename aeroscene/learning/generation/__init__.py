@@ -1,4 +1,4 @@
-"""From a seed to a scene: skeleton, guided diffusion, feasibility."""
+"""Generation of a scene from a seed: skeleton, guided diffusion, feasibility."""
 
 from aeroscene.learning.generation.generator import (
     Generated,

@@ -90,7 +90,7 @@ class Generator:
         """One scene for each request, rejected ones among them, as they are finished.
 
         Args:
-            requests: What is asked for.
+            requests: Scenes to make.
             batch_size: Scenes that are denoised at once. On a processor one by one is as fast.
             attempt: Another draw of the same requests.
             on_step: Sees every step of the denoising.

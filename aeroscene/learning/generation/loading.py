@@ -1,4 +1,4 @@
-"""From a checkpoint to a model that makes scenes."""
+"""Loading of a checkpoint as a model that makes scenes."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class _Loader:
         self._n_steps = n_steps
 
     def proposer(self) -> Proposer:
-        """What makes scenes with this checkpoint."""
+        """Proposer of scenes with this checkpoint."""
         statistics = self._checkpoint.statistics
         if isinstance(statistics, FlatStatistics):
             return self._flat(statistics)

@@ -24,7 +24,7 @@ from aeroscene.learning.tokens.statistics import Statistics
 
 @dataclass(frozen=True)
 class Proposal:
-    """What the model says a scene is, before anything is mended."""
+    """Scene as the model proposes it, before feasibility."""
 
     skeleton: Skeleton
     geometry: Geometry

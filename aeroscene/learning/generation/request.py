@@ -1,4 +1,4 @@
-"""What a user may ask of a scene."""
+"""Request of a user for a scene."""
 
 from __future__ import annotations
 

@@ -78,14 +78,14 @@ Counted in the 812 training scenes, the more frequent one of both directions; al
 
 @dataclass(frozen=True, kw_only=True)
 class AlignmentCfg:
-    """How siblings are brought in line."""
+    """Settings of the alignment of siblings."""
 
     late_share: float = 0.5
     """Share of the sampling steps, the last ones, at which siblings are aligned."""
     most_m: float = 1.0
-    """What is farther off a line is not meant to be in it."""
+    """Distance from a line beyond which an object is not meant to be in it."""
     most_share: float = 0.8
-    """The same as a share of the smaller one's extent across the line."""
+    """That distance as a share of the smaller one's extent across the line."""
     reach_m: float = 6.0
     """Siblings farther apart than this along a line do not make one."""
 

@@ -28,19 +28,19 @@ from aeroscene.scene.catalogue import by_name
 
 _COVERS = frozenset({"lawn", "plaza", "parking_lot", "road", "sidewalk", "terrain", "water"})
 _TILES = _COVERS | {"room", "floor"}
-"""What fills the place between its neighbours: its extents give way."""
+"""Categories that fill the place between their neighbours: their extents give way."""
 _PARTS = frozenset({"room", "floor", "wall"})
-"""What is wholly within the building that it is a part of."""
+"""Categories that lie wholly within the building that they are a part of."""
 _UPRIGHTS = frozenset({"room", "wall"})
 _SLABS = frozenset({"floor", "roof"})
-"""What ends the height of those."""
+"""Categories that limit the height of those parts."""
 _LEAST_HEIGHT_M = 0.005
 """Boxes that share less height than this do not meet."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BordersCfg:
-    """How borders are brought together."""
+    """Settings of the guidance that makes borders meet."""
 
     late_share: float = 0.3
     """Share of the sampling steps, the last ones, at which borders move."""

@@ -20,7 +20,7 @@ from aeroscene.learning.tokens.decode import Boxes
 _REACHES_M = (0.2, 0.4, 0.7, 1.1, 1.6, 2.3, 3.2, 4.5)
 _N_DIRECTIONS = 16
 _CROWDED = 1e3
-"""What a metre of overlap costs against a metre of way."""
+"""Cost of a metre of overlap relative to a metre of way."""
 
 
 def hop(

@@ -21,7 +21,7 @@ from aeroscene.learning.tokens.boxes import Boxes
 
 @dataclass(frozen=True, kw_only=True)
 class Movable:
-    """What may move whither, each token in the axes of its parent."""
+    """Freedom of motion of each token in the axes of its parent."""
 
     heading: Float[Tensor, "batch n 2"]
     """Heading of the parent."""

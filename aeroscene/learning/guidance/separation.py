@@ -37,7 +37,7 @@ _PLACE, _HEIGHT = slice(0, 2), 2
 
 @dataclass(frozen=True, kw_only=True)
 class SeparationCfg:
-    """How overlaps are undone."""
+    """Settings of the separation of overlaps."""
 
     late_share: float = 0.6
     """Share of the sampling steps, the last ones, at which the guidance acts."""
@@ -55,7 +55,7 @@ class SeparationCfg:
     margin_m: float = 1.0
     """Boxes nearer than this are watched: what moves may meet them."""
     coarse_mass: float = 4.0
-    """How many times heavier a coarse object is than a fine one of its footprint."""
+    """Mass of a coarse object relative to a fine one of the same footprint."""
     patience: float = 0.3
     """Share of the iterations in which what is in two overlapping objects waits for these."""
 

@@ -1,4 +1,4 @@
-"""What the network is made of, and the two presets."""
+"""Configuration of the network, and the two presets."""
 
 from __future__ import annotations
 

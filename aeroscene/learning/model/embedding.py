@@ -133,7 +133,7 @@ class TokenEmbedding(nn.Module):
         )
 
     def condition(self, t: Float[Tensor, " batch"], batch: TokenBatch) -> Float[Tensor, "batch d"]:
-        """What modulates the blocks: time, domain and wish of each scene."""
+        """Condition that modulates the blocks: time, domain and wish of each scene."""
         total = self.time(t) + self.domain(batch.domain) + self.wish(batch.wish)
         return nn.functional.silu(total)
 

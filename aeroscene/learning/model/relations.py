@@ -1,4 +1,4 @@
-"""Who may attend to whom: the tree of a skeleton as attention masks.
+"""Attention masks from the tree of a skeleton: which tokens may attend to which.
 
 Half of the heads of every attention see the wide relation, the other half the narrow one:
 

@@ -31,7 +31,7 @@ class SkeletonCfg:
 
 @dataclass(frozen=True, kw_only=True)
 class SkeletonTrainingCfg:
-    """How the network is trained."""
+    """Settings of the network's training."""
 
     batch: int = 32
     """Scenes a step."""
@@ -42,11 +42,11 @@ class SkeletonTrainingCfg:
     held_out: float = 0.1
     """Share of the skeletons that training does not see: the best weights on them are kept."""
     looks: int = 12
-    """How often the held-out part is looked at."""
+    """Number of evaluations on the held-out part."""
     seconds: float | None = 600.0
-    """How long to train at most, by the clock that `train_skeleton` is given."""
+    """Longest training, by the clock that `train_skeleton` is given."""
     steps: int | None = None
-    """How many steps at most."""
+    """Greatest number of steps."""
 
     def spent(self, step: int, seconds: float) -> float:
         """Share of the training that is behind after so many steps and seconds."""

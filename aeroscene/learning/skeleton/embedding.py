@@ -10,7 +10,7 @@ from aeroscene.learning.tokens.kinds import Vocabulary
 
 
 def kind_traits(vocabulary: Vocabulary) -> Bool[Tensor, "kinds traits"]:
-    """What kinds have in common: category, attachment, each attribute's value."""
+    """Traits that kinds share: category, attachment, each attribute's value."""
     found = [
         {kind.category, f"at {kind.attachment}", f"aligned {kind.is_aligned}", f"in {kind.domain}"}
         | set(kind.openings)

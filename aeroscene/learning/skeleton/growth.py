@@ -1,4 +1,4 @@
-"""How a skeleton grows, object by object: first the coarse tree, then the fine objects.
+"""Growth of a skeleton, object by object: first the coarse tree, then the fine objects.
 
 The coarse objects come depth first, as many as are asked for. Then each of them that may bear fine
 objects gets a quota, and one the start pad; then each fills its quota, depth first again. So no
@@ -19,7 +19,7 @@ from aeroscene.learning.skeleton.path import Paths
 
 
 class View(NamedTuple):
-    """What the network sees before a step."""
+    """Input of the network before a step."""
 
     path: Int[np.ndarray, "r levels"]
     """Kinds along the path, see `Paths`."""

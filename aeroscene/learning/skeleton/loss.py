@@ -1,4 +1,4 @@
-"""How surprised the model is by skeletons: the training loss, in nats."""
+"""Training loss: negative log-likelihood of skeletons under the model, in nats."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ class Tree:
         self._n_coarse += is_coarse
 
     def skeleton(self) -> Skeleton:
-        """What has come together."""
+        """Skeleton of the objects added so far."""
         return Skeleton(
             self._domain, np.array(self._kinds), np.array(self._parents), self._n_coarse
         )

@@ -1,4 +1,4 @@
-"""From the geometry of a skeleton to a scene document."""
+"""Assembly of a scene document from a skeleton and its geometry."""
 
 from __future__ import annotations
 

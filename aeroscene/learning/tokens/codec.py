@@ -1,4 +1,4 @@
-"""What the channels of a token stand for: each choice a switch.
+"""Codec: meaning of a token's channels, each choice a switch.
 
 The default is the table of `aeroscene.learning.tokens.channels`. The other choices are there to be
 measured, see docs/notebook.md: guidance, and the borders that the network sees, read the default's

@@ -1,4 +1,4 @@
-"""From channels to boxes in the world, differentiable."""
+"""Decoding of channels to boxes in the world, differentiable."""
 
 from __future__ import annotations
 

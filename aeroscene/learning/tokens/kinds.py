@@ -1,4 +1,4 @@
-"""What kinds of object there are: category, the attributes that shape it, how it is attached.
+"""Kinds of objects: category, the attributes that shape it, and its attachment.
 
 A category says too little to know how tall a thing is or where it stands: a bench in a hall and a
 bench in a park share one. A kind adds the discrete attributes that decide an object's shape and

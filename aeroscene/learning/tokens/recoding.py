@@ -1,4 +1,4 @@
-"""From the channels of any codec to those of the default, differentiable."""
+"""Recoding of the channels of any codec to those of the default, differentiable."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from aeroscene.scene import Scene, SceneDomain, SceneObject
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What a scene is asked to have."""
+    """Demands on the content of a scene."""
 
     domain: SceneDomain
     n_coarse: int
@@ -26,7 +26,7 @@ class Wish:
 
     @staticmethod
     def of(scene: Scene) -> Wish:
-        """What a scene has."""
+        """Wish that a scene fulfils."""
         n_coarse = sum(obj.is_coarse for obj in scene.objects)
         n_fine = len(scene.objects) - n_coarse
         return Wish(scene.domain, n_coarse, n_fine, len(scene.landing_areas))

@@ -1,4 +1,4 @@
-"""What scales channels: mean and spread by kind, under the symmetries of the square."""
+"""Scales of the channels: mean and spread by kind, under the symmetries of the square."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SPREAD_LIMIT = 5.0
 
 @dataclass(frozen=True)
 class Statistics:
-    """How channels are standardised, by kind."""
+    """Standardisation of channels, by kind."""
 
     mean: Float[np.ndarray, "kinds channels"]
     spread: Float[np.ndarray, "kinds channels"]
@@ -33,7 +33,7 @@ class Statistics:
     is_relative: Bool[np.ndarray, "kinds 3"]
     """Which extents are taken relative to the parent's."""
     codec: CodecCfg = field(default_factory=CodecCfg)
-    """What the channels stand for."""
+    """Codec of the channels."""
 
 
 def standardise(

@@ -49,7 +49,7 @@ class CheckpointError(SceneError):
 
 
 class DataSource(msgspec.Struct, frozen=True, kw_only=True):
-    """What a model was trained on."""
+    """Data that a model was trained on."""
 
     name: str
     """Folder or file, without its place."""
@@ -59,7 +59,7 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):
-    """What a checkpoint says of itself."""
+    """Facts that a checkpoint stores about itself."""
 
     format: str = FORMAT
     version: int = VERSION

@@ -1,4 +1,4 @@
-"""How to train: the numbers of the denoiser's training and of the whole procedure."""
+"""Configuration of the denoiser's training and of the whole procedure."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class TrainCfg:
     weight_decay: float = 0.01
     """Weight decay of AdamW, in units of the learning rate a step."""
     schedule: RateSchedule = "cooldown"
-    """How the learning rate goes over the training."""
+    """Course of the learning rate over the training."""
     warmup_steps: int = 200
     """Steps over which the learning rate grows from nothing."""
     cooldown_share: float = 0.5
@@ -71,7 +71,7 @@ class TrainCfg:
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """How long to train: so many steps, or so many seconds, whatever ends first."""
+    """Length of a training in steps or seconds, whichever ends first."""
 
     steps: int | None = None
     seconds: float | None = None

@@ -1,4 +1,4 @@
-"""What to train on: the corpus in a folder, or a file of neutral layouts."""
+"""Training data: the corpus in a folder, or a file of neutral layouts."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def open_training_data(
         path: Folder of a dataset, whose training split is taken; or a file of neutral layouts.
         is_flat: As the paper has scenes, objects beside each other in the scene's frame; otherwise
             as trees, each object in the frame of its parent.
-        codec: What the channels of a tree stand for.
+        codec: Codec of a tree's channels.
         on_scene: Called after each scene.
 
     Raises:

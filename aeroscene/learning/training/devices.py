@@ -11,7 +11,7 @@ from aeroscene.scene import SceneError
 
 AUTO = "auto"
 _CPU_ALLOCATION = "DefaultCPUAllocator"
-"""What PyTorch says when the machine's own memory is spent; it has no exception of its own."""
+"""PyTorch's message when main memory is exhausted, for which it has no exception."""
 
 
 class DeviceError(SceneError):

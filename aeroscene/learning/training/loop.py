@@ -39,7 +39,7 @@ class TrainingSet(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepReport:
-    """What a step did."""
+    """Report of one step."""
 
     step: int
     """Counted from 1."""
@@ -132,12 +132,12 @@ class DenoiserTraining:
 
 
 def batch_generator(seed: int, step: int) -> np.random.Generator:
-    """What draws the batch of a step."""
+    """Random generator of the batch of a step."""
     return np.random.default_rng([seed, step, 0])
 
 
 def noise_generator(seed: int, step: int, device: torch.device) -> torch.Generator:
-    """What draws times and noise of a step."""
+    """Random generator of times and noise of a step."""
     number = int(np.random.SeedSequence([seed, step, 1]).generate_state(1, np.uint64)[0])
     return torch.Generator(device).manual_seed(number >> 1)
 

@@ -37,11 +37,11 @@ PARTS: Mapping[Preset, tuple[Part, ...]] = {
     "default": ("skeleton", "denoiser"),
     "paper": ("prior", "denoiser"),
 }
-"""What each preset consists of, in the order of its training: L_guide reads the prior."""
+"""Parts of each preset, in the order of their training: L_guide reads the prior."""
 
 
 def preset_sections(preset: Preset) -> dict[str, Any]:
-    """What a preset consists of.
+    """Sections of a preset.
 
     Raises:
         TrainingError: If there is no such preset.
@@ -57,7 +57,7 @@ def is_flat(sections: Sections) -> bool:
 
 
 def codec_of(sections: Sections) -> CodecCfg:
-    """What the channels stand for; trainings from before there was a choice have the default."""
+    """Codec of a training; those from before there was a choice have the default."""
     return sections.get("codec", DEFAULT_CODEC)
 
 
@@ -83,7 +83,7 @@ def sections_to_plain(sections: Sections) -> dict[str, dict[str, Any]]:
 
 
 def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """What `sections_to_plain` made of them.
+    """Sections from the plain data of `sections_to_plain`.
 
     Raises:
         TrainingError: If a section is missing, unknown, or out of range.

@@ -36,7 +36,7 @@ _STREAM = 1 << 30
 
 
 class _StoppedError(Exception):
-    """Somebody looks on and wants it to end."""
+    """The observer of the stage wants it to end."""
 
 
 def train_prior_part(

@@ -54,7 +54,7 @@ PartTrainer = Callable[..., tuple[Weights, Mapping[str, float]] | None]
 
 
 class Watcher(Protocol):
-    """Who looks on, and may stop it."""
+    """Observer of a training, which may stop it."""
 
     def on_progress(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
         """A stage has come so far, 0 to 1; `figures` are losses by name, now and then."""
@@ -67,7 +67,7 @@ class Watcher(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """What to train, on what, for how long, and where to keep it."""
+    """Plan of a training: parts, data, length and folder."""
 
     folder: Path
     """Made where there is none."""
@@ -75,14 +75,14 @@ class Plan:
     sections: Sections
     data: TrainingData
     budget: Budget
-    """How long to train the denoiser."""
+    """Length of the denoiser's training."""
     device: torch.device
     save_seconds: float = 300.0
     """Time between two saves."""
     log_steps: int = 25
     """Steps between two lines of the log."""
     parts: tuple[Part, ...]
-    """What to train, see `presets.PARTS`."""
+    """Parts to train, see `presets.PARTS`."""
     taken: Mapping[Part, Weights] = field(default_factory=dict)
     """Parts that another training has made."""
 
@@ -96,7 +96,7 @@ class Training:
     parts: dict[Part, Weights] = field(default_factory=dict)
     """Weights of the parts that are done, but for the denoiser."""
     figures: dict[str, Any] = field(default_factory=dict)
-    """What the checkpoint says of the training."""
+    """Figures of the training for the checkpoint."""
     _denoiser: DenoiserTraining | None = None
     _pending: list[StepReport] = field(default_factory=list)
     _saved_s: float = 0.0

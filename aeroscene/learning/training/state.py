@@ -38,7 +38,7 @@ class _Head(msgspec.Struct):
 
 @dataclass(frozen=True)
 class TrainingState:
-    """What was read from a state."""
+    """Content of a training's state file."""
 
     path: Path
     facts: CheckpointFacts
