@@ -1,4 +1,4 @@
-"""How a recording opens in the viewer: scene large, cameras beside it, plots and texts below."""
+"""Blueprint of a recording in the viewer: scene large, cameras beside it, plots and texts below."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _EYE_FOV_RAD = math.radians(55.0)
 """Vertical angle of view of rerun's eye."""
 _VIEW_ASPECT = 1.6
 _ROOM_M = 4.0
-"""Shown around start and goal, and above them."""
+"""Margin shown around start and goal, and above them."""
 _MARGIN = 1.05
 SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE)
 """Layers of the landing map that lie where its safety is shown; the viewer switches them on."""
@@ -31,12 +31,12 @@ SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_C
 def recording_blueprint(
     scene: Scene, airframe: Airframe, goal_enu_m: Vector3 | None = None
 ) -> rrb.Blueprint:
-    """The arrangement of a recording.
+    """Blueprint of a recording of a run.
 
     Args:
-        scene: What is flown in.
-        airframe: What flies.
-        goal_enu_m: Where to, to be framed with the start; None frames the whole scene.
+        scene: Scene of the flight.
+        airframe: Vehicle that flies.
+        goal_enu_m: Goal, framed together with the start; None frames the whole scene.
     """
     cameras = [mount.name for mount in airframe.cameras]
     return rrb.Blueprint(
@@ -52,7 +52,7 @@ def recording_blueprint(
 
 
 def scene_blueprint(scene: Scene) -> rrb.Blueprint:
-    """The arrangement of a scene that nobody flies in."""
+    """Blueprint of a scene without a flight."""
     return rrb.Blueprint(
         _scene_view("Scene", (), _overview(scene, None)),
         rrb.BlueprintPanel(state="collapsed"),

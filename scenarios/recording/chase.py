@@ -17,15 +17,15 @@ FOV_RAD = math.radians(55.0)
 _BEHIND_M, _ABOVE_M = 2.9, 1.6
 _FULL_M = math.hypot(_BEHIND_M, _ABOVE_M)
 _STEPS_A_LOOK = 3
-"""Steps from one look for walls to the next."""
+"""Number of steps from one check for walls to the next."""
 _LEAST_M = 0.7
-"""The eye comes no nearer, whatever is behind the vehicle."""
+"""Least distance of the eye from the vehicle, whatever is behind it."""
 _CLEAR_OF_WALLS = 0.85
 """Share of the distance to the obstacle behind the vehicle at which the eye stays."""
 _TURN_S, _APPROACH_S = 0.9, 0.5
 """Time in which the eye follows a turn, or makes room again, by all but a third."""
 _MOVING_MPS = 0.4
-"""Slower than this, the direction of the motion means nothing."""
+"""Speed below which the direction of the motion is ignored."""
 _WALLS = (np.arange(mujoco.mjNGROUP) == GeomGroup.SCENE).astype(np.uint8)
 
 
@@ -36,8 +36,8 @@ class ChaseEye:
         """Begin behind a vehicle.
 
         Args:
-            world: What stands about.
-            heading_rad: Where the vehicle looks at first, counter-clockwise from east.
+            world: World of static obstacles.
+            heading_rad: First heading of the vehicle, counter-clockwise from east.
         """
         self._model, self._data = world.model, world.new_data()
         self._heading_rad = heading_rad

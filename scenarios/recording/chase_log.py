@@ -26,7 +26,7 @@ _PLANE_M = 0.05
 
 
 class ChaseLog:
-    """Gathers where the eye is at every tick of the loop, and writes it now and then."""
+    """Gathers the eye's pose at every tick of the loop, and writes the poses now and then."""
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream

@@ -28,7 +28,7 @@ def sim_time(time_us: Int[np.ndarray, " n"]) -> rr.TimeColumn:
 
 
 def set_sim_time(stream: rr.RecordingStream, time_us: int) -> None:
-    """What is logged next happened at this time."""
+    """Set the simulated time of the rows that are logged next."""
     stream.set_time(layout.TIMELINE, duration=np.timedelta64(time_us, "us"))
 
 

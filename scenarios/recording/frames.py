@@ -19,7 +19,7 @@ DEPTH_UNITS_PER_M = 1000.0
 """Depth is stored in whole millimetres, up to 65 m; 0 means nothing seen."""
 _DEPTH_LIMIT = np.iinfo(np.uint16).max
 _SHOWN_DEPTHS_M = (2.0, 5.0, 10.0, 20.0, 40.0, _DEPTH_LIMIT / DEPTH_UNITS_PER_M)
-"""What the last of the colours may stand for; steps, so that colours rarely change."""
+"""Depths that the last colour may stand for; in steps, so that colours rarely change."""
 _NEARLY_ALL = 0.95
 _FRUSTUM_M = 0.6
 
@@ -80,7 +80,7 @@ def encode_png(image: Integer[np.ndarray, "h w"]) -> bytes:
 
 
 def shown_depth_m(depth_m: Float[np.ndarray, "h w"]) -> float:
-    """The least of some round depths that nearly all of what is seen lies within."""
+    """Least of some round depths within which nearly all seen points lie."""
     seen_m = depth_m[np.isfinite(depth_m)]
     far_m = float(np.quantile(seen_m, _NEARLY_ALL)) if len(seen_m) else math.inf
     return next((depth for depth in _SHOWN_DEPTHS_M if depth >= far_m), _SHOWN_DEPTHS_M[-1])

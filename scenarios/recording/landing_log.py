@@ -25,14 +25,14 @@ _CELL_RADIUS_M = 0.025
 _SAFE_RGB, _UNSAFE_RGB = (60, 200, 90), (220, 50, 40)
 _LOW_RGB, _HIGH_RGB = (40, 60, 160), (255, 230, 60)
 _STEEP_RAD, _ROUGH_M = math.radians(20.0), 0.08
-"""What the brightest colour means: twice what a vehicle stands on."""
+"""Values of the brightest colour: twice the limits of a vehicle."""
 _TOUCHDOWN_RGB, _TOUCHDOWN_RADIUS_M = (255, 255, 255), 0.08
 _CHOICE_RGB, _CHOICE_RADIUS_M = (255, 190, 60), 0.05
 _SAME_PLACE_M = 0.01
 
 
 class LandingLog:
-    """Writes what the pilot knows of the ground where it wants to land."""
+    """Writes the pilot's map of the ground where it wants to land."""
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream
@@ -56,7 +56,7 @@ class LandingLog:
         self._chosen_enu_m = touchdown_enu_m
 
     def _is_elsewhere(self, place_enu_m: Vector3) -> bool:
-        """Whether a place is another than the last one, whatever their heights."""
+        """Whether a place differs from the last one, whatever their heights."""
         last = self._chosen_enu_m
         return last is None or math.dist(last[:2], place_enu_m[:2]) > _SAME_PLACE_M
 

@@ -1,4 +1,4 @@
-"""Where each quantity of a run stands in a recording: entity paths and the one timeline."""
+"""Layout of a recording: the entity path of each quantity, and the one timeline."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a recording says about its run: properties for programs, a page for people."""
+"""Metadata of a recording's run: properties for programs, a page for people."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scenarios.recording import layout
 
 @dataclass(frozen=True, kw_only=True)
 class RunInfo:
-    """Which run a recording is of."""
+    """Identity of the run of a recording."""
 
     scene: str
     vehicle: str
@@ -31,7 +31,7 @@ class RunInfo:
 
 
 def log_run(stream: rr.RecordingStream, info: RunInfo, scene: Scene) -> None:
-    """Write which run this is, before it begins."""
+    """Write the identity of the run before it begins."""
     stream.send_recording_name(info.title)
     stream.send_property(
         layout.RUN_PROPERTY,
@@ -49,7 +49,7 @@ def log_run(stream: rr.RecordingStream, info: RunInfo, scene: Scene) -> None:
 
 
 def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any]) -> None:
-    """Write how the run ended: `success`, `reason`, and all figures as JSON."""
+    """Write the result of the run: `success`, `reason`, and all figures as JSON."""
     stream.send_property(
         layout.VERDICT_PROPERTY,
         rr.AnyValues(

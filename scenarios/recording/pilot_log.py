@@ -1,4 +1,4 @@
-"""What our own pilot plans, sees and decides, into a recording."""
+"""Plans, observations and decisions of our own pilot in a recording."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from scenarios.recording.recorder import Recorder
 
 _SAMPLE_S = 0.1
 _TRACK_PERIOD_US = 200_000
-"""What is seen to move is written so often: as often as the pilot looks."""
+"""Simulated time between two writings of tracks, the period of the pilot's looks."""
 
 
 class PilotLog:
-    """Looks at the pilot after every tick and records what is new."""
+    """Samples the pilot after every tick and records what is new."""
 
     def __init__(self, pilot: Pilot, recorder: Recorder) -> None:
         self._pilot = pilot
@@ -28,7 +28,7 @@ class PilotLog:
         recorder.log_phase(0, pilot.phase.value)
 
     def on_tick(self, time_us: int) -> None:
-        """Record a new plan, a new landing map, what is seen to move, new transitions."""
+        """Record a new plan, a new landing map, tracks of movers and new transitions."""
         pilot, recorder = self._pilot, self._recorder
         if pilot.trajectory is not self._plan:
             self._plan = pilot.trajectory

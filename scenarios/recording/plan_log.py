@@ -14,7 +14,7 @@ _ON_TIME_S = 0.05
 
 
 class PlanLog:
-    """Writes each plan when it is taken up, and what became of it when the next one is.
+    """Writes each plan when it takes effect, and its fate when the next one does.
 
     A plan that was flown to its end is a dim line of the same colour; one that was replaced before
     is grey from the place where it was left.

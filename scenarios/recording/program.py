@@ -1,4 +1,4 @@
-"""rerun's own program: where it is, and the environment in which it tells nobody of its use."""
+"""rerun's own program: its path, and an environment in which it sends no usage statistics."""
 
 from __future__ import annotations
 

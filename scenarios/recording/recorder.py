@@ -63,7 +63,7 @@ _LEVELS: Mapping[Severity, rr.TextLogLevel] = {
 
 
 class RecordingError(OSError):
-    """A recording that cannot be written where it was asked for."""
+    """The recording cannot be written to the given path or port."""
 
 
 class Recorder:
@@ -73,11 +73,11 @@ class Recorder:
     happens to this process.
 
     Attributes:
-        path: The file; None where only a live viewer listens.
-        url: Where a viewer can watch live; None unless a port was given.
-        plans: Takes what is planned.
-        landing: Takes what is known of the ground to land on.
-        tracks: Takes what is seen to move.
+        path: File of the recording; None where only a live viewer listens.
+        url: Address at which a viewer can watch live; None unless a port was given.
+        plans: Log of the plans.
+        landing: Log of the landing map.
+        tracks: Log of the tracked movers.
     """
 
     def __init__(
@@ -95,11 +95,11 @@ class Recorder:
 
         Args:
             path: The .rrd file; None records for live viewers only.
-            scene: What is flown in.
-            primitives: Its shapes, as the world was built of.
-            airframe: What flies.
-            info: Which run it is.
-            goal_enu_m: Where it is to end, to be in view with the start; None shows all.
+            scene: Scene of the flight.
+            primitives: Shapes of the scene, of which the world was built.
+            airframe: Vehicle that flies.
+            info: Identity of the run.
+            goal_enu_m: Goal, in view together with the start; None shows all.
             serve_port: Loopback port on which viewers can watch live.
 
         Raises:
@@ -161,7 +161,7 @@ class Recorder:
         self._stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
 
     def on_tick(self, plant: Plant, autopilot: Autopilot | None = None) -> None:
-        """Take in the last 20 ms; without an autopilot there are no modes to show."""
+        """Record the last 20 ms; without an autopilot there are no modes to show."""
         # Bytes: numpy copies and joins records of many fields one field at a time.
         self._history.append(plant.history.tobytes())
         self._dtype = plant.history.dtype
@@ -173,7 +173,7 @@ class Recorder:
             self.flush()
 
     def flush(self) -> None:
-        """Write everything that waits."""
+        """Write all buffered data."""
         if self._history:
             history = np.frombuffer(b"".join(self._history), self._dtype)
             self._history.clear()
@@ -189,24 +189,24 @@ class Recorder:
         self._frames.log(frame)
 
     def log_phase(self, time_us: int, phase: str) -> None:
-        """Write what the pilot is doing from this time on."""
+        """Write the phase of the pilot from this time on."""
         set_sim_time(self._stream, time_us)
         self._stream.log(layout.PHASE, rr.StateChange(state=phase))
 
     def log_statustext(self, time_us: int, severity: Severity, text: str) -> None:
-        """Write a line that the autopilot or the pilot said."""
+        """Write a message of the autopilot or the pilot."""
         set_sim_time(self._stream, time_us)
         self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
 
     def conclude(self, verdict: Mapping[str, Any]) -> None:
-        """Write what waits and the run's figures; finish the file too where nobody watches live."""
+        """Write buffered data and the run's figures; without live viewers finish the file too."""
         self.flush()
         log_verdict(self._stream, self._info, verdict)
         if self.url is None:
             self.close()
 
     def close(self) -> None:
-        """Write what waits, finish the file and leave live viewers; a second call does nothing."""
+        """Write buffered data, finish the file, leave live viewers; a second call does nothing."""
         if not self._is_open:
             return
         self._is_open = False
@@ -214,7 +214,7 @@ class Recorder:
         try:
             self._stream.flush(timeout_sec=_CLOSING_TIMEOUT_S)
         except (RuntimeError, TimeoutError) as error:
-            # A full disk must not take the verdict away with it.
+            # A full disk must not cost the verdict.
             _log.warning("recording %s may lack its end: %s", self.path, error)
         self._stream.disconnect()
 

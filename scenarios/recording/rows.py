@@ -19,7 +19,7 @@ Row = Any
 
 
 class RecordedRows:
-    """The rows of some entities.
+    """Rows of some entities of a recording.
 
     Attributes:
         properties: Properties of the recording, by name.
@@ -27,7 +27,7 @@ class RecordedRows:
     """
 
     def __init__(self, path: Path, wanted: Iterable[str]) -> None:
-        """Read them.
+        """Read the rows.
 
         Args:
             path: A file that rerun can read; see `summary.readable`.
@@ -44,7 +44,7 @@ class RecordedRows:
 
     @property
     def entities(self) -> list[str]:
-        """Those that were found, in order of their names."""
+        """Entities that were found, in order of their names."""
         return sorted(self._batches)
 
     def vectors(

@@ -22,11 +22,11 @@ class ScalarSeries:
     legend: tuple[str, ...]
     colours: tuple[tuple[int, int, int], ...]
     is_fast: bool = False
-    """Kept at every control tick, else at every tick of the loop."""
+    """Whether the series is kept at every control tick, else at every tick of the loop."""
     column: int | None = None
     """Column of each field that is plotted; None for all of them."""
     known_by: tuple[str | None, ...] = (None,)
-    """For each field one that is all zero as long as it means nothing."""
+    """Field, for each field, that is all zero as long as that field means nothing."""
 
 
 _BODY = ("forward", "left", "up")

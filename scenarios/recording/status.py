@@ -1,4 +1,4 @@
-"""What the autopilot reports, in a recording: mode, armed state, battery, trust in the estimate."""
+"""Reports of the autopilot in a recording: mode, armed state, battery, trust in the estimate."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flightsim.plant import Plant
 
 SAMPLE_TICKS = 5
-"""One sample of every gauge in so many ticks of 20 ms."""
+"""Number of ticks of 20 ms between two samples of every gauge."""
 
 _Gauge = tuple[str, str, tuple[int, int, int], "Callable[[Plant], float]"]
 
@@ -34,7 +34,7 @@ _SENSORS_RGB = ((255, 150, 50), (60, 200, 190), (190, 120, 255), (240, 210, 70))
 
 
 def _sensor_gauges() -> Iterator[_Gauge]:
-    """One for each sensor that has something to plot."""
+    """Gauges of the sensors that have something to plot."""
     from flightsim.plant.sensing import SENSORS  # noqa: PLC0415 - loads the simulator
 
     found = [(sensor, *sensor.gauge) for sensor in SENSORS if sensor.gauge]
@@ -67,7 +67,7 @@ class StatusLog:
         stream.log(layout.ARMED, states, static=True)
 
     def on_tick(self, plant: Plant, autopilot: Autopilot | None) -> None:
-        """Look at the vehicle after a tick."""
+        """Sample the vehicle after a tick."""
         time_us = plant.time_us
         if autopilot is not None:
             failsafe = autopilot.failsafe
@@ -81,7 +81,7 @@ class StatusLog:
         self._ticks += 1
 
     def flush(self) -> None:
-        """Write the samples that wait."""
+        """Write the buffered samples."""
         if not self._samples:
             return
         time = sim_time(np.array(self._times_us))

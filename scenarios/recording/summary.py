@@ -1,4 +1,4 @@
-"""What is in a recording, read through rerun's own reader."""
+"""Summary of a recording, read through rerun's own reader."""
 
 from __future__ import annotations
 

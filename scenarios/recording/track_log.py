@@ -1,4 +1,4 @@
-"""What the pilot sees move, in a recording: boxes where it believes movers are, and velocities."""
+"""The pilot's tracks of movers in a recording: predicted boxes and velocities."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class TrackLog:
         self._is_empty = True
 
     def log(self, time_us: int, moving: MovingObstacles) -> None:
-        """Write what is believed to move from a time on."""
+        """Write the predictions of movers from a time on."""
         if len(moving) == 0 and self._is_empty:
             return
         set_sim_time(self._stream, time_us)

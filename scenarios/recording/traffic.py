@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class TrafficLog:
-    """Gathers where movers are, and writes it now and then."""
+    """Gathers the poses of movers, and writes them now and then."""
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream
@@ -27,7 +27,7 @@ class TrafficLog:
         self._poses: list[np.ndarray] = []
 
     def on_tick(self, plant: Plant) -> None:
-        """Look at the movers after a tick."""
+        """Sample the movers after a tick."""
         if not plant.world.obstacles:
             return
         if not self._entities:
@@ -38,7 +38,7 @@ class TrafficLog:
         self._poses.append(np.column_stack([ground_m, states.yaw_rad]))
 
     def flush(self) -> None:
-        """Write the poses that wait."""
+        """Write the buffered poses."""
         if not self._times_us:
             return
         time = sim_time(np.array(self._times_us))

@@ -24,16 +24,16 @@ _log = logging.getLogger(__name__)
 ViewerKind = Literal["web", "native"]
 
 PAGE_PORT = 9090
-"""Where the web page is served, unless something else is there."""
+"""Preferred port of the web page; another one is used if it is taken."""
 DATA_PORT = 9876
-"""Where viewers fetch the recording, unless something else is there."""
+"""Preferred port of the recording for viewers; another one is used if it is taken."""
 _START_TIMEOUT_S = 20.0
 _END_TIMEOUT_S = 3.0
 _LOOK_S = 0.2
 
 
 class ViewerError(RuntimeError):
-    """A viewer that cannot be opened here."""
+    """The viewer cannot be opened here."""
 
 
 class Viewer:
@@ -132,7 +132,7 @@ class _RerunProcess:
             time.sleep(0.05)
 
     def has_ended(self, timeout_s: float) -> bool:
-        """Wait for its end for a while; whether it came."""
+        """Wait a while for the process to end; return whether it did."""
         try:
             self._process.wait(timeout_s)
         except subprocess.TimeoutExpired:
@@ -170,7 +170,7 @@ def free_port(preferred: int) -> int:
     """The preferred loopback TCP port if nothing is there, else one that is free; 0 for any."""
     for port in (preferred, 0):
         with socket.socket() as probe:
-            # A port that was just given back may linger without being in anybody's way.
+            # A port that was just released may linger harmlessly.
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
                 probe.bind((LOOPBACK, port))

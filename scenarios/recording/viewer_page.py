@@ -44,7 +44,7 @@ class PageServer:
     """Serves the page on a loopback port, in a thread that waits unless a browser asks.
 
     Attributes:
-        port: Where it serves.
+        port: Port of the page.
     """
 
     def __init__(self, port: int, upstream_port: int, data_port: int) -> None:
@@ -68,7 +68,7 @@ class PageServer:
 
     @property
     def is_left(self) -> bool:
-        """Whether somebody has had the page open and nobody has it open any more."""
+        """Whether the page was open in some browser and is open in none any more."""
         left_s = self._last_left_s
         return not self._readers and left_s is not None and time.monotonic() > left_s + _RELOAD_S
 
@@ -133,6 +133,6 @@ def _handler(
             upstream.close()
 
         def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - its base's name
-            """Say nothing about every request."""
+            """Log no requests."""
 
     return Handler
