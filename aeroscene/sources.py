@@ -1,4 +1,4 @@
-"""Where scenes come from: shipped, curated, generated, a file of ours, somebody else's layout."""
+"""Sources of scenes: shipped, curated, generated, a file of ours, a layout of another project."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from aeroscene.scene.io import FORMAT, read_scene, write_scene
 _log = logging.getLogger(__name__)
 
 NUMBERS_NAME: Literal["corpus", "shipped"] = "shipped"
-"""What a bare number opens: a scene of the corpus, or one of those that come with the package."""
+"""Source of a bare number: the corpus, or the scenes that come with the package."""
 
 # ASCII digits only: int() would also take signs, blanks and other scripts.
 _NUMBER = re.compile(r"(?:(?P<source>corpus|gen):)?(?P<number>[0-9]{1,9})")
@@ -31,11 +31,11 @@ _LAYOUT_KEYS = (
 
 
 class UnknownSceneError(SceneError):
-    """A scene that nobody knows by that name."""
+    """No scene has that name."""
 
 
 def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
-    """The scene that a user names.
+    """Open the scene that a user names.
 
     Args:
         spec: A number from 0 to 1015 for a scene of the AeroScene dataset; `corpus:N` for one of

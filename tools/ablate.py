@@ -77,7 +77,7 @@ class Ablation:
         self._dataset = open_dataset(cfg.data)
 
     def trained(self, row: TrainedRow) -> Outcome | None:
-        """What a row of the training came to, None where it is not trained."""
+        """Outcome of a row of the training, None where it is not trained."""
         checkpoint = self._trainer.found(row)
         if checkpoint is None and self._cfg.train:
             checkpoint = self._trainer.train(row)
@@ -103,7 +103,7 @@ class Ablation:
         return outcome
 
     def sampled(self, row: SampledRow) -> Outcome:
-        """What a row of the sampling came to."""
+        """Outcome of a row of the sampling."""
         model, cases = self._shipped
         sampler = model.sampler(row.guidance, **row.sampler)
         path = self._cfg.out / "sampling" / f"{row.name}.json"

@@ -33,7 +33,7 @@ from scenarios.dataset.pool import WorkerDiedError, default_jobs
 from scenarios.dataset.shipping import CorpusMaker, Maker, ModelMaker, pack_shipped, plan_shipped
 
 TOLERANCE = 0.10
-"""How far an average may be from the paper's."""
+"""Relative deviation that an average may have from the paper's."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,15 +41,15 @@ class ShipCfg:
     """Make scenes and, once all of them are there, the archive."""
 
     folder: Path = Path("shipped")
-    """Where scenes are kept until they are packed."""
+    """Folder in which scenes are kept until they are packed."""
     scenes: str = f"0:{CORPUS_SIZE}"
     """Numbers of scenes: A:B without B, single ones, joined by commas."""
     maker: Literal["model", "corpus"] = "model"
-    """What makes them; the corpus is for a rehearsal."""
+    """Maker of the scenes; the corpus is for a rehearsal."""
     checkpoint: Path = Path("aeroscene/learning/checkpoints/default.safetensors")
     """Weights of the model."""
     device: str = "cpu"
-    """What the model runs on."""
+    """Device that the model runs on."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; one on a GPU."""
     out: Path = SHIPPED

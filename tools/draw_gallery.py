@@ -146,7 +146,7 @@ def _scene_of(name: str) -> str:
 
 
 def _onboard(cfg: GalleryCfg) -> list[Shown]:
-    """What the cameras of an Iris give: colour and depth, forward and down, at 320 x 240."""
+    """Frames of the cameras of an Iris: colour and depth, forward and down, at 320 x 240."""
     shown = []
     for name, text in _ONBOARD.items():
         file = f"onboard-{name}.jpg"

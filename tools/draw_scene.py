@@ -33,7 +33,7 @@ from flightsim.world import World, build_world
 _TRIAL_PX = (96, 64)
 _JPEG_QUALITY = 85
 _CHASED_M = (-0.5, 0.2, 1.7)
-"""Where the vehicle is in the picture: right, down and forward of the eye."""
+"""Position of the vehicle in the picture: right, down and forward of the eye."""
 _CHASED_YAW_RAD = 0.5
 
 
@@ -46,12 +46,12 @@ class DrawCfg:
     scene: str = "42"
     """Scene number or file."""
     view: Preset = "overview"
-    """Where from: all of it, straight above, low over its edge, the street, a vehicle's forward or
+    """View: all of it, straight above, low over its edge, the street, a vehicle's forward or
     down camera, inside a room, or behind a vehicle in flight."""
     eye_enu_m: Vector3 | None = None
     """Look from here instead; needs a target."""
     target_enu_m: Vector3 | None = None
-    """What is in the middle of the picture, with an eye."""
+    """Point in the middle of the picture, if an eye is given."""
     cut_height_m: float | None = None
     """Take away what is above this height."""
     areas: bool = False

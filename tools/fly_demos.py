@@ -26,7 +26,7 @@ COLUMNS = {
     "attitude_rmse_deg": "attitude deg",
     "real_time_factor": "x real time",
 }
-"""What `--json` calls a figure, and its heading."""
+"""Name of a figure in `--json`, and its heading."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -163,7 +163,7 @@ def _scale(value: object) -> Vector3:
 
 
 class _Conversion:
-    """What holds for a whole file: units, angles, ground."""
+    """Conventions of a whole file: units, angles, ground."""
 
     def __init__(self, things: Sequence[_Thing]) -> None:
         inner = [child for thing in things for child in thing.indoor]

@@ -37,7 +37,7 @@ class LayoutObject:
     super_category: str = ""
     """The source's wider category, where it has one."""
     name: str = ""
-    """What the source calls this very object."""
+    """Name of this very object in the source."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +54,7 @@ class NeutralLayout:
 
     scene_id: str
     source: str
-    """Where it is from, in the source's words."""
+    """Origin of the layout, in the source's words."""
     domain: LayoutDomain
     floor: tuple[Point2, ...]
     """Outline, counter-clockwise, not closed, m; empty where the source has no floor."""
@@ -65,4 +65,4 @@ class NeutralLayout:
     attributes: Mapping[str, Any] = field(default_factory=dict, hash=False)
     """Whatever else the source says, unchecked."""
     invalid: tuple[str, ...] = ()
-    """What was left out because it broke a rule, one line each."""
+    """Objects that were left out because they broke a rule, one line each."""

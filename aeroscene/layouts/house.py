@@ -76,7 +76,7 @@ def _lay_lawn(site: Site, area: BaseGeometry, thickness_m: float) -> None:
 
 
 def _furniture(site: Site) -> list[shapely.Polygon]:
-    """Outlines of everything that may be in the way of somebody who passes an opening."""
+    """Outlines of everything that may be in the way through an opening."""
     outlines = [
         shapely.convex_hull(shapely.MultiPoint(kept.box.corners()[:, :2]))
         for kept in site.kept.values()

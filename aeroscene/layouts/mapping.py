@@ -83,7 +83,7 @@ def form_of(name: str) -> str | None:
 
 
 def building_kind(size_m: Vector3) -> str:
-    """What a building of unknown use is by its size: garage, house, tower or building."""
+    """Category of a building of unknown use by its size: garage, house, tower or building."""
     side, height = max(size_m[:2]), size_m[2]
     if side <= _GARAGE_M[0] and height <= _GARAGE_M[1]:
         return "garage"
@@ -94,7 +94,7 @@ def building_kind(size_m: Vector3) -> str:
 
 @dataclass(frozen=True, slots=True)
 class MappingReport:
-    """What became of the objects of one scene or, added up, of many."""
+    """Report on the mapping of the objects of one scene or, added up, of many."""
 
     n_scenes: int = 0
     n_objects: int = 0
@@ -104,7 +104,7 @@ class MappingReport:
     unmapped: Mapping[str, int] = field(default_factory=dict)
     """Number under a category of the source that nothing of ours is near."""
     unmapped_first: Mapping[str, str] = field(default_factory=dict)
-    """Where each of them was met first: scene and object."""
+    """Scene and object in which each unmapped category occurred first."""
     dropped: Mapping[str, int] = field(default_factory=dict)
     """Number under the reason for which an object with a category of ours was left out."""
     invalid: tuple[str, ...] = ()
@@ -173,7 +173,7 @@ class MappingReport:
 
 
 def unknown_category(name: str) -> str:
-    """What is wrong with a category that did not map."""
+    """Fault of a category that did not map, in one line."""
     return f"category is {name!r}, valid: one that docs/layouts.md lists or a word of ours in it"
 
 

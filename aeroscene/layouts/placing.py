@@ -61,7 +61,7 @@ def _domain(site: Site, parent_id: int | None) -> ObjectDomain:
 
 
 def _attributes(obj: LayoutObject, kept: Kept) -> dict[str, AttributeValue]:
-    """What the source calls it, and the form in which ours looks like it."""
+    """Attributes of an object: its name in the source, and the form of ours that looks like it."""
     attributes: dict[str, AttributeValue] = {"source_category": obj.category}
     if obj.name and obj.name != obj.category:
         attributes["source_name"] = obj.name

@@ -28,11 +28,11 @@ MAX_SIDE_M = 160.0
 _MARGIN_M = 10.0
 """Ground about the objects of a layout without a floor."""
 _OUTSIDE_M = 3.0
-"""How far the centre of an object may lie outside the ground's bounds."""
+"""Distance that the centre of an object may lie outside the ground's bounds."""
 _QUARTER: Quaternion = (0.5**0.5, 0.0, 0.0, 0.5**0.5)
 
 Grounds = Sequence[Sequence[BaseGeometry]]
-"""Where a drone may start: outlines of floors, the preferred ones first."""
+"""Grounds on which a drone may start: outlines of floors, the preferred ones first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class Site:
         return max([kept.top_m for kept in self.kept.values()], default=self.lift_m)
 
     def report(self) -> MappingReport:
-        """What became of the layout's objects."""
+        """Report on the mapping of the layout's objects."""
         scene_id = self.layout.scene_id
         return MappingReport(
             n_scenes=1,
@@ -131,7 +131,7 @@ def _decide(site: Site, index: int, obj: LayoutObject) -> None:
 
 
 def our_box(obj: LayoutObject, front: str, lift_m: float) -> OrientedBox:
-    """The same box with its front at +x, lifted onto our ground."""
+    """Box with its front turned to +x and lifted onto our ground."""
     q, s = obj.q, obj.s
     if front == "y":
         q, s = quat_product(q, _QUARTER), (s[1], s[0], s[2])

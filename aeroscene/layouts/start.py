@@ -1,4 +1,4 @@
-"""Where a flight starts in a layout: the middle of the widest free disc of its ground."""
+"""Start of a flight in a layout: the middle of the widest free disc of its ground."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FREE_HEIGHT_M = 2.5
 """Nothing may hang lower than this over the disc."""
 MAX_PLACES = 3
 _FLAT_M = 0.06
-"""What rises less than this above the ground is part of it."""
+"""Height above the ground up to which an object is part of it."""
 _TOLERANCE_M = 0.05
 _GROUNDS = frozenset({"lawn", "room"})
 

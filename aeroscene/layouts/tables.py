@@ -101,7 +101,7 @@ SUPER_CATEGORIES: Mapping[str, str] = {
     # What the AeroScene authors call what stands outdoors.
     "building": "building",
 }
-"""Where neither table knows a name but the source says what it is a kind of."""
+"""Our category for the source's wider one, where neither table knows a name."""
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     # Buildings and grounds.

@@ -18,7 +18,7 @@ _GZIP_MAGIC = b"\x1f\x8b"
 
 
 def source_name(path: Path) -> str:
-    """What errors call a file."""
+    """Name of a file in error messages."""
     return f"layout file {str(path)!r}"
 
 

@@ -228,7 +228,9 @@ def _choose_exit(
 
 
 def _outer_stretches(ring: list[_Edge], shared: list[_Stretch]) -> list[_Stretch]:
-    """What no other room faces of a room's outline; walls there reach round the corners."""
+    """Stretches of a room's outline that face no other room; their walls reach round the
+    corners.
+    """
     free = [_free_stretches(edge, shared) for edge in ring]
     stretches: list[_Stretch] = []
     for index, (edge, parts) in enumerate(zip(ring, free, strict=True)):

@@ -38,7 +38,7 @@ class SceneArrays:
 
     @property
     def n_objects(self) -> int:
-        """How many objects."""
+        """Number of objects."""
         return len(self.category)
 
     @cached_property

@@ -38,7 +38,7 @@ from aeroscene.scene import Scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """What scenes are judged by, made once: four seconds for 812 and 204 scenes."""
+    """Reference that scenes are judged by, made once: four seconds for 812 and 204 scenes."""
 
     neighbours: NeighbourFrequencies
     """Neighbours in training."""
@@ -128,7 +128,7 @@ class ComparisonRow:
     """One figure of every group."""
 
     key: str
-    """What programs call it."""
+    """Name of the figure for programs."""
     title: str
     unit: str
     better: Better | None

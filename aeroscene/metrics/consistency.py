@@ -32,7 +32,7 @@ _ASTRAY_M = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Consistency:
-    """How far fine objects are from their regions; each less is better, means over fine objects."""
+    """Distances of fine objects from their regions; means over fine objects, less is better."""
 
     centroid: float
     """Distance to the nearest coarse centre, in half diagonals of that coarse box."""

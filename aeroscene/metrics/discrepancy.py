@@ -1,4 +1,4 @@
-"""How far a set of scenes is from another, as sets of points: maximum mean discrepancy, coverage.
+"""Distance between two sets of scenes as sets of points: maximum mean discrepancy, coverage.
 
     MMD^2 = mean k(x, x') + mean k(y, y') - 2 mean k(x, y)      over pairs of different scenes
 
@@ -39,7 +39,7 @@ class Discrepancy:
     noise: float
     """Standard error of `mmd`, rather too wide near zero."""
     floor: float
-    """What 95% of sets drawn alike stay below."""
+    """Value below which 95% of sets drawn alike stay."""
 
 
 def squared_distances(
@@ -77,7 +77,7 @@ def _enough(points: np.ndarray) -> int:
 
 
 def _resampled(count: int, rng: np.random.Generator) -> Float[np.ndarray, "draws n"]:
-    """How often each of some scenes is drawn, with replacement; two different ones at least."""
+    """Number of times each scene is drawn, with replacement; two different ones at least."""
     times = rng.multinomial(count, np.full(count, 1 / count), _N_DRAWS).astype(float)
     # One scene many times over has no distance within: it gives way to all of them.
     return np.where((times > 0).sum(axis=1, keepdims=True) > 1, times, 1.0)

@@ -1,4 +1,4 @@
-"""What happened to the objects of scenes on the way from raw to feasible: moved, dropped, resized.
+"""Displacement of objects from raw to feasible scenes: how many were moved, dropped, resized.
 
 Objects are recognised by their ids. What is measured is the scenes themselves, not what the
 projection says of them.

@@ -1,4 +1,4 @@
-"""How much layouts differ: distance between two of them, and entropy of what stands in them.
+"""Diversity of layouts: distance between two of them, and entropy of their categories.
 
 The distance from layout A to layout B is the cost of turning one into the other. Each object of a
 layout of n has a share 1/n of it. Shares of a category that both have move from where A has them
@@ -43,7 +43,7 @@ _LEAST_RADIUS_M = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
-    """What the figures need of a scene: what stands where."""
+    """Layout of a scene for the figures: categories and places of its objects."""
 
     name: str
     categories: tuple[str, ...]
@@ -76,7 +76,7 @@ class Sketches:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Places:
-    """Where the objects of a category are, in the layouts that have any."""
+    """Places of the objects of a category, in the layouts that have any."""
 
     has: Int[np.ndarray, " k"]
     """Numbers of those layouts."""

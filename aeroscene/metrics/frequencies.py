@@ -1,4 +1,4 @@
-"""How far what scenes hold is from what reference scenes hold: Kullback-Leibler divergences.
+"""Kullback-Leibler divergences of the contents of scenes from those of reference scenes.
 
     KL(reference || scenes) = sum over x of p(x) log p(x) / q(x)      nats
 

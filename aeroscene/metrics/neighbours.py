@@ -1,4 +1,4 @@
-"""What stands near what, and in which relation: the displacement r_ij of the paper, in bins.
+"""Neighbours of objects and their relations: the displacement r_ij of the paper, in bins.
 
 Of every object the eight nearest others, by their centres. The displacement is seen from the first:
 how far in the plane, in which direction from its heading, how much higher. Bins are narrow near it,

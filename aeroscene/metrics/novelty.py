@@ -6,7 +6,7 @@ without a look at training have a nearest training scene as well: the test split
 the measure.
 
 A skeleton is who is whose child, by categories, whatever the order of siblings. Its content is how
-many there are of each category, whoever carries them.
+many there are of each category, whatever carries them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _EXTENT = -1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nearness:
-    """How near scenes are to their nearest training scenes."""
+    """Distances of scenes to their nearest training scenes."""
 
     median: float
     """Layout radii."""
@@ -65,7 +65,7 @@ class KnownSkeletons:
         )
 
     def recurrence(self, scenes: Sequence[SceneArrays]) -> Recurrence:
-        """How many of these scenes have one of them."""
+        """Shares of scenes whose contents, tree or coarse tree occur in these scenes."""
         count = max(len(scenes), 1)
         return Recurrence(
             content=sum(_content(arrays) in self.contents for arrays in scenes) / count,

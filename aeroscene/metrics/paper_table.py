@@ -16,14 +16,14 @@ from aeroscene.scene.catalogue import CATALOGUE, Level, by_name
 Column = Literal["train", "test", "total"]
 COLUMNS: tuple[Column, ...] = ("train", "test", "total")
 TOLERANCE = 0.05
-"""How far an average of the corpus may be from the paper's."""
+"""Relative deviation that an average of the corpus may have from the paper's."""
 
 INCONSISTENCIES = (
     "160,010 objects in 1,016 scenes are 157 a scene, not 149 (train 151, test 185, not 152)",
     "42 small, 12 medium and 5 large landing areas add up to 59, not 54",
     "34 coarse and 112 fine objects add up to 146, not 149",
 )
-"""Where the paper's table disagrees with itself."""
+"""Statements of the paper's table that disagree with each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Row:
     """One row of the table."""
 
     key: str
-    """What `--json` calls it."""
+    """Name of the row in `--json`."""
     title: str
     paper: Mapping[Column, float]
     ours: Mapping[Column, float | None]

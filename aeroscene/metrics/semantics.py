@@ -41,7 +41,7 @@ _VERSION = 1
 """Raise it when the bins of `aeroscene.metrics.neighbours` move."""
 _SHAPE = (N_CATEGORIES, N_CATEGORIES, N_PLACES)
 _CATEGORY_WEIGHT = 5.0
-"""How many pairs seen the general share of a category is worth."""
+"""Number of seen pairs that the general share of a category is worth."""
 _PLACE_WEIGHT = 5.0
 _GENERAL_WEIGHT = 20.0
 
@@ -67,7 +67,7 @@ class Plausibility:
 
 @dataclass(frozen=True, eq=False)
 class NeighbourFrequencies:
-    """How often which category stands where beside which other; judges scenes by that."""
+    """Frequencies of categories and displacements of neighbours, by which scenes are judged."""
 
     counts: Int[np.ndarray, "c c places"]
     """Ordered pairs of neighbours by category, neighbour's category and place."""

@@ -1,4 +1,4 @@
-"""What each area claims about itself, held against the solids.
+"""Claims of each area, checked against the solids.
 
 Nothing here knows how areas are found, so that a fault there shows.
 """
@@ -26,7 +26,7 @@ HEIGHT_TOLERANCE_M = 0.006
 STEP_TOLERANCE_M = 0.004
 """Beyond `STEP_M` and `LEGS_M`, what stands there is in the way."""
 EDGE_M = 0.01
-"""What reaches less than this into a circle only touches it."""
+"""Distance into a circle up to which an object only touches it."""
 SLOPE_TOLERANCE_RAD = math.radians(0.2)
 _RINGS = (0.35, 0.7, 0.98)
 _TURNS = 16
@@ -142,7 +142,7 @@ class _Claim:
         return centre + 0.98 * (self._polygon[:, :2] - centre)
 
     def _room(self) -> Iterator[str]:
-        """What stands on the circle, beside it, or hangs lower than claimed."""
+        """Faults by objects that stand on the circle or beside it, or hang lower than claimed."""
         area, needs = self._area, self._needs
         reach_m = max(area.radius, needs.body_radius_m)
         low_m = STEP_M + STEP_TOLERANCE_M
@@ -183,7 +183,7 @@ class _Claim:
         return [o for o in found if o is not None and o.distance_m < radius_m - EDGE_M]
 
     def _obstacle(self, index: int, low_m: float, high_m: float) -> _Obstacle | None:
-        """How near a solid comes between two heights above the plane, None if it does not."""
+        """Nearest point of a solid between two heights above the plane, None if there is none."""
         solids, plane = self._solids, self._plane
         if plane.is_level and solids.is_upright[index] and not solids.is_mesh[index]:
             rise_m = float(solids.low_m[index, 2] - plane.centre[2])

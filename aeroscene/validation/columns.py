@@ -1,4 +1,4 @@
-"""Where vertical lines pass through solids, exact for every kind of solid."""
+"""Intervals of vertical lines within solids, exact for every kind of solid."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def spans(
     Args:
         solids: The solids of a scene.
         index: Which of them.
-        points_enu_m: Where the lines stand.
+        points_enu_m: Points through which the lines pass.
     """
     rotation, centre = solids.rotation[index], solids.centre_m[index]
     offset = np.column_stack([points_enu_m - centre[:2], np.zeros(len(points_enu_m))])
@@ -41,7 +41,7 @@ def spans(
 
 
 def _between(height: np.ndarray, rate: np.ndarray) -> Float[np.ndarray, "n 2"]:
-    """Where `height + t * rate <= 0` for all planes, by lines (rows) and planes (columns)."""
+    """Interval with `height + t * rate <= 0` for all planes, by lines (rows), planes (columns)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         t = -height / rate
     is_up, is_down = rate > _FLAT, rate < -_FLAT
@@ -60,7 +60,7 @@ def _slabs(
 
 
 def _ball(origin: np.ndarray, direction: np.ndarray) -> Float[np.ndarray, "n 2"]:
-    """Where lines lie in the unit ball; a component that is zero throughout does not count."""
+    """Interval of lines in the unit ball; a component that is zero throughout does not count."""
     a = float(direction @ direction)
     c = (origin**2).sum(axis=1) - 1.0
     if a < _FLAT:

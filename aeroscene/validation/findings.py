@@ -1,4 +1,4 @@
-"""What can be wrong with a scene."""
+"""Findings of the validation of a scene."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FindingKind = Literal["overlap", "floating", "outside", "unreachable", "unlandab
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One thing that is wrong, and where."""
+    """One fault of a scene, and its place."""
 
     kind: FindingKind
     scene_id: str

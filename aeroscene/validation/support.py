@@ -1,4 +1,4 @@
-"""What carries each object: the ground, or a solid of another object under its feet."""
+"""Support of each object: the ground, or a solid of another object under its feet."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ class _Stand:
         return bool((local <= s.half_m[near, None, :2] + slack_m).all(axis=(1, 2)).any())
 
     def _bearing(self, index: int, feet: BaseGeometry) -> BaseGeometry:
-        """Where a solid meets the feet at their height."""
+        """Part of the feet that a solid meets at their height."""
         low_m, high_m = self._bottom_m - GAP_M, self._bottom_m + GAP_M
         points = layer(self._solids.points(index), _UP, low_m, high_m)
         return shapely.intersection(outline_of(points), feet)

@@ -1,4 +1,4 @@
-"""What a row is worth: layouts for skeletons of the test split, judged and projected."""
+"""Measurement of a row: layouts for skeletons of the test split, judged and projected."""
 
 from __future__ import annotations
 

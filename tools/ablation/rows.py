@@ -1,4 +1,4 @@
-"""What is switched: one row for each choice, against the row that differs in nothing else."""
+"""Rows of the ablation: one for each choice, against the row that differs in nothing else."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Row:
     name: str
     """Name of the row and of its folder."""
     what: str
-    """What differs, in a few words."""
+    """The difference, in a few words."""
     against: str
     """Row that differs in this alone; a row that names itself is a base line."""
 

@@ -1,4 +1,4 @@
-"""What was measured, row by row, so that a run that was stopped goes on."""
+"""Store of outcomes, row by row, so that a stopped run can continue."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from aeroscene.files import replacing
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
-    """What a row came to."""
+    """Outcome of a row."""
 
     key: str
     """Differs where weights, skeletons or the way of sampling do."""
@@ -39,7 +39,7 @@ def outcome_key(digest: str, cases: Sequence[Case], settings: object) -> str:
 
 
 def read_outcome(path: Path, key: str) -> Outcome | None:
-    """What was measured before, None where it was not, or of something else."""
+    """Read an earlier outcome; None where there is none, or one of something else."""
     try:
         found = msgspec.json.decode(path.read_bytes(), type=Outcome)
     except (FileNotFoundError, msgspec.DecodeError):

@@ -1,1 +1,1 @@
-"""What the drawing tools share: views, areas, labels, charts, the gallery's page."""
+"""Parts that the drawing tools share: views, areas, labels, charts, the gallery's page."""

@@ -22,7 +22,7 @@ _CELL_PX = (236, 178)
 _COLUMNS = 7
 _FOV_DEG = 24.0
 _SHARES = (0.2, 0.5, 0.8)
-"""Where in the range of sizes the variants lie."""
+"""Positions of the variants in the range of sizes."""
 _MOST_M = 18.0
 """A road of 120 m would be a line in its picture."""
 

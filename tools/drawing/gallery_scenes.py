@@ -14,7 +14,7 @@ class Place:
     name: str
     title: str
     text: str
-    """What is seen in its picture."""
+    """Description of the picture."""
     scene: str
     view: Preset = "aerial"
     cut_height_m: float | None = None

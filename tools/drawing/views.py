@@ -1,4 +1,4 @@
-"""Where to look at a scene from: presets that suit any scene."""
+"""Views of a scene: presets that suit any scene."""
 
 from __future__ import annotations
 
