@@ -228,9 +228,7 @@ def _choose_exit(
 
 
 def _outer_stretches(ring: list[_Edge], shared: list[_Stretch]) -> list[_Stretch]:
-    """Stretches of a room's outline that face no other room; their walls reach round the
-    corners.
-    """
+    """Stretches of a room's outline that face no other room; their walls reach round corners."""
     free = [_free_stretches(edge, shared) for edge in ring]
     stretches: list[_Stretch] = []
     for index, (edge, parts) in enumerate(zip(ring, free, strict=True)):
