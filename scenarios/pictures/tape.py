@@ -43,6 +43,7 @@ class FlightTape:
         self._movers: list[np.ndarray] = []
         self._plans: list[PlannedLeg] = []
         self._plan: Trajectory | None = None
+        self._first_phase = "" if pilot is None else pilot.phase.value
 
     @property
     def has_any(self) -> bool:
@@ -80,7 +81,10 @@ class FlightTape:
         landing = pilot.landing_map
         return replace(
             known,
-            phases=tuple((t.time_us * 1e-6, t.target.value) for t in pilot.transitions),
+            phases=(
+                (0.0, self._first_phase),
+                *((t.time_us * 1e-6, t.target.value) for t in pilot.transitions),
+            ),
             plans=tuple(self._plans),
             area=pilot.area,
             touchdown_enu_m=pilot.touchdown_enu_m,

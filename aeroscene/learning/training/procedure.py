@@ -244,17 +244,18 @@ class Training:
 
 
 def taken_parts(path: Path, data: TrainingData, trained: Collection[Part]) -> dict[Part, Weights]:
-    """What another training has made of the same data, but for what is trained here.
+    """Parts of a checkpoint of the same data, without those that are trained here.
 
     Raises:
         CheckpointError: If the checkpoint cannot be used.
-        TrainingError: If it is of other data.
+        TrainingError: If the checkpoint is of other data.
     """
     checkpoint = read_checkpoint(path)
-    if checkpoint.facts.data.digest != data.source.digest:
+    theirs, ours = checkpoint.facts.data, data.source
+    if theirs.digest != ours.digest:
         raise TrainingError(
-            f"checkpoint {str(path)!r} is of other data ({checkpoint.facts.data.name!r}), "
-            "valid: one that was trained on the same"
+            f"checkpoint {str(path)!r} is of other data: {theirs.name!r} ({theirs.n_scenes} "
+            f"scenes), not {ours.name!r} ({ours.n_scenes}), valid: one that was trained on the same"
         )
     return {part: checkpoint.parts[part] for part in checkpoint.parts if part not in trained}
 

@@ -1,6 +1,8 @@
 import pytest
 
 from flightsim.testbench import TestbenchCfg, TestbenchError
+from scenarios.pictures.recorded import read_story
+from scenarios.pictures.tape import FlightTape
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
 
@@ -28,3 +30,15 @@ def test_file_in_place_of_the_folder_is_refused_before_anything_starts(tmp_path)
     (tmp_path / "file").touch()
     with pytest.raises(TestbenchError, match="is a file; valid: a folder"):
         SitlCfg(bench=BENCH, pictures=tmp_path / "file")
+
+
+def test_phases_of_a_flight_that_just_ended_are_those_of_its_recording(tmp_path):
+    record = tmp_path / "flight.rrd"
+    cfg = SitlCfg(demo=True, bench=BENCH, headless_seconds=2.0, record=record, camera_hz=0.0)
+    with Sitl(cfg, has_network=False) as sitl:
+        tape = FlightTape(sitl.bench.plant, sitl.bench.autopilot, sitl.pilot)
+        sitl.bench.observers.append(tape.on_tick)
+        sitl.run()
+    told = tape.story("ended").phases
+    assert told == read_story(record).phases
+    assert [name for _, name in told[:2]] == ["connect", "wait for health"]
