@@ -7,6 +7,7 @@ named by a hash of its source and of all our modules that it imports, directly o
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import gc
 import hashlib
@@ -26,6 +27,7 @@ _config: Any = config  # its names are created at run time
 _ROOT = Path(__file__).parents[1]
 _IMPORT = re.compile(rb"^\s*(?:from|import)\s+([\w.]+)", re.MULTILINE)
 _KEPT_CACHES = 4
+_ANNOUNCED = "announced"
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 
@@ -96,9 +98,19 @@ def compile_ahead(
 
 
 def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float) -> None:
-    """Announce that the kernels of modules will compile on their first use, unless cached."""
-    if not all(any(cache_directory(module).rglob("*.nbi")) for module in modules):
-        _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
+    """Announce that the kernels of modules will compile on their first use, unless cached.
+
+    Some stay uncompiled until a later flight uses them, so that each module is announced once.
+    """
+    directories = [cache_directory(module) for module in modules]
+    cold = [d for d in directories if not (any(d.rglob("*.nbi")) or (d / _ANNOUNCED).exists())]
+    if not cold:
+        return
+    _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
+    for directory in cold:
+        with contextlib.suppress(OSError):  # where nothing can be kept, all is compiled again
+            directory.mkdir(parents=True, exist_ok=True)
+            (directory / _ANNOUNCED).touch()
 
 
 def _path_of(module: str) -> Path | None:
