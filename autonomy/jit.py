@@ -25,7 +25,7 @@ from numba.core import config
 _LOG = logging.getLogger(__name__)
 _config: Any = config  # its names are created at run time
 _ROOT = Path(__file__).parents[1]
-_IMPORT = re.compile(rb"^\s*(?:from|import)\s+([\w.]+)", re.MULTILINE)
+_IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+)?import\s+(\([^)]*\)|[^\n#]+)", re.MULTILINE)
 _KEPT_CACHES = 4
 _ANNOUNCED = "announced"
 _F = TypeVar("_F", bound=Callable[..., Any])
@@ -136,8 +136,17 @@ def _sources(first: Path | None) -> set[Path]:
 
 @functools.cache
 def _imported(path: Path) -> tuple[Path | None, ...]:
-    names = {match.decode() for match in _IMPORT.findall(path.read_bytes())}
-    return tuple(_path_of(name) for name in sorted(names))
+    return tuple(_path_of(name) for name in sorted(_names(path.read_text(encoding="utf-8"))))
+
+
+def _names(source: str) -> set[str]:
+    """Names of modules that a source imports, and of what may be modules of a package."""
+    found: set[str] = set()
+    for base, listed in _IMPORT.findall(source):
+        parts = re.sub(r"#.*", "", listed).strip("() \n").split(",")
+        names = [part.split()[0] for part in parts if part.strip()]
+        found.update(names if not base else (base, *(f"{base}.{name}" for name in names)))
+    return found
 
 
 def _forget_old_caches(root: Path) -> None:

@@ -1,10 +1,8 @@
-"""MuJoCo geom groups of our models, and the groups that each sensor sees."""
+"""MuJoCo geom groups of our models: who sees what."""
 
 from __future__ import annotations
 
 from enum import IntEnum
-
-import numpy as np
 
 
 class GeomGroup(IntEnum):
@@ -22,7 +20,3 @@ class GeomGroup(IntEnum):
     """People, cars and other drones, seen by all sensors."""
     CULLED = 5
     """Geoms outside the camera's view during one rendering; none stays in this group."""
-
-
-RAY_GROUPS = np.array([1, 0, 0, 0, 1, 0], dtype=np.uint8)
-"""`geomgroup` argument of `mj_ray` for a rangefinder: the solid world without the vehicle."""

@@ -1,7 +1,10 @@
 """Settings shared by all tests."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
+import pytest
 from hypothesis import settings
 
 # The first call of a kernel compiles it: time means nothing here. Draws are fixed, so that a change
@@ -13,3 +16,21 @@ settings.load_profile(profile)
 if profile == "thorough":
     # The timeout in pyproject.toml is for the fixed draws.
     os.environ.setdefault("PYTEST_TIMEOUT", "900")
+
+
+@contextmanager
+def single_thread() -> Iterator[None]:
+    """One thread for torch: two runs of a network on several do not agree to the last bit."""
+    import torch  # noqa: PLC0415 - of the extra `model`
+
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+@pytest.fixture
+def one_torch_thread() -> Iterator[None]:
+    """A test that runs torch on one thread."""
+    with single_thread():
+        yield

@@ -46,6 +46,12 @@ def test_importing_the_packages_loads_nothing_heavy():
     assert done.stdout == ""
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_folder_of_modules_is_a_package_that_the_import_rules_see(package):
+    folders = {path.parent for path in (ROOT / package).rglob("*.py")}
+    assert [str(path) for path in folders if not (path / "__init__.py").exists()] == []
+
+
 def test_a_name_that_is_not_public_is_named():
     with pytest.raises(AttributeError, match="'flightsim' has no attribute 'plnt'"):
         importlib.import_module("flightsim").plnt  # noqa: B018

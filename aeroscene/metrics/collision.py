@@ -21,9 +21,8 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.metrics.arrays import SceneArrays, scene_arrays
 from aeroscene.scene import Scene
-from aeroscene.scene.box import box_corners
 from aeroscene.scene.geometry import penetration_depth
-from aeroscene.scene.overlap import pair_iou
+from aeroscene.scene.overlap import near_pairs, pair_iou
 
 MAX_IOU = 0.01
 """The paper's: above it two boxes collide."""
@@ -99,7 +98,7 @@ def collision_rate(scene: Scene) -> float:
 def overlaps(arrays: SceneArrays) -> Overlaps:
     """Find the pairs of boxes that share volume, with their exact IoU and penetration depth."""
     p, q, s = arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m
-    first, second = _near(p, q, s)
+    first, second = near_pairs(p, q, s)
     depth_m = penetration_depth(p[first], q[first], s[first], p[second], q[second], s[second])
     is_deep = depth_m > 0
     first, second, depth_m = first[is_deep], second[is_deep], depth_m[is_deep]
@@ -124,18 +123,6 @@ def overlaps(arrays: SceneArrays) -> Overlaps:
             "strangers": ~arrays.is_ancestor[first, second],
         },
     )
-
-
-def _near(p: np.ndarray, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs whose enclosing boxes along the axes of the world touch."""
-    corners = box_corners(p, q, s)
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    is_near = np.triu(np.ones((len(p), len(p)), dtype=bool), 1)
-    for axis in range(3):
-        is_near &= low[:, None, axis] < high[None, :, axis]
-        is_near &= low[None, :, axis] < high[:, None, axis]
-    first, second = np.nonzero(is_near)
-    return first, second
 
 
 def collisions(found: Overlaps, among: Among) -> Collisions:

@@ -12,7 +12,7 @@ Polygons are clipped as Sutherland and Hodgman 1974 have it, "Reentrant polygon 
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from aeroscene.scene.box import (
     CORNER_SIGNS,
@@ -41,6 +41,20 @@ def _rings() -> list[list[int]]:
 
 _RINGS = np.array(_rings())
 _FOOTPRINT = [0, 1, 3, 2]
+
+
+def near_pairs(
+    p: Float[np.ndarray, "n 3"], q: Float[np.ndarray, "n 4"], s: Float[np.ndarray, "n 3"]
+) -> tuple[Int[np.ndarray, " pairs"], Int[np.ndarray, " pairs"]]:
+    """Pairs of boxes, each once, whose enclosing boxes along the axes of the world overlap."""
+    corners = box_corners(p, q, s)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    is_near = np.triu(np.ones((len(p), len(p)), dtype=bool), 1)
+    for axis in range(3):
+        is_near &= low[:, None, axis] < high[None, :, axis]
+        is_near &= low[None, :, axis] < high[:, None, axis]
+    first, second = np.nonzero(is_near)
+    return first, second
 
 
 def iou(first: OrientedBox, second: OrientedBox) -> float:

@@ -9,7 +9,7 @@ from jaxtyping import Int
 
 from aeroscene.scene import Scene
 from aeroscene.scene.box import box_corners
-from aeroscene.scene.overlap import pair_iou
+from aeroscene.scene.overlap import near_pairs, pair_iou
 from aeroscene.validation.findings import Finding
 
 MAX_IOU = 0.01
@@ -39,18 +39,15 @@ def _candidates(
     scene: Scene, p: np.ndarray, q: np.ndarray, s: np.ndarray
 ) -> tuple[Int[np.ndarray, " pairs"], Int[np.ndarray, " pairs"]]:
     """Pairs that may overlap by enough: near, like in size, not parent and child."""
-    corners = box_corners(p, q, s)
-    low, high = corners.min(axis=1), corners.max(axis=1)
+    a, b = near_pairs(p, q, s)
     volume = s.prod(axis=1)
-    a, b = np.triu_indices(len(p), 1)
-    near = ((low[a] < high[b]) & (low[b] < high[a])).all(axis=1)
     # Two volumes so unlike share too little even where one holds the other.
     ratio = volume[a] / volume[b]
     ids = np.array([obj.id for obj in scene.objects])
     # -1 is no object's id.
     parents = np.array([-1 if obj.parent_id is None else obj.parent_id for obj in scene.objects])
     is_family = (parents[b] == ids[a]) | (parents[a] == ids[b])
-    is_wanted = near & (ratio > MAX_IOU) & (ratio < 1 / MAX_IOU) & ~is_family
+    is_wanted = (ratio > MAX_IOU) & (ratio < 1 / MAX_IOU) & ~is_family
     return a[is_wanted], b[is_wanted]
 
 

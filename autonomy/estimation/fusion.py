@@ -14,7 +14,12 @@ from autonomy.estimation.error_state import (
     POSITION,
     VELOCITY,
 )
-from autonomy.estimation.past import past_position, past_velocity, restart_past
+from autonomy.estimation.past import (
+    past_position,
+    past_velocity,
+    restart_past,
+    write_past_position_row,
+)
 from autonomy.estimation.update import scalar_update
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, wrap_angle
@@ -40,9 +45,7 @@ def fuse_gnss(
     f.ratio_gnss_position = 0.0
     f.ratio_gnss_velocity = 0.0
     for i in range(3):
-        h[:] = 0.0
-        h[POSITION + i] = 1.0
-        h[VELOCITY + i] = -age_ticks * f.dt_s
+        write_past_position_row(f, h, age_ticks, i)
         h[GNSS_WANDER + i] = 1.0
         innovation = position_enu_m[i] - past_position(f, age_ticks, i) - f.gnss_wander_enu_m[i]
         variance = max(sigma_m[i] * sigma_m[i], _variance_of_a_small_step(f, i, innovation))

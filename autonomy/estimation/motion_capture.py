@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from autonomy.estimation.error_state import POSITION, VELOCITY
-from autonomy.estimation.past import past_position, past_yaw
+from autonomy.estimation.past import past_position, past_yaw, write_past_position_row
 from autonomy.estimation.update import scalar_update, write_heading_row
 from autonomy.jit import kernel
 from autonomy.rotation import wrap_angle
@@ -19,9 +18,7 @@ def fuse_mocap(f: np.record, position_enu_m: np.ndarray, yaw_rad: float, age_tic
     h = f.measurement_row
     worst = 0.0
     for i in range(3):
-        h[:] = 0.0
-        h[POSITION + i] = 1.0
-        h[VELOCITY + i] = -age_ticks * f.dt_s
+        write_past_position_row(f, h, age_ticks, i)
         innovation = position_enu_m[i] - past_position(f, age_ticks, i)
         worst = max(worst, scalar_update(f, _MOCAP_POSITION, innovation, f.mocap_variance_m2))
     h[:] = 0.0

@@ -21,8 +21,8 @@ import math
 
 import numpy as np
 
-from autonomy.estimation.error_state import N_STATES, POSITION, VELOCITY, VIO_ORIGIN, VIO_YAW
-from autonomy.estimation.past import past_position, past_yaw
+from autonomy.estimation.error_state import N_STATES, VIO_ORIGIN, VIO_YAW
+from autonomy.estimation.past import past_position, past_yaw, write_past_position_row
 from autonomy.estimation.update import scalar_update, write_heading_row
 from autonomy.jit import kernel
 from autonomy.rotation import wrap_angle
@@ -44,9 +44,7 @@ def fuse_vio(f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_t
     for i in range(3):
         east, north = _turned(f, position_vio_m)
         turned = east if i == 0 else (north if i == 1 else position_vio_m[2])
-        h[:] = 0.0
-        h[POSITION + i] = 1.0
-        h[VELOCITY + i] = -age_ticks * f.dt_s
+        write_past_position_row(f, h, age_ticks, i)
         h[VIO_ORIGIN + i] = -1.0
         h[VIO_YAW] = north if i == 0 else (-east if i == 1 else 0.0)
         innovation = f.vio_origin_enu_m[i] + turned - past_position(f, age_ticks, i)
@@ -115,9 +113,7 @@ def _place_frame(
     for i in range(3):
         turned = east if i == 0 else (north if i == 1 else position_vio_m[2])
         f.vio_origin_enu_m[i] = past_position(f, age_ticks, i) - turned
-        h[:] = 0.0
-        h[POSITION + i] = 1.0
-        h[VELOCITY + i] = -age_ticks * f.dt_s
+        write_past_position_row(f, h, age_ticks, i)
         h[VIO_YAW] = north if i == 0 else (-east if i == 1 else 0.0)
         _clone(f, VIO_ORIGIN + i, f.vio_variance_m2)
     f.has_vio = 1

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from autonomy.estimation.error_state import N_PAST
+from autonomy.estimation.error_state import N_PAST, POSITION, VELOCITY
 from autonomy.jit import kernel
 from autonomy.rotation import yaw_from_quat
 
@@ -35,6 +35,14 @@ def past_position(f: np.record, age_ticks: int, i: int) -> float:
     then_s = (f.tick - age_ticks) * f.dt_s
     sums = f.moved_enu_m[i] - f.moved_moment_enu_m[i] + then_s * f.moved_velocity_enu_mps[i]
     return f.past_position_enu_m[(f.tick - age_ticks) % N_PAST, i] + sums
+
+
+@kernel
+def write_past_position_row(f: np.record, h: np.ndarray, age_ticks: int, i: int) -> None:
+    """Write the derivative of `past_position` by the present state to a row."""
+    h[:] = 0.0
+    h[POSITION + i] = 1.0
+    h[VELOCITY + i] = -age_ticks * f.dt_s
 
 
 @kernel

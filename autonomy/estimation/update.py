@@ -103,9 +103,7 @@ def write_heading_row(q: np.ndarray, h: np.ndarray) -> bool:
     Body x turns by theta x e; its azimuth by theta_z - e_z (e_x theta_x + e_y theta_y) / (e_x^2 +
     e_y^2).
     """
-    x = 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3])
-    y = 2.0 * (q[1] * q[2] + q[0] * q[3])
-    z = 2.0 * (q[1] * q[3] - q[0] * q[2])
+    x, y, z = _nose(q)
     level = x * x + y * y
     if level < _LEAST_LEVEL:
         return False
@@ -117,8 +115,15 @@ def write_heading_row(q: np.ndarray, h: np.ndarray) -> bool:
 
 @kernel
 def _turn_of_heading(q: np.ndarray, error: np.ndarray) -> float:
+    x, y, z = _nose(q)
+    level = max(x * x + y * y, _LEAST_LEVEL)
+    return error[ATTITUDE + 2] - z * (x * error[ATTITUDE] + y * error[ATTITUDE + 1]) / level
+
+
+@kernel
+def _nose(q: np.ndarray) -> tuple[float, float, float]:
+    """Body x in the world."""
     x = 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3])
     y = 2.0 * (q[1] * q[2] + q[0] * q[3])
     z = 2.0 * (q[1] * q[3] - q[0] * q[2])
-    level = max(x * x + y * y, _LEAST_LEVEL)
-    return error[8] - z * (x * error[6] + y * error[7]) / level
+    return x, y, z

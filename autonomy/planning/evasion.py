@@ -76,7 +76,7 @@ class Rest:
         self._moving, self._previous, self._since = moving, previous, at_s
         self._at = np.arange(0.0, min(moving.horizon_s, times.sum()) + _STEP_S, _STEP_S)
         self._path = previous.positions(at_s + self._at)
-        self._distance, self._away = moving.distances(self._path, self._at)
+        self._distance, _ = moving.distances(self._path, self._at)
         self.duration_s = float(times.sum())
         fine = Corridor(planes=planes, gates_enu_m=gates)
         for cut in (self._counts, pieces_to_fill):

@@ -27,7 +27,7 @@ class Solver:
         used = int(np.max(np.count_nonzero(np.any(corridor.planes[:, :, :3] != 0, 2), axis=1)))
         self._planes = next(size for size in PLANES if size >= used)
         self._program = build(n, self._planes)
-        self._corridor, self._bounds, self._ends = corridor, bounds, (start, goal)
+        self._bounds, self._ends = bounds, (start, goal)
         self._share = np.ones(n)
         self._solved: tuple[bytes, dict[str, Any]] = (b"", {})
         planes = np.concatenate([corridor.planes, corridor.rates_mps[:, :, None]], axis=2)

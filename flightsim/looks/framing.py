@@ -7,9 +7,8 @@ import math
 import numpy as np
 from jaxtyping import Float
 
+from autonomy.types import Vector3, vector3
 from flightsim.sensors.cameras import look_at
-
-Point = tuple[float, float, float]
 
 MARGIN = 1.04
 """Scale of the room around the points, 1 for none."""
@@ -25,7 +24,7 @@ def frame_points(
     vertical_fov_rad: float,
     aspect: float,
     margin: float = MARGIN,
-) -> tuple[Point, Point]:
+) -> tuple[Vector3, Vector3]:
     """Eye and target of the nearest view that shows all points, centred in the picture.
 
     A point that lies x to the right of the target and a beyond it is visible from an eye at
@@ -44,7 +43,7 @@ def frame_points(
     towards_eye = np.array(
         [level * math.cos(azimuth_rad), level * math.sin(azimuth_rad), math.sin(elevation_rad)]
     )
-    axes = look_at(_point(towards_eye), (0.0, 0.0, 0.0), 1.0).rotation_enu_from_optical
+    axes = look_at(vector3(towards_eye), (0.0, 0.0, 0.0), 1.0).rotation_enu_from_optical
     tangents = math.tan(vertical_fov_rad / 2) / margin * np.array([aspect, 1.0])
     origin = points_enu_m.mean(axis=0)
     local = (points_enu_m - origin) @ axes
@@ -55,9 +54,4 @@ def frame_points(
         float(((highest - lowest) / (2 * tangents)).max()), _LEAST_DISTANCE_M - float(beyond.min())
     )
     target = origin + axes[:, :2] @ ((highest + lowest) / 2)
-    return _point(target + distance_m * towards_eye), _point(target)
-
-
-def _point(values: np.ndarray) -> Point:
-    x, y, z = values.tolist()
-    return (x, y, z)
+    return vector3(target + distance_m * towards_eye), vector3(target)

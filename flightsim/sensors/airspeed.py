@@ -30,11 +30,13 @@ class AirspeedCfg:
 
     rate_hz: int = 50
     noise_pa: float = 1.0
-    """RMS of a sample: PX4's gazebo-classic and gz airspeed sensors (0.01 hPa)."""
+    """RMS of a sample: 0.01 hPa in PX4's simulated sensor (SensorAirspeedSim.cpp) and in its plugin
+    for Gazebo Classic (gazebo_airspeed_plugin.cpp)."""
     zero_sigma_pa: float = 0.1
-    """Reading in still air, drawn once: half of the error that Sensirion states for its SDP33."""
+    """Reading in still air, drawn once: half of the 0.2 Pa stated for the ThunderFly TFPITOT01, a
+    pitot tube with a Sensirion SDP33 (docs.thunderfly.cz/avionics/TFPITOT01)."""
     span_sigma: float = 0.015
-    """Error of the scale, drawn once: half of that sensor's 3 %."""
+    """Error of the scale, drawn once: half of the 3 % of the measured value stated for the same."""
 
 
 def _configure(r: np.void, cfg: AirspeedCfg, start: SensorStart) -> None:

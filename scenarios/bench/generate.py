@@ -11,7 +11,6 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -34,8 +33,6 @@ from scenarios.bench.quality import (
 )
 from scenarios.bench.reference import Splits, group_figures, open_corpus
 from scenarios.bench.row import OnProgress, Row, higher, lower
-
-Preset = Literal["default", "paper"]
 
 MOST_SECONDS = {"default": 2.0, "paper": 15.0}
 """Time limit of one scene on two cores."""

@@ -6,8 +6,10 @@ import dataclasses
 import math
 
 import numpy as np
+from jaxtyping import Float
 
 from autonomy.planning import FlightLimits, MovingObstacles, Trajectory
+from autonomy.types import Vector3
 
 KEEP_FROM_MOVERS_M = 0.2
 """Distance from the vehicle's sphere to movers below which a plan is replaced; smaller than the
@@ -30,14 +32,12 @@ def room_to_movers_m(
     """
     if not len(moving):
         return math.inf
-    times = np.arange(0.0, moving.horizon_s + _STEP_S / 2, _STEP_S)
-    distances, _ = moving.distances(trajectory.positions(since_s + times), times)
-    return float(distances.min()) - radius_m
+    return float(_predicted_m(trajectory, since_s, moving).min()) - radius_m
 
 
 def first_to_come(
     trajectory: Trajectory, since_s: float, moving: MovingObstacles, within_m: float
-) -> tuple[float, float, float] | None:
+) -> Vector3 | None:
     """Position of the mover that comes near soonest and has not passed yet; None without one.
 
     Args:
@@ -48,14 +48,23 @@ def first_to_come(
     """
     if not len(moving):
         return None
-    times = np.arange(0.0, moving.horizon_s + _STEP_S / 2, _STEP_S)
-    distances, _ = moving.distances(trajectory.positions(since_s + times), times)
+    distances = _predicted_m(trajectory, since_s, moving)
     nearest = np.argmin(distances, axis=1)
     comes = (distances.min(axis=1) < within_m) & (nearest > 0)
     if not np.any(comes):
         return None
-    x, y, z = moving.position_enu_m[np.argmin(np.where(comes, nearest, len(times)))].tolist()
+    x, y, z = moving.position_enu_m[
+        np.argmin(np.where(comes, nearest, distances.shape[1]))
+    ].tolist()
     return x, y, z
+
+
+def _predicted_m(
+    trajectory: Trajectory, since_s: float, moving: MovingObstacles
+) -> Float[np.ndarray, "movers times"]:
+    """Distances of the vehicle's centre to movers from now to the end of their predictions."""
+    times = np.arange(0.0, moving.horizon_s + _STEP_S / 2, _STEP_S)
+    return moving.distances(trajectory.positions(since_s + times), times)[0]
 
 
 def with_less_room(moving: MovingObstacles, less_m: float) -> MovingObstacles:

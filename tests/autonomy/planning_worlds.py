@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from autonomy.model import QuadrotorParams, RotorParams
-from autonomy.planning import DistanceField, Obstacles
+from autonomy.planning import DistanceField, MovingObstacles, Obstacles
 from autonomy.planning.obstacles import join, rotation_matrices
 
 GROUND = Obstacles.boxes(
@@ -81,3 +81,8 @@ def points_in_boxes(rng, boxes, n):
     return boxes.center_enu_m[which] + np.einsum(
         "nij,nj->ni", rotation, share * boxes.size_m[which]
     )
+
+
+def ball(position, velocity, radius=0.4, **options):
+    """One mover that is a ball."""
+    return MovingObstacles.balls([position], [velocity], [radius], **options)

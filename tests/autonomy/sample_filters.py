@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 from autonomy.estimation import EstimatorCfg, new_filter
 from autonomy.estimation.error_state import N_STATES
 from autonomy.estimation.past import restart_past
+from autonomy.estimation.predict import predict
 
 DT = 0.004
 G = 9.81
@@ -74,3 +75,9 @@ def moving_filter(velocity, sigma=1.0, **cfg):
     f["covariance"] = np.diag([sigma**2] * 6 + [1e-4] * 9 + [0.01] + [1e-6] * 3 + [0.0] * 6)
     restart_past(f)
     return f
+
+
+def fly(f, ticks):
+    """Go on without turning or speeding up."""
+    for _ in range(ticks):
+        predict(f, np.array([0.0, 0.0, G]), np.zeros(3))

@@ -48,6 +48,26 @@ def test_cache_moves_when_a_module_called_by_a_called_module_changes(fresh_tree)
     assert directory_of("craft.outer") != before
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import craft.inner",
+        "import math, craft.inner as inner",
+        "from craft import inner",
+        "from craft import (  # noqa\n    other as o,\n    inner,  # last\n)",
+        "def f():\n    from craft import inner  # late",
+    ],
+)
+def test_cache_moves_however_the_changed_module_is_imported(fresh_tree, line):
+    package = fresh_tree / "craft"
+    package.mkdir()
+    for name, source in (("__init__", ""), ("outer", line), ("inner", "x = 1"), ("other", "")):
+        (package / f"{name}.py").write_text(f"{source}\n")
+    before = directory_of("craft.outer")
+    (package / "inner.py").write_text("x = 2\n")
+    assert directory_of("craft.outer") != before
+
+
 def test_old_caches_are_forgotten(fresh_tree, tmp_path):
     root = tmp_path / "cache" / "kernels" / "craft"
     for i in range(9):

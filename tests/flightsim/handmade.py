@@ -2,8 +2,13 @@
 
 import math
 
+import numpy as np
+
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
+
+RAY_GROUPS = np.array([1, 0, 0, 0, 1, 0], dtype=np.uint8)
+"""`geomgroup` of `mj_ray`: the solid world and what moves in it, without the vehicle."""
 
 
 def empty_scene(start=(0.0, 0.0, 0.0), yaw_rad=0.0):

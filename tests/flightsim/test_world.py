@@ -7,10 +7,9 @@ import pytest
 
 from aeroscene.corpus.curation import curate_scene
 from aeroscene.solids.shapes import scene_primitives
-from flightsim.geom_groups import RAY_GROUPS
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import GROUND_ID, VEHICLE_ID, WorldError, build_world
-from tests.flightsim.handmade import empty_scene, slope, solid
+from tests.flightsim.handmade import RAY_GROUPS, empty_scene, slope, solid
 
 IRIS = AIRFRAMES["iris"]
 

@@ -7,7 +7,6 @@ from functools import partial
 import ablate
 import msgspec
 import pytest
-import torch
 from ablation.measure import Model, SceneOutcome, measure
 from ablation.rows import SAMPLED, TRAINED, TrainedRow
 from ablation.store import Outcome, outcome_key, read_outcome, write_outcome
@@ -34,13 +33,7 @@ ROW = TrainedRow(
     is_guided=False,
 )
 
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
 
 
 @pytest.fixture(scope="module")

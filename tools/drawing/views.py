@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from aeroscene.scene import Scene, Vector3
+from aeroscene.scene import Scene
+from autonomy.types import Vector3, vector3
 from flightsim.looks.framing import frame_points
 from flightsim.sensors.cameras import CameraRenderer, RgbdFrame
 from flightsim.world import World
@@ -97,7 +98,7 @@ def _street_eyes(scene: Scene) -> list[Vector3]:
         x_axis = np.array([math.cos(ground.bbox.yaw_rad), math.sin(ground.bbox.yaw_rad), 0.0])
         for share in (-0.45, 0.0, 0.45):
             middle = np.array(ground.bbox.p) + share * ground.bbox.s[0] * x_axis
-            eyes.append(_above(_point(middle), _STREET_EYE_M))
+            eyes.append(_above(vector3(middle), _STREET_EYE_M))
     return eyes
 
 
@@ -184,8 +185,3 @@ def _share_of_scene(frame: RgbdFrame, scene: Scene) -> float:
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     is_inside = ((points > low) & (points < high)).all(axis=-1)
     return float((is_inside & (points[..., 2] > 0.3)).mean())
-
-
-def _point(values: np.ndarray) -> Vector3:
-    x, y, z = values.tolist()
-    return (x, y, z)

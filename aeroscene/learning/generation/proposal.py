@@ -50,6 +50,11 @@ class Proposer(Protocol):
         ...
 
 
+def noise_of(rngs: Sequence[np.random.Generator], device: torch.device) -> torch.Generator:
+    """The noise of scenes that are denoised together: the first one's generator seeds it."""
+    return torch.Generator(device).manual_seed(int(rngs[0].integers(2**63)))
+
+
 class HierarchicalProposer:
     """Ours: the skeleton first, then its geometry."""
 
@@ -86,10 +91,13 @@ class HierarchicalProposer:
             self._known_channels(request, part, skeleton)
             for request, part, skeleton in zip(requests, given, skeletons, strict=True)
         ]
-        noise = torch.Generator(self._device).manual_seed(int(rngs[0].integers(2**63)))
-        watch = None if on_step is None else _watched(on_step, skeletons)
-        layouts = self._sampler.sample(skeletons, wishes, noise, known, watch)
-        return [Proposal(*pair) for pair in zip(skeletons, layouts, strict=True)]
+
+        def proposed(layouts: Sequence[Geometry]) -> list[Proposal]:
+            return [Proposal(*pair) for pair in zip(skeletons, layouts, strict=True)]
+
+        watch = None if on_step is None else lambda at, layouts: on_step(at, proposed(layouts))
+        noise = noise_of(rngs, self._device)
+        return proposed(self._sampler.sample(skeletons, wishes, noise, known, watch))
 
     def _given(self, request: Request) -> Example | None:
         """The coarse part of the scene that is to be completed."""
@@ -121,12 +129,3 @@ class HierarchicalProposer:
             np.log(request.outline_m)
         )
         return np.where(self._statistics.is_free[kind], (channels - mean) / spread, 0.0)
-
-
-def _watched(
-    on_step: OnStep, skeletons: Sequence[Skeleton]
-) -> Callable[[Moment, Sequence[Geometry]], None]:
-    def watch(moment: Moment, layouts: Sequence[Geometry]) -> None:
-        on_step(moment, [Proposal(*pair) for pair in zip(skeletons, layouts, strict=True)])
-
-    return watch

@@ -31,8 +31,8 @@ Decode = Callable[[Tensor, TokenBatch], Boxes]
 Bounds = Callable[[TokenBatch], tuple[Tensor, Tensor]]
 """Least and greatest value that each channel of each token had in training."""
 
-_PLACE, _HEIGHT = slice(0, 2), 2
-"""Channels that move an object; the third one where its height is free."""
+_HEIGHT = 2
+"""Channel of an object's height."""
 
 
 @dataclass(frozen=True, kw_only=True)

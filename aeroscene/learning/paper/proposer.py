@@ -11,7 +11,7 @@ from torch import Tensor
 from aeroscene.learning.diffusion.loss import Denoiser
 from aeroscene.learning.diffusion.sampling import Guidance, Moment, SamplerCfg, sample
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.generation.proposal import OnStep, Proposal
+from aeroscene.learning.generation.proposal import OnStep, Proposal, noise_of
 from aeroscene.learning.generation.request import Request, RequestError
 from aeroscene.learning.paper.tokens import FlatStatistics, empty_flat_batch, read_flat
 from aeroscene.learning.tokens.kinds import Vocabulary
@@ -64,7 +64,6 @@ class FlatProposer:
                 )
         counts = [(wish.n_coarse, wish.n_fine) for wish in wishes]
         batch = empty_flat_batch(wishes, counts).to(self._device)
-        noise = torch.Generator(self._device).manual_seed(int(rngs[0].integers(2**63)))
 
         def watch(moment: Moment, x_t: Tensor, x0: Tensor) -> None:
             del x0
@@ -77,7 +76,7 @@ class FlatProposer:
             batch,
             self._schedule,
             self._sampler,
-            noise,
+            noise_of(rngs, self._device),
             guidance=self._guidance,
             x0_range=self._x0_range,
             on_step=watch,

@@ -27,8 +27,6 @@ class Material:
     """Sliding friction coefficient."""
     specular: float = 0.1
     """0 matt to 1."""
-    shininess: float = 0.2
-    """0 wide highlight to 1 narrow."""
 
 
 def _grey(level: float) -> tuple[float, float, float, float]:
@@ -96,7 +94,7 @@ _PLAIN = (
     Material("gravel", (0.66, 0.62, 0.55, 1.0), "gravel", (2.0, 2.0), 0.8, 0.0),
     Material("grass", (0.38, 0.53, 0.27, 1.0), "grass", (8.0, 8.0), 0.8, 0.0),
     Material("soil", (0.36, 0.26, 0.18, 1.0), "soil", (1.6, 1.6), 0.8, 0.0),
-    Material("water", (0.20, 0.42, 0.55, 1.0), "water", (8.0, 8.0), 0.4, 0.8, 0.8),
+    Material("water", (0.20, 0.42, 0.55, 1.0), "water", (8.0, 8.0), 0.4, 0.8),
     Material("brick", (0.72, 0.42, 0.33, 1.0), "brick", (1.0, 0.9), 0.9, 0.0),
     Material("roof_red", (0.68, 0.30, 0.22, 1.0), "roof_tiles", (1.5, 1.5), 0.8, 0.05),
     Material("roof_slate", (0.36, 0.39, 0.44, 1.0), "roof_tiles", (1.5, 1.5), 0.8, 0.05),
@@ -118,20 +116,20 @@ _PLAIN = (
     Material("blossom_red", (0.80, 0.20, 0.18, 1.0), "leaves", (1.0, 1.0), 0.8, 0.0),
     Material("birch_bark", (0.86, 0.85, 0.81, 1.0), "plaster", (0.8, 0.8), 0.9, 0.0),
     Material("hedge", (0.28, 0.47, 0.22, 1.0), "leaves", (1.2, 1.2), 0.8, 0.0),
-    Material("glass", (0.45, 0.60, 0.70, 1.0), "glass", (2.0, 2.2), 0.4, 0.9, 0.9),
-    Material("dark_glass", (0.16, 0.21, 0.26, 1.0), "glass", (1.6, 1.8), 0.4, 0.9, 0.9),
-    Material("metal", (0.62, 0.64, 0.66, 1.0), "metal", (1.0, 1.0), 0.6, 0.5, 0.5),
-    Material("dark_metal", (0.26, 0.27, 0.30, 1.0), "metal", (1.0, 1.0), 0.6, 0.4, 0.5),
+    Material("glass", (0.45, 0.60, 0.70, 1.0), "glass", (2.0, 2.2), 0.4, 0.9),
+    Material("dark_glass", (0.16, 0.21, 0.26, 1.0), "glass", (1.6, 1.8), 0.4, 0.9),
+    Material("metal", (0.62, 0.64, 0.66, 1.0), "metal", (1.0, 1.0), 0.6, 0.5),
+    Material("dark_metal", (0.26, 0.27, 0.30, 1.0), "metal", (1.0, 1.0), 0.6, 0.4),
     Material("rubber", (0.10, 0.10, 0.11, 1.0), "rubber", (0.5, 0.5), 1.1, 0.05),
     Material("plastic_white", (0.92, 0.92, 0.92, 1.0), "plastic", (1.0, 1.0), 0.6, 0.3),
     Material("plastic_black", (0.11, 0.11, 0.12, 1.0), "plastic", (0.6, 0.6), 0.6, 0.3),
     Material("plastic_green", (0.16, 0.38, 0.20, 1.0), "plastic", (0.8, 0.8), 0.6, 0.3),
     Material("cardboard", (0.68, 0.52, 0.34, 1.0), "cardboard", (0.6, 0.6), 0.7, 0.0),
-    Material("ceramic", (0.95, 0.94, 0.91, 1.0), "ceramic", (0.3, 0.3), 0.6, 0.5, 0.6),
+    Material("ceramic", (0.95, 0.94, 0.91, 1.0), "ceramic", (0.3, 0.3), 0.6, 0.5),
     Material("stone", (0.80, 0.78, 0.74, 1.0), "ashlar", (2.4, 2.4), 0.7, 0.3),
     Material("terracotta", (0.74, 0.42, 0.28, 1.0), "plaster", (1.0, 1.0), 0.8, 0.0),
-    Material("solar", (0.16, 0.22, 0.42, 1.0), "solar", (1.0, 1.0), 0.5, 0.7, 0.7),
-    Material("screen", (0.10, 0.16, 0.26, 1.0), "screen", (0.6, 0.4), 0.5, 0.8, 0.8),
+    Material("solar", (0.16, 0.22, 0.42, 1.0), "solar", (1.0, 1.0), 0.5, 0.7),
+    Material("screen", (0.10, 0.16, 0.26, 1.0), "screen", (0.6, 0.4), 0.5, 0.8),
     Material("marking_white", (0.93, 0.93, 0.93, 1.0), "worn_paint", (1.5, 1.5), 0.9, 0.0),
     Material("marking_yellow", (0.95, 0.78, 0.15, 1.0), "worn_paint", (1.5, 1.5), 0.9, 0.0),
     Material("light_warm", (1.0, 0.93, 0.72, 1.0), None, (1.0, 1.0), 0.6, 0.5),

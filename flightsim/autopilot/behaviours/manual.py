@@ -31,7 +31,7 @@ class Manual:
 
     def ready_to_lift(self) -> bool:
         """Whether the throttle is up."""
-        return self._sticks().throttle > _RAISED_THROTTLE
+        return _sticks(self._flight).throttle > _RAISED_THROTTLE
 
     def start(self) -> None:
         """Keep the present heading."""
@@ -41,7 +41,7 @@ class Manual:
         """Attitude or rates commanded by the sticks."""
         flight = self._flight
         flight.target_enu_m = None
-        sticks = self._sticks()
+        sticks = _sticks(self._flight)
         if flight.vehicle.is_landed and sticks.throttle <= _RAISED_THROTTLE:
             return IDLE
         p = flight.parameters
@@ -71,9 +71,6 @@ class Manual:
             thrust=thrust,
         )
 
-    def _sticks(self) -> Sticks:
-        return self._flight.sticks.current(self._flight.vehicle.time_us)
-
 
 class StickGuided:
     """Altitude and position mode: the throttle commands climb, centred sticks hold."""
@@ -89,11 +86,11 @@ class StickGuided:
     @property
     def may_rest(self) -> bool:
         """Whether the throttle commands a descent."""
-        return self._sticks().throttle < _SINK_THROTTLE
+        return _sticks(self._flight).throttle < _SINK_THROTTLE
 
     def ready_to_lift(self) -> bool:
         """Whether the throttle commands a climb."""
-        return self._sticks().throttle > _RISE_THROTTLE
+        return _sticks(self._flight).throttle > _RISE_THROTTLE
 
     def start(self) -> None:
         """Continue from the present reference."""
@@ -105,7 +102,7 @@ class StickGuided:
         """Velocity, or tilt and climb, commanded by the sticks."""
         flight = self._flight
         flight.target_enu_m = None
-        sticks = self._sticks()
+        sticks = _sticks(self._flight)
         dead_zone = flight.parameters["MPC_HOLD_DZ"]
         forward = with_dead_zone(sticks.pitch, dead_zone)
         right = with_dead_zone(sticks.roll, dead_zone)
@@ -149,9 +146,6 @@ class StickGuided:
             yaw_rate_radps=flight.heading.yaw_rate_radps,
         )
 
-    def _sticks(self) -> Sticks:
-        return self._flight.sticks.current(self._flight.vehicle.time_us)
-
 
 def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: float) -> Quaternion:
     """Attitude (FLU to ENU) with a heading and with tilts forward and to the right.
@@ -165,6 +159,10 @@ def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: floa
     w, x, y = cos(half), roll_rad * k, pitch_rad * k
     c, s = cos(0.5 * yaw_rad), sin(0.5 * yaw_rad)
     return (c * w, c * x - s * y, c * y + s * x, s * w)
+
+
+def _sticks(flight: FlightContext) -> Sticks:
+    return flight.sticks.current(flight.vehicle.time_us)
 
 
 def _yaw_rate(flight: FlightContext, sticks: Sticks) -> float:

@@ -70,3 +70,8 @@ def unsettled(scene: Scene, sigma_m: float, seed: int) -> Scene:
         box = OrientedBox((float(p[0]), float(p[1]), float(p[2])), obj.bbox.q, (s[0], s[1], s[2]))
         objects.append(replace(obj, bbox=box))
     return replace(scene, objects=tuple(objects), interaction_areas=())
+
+
+def row_of(layout, number):
+    """Row of the object with this id."""
+    return next(row for row, obj in enumerate(layout.objects) if obj.id == number)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from aeroscene.feasibility.hosts import dissolve, rehome
 from aeroscene.feasibility.layout import layout_of
-from tests.aeroscene.feasibility.scenes import BENCH, LAWN, PLAZA, garden, thing
+from tests.aeroscene.feasibility.scenes import BENCH, LAWN, PLAZA, garden, row_of, thing
 
 HOUSE, ROOM, BED, BUSH, OTHER = range(50, 55)
 
@@ -20,10 +20,6 @@ def winter_garden(bush_x_m: float):
 
 def parent_of(layout, number):
     return layout.object(row_of(layout, number)).parent_id
-
-
-def row_of(layout, number):
-    return next(row for row, obj in enumerate(layout.objects) if obj.id == number)
 
 
 def test_what_stood_on_a_lawn_indoors_is_left_to_its_room():

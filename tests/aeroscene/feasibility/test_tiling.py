@@ -8,14 +8,10 @@ from aeroscene.feasibility.boxes import boxes_of, forbidden_overlaps, strangers
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
 from tests.aeroscene.conftest import cached_scene
-from tests.aeroscene.feasibility.scenes import BENCH, LAWN, PLAZA, garden, thing
+from tests.aeroscene.feasibility.scenes import BENCH, LAWN, PLAZA, garden, row_of, thing
 
 ROOMS = (20, 21)
 NO_AIR = strangers(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
-
-
-def row_of(layout, number):
-    return next(row for row, obj in enumerate(layout.objects) if obj.id == number)
 
 
 def house():

@@ -18,16 +18,17 @@ from autonomy.estimation.fusion import (
     heading_innovation,
 )
 from autonomy.estimation.past import restart_past
-from autonomy.estimation.predict import predict
-from tests.autonomy.sample_filters import DT, G, add_error, error_between, filter_at, moving_filter
+from tests.autonomy.sample_filters import (
+    DT,
+    add_error,
+    error_between,
+    filter_at,
+    fly,
+    moving_filter,
+)
 
 FIELD = np.array([0.8, 21.5, -42.8])
 SIGMA_M, SIGMA_MPS = np.full(3, 0.05), np.full(3, 0.05)
-
-
-def fly(f, ticks):
-    for _ in range(ticks):
-        predict(f, np.array([0.0, 0.0, G]), np.zeros(3))
 
 
 def test_a_late_fix_is_compared_with_the_estimate_of_its_time():

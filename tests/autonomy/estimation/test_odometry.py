@@ -10,13 +10,7 @@ from scipy.spatial.transform import Rotation
 from autonomy.estimation.error_state import ATTITUDE, N_STATES, VIO_ORIGIN, VIO_YAW
 from autonomy.estimation.odometry import fuse_vio
 from autonomy.estimation.past import restart_past
-from autonomy.estimation.predict import predict
-from tests.autonomy.sample_filters import DT, G, error_between, filter_at, moving_filter
-
-
-def fly(f, ticks):
-    for _ in range(ticks):
-        predict(f, np.array([0.0, 0.0, G]), np.zeros(3))
+from tests.autonomy.sample_filters import DT, error_between, filter_at, fly, moving_filter
 
 
 def pose_in(frame_yaw, origin, position):

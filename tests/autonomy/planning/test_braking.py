@@ -13,7 +13,6 @@ from autonomy.planning import (
     EvasionError,
     FlightLimits,
     LimitsError,
-    MovingObstacles,
     Obstacles,
     PlannerCfg,
     brake,
@@ -23,7 +22,7 @@ from autonomy.planning import (
 )
 from autonomy.planning.obstacles import join
 from autonomy.types import FlatReference
-from tests.autonomy.planning_worlds import GROUND, field_of, quadrotor, town
+from tests.autonomy.planning_worlds import GROUND, ball, field_of, quadrotor, town
 
 LIMITS = FlightLimits()
 CFG = PlannerCfg(vehicle_radius_m=0.4)
@@ -39,10 +38,6 @@ def pillar(x, width):
 
 def stop(plan, at_s, obstacles=GROUND, **options):
     return brake(plan, at_s, obstacles, Craft(LIMITS, quadrotor(), CFG), **options)
-
-
-def ball(position, velocity, radius=0.4, **options):
-    return MovingObstacles.balls([position], [velocity], [radius], **options)
 
 
 @functools.cache

@@ -24,7 +24,15 @@ from autonomy.planning import (
 from autonomy.planning.moving import distance_to_movers
 from autonomy.planning.program import build
 from autonomy.types import FlatReference
-from tests.autonomy.planning_worlds import GROUND, field_of, quadrotor, random_boxes, seeds, town
+from tests.autonomy.planning_worlds import (
+    GROUND,
+    ball,
+    field_of,
+    quadrotor,
+    random_boxes,
+    seeds,
+    town,
+)
 
 LIMITS = FlightLimits()
 CFG = PlannerCfg(vehicle_radius_m=0.4, max_piece_m=4.0)
@@ -41,10 +49,6 @@ def random_movers(rng, n):
         growth_mps=0.3,
         horizon_s=2.5,
     )
-
-
-def ball(position, velocity, radius=0.4, **options):
-    return MovingObstacles.balls([position], [velocity], [radius], **options)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """Whole plans: certified in random towns, or refused with the reason."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -62,6 +63,16 @@ def test_a_moving_start_is_flown_on_from():
     start = dataclasses.replace(START, velocity_enu_mps=(2.0, 2.0, 0.0))
     sample = plan(GROUND, start).sample(0.0)
     np.testing.assert_allclose(sample.velocity_enu_mps, (2.0, 2.0, 0.0), atol=1e-6)
+
+
+def test_the_vehicle_looks_along_its_way():
+    trajectory = plan(GROUND, dataclasses.replace(START, yaw_rad=-2.0))
+    on_the_way = np.linspace(0.5, 0.9, 9) * trajectory.duration_s
+    for sample in map(trajectory.sample, on_the_way):
+        east, north, _ = sample.velocity_enu_mps
+        turn = sample.yaw_rad - math.atan2(north, east)
+        assert math.hypot(east, north) > 0.5
+        assert math.remainder(turn, 2 * math.pi) == pytest.approx(0.0, abs=0.1)
 
 
 def test_a_narrow_gap_is_taken_where_there_is_no_other():

@@ -3,10 +3,9 @@ import numpy as np
 import pytest
 
 from flightsim.export.mjcf import write_mjcf
-from flightsim.geom_groups import RAY_GROUPS
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from tests.flightsim.handmade import empty_scene
+from tests.flightsim.handmade import RAY_GROUPS, empty_scene
 
 SOLIDS_ONLY = np.array([0, 0, 0, 1, 0, 0], dtype=np.uint8)
 

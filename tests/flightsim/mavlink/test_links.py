@@ -15,15 +15,9 @@ from flightsim.mavlink.links import (
     UdpLink,
 )
 from flightsim.mavlink.links.udp import join
-from tests.flightsim.mavlink.wire import Wire, named
+from tests.flightsim.mavlink.wire import Wire, free_port, named
 
 _PING = layout("PING")
-
-
-def _free_port(kind) -> int:
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 class _Host:
@@ -59,7 +53,7 @@ class _Host:
 
 @pytest.fixture
 def udp():
-    local, remote = _free_port(socket.SOCK_DGRAM), _free_port(socket.SOCK_DGRAM)
+    local, remote = free_port(socket.SOCK_DGRAM), free_port(socket.SOCK_DGRAM)
     host = _Host(UdpLink(local_port=local, remote_port=remote))
     host.local, host.remote = ("127.0.0.1", local), ("127.0.0.1", remote)
     yield host
@@ -68,7 +62,7 @@ def udp():
 
 @pytest.fixture
 def tcp():
-    port = _free_port(socket.SOCK_STREAM)
+    port = free_port(socket.SOCK_STREAM)
     host = _Host(TcpServerLink(port=port))
     host.address = ("127.0.0.1", port)
     yield host
@@ -228,7 +222,7 @@ def test_a_port_in_use_is_named_with_the_way_out(udp, tcp):
 
 def test_an_address_of_another_machine_is_named():
     with pytest.raises(LinkError, match=r"203\.0\.113\.7"):
-        _Host(TcpServerLink(port=_free_port(socket.SOCK_STREAM), bind_address="203.0.113.7"))
+        _Host(TcpServerLink(port=free_port(socket.SOCK_STREAM), bind_address="203.0.113.7"))
 
 
 def test_links_listen_on_loopback_only(udp, tcp):
@@ -241,7 +235,7 @@ def test_links_listen_on_loopback_only(udp, tcp):
 
 
 def test_ports_are_free_again_after_closing():
-    port = _free_port(socket.SOCK_STREAM)
+    port = free_port(socket.SOCK_STREAM)
     for _ in range(2):
         host = _Host(TcpServerLink(port=port))
         client = socket.create_connection(("127.0.0.1", port))

@@ -14,16 +14,10 @@ from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink, PortInUseError, TcpServerLink, UdpLink
 from flightsim.mavlink.server import MavlinkServer
 from tests.flightsim.mavlink.conftest import Flight
-from tests.flightsim.mavlink.wire import Wire, named
+from tests.flightsim.mavlink.wire import Wire, free_port, named
 
 # Commands that end a flight when they are meant: not what a fuzz test is after.
 _ENDING = {400, 185, 20, 21, 176, 262, 92, 22}
-
-
-def _free_port(kind):
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def _random_frame(rng: random.Random, message_class) -> bytes:
@@ -190,8 +184,8 @@ def test_the_budget_of_one_partner_bounds_the_work_of_a_tick(flight):
 
 
 def test_socket_clients_come_and_vanish_in_flight(flight):
-    udp_local, udp_remote = (_free_port(socket.SOCK_DGRAM) for _ in range(2))
-    tcp_port = _free_port(socket.SOCK_STREAM)
+    udp_local, udp_remote = (free_port(socket.SOCK_DGRAM) for _ in range(2))
+    tcp_port = free_port(socket.SOCK_STREAM)
     links = [
         UdpLink(local_port=udp_local, remote_port=udp_remote, profile="onboard"),
         TcpServerLink(port=tcp_port),
@@ -232,7 +226,7 @@ def _heard(client: socket.socket):
 
 
 def test_links_opened_before_the_one_that_fails_are_closed_again(flight):
-    port = _free_port(socket.SOCK_STREAM)
+    port = free_port(socket.SOCK_STREAM)
     with socket.socket() as holder:
         holder.bind(("127.0.0.1", 0))
         holder.listen()

@@ -6,12 +6,11 @@ import pytest
 
 from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
-from flightsim.geom_groups import RAY_GROUPS
 from flightsim.plant import Plant, PlantCfg, PlantError
 from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import FIRST_MOVER_ID, WorldError, build_world
-from tests.flightsim.handmade import empty_scene
+from tests.flightsim.handmade import RAY_GROUPS, empty_scene
 
 IRIS = AIRFRAMES["iris"]
 FAR = MovingObstacle(kind="person", path_enu_m=((20.0, 0.0, 0.0), (20.0, 9.0, 0.0)), speed_mps=1.5)

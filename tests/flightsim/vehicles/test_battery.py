@@ -9,7 +9,6 @@ from flightsim.vehicles.catalogue import AIRFRAMES
 
 IRIS = AIRFRAMES["iris"].battery
 HOVER = (IRIS.hover_rotor_speed_radps,) * 4
-STOPPED = (0.0,) * 4
 CHARGE = st.floats(0.0, 1.0)
 SPEED = st.floats(0.0, 1100.0)
 

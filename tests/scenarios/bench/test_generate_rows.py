@@ -1,7 +1,6 @@
 """`aeroscene bench generate` from seeds to rows, with the model that ships."""
 
 import pytest
-import torch
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.learning.generation.request import Request
@@ -10,13 +9,7 @@ from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.generate import rows
 from tests.scenarios.small_corpus import write_corpus
 
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
 
 
 def config(data, count):

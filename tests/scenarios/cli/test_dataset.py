@@ -22,7 +22,7 @@ from aeroscene.corpus.dataset import (
     store_scene,
     write_manifest,
 )
-from scenarios.cli.main import main
+from tests.scenarios.in_process import in_process
 
 SCENES = "0:3"
 
@@ -51,12 +51,7 @@ def dataset(*args):
 
 def run(capsys, *args):
     """The same in this process; status, standard output, standard error."""
-    try:
-        status = main(["dataset", *map(str, args)])
-    except SystemExit as stop:
-        status = stop.code
-    output = capsys.readouterr()
-    return status, output.out, output.err
+    return in_process(capsys, "dataset", *args)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ import json
 import cv2
 import msgspec
 import pytest
-import torch
 from safetensors.torch import load_file, safe_open, save_file
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
@@ -15,14 +14,9 @@ from scenarios.cli.generate import GenerateError, outline_sides_m
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import cached_scene
 from tests.scenarios.cli.test_train import TINY
+from tests.scenarios.in_process import in_process
 
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +33,7 @@ def checkpoint(tmp_path_factory):
 
 
 def run(capsys, *args):
-    try:
-        status = main(["generate", *map(str, args)])
-    except SystemExit as stop:
-        status = stop.code
-    output = capsys.readouterr()
-    return status, output.out, output.err
+    return in_process(capsys, "generate", *args)
 
 
 def refused(capsys, out, *args):

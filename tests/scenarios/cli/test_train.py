@@ -14,6 +14,7 @@ from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.learning.training.checkpoint import read_checkpoint
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import cached_scene
+from tests.scenarios.in_process import in_process
 
 SCENES = (7, 42, 49)
 TINY = """
@@ -65,12 +66,7 @@ def command(corpus, config, out, *more):
 
 
 def run(capsys, args):
-    try:
-        status = main(args)
-    except SystemExit as stop:
-        status = stop.code
-    output = capsys.readouterr()
-    return status, output.out, output.err
+    return in_process(capsys, *args)
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,9 @@ import pytest
 
 from aeroscene.corpus.shipped import Provenance, scenes, write_archive
 from aeroscene.scene.io import read_scene
-from scenarios.cli.main import main
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.corpus.shipped.scenes import renamed
+from tests.scenarios.in_process import in_process
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +39,7 @@ def package(archive, tmp_path, monkeypatch):
 
 
 def run(capsys, *args):
-    try:
-        status = main(["dataset", *map(str, args)])
-    except SystemExit as stop:
-        status = stop.code
-    output = capsys.readouterr()
-    return status, output.out, output.err
+    return in_process(capsys, "dataset", *args)
 
 
 @pytest.mark.parametrize("data", [[], ["shipped"]])

@@ -1,5 +1,8 @@
 """The table of states: nothing dangles, and from the air there is always a way out."""
 
+import re
+from pathlib import Path
+
 import pytest
 
 from scenarios.pilot.phases import (
@@ -12,6 +15,7 @@ from scenarios.pilot.phases import (
 )
 
 ENDS = {Phase.DONE, Phase.FAILED}
+PAGE = Path(__file__).parents[3] / "docs" / "pilot.md"
 
 
 def reached_from(phase):
@@ -67,3 +71,16 @@ def test_a_change_that_is_not_in_the_table_is_refused_with_what_would_be():
 @pytest.mark.parametrize("phase", [Phase.SEARCH, Phase.ALIGN, Phase.CLIMB, Phase.HOLD])
 def test_an_area_that_is_given_up_is_left_for_the_next(phase):
     assert Phase.NAVIGATE in TRANSITIONS[phase]
+
+
+def test_the_page_draws_the_table():
+    """All but the ways out, which every phase in the air has and the page tells in a sentence."""
+    names = {phase.name.lower(): phase for phase in Phase}
+    arrows = re.findall(r"^ +(\w+) --> (\w+)", PAGE.read_text(), re.MULTILINE)
+    drawn = {(names[a], names[b]) for a, b in arrows if a in names and b in names}
+    told = {Phase.HOLD, Phase.RETURN, Phase.HAND_OVER, Phase.FAILED}
+    table = {(source, target) for source in Phase for target in TRANSITIONS[source]}
+    assert {edge for edge in drawn if edge[1] not in told} == {
+        edge for edge in table if edge[1] not in told
+    }
+    assert drawn <= table

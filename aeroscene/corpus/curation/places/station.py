@@ -29,7 +29,6 @@ class Station:
     _shelters: list[tuple[Placed, Placed]] = field(default_factory=list)
     """Shelter and the platform it stands on."""
     _kiosk: Placed | None = None
-    _rack: Placed | None = None
     _green: Placed | None = None
 
     def structures(self) -> Iterator[None]:

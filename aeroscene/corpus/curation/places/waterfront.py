@@ -44,7 +44,6 @@ class Waterfront:
     _pavilion: Placed | None = None
     _kiosk: Placed | None = None
     _boxes: list[Placed] = field(default_factory=list)
-    _boathouse: Placed | None = None
 
     def structures(self) -> Iterator[None]:
         """Quay and water; then jetties, a pavilion, containers, a kiosk, a boathouse."""
@@ -75,7 +74,7 @@ class Waterfront:
         if self._edge > 8:
             form = {"form": "shed"}
             at = (side * (half - 2.6), 2.8)
-            self._boathouse = ground.erect("garage", *at, (4.4, 3.6, 2.8), look=form)
+            ground.erect("garage", *at, (4.4, 3.6, 2.8), look=form)
             yield
 
     def _lay_quay(self) -> None:

@@ -11,11 +11,6 @@ MEAN, SPREAD = 0.8, 0.4
 ALL = ("ddpm", "ddim", "dpm-solver++")
 
 
-@pytest.fixture(autouse=True)
-def _one_thread():
-    torch.set_num_threads(1)
-
-
 def _denoiser(schedule: Schedule, parameterisation: str = "v") -> GaussianDenoiser:
     return GaussianDenoiser(MEAN, SPREAD, schedule, parameterisation)
 

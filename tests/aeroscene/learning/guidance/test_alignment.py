@@ -26,7 +26,6 @@ NEAR = AlignmentCfg(most_m=0.3, most_share=1.0)
 @pytest.fixture(scope="module")
 def known() -> TrainingSet:
     """An outdoor, a mixed and two indoor scenes."""
-    torch.set_num_threads(1)
     return training_set([cached_scene(index) for index in (7, 42, 311, 320)])
 
 

@@ -20,7 +20,6 @@ CPU = torch.device("cpu")
 @pytest.fixture(scope="module")
 def noisy():
     """Decoder, vocabulary, tokens and a layout that overlaps."""
-    torch.set_num_threads(1)
     known = training_set([cached_scene(index) for index in (7, 42)])
     batch = known.collator.examples(known.examples[:1])
     assert batch.x0 is not None

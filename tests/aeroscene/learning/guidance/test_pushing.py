@@ -1,6 +1,5 @@
 from dataclasses import replace
 
-import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,11 +12,6 @@ from aeroscene.learning.tokens.boxes import Boxes
 from tests.aeroscene.learning.guidance.layouts import random_layout, world_batch
 
 PARENT = [0, 0, 0, 0, 1, 1, 2, 4, 4, 3, 0, 6]
-
-
-@pytest.fixture(autouse=True)
-def _one_thread():
-    torch.set_num_threads(1)
 
 
 def _crowd(seed: int) -> tuple[Boxes, Movable]:

@@ -19,11 +19,6 @@ TABLE, CHAIR, TREE = range(3)
 CFG = SemanticPriorCfg(n_categories=3, n_neighbours=3, width=24, batch_size=24)
 
 
-@pytest.fixture(autouse=True)
-def _one_thread():
-    torch.set_num_threads(1)
-
-
 def _dinners(count: int, generator: torch.Generator) -> Layout:
     """A table with chairs before and behind it, a tree far to the side."""
     place = torch.tensor([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 9, 0]], dtype=torch.float32)

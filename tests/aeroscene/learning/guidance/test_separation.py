@@ -20,11 +20,6 @@ LATE = Moment(25, 30, 0.2, 0.9, None)
 EARLY = Moment(2, 30, 0.9, 0.1, None)
 
 
-@pytest.fixture(autouse=True)
-def _one_thread():
-    torch.set_num_threads(1)
-
-
 class World:
     """A few boxes by hand below a site, whose channels are metres in the parents' axes."""
 

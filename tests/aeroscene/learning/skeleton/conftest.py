@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
-import torch
 
 from aeroscene.learning.skeleton.config import SkeletonCfg, SkeletonTrainingCfg
 from aeroscene.learning.skeleton.train import TrainedSkeletonModel, train_skeleton
 from tests.aeroscene.learning.skeleton.toy import VOCABULARY, toy_corpus
 
 SMALL = SkeletonCfg(width=24, layers=1, kind_width=12, dropout=0.0)
-
-
-@pytest.fixture(autouse=True, scope="session")
-def one_thread() -> Iterator[None]:
-    """The machine is shared."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 @pytest.fixture(scope="session")

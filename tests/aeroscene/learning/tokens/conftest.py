@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-import torch
 
 from aeroscene.learning.tokens.training_set import TrainingSet, training_set
 from aeroscene.scene import Scene
@@ -12,5 +11,4 @@ from aeroscene.scene import Scene
 @pytest.fixture(scope="session")
 def known(scenes: list[Scene]) -> TrainingSet:
     """The sampled scenes as a training set."""
-    torch.set_num_threads(1)
     return training_set(scenes)

@@ -23,7 +23,6 @@ CODECS = (
 
 @pytest.fixture(params=CODECS, ids=lambda codec: f"{codec.frame}-{codec.yaw}-{codec.size}")
 def known(request: pytest.FixtureRequest, scenes: list[Scene]) -> TrainingSet:
-    torch.set_num_threads(1)
     return training_set(scenes[:5], request.param)
 
 

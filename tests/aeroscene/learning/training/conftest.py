@@ -24,14 +24,6 @@ def ten_objects(scene: Scene) -> Scene:
     return replace(scene, objects=scene.objects[:10], interaction_areas=())
 
 
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
-
-
 @pytest.fixture(scope="session")
 def small_scenes() -> list[Scene]:
     return [ten_objects(cached_scene(index)) for index in TRAIN]

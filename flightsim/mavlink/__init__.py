@@ -1,0 +1,1 @@
+"""MAVLink as a vehicle speaks it: links, one module for each microservice, a client."""

@@ -1,0 +1,57 @@
+"""What is unknown: nothing in a map that was given, everything unseen in one that grows."""
+
+import numpy as np
+import pytest
+
+from autonomy.mapping import GivenMap, SeenMap
+from autonomy.planning import DistanceField, Obstacles
+from tests.autonomy.depth_scene import box, look_down
+
+LOW, HIGH = (-6.0, -6.0, 0.0), (14.0, 6.0, 6.0)
+WALL = ((5.1, 0.0, 3.0), (0.2, 12.0, 6.0))
+BEFORE, BEHIND = np.array([[3.0, 0.0, 2.0]]), np.array([[8.0, 0.0, 2.0]])
+
+
+@pytest.fixture
+def given():
+    """All of a room that a wall divides; the start is before the wall."""
+    walls = Obstacles.boxes(np.array([WALL[0]]), np.array([[1.0, 0, 0, 0]]), np.array([WALL[1]]))
+    axes = [np.arange(low + 0.25, high, 0.5) for low, high in zip(LOW, HIGH, strict=True)]
+    cells = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    distance = walls.signed_distance(cells.reshape(-1, 3))[0].reshape(cells.shape[:3])
+    field = DistanceField(
+        origin_enu_m=tuple(cells[0, 0, 0].tolist()),
+        resolution_m=0.5,
+        distance_m=np.clip(distance, 0.0, 3.0).astype(np.float32),
+    )
+    return GivenMap(obstacles=walls, field=field, is_reachable=cells[..., 0] < WALL[0][0])
+
+
+@pytest.fixture
+def growing():
+    """The same room, seen twice from before the wall."""
+    seen = SeenMap(LOW, HIGH)
+    for _ in range(2):
+        seen.observe(look_down((0.0, 0.0, 2.0), pitch_down=0.0, boxes=[box(*WALL)]))
+    return seen
+
+
+def test_a_given_map_knows_what_nobody_saw(given):
+    assert given.is_given
+    for place, room_m in ((BEFORE, 2.0), (BEHIND, 2.8)):
+        for distance in (given.distance_to_seen_m, given.static_distance_m):
+            assert distance(place) == pytest.approx(room_m)
+        assert given.obstacles_about(place).signed_distance(place)[0] == pytest.approx(room_m)
+    assert given.may_be_reached(tuple(BEFORE[0]))
+    assert not given.may_be_reached(tuple(BEHIND[0]))
+
+
+def test_a_growing_map_keeps_out_of_what_it_did_not_see(growing):
+    assert not growing.is_given
+    assert growing.obstacles_about(BEFORE).signed_distance(BEFORE)[0] > 0.0
+    assert growing.obstacles_about(BEHIND).signed_distance(BEHIND)[0] <= 0.0
+    assert growing.static_distance_m(BEFORE) > 0.0
+    assert growing.static_distance_m(BEHIND) == 0.0
+    # Yet it may turn out to be free, and be reached.
+    assert growing.distance_to_seen_m(BEHIND) > 0.0
+    assert growing.may_be_reached(tuple(BEHIND[0]))
