@@ -69,6 +69,8 @@ class Plant:
         self._memory = PlantMemory(world, cfg, self.data)
         self._arguments = self._memory.arguments()
         self._record = self._memory.plant
+        self._engine: np.void = self._record["engine"]
+        self._controller: np.void = self._record["controller"]
         self._filter: np.void = self._record["filter"]
         self._rotor_speeds: np.ndarray = self._record["rotors"]["speed_radps"]
         qpos, qvel = self._memory.qpos, self._memory.qvel
@@ -99,15 +101,16 @@ class Plant:
                 "its state had become infinite or not a number"
             )
         self._read_afresh()
-        self.contact_ticks = int(self._record["engine"]["contact_ticks"])
+        self.contact_ticks = int(self._engine["contact_ticks"])
         self.total_contact_ticks += self.contact_ticks
         self.battery.step(self.rotor_speeds_radps, 1.0 / ADVANCE_HZ)
         if self.battery.remaining <= 0.0:
-            self._record["engine"]["has_power"] = 0
+            self._engine["has_power"] = 0
 
     def _read_afresh(self) -> None:
         """Drop the objects built from the record of the tick before."""
         self._truth = self._estimate = self._status = None
+        self.sensors.drop()
 
     def _state(self, views: tuple[np.ndarray, ...]) -> State:
         position, velocity, quat, rate = (tuple(view.tolist()) for view in views)
@@ -163,7 +166,7 @@ class Plant:
                 return
             setpoint = setpoint_or_none
         self._memory.setpoint_flat[:] = setpoint_row(setpoint)
-        self._record["engine"]["has_new_setpoint"] = 1
+        self._engine["has_new_setpoint"] = 1
 
     @property
     def truth(self) -> State:
@@ -194,12 +197,12 @@ class Plant:
     @property
     def rotor_speed_commands_radps(self) -> tuple[float, float, float, float]:
         """Speeds last commanded."""
-        return tuple(self._record["controller"]["rotor_command_radps"].tolist())
+        return tuple(self._controller["rotor_command_radps"].tolist())
 
     @property
     def collective_thrust_fraction(self) -> float:
         """Commanded collective thrust over its maximum, 0 to 1."""
-        return float(self._record["controller"]["thrust_fraction"])
+        return float(self._controller["thrust_fraction"])
 
     @property
     def terrain_height_est_m(self) -> float:
@@ -276,6 +279,7 @@ class Plant:
         if sensor not in names:
             raise PlantError(f"sensor = {sensor!r}: valid are {', '.join(names)}")
         self._record[sensor]["is_enabled"] = int(is_enabled)
+        self.sensors.drop()
 
 
 def compile_kernels() -> None:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from autonomy.types import Vector3, vector3
+from autonomy.types import Vector3
+from flightsim.sensors.sensor import numbers
 
 _MAX_HORIZONTAL_SIGMA_M = 5.0
 """Position counts as lost beyond this: some ten seconds without a fix."""
@@ -31,21 +32,28 @@ class EstimatorStatus:
     accel_bias_flu_mps2: Vector3
 
 
+_numbers = numbers(
+    *("is_aligned", "tick", "last_gnss_tick", "gyro_bias_flu_radps", "accel_bias_flu_mps2"),
+    *("ratio_gnss_position", "ratio_gnss_velocity", "ratio_baro", "ratio_heading"),
+)
+
+
 def estimator_status(f: np.void, tick_us: int) -> EstimatorStatus:
     """Status of a filter of `FILTER_DTYPE`, by ticks of this length."""
     v = f["covariance"].diagonal()[:3].tolist()
-    is_aligned = bool(f["is_aligned"])
+    is_aligned, tick, last_gnss_tick, gyro_bias, accel_bias, *ratios = _numbers(f)
+    gnss_position, gnss_velocity, baro, heading = ratios
     sigma_horizontal = math.sqrt(v[0] + v[1]) if is_aligned else math.inf
     return EstimatorStatus(
-        is_attitude_valid=is_aligned,
+        is_attitude_valid=bool(is_aligned),
         is_position_valid=sigma_horizontal < _MAX_HORIZONTAL_SIGMA_M,
         sigma_horizontal_m=sigma_horizontal,
         sigma_vertical_m=math.sqrt(v[2]) if is_aligned else math.inf,
-        gnss_age_s=int(f["tick"] - f["last_gnss_tick"]) * tick_us * 1e-6,
-        gnss_position_ratio=float(f["ratio_gnss_position"]),
-        gnss_velocity_ratio=float(f["ratio_gnss_velocity"]),
-        baro_ratio=float(f["ratio_baro"]),
-        heading_ratio=float(f["ratio_heading"]),
-        gyro_bias_flu_radps=vector3(f["gyro_bias_flu_radps"]),
-        accel_bias_flu_mps2=vector3(f["accel_bias_flu_mps2"]),
+        gnss_age_s=(tick - last_gnss_tick) * tick_us * 1e-6,
+        gnss_position_ratio=gnss_position,
+        gnss_velocity_ratio=gnss_velocity,
+        baro_ratio=baro,
+        heading_ratio=heading,
+        gyro_bias_flu_radps=gyro_bias,
+        accel_bias_flu_mps2=accel_bias,
     )

@@ -80,15 +80,23 @@ def _sense_range(
 class SensorReadings:
     """Latest sample of every sensor, read out of the plant's record on request."""
 
-    __slots__ = ("_records", "_tick_us")
+    __slots__ = ("_readings", "_records", "_tick_us")
 
     def __init__(self, record: np.void, tick_us: int) -> None:
         self._records = {sensor.name: record[sensor.name] for sensor in SENSORS}
         self._tick_us = tick_us
+        self._readings: dict[str, Any] = {}
+
+    def drop(self) -> None:
+        """Forget what was read: the sensors have measured anew."""
+        self._readings.clear()
 
     def read(self, sensor: Sensor) -> Any:
         """The latest sample of a sensor of `SENSORS`."""
-        return sensor.read(self._records[sensor.name], self._tick_us)
+        name = sensor.name
+        if name not in self._readings:
+            self._readings[name] = sensor.read(self._records[name], self._tick_us)
+        return self._readings[name]
 
     @property
     def imu(self) -> ImuReading:

@@ -10,6 +10,7 @@ import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -133,25 +134,24 @@ def reader(reading: Any) -> Callable[[np.void, int], Any]:
     return read
 
 
-def numbers(*names: str) -> Callable[[np.void], list[Any]]:
-    """Reads fields of one sensor's record as plain numbers and tuples: numpy takes far longer."""
+def numbers(*names: str) -> Callable[[np.void], tuple[Any, ...]]:
+    """Reads fields of one kind of record as plain numbers and tuples: numpy takes far longer."""
     unpack: Callable[[Any], tuple[Any, ...]] | None = None
-    places: list[int | slice] = []
+    choose: Callable[[Any], tuple[Any, ...]] = itemgetter(0)
 
-    def read(r: np.void) -> list[Any]:
-        nonlocal unpack
+    def read(r: np.void) -> tuple[Any, ...]:
+        nonlocal unpack, choose
         if unpack is None:
-            unpack = _unpacker(r.dtype, names, places)
-        values = unpack(r)
-        return [values[place] for place in places]
+            unpack, choose = _unpacker(r.dtype, names)
+        return choose(unpack(r))
 
     return read
 
 
 def _unpacker(
-    dtype: Any, names: Sequence[str], places: list[int | slice]
-) -> Callable[[Any], tuple[Any, ...]]:
-    """Unpacks the named fields from a record's bytes; writes where each is among the numbers."""
+    dtype: Any, names: Sequence[str]
+) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any], tuple[Any, ...]]]:
+    """Unpacks named fields from a record's bytes, and puts them in the order of the names."""
     offsets = {name: (dtype.fields or {})[name][1] for name in names}
     codes, found, n = "=", {}, 0
     for name in sorted(names, key=lambda name: offsets[name]):
@@ -161,8 +161,7 @@ def _unpacker(
         )
         found[name] = slice(n, n + size) if dtype[name].shape else n
         n += size
-    places[:] = [found[name] for name in names]
-    return struct.Struct(codes).unpack_from
+    return struct.Struct(codes).unpack_from, itemgetter(*(found[name] for name in names))
 
 
 class NormalStream:

@@ -7,8 +7,9 @@ import math
 import mujoco
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
-from autonomy.types import Vector3
+from autonomy.types import Quaternion, Vector3
 from flightsim.geom_groups import GeomGroup
 from flightsim.world import World
 
@@ -16,6 +17,15 @@ FOV_RAD = math.radians(55.0)
 """Vertical angle of view that the distance is made for."""
 _BEHIND_M, _ABOVE_M = 2.9, 1.6
 _FULL_M = math.hypot(_BEHIND_M, _ABOVE_M)
+_LOOK_WXYZ = (
+    (
+        Rotation.from_euler("y", math.atan2(_ABOVE_M, _BEHIND_M))
+        * Rotation.from_quat((0.5, -0.5, 0.5, -0.5), scalar_first=True)
+    )
+    .as_quat(scalar_first=True)
+    .tolist()
+)
+"""Attitude of a camera (x right, y down, z ahead) that looks east and down at the vehicle."""
 _STEPS_A_LOOK = 3
 """Number of steps from one check for walls to the next."""
 _LEAST_M = 0.7
@@ -71,3 +81,10 @@ class ChaseEye:
         d = self._distance_m = min(self._room_m, grown_m)
         x, y, z = position_enu_m.tolist()
         return (x + d * a, y + d * b, z + d * c)
+
+    @property
+    def quat_wxyz(self) -> Quaternion:
+        """Attitude of a camera there (x right, y down, z ahead) that looks at the vehicle."""
+        w, x, y, z = _LOOK_WXYZ
+        cos, sin = math.cos(self._heading_rad / 2), math.sin(self._heading_rad / 2)
+        return (cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w)

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
-from jaxtyping import Float
-from scipy.spatial.transform import Rotation
 
 from autonomy.rotation import yaw_from_quat
 from scenarios.recording import layout
@@ -16,7 +14,7 @@ from scenarios.recording.columns import send_pose, sim_time
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
-    from flightsim.plant import Plant
+    from flightsim.world import World
     from scenarios.recording.chase import ChaseEye
 
 _PERIOD_US = 40_000
@@ -26,38 +24,32 @@ _PLANE_M = 0.05
 
 
 class ChaseLog:
-    """Gathers the eye's pose at every tick of the loop, and writes the poses now and then."""
+    """Follows the flown trajectory by an eye, and writes where that is."""
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream
         self._eye: ChaseEye | None = None
-        self._times_us: list[int] = []
-        self._eyes_and_targets: list[tuple[float, ...]] = []
 
-    def on_tick(self, plant: Plant) -> None:
-        """Follow the vehicle for a tick."""
+    def send(self, world: World, history: np.ndarray) -> None:
+        """Write the poses of the eye along a stretch of `Plant.history`, which goes on the last."""
+        steps = np.flatnonzero(history["time_us"] % _PERIOD_US == 0)
+        if not len(steps):
+            return
+        eye = self._eye or self._begin(world, history["quat_true_wxyz"][steps[0]])
+        positions, velocities = history["position_true_enu_m"], history["velocity_true_enu_mps"]
+        eyes_enu_m, quats_wxyz = [], []
+        for step in steps.tolist():
+            eyes_enu_m.append(eye.follow(positions[step], velocities[step], 1e-6 * _PERIOD_US))
+            quats_wxyz.append(eye.quat_wxyz)
+        time = sim_time(history["time_us"][steps])
+        send_pose(self._stream, layout.CHASE, time, np.array(eyes_enu_m), np.array(quats_wxyz))
+
+    def _begin(self, world: World, quat_wxyz: np.ndarray) -> ChaseEye:
         from scenarios.recording.chase import FOV_RAD, ChaseEye  # noqa: PLC0415 - as above
 
-        if plant.time_us % _PERIOD_US:
-            return
-        last = plant.history[-1]
-        if self._eye is None:
-            self._eye = ChaseEye(plant.world, yaw_from_quat(last["quat_true_wxyz"]))
-            self._log_lens(FOV_RAD)
-        position = last["position_true_enu_m"]
-        eye_enu_m = self._eye.follow(position, last["velocity_true_enu_mps"], 1e-6 * _PERIOD_US)
-        self._times_us.append(plant.time_us)
-        self._eyes_and_targets.append((*eye_enu_m, *position.tolist()))
-
-    def flush(self) -> None:
-        """Write the poses that wait."""
-        if self._times_us:
-            eyes_m, targets_m = np.hsplit(np.array(self._eyes_and_targets), 2)
-            time = sim_time(np.array(self._times_us))
-            quats = _quats_enu_from_optical(targets_m - eyes_m)
-            send_pose(self._stream, layout.CHASE, time, eyes_m, quats)
-            self._times_us.clear()
-            self._eyes_and_targets.clear()
+        self._eye = ChaseEye(world, yaw_from_quat(quat_wxyz))
+        self._log_lens(FOV_RAD)
+        return self._eye
 
     def _log_lens(self, vertical_fov_rad: float) -> None:
         width, height = _SIZE_PX
@@ -70,12 +62,3 @@ class ChaseLog:
             color=(0, 0, 0, 0),
         )
         self._stream.log(layout.CHASE, lens, static=True)
-
-
-def _quats_enu_from_optical(ahead_enu: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 4"]:
-    """Attitudes wxyz of upright cameras that look along these directions, none of them vertical."""
-    ahead = ahead_enu / np.linalg.norm(ahead_enu, axis=1, keepdims=True)
-    right = np.cross(ahead, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right, axis=1, keepdims=True)
-    columns = np.stack([right, np.cross(ahead, right), ahead], axis=2)
-    return Rotation.from_matrix(columns).as_quat(scalar_first=True)

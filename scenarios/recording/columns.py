@@ -6,12 +6,19 @@ every control tick waits in an array and goes out once a simulated second.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import rerun as rr
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from scenarios.recording import layout
-from scenarios.recording.series import ESTIMATE_FIELD, SERIES, ScalarSeries
+from scenarios.recording.series import (
+    ESTIMATE_FIELD,
+    REFERENCE_FIELD,
+    SERIES,
+    ScalarSeries,
+)
 
 SLOW_STEP = 5
 """Control ticks from one kept sample to the next, of quantities that are not fast: 50 Hz."""
@@ -20,6 +27,9 @@ PATH_STEP = 50
 
 
 _SCALARS = rr.Scalars.descriptor_scalars()
+_STRIPS = rr.LineStrips3D.descriptor_strips()
+_TRANSLATION = rr.Transform3D.descriptor_translation()
+_QUATERNION = rr.Transform3D.descriptor_quaternion()
 
 
 def sim_time(time_us: Int[np.ndarray, " n"]) -> rr.TimeColumn:
@@ -36,42 +46,46 @@ def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
     """Write a stretch of `Plant.history` rows, oldest first."""
     slow = history[SLOW_STEP - 1 :: SLOW_STEP]
     fast_time, slow_time = sim_time(history["time_us"]), sim_time(slow["time_us"])
+    is_known = {field: np.any(slow[field], axis=1) for field in (REFERENCE_FIELD, ESTIMATE_FIELD)}
     for series in SERIES:
         rows, time = (history, fast_time) if series.is_fast else (slow, slow_time)
         if len(rows):
-            send_scalars(stream, series.entity, time, _known(rows, series))
+            send_scalars(stream, series.entity, time, _values(rows, series, is_known))
     position_m, quat = history["position_true_enu_m"], history["quat_true_wxyz"]
     send_pose(stream, layout.VEHICLE, fast_time, position_m, quat)
-    _send_errors(stream, slow)
+    _send_errors(stream, slow, is_known[ESTIMATE_FIELD])
 
 
-def _known(rows: np.ndarray, series: ScalarSeries) -> Float[np.ndarray, "n k"]:
+def _values(
+    rows: np.ndarray, series: ScalarSeries, is_known: Mapping[str, Bool[np.ndarray, " n"]]
+) -> Float[np.ndarray, "n k"]:
     """Values of a series; NaN, which plots leave out, as long as they mean nothing."""
-    column = slice(None) if series.column is None else slice(series.column, series.column + 1)
-    parts = []
-    for field, by in zip(series.fields, series.known_by, strict=True):
-        values = rows[field][:, column]
+    if series.column is None:
+        (field,) = series.fields
+        return rows[field]
+    values = np.column_stack([rows[field][:, series.column] for field in series.fields])
+    for k, by in enumerate(series.known_by):
         if by is not None:
-            values = np.where(np.any(rows[by], axis=1, keepdims=True), values, np.nan)
-        parts.append(values)
-    return np.hstack(parts)
+            values[~is_known[by], k] = np.nan
+    return values
 
 
-def _send_errors(stream: rr.RecordingStream, rows: np.ndarray) -> None:
+def _send_errors(
+    stream: rr.RecordingStream, rows: np.ndarray, is_aligned: Bool[np.ndarray, " n"]
+) -> None:
     """Estimate and errors, from the estimator's alignment on."""
     from scenarios.run.scoring import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
 
-    rows = rows[rows[ESTIMATE_FIELD].any(axis=1)]
-    if not len(rows):
+    if not is_aligned.any():
         return
-    time = sim_time(rows["time_us"])
-    position_m, quat = rows[ESTIMATE_FIELD], rows["quat_est_wxyz"]
+    time = sim_time(rows["time_us"][is_aligned])
+    position_m, quat = rows[ESTIMATE_FIELD][is_aligned], rows["quat_est_wxyz"][is_aligned]
     send_pose(stream, layout.ESTIMATE, time, position_m, quat)
-    error_m = position_m - rows["position_true_enu_m"]
-    distance_m = np.linalg.norm(error_m, axis=1, keepdims=True)
-    send_scalars(stream, layout.POSITION_ERROR, time, np.hstack([error_m, distance_m]))
-    angle_deg = np.degrees(rotation_angle_rad(quat, rows["quat_true_wxyz"]))
-    send_scalars(stream, layout.ATTITUDE_ERROR, time, angle_deg[:, None])
+    error_m = position_m - rows["position_true_enu_m"][is_aligned]
+    distance_m = np.linalg.norm(error_m, axis=1)
+    send_scalars(stream, layout.POSITION_ERROR, time, np.column_stack([error_m, distance_m]))
+    angle_rad = rotation_angle_rad(quat, rows["quat_true_wxyz"][is_aligned])
+    send_scalars(stream, layout.ATTITUDE_ERROR, time, np.degrees(angle_rad)[:, None])
 
 
 def send_scalars(
@@ -91,15 +105,14 @@ def send_pose(
     position_enu_m: Float[np.ndarray, "n 3"],
     quat_wxyz: Float[np.ndarray, "n 4"],
 ) -> None:
-    """Write rows of an entity's pose in the world."""
-    stream.send_columns(
-        entity,
-        [time],
-        rr.Transform3D.columns(
-            translation=position_enu_m.astype(np.float32),
-            quaternion=np.roll(quat_wxyz, -1, axis=1).astype(np.float32),
-        ),
-    )
+    """Write rows of an entity's pose in the world; cheaper than `Transform3D.columns`."""
+    translation = rr.components.Translation3DBatch(position_enu_m.astype(np.float32))
+    quat_xyzw = quat_wxyz[:, [1, 2, 3, 0]].astype(np.float32)
+    columns = [
+        rr.ComponentColumn(_TRANSLATION, translation),
+        rr.ComponentColumn(_QUATERNION, rr.components.RotationQuatBatch(quat_xyzw)),
+    ]
+    stream.send_columns(entity, [time], columns)
 
 
 class ExecutedPath:
@@ -112,19 +125,14 @@ class ExecutedPath:
         """Write the pieces of a stretch of history, joined to those before."""
         position_m = history["position_true_enu_m"][SLOW_STEP - 1 :: SLOW_STEP].astype(np.float32)
         time_us = history["time_us"][SLOW_STEP - 1 :: SLOW_STEP]
-        step = PATH_STEP // SLOW_STEP
-        pieces: list[np.ndarray] = []
-        ends_us: list[int] = []
-        for start in range(0, len(position_m), step):
-            piece = position_m[start : start + step]
-            if self._last_enu_m is not None:
-                piece = np.vstack([self._last_enu_m, piece])
-            self._last_enu_m = piece[-1]
-            pieces.append(piece)
-            ends_us.append(int(time_us[min(start + step, len(time_us)) - 1]))
-        if pieces:
-            stream.send_columns(
-                layout.EXECUTED,
-                [sim_time(np.array(ends_us))],
-                rr.LineStrips3D.columns(strips=pieces),
-            )
+        n, step = len(time_us), PATH_STEP // SLOW_STEP
+        if n == 0:
+            return
+        before_m = position_m[0] if self._last_enu_m is None else self._last_enu_m
+        self._last_enu_m = position_m[-1]
+        points_m = np.vstack([before_m, position_m])
+        # The last piece repeats its end where it is short: all are of one length.
+        of_pieces = np.minimum(np.arange(0, n, step)[:, None] + np.arange(step + 1), n)
+        strips = rr.components.LineStrip3DBatch(points_m[of_pieces])
+        time = sim_time(time_us[of_pieces[:, -1] - 1])
+        stream.send_columns(layout.EXECUTED, [time], [rr.ComponentColumn(_STRIPS, strips)])

@@ -125,6 +125,7 @@ class Recorder:
                 f"recording {str(path)!r} cannot be written ({error}); valid: a file with room"
             ) from None
         self._is_open = True
+        self._plant: Plant | None = None
         self._history: list[bytes] = []
         self._flush_due_us = FLUSH_PERIOD_US
         self._executed = ExecutedPath()
@@ -164,24 +165,23 @@ class Recorder:
         """Record the last 20 ms; without an autopilot there are no modes to show."""
         # Bytes: numpy copies and joins records of many fields one field at a time.
         self._history.append(plant.history.tobytes())
-        self._dtype = plant.history.dtype
+        self._plant = plant
         self._status.on_tick(plant, autopilot)
         self._traffic.on_tick(plant)
-        self._chase.on_tick(plant)
         if plant.time_us >= self._flush_due_us:
             self._flush_due_us = plant.time_us + FLUSH_PERIOD_US
             self.flush()
 
     def flush(self) -> None:
         """Write all buffered data."""
-        if self._history:
-            history = np.frombuffer(b"".join(self._history), self._dtype)
+        if self._plant is not None and self._history:
+            history = np.frombuffer(b"".join(self._history), self._plant.history.dtype)
             self._history.clear()
             send_history(self._stream, history)
             self._executed.send(self._stream, history)
+            self._chase.send(self._plant.world, history)
         self._status.flush()
         self._traffic.flush()
-        self._chase.flush()
 
     def log_frame(self, frame: RgbdFrame) -> None:
         """Write a camera frame."""

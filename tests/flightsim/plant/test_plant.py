@@ -336,6 +336,19 @@ def test_lost_satellites_leave_a_valid_then_an_invalid_position(worlds):
     assert np.linalg.norm(error) < 0.4
 
 
+def test_a_reading_is_made_once_until_the_sensor_measures_again_or_is_switched(worlds):
+    plant = Flight(worlds["iris"]).plant
+    plant.align()
+    first = plant.sensors.imu
+    assert plant.sensors.imu is first
+    plant.advance()
+    assert plant.sensors.imu.time_us == plant.time_us
+    assert plant.sensors.imu != first
+    assert plant.sensors.gnss.fix_type > 1
+    plant.set_sensor_enabled("gnss", is_enabled=False)
+    assert plant.sensors.gnss.fix_type == 1
+
+
 def test_a_failed_rotor_brings_the_vehicle_down_and_ends_nothing(worlds):
     flight = Flight(worlds["iris"]).take_off()
     flight.plant.set_rotor_effectiveness(0, 0.0)

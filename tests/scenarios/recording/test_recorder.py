@@ -111,6 +111,21 @@ def test_executed_trajectory_is_one_line_to_the_last_position(flight, contents):
     assert times_us[-1] == last["time_us"]
 
 
+def test_the_eye_behind_looks_at_the_vehicle_25_times_a_second(flight, contents):
+    times_us, eyes = contents.column(layout.CHASE, "Transform3D:translation")
+    _, quats = contents.column(layout.CHASE, "Transform3D:quaternion")
+    rows = flight.history[flight.history["time_us"] % 40_000 == 0]
+    np.testing.assert_array_equal(times_us, rows["time_us"])
+    to_vehicle = rows["position_true_enu_m"] - np.array(eyes)[:, 0]
+    distance_m = np.linalg.norm(to_vehicle, axis=1, keepdims=True)
+    assert np.all((distance_m > 0.5) & (distance_m < 3.5))
+    camera = Rotation.from_quat(np.array(quats)[:, 0])
+    ahead, right = camera.apply((0.0, 0.0, 1.0)), camera.apply((1.0, 0.0, 0.0))
+    np.testing.assert_allclose(ahead, to_vehicle / distance_m, atol=1e-5)
+    np.testing.assert_allclose(right[:, 2], 0.0, atol=1e-6)
+    assert camera.apply((0.0, 1.0, 0.0))[0, 2] < 0.0
+
+
 def test_everything_in_time_is_on_one_timeline(contents):
     timelines = {name for chunk in contents.chunks for name in chunk.timeline_names}
     assert timelines == {layout.TIMELINE}
