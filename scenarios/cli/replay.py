@@ -50,6 +50,11 @@ class ReplayCfg:
     json: bool = False
     """Print the summary as one JSON object."""
 
+    def __post_init__(self) -> None:
+        """Refuse to draw nothing."""
+        if not self.formats:
+            raise ValueError("format has no value; valid: png, svg, pdf")
+
 
 def run(cfg: ReplayCfg) -> int:
     """Replay; exit status 2 with one line where there is nothing to replay or no way to."""

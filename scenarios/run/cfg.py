@@ -37,6 +37,10 @@ class SitlCfg:
     pictures: Annotated[Path | None, _UNSET] = None
     """Draw what was planned and flown, and the landing map, into this folder when the run ends; it
     is made if only that is missing."""
+    formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (
+        "png",
+    )
+    """What the pictures are; several may be named."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""
@@ -63,6 +67,8 @@ class SitlCfg:
             _require_folder("record", self.record.parent)
         if self.pictures is not None:
             _require_folder("pictures", self.pictures)
+        if not self.formats:
+            raise TestbenchError("format has no value; valid: png, svg, pdf")
 
     def to_plain(self) -> dict[str, Any]:
         """The resolved configuration as plain data."""
