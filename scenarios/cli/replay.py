@@ -91,15 +91,13 @@ def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> No
 
 def _film(recording: Path, video: Path) -> None:
     # The renderer and the encoder: only where a film is made.
-    from rich.progress import Progress  # noqa: PLC0415
-
+    from scenarios.cli.progress import share_bar  # noqa: PLC0415
     from scenarios.pictures import PictureError  # noqa: PLC0415
     from scenarios.pictures.film import draw_film  # noqa: PLC0415
 
     try:
-        with Progress(console=Console(stderr=True), transient=True) as progress:
-            task = progress.add_task("filming", total=None)
-            draw_film(recording, video, lambda n, of: progress.update(task, completed=n, total=of))
+        with share_bar() as on_progress:
+            draw_film(recording, video, lambda n, of: on_progress("filming", n / of))
     except PictureError as error:
         fail(_PROG, str(error))
     print(video)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -57,9 +58,9 @@ class SitlCfg:
             raise TestbenchError(
                 f"camera-hz {self.camera_hz} is out of range; valid: 0 to {MAX_CAMERA_HZ:.0f} Hz"
             )
-        if self.headless_seconds is not None and not self.headless_seconds > 0:
+        if self.headless_seconds is not None and not 0 < self.headless_seconds < math.inf:
             raise TestbenchError(
-                f"headless-seconds {self.headless_seconds} is not positive; valid: seconds above 0"
+                f"headless-seconds {self.headless_seconds} is not valid; valid: seconds above 0"
             )
         if self.record is not None and self.record.suffix != ".rrd":
             raise TestbenchError(f"record {str(self.record)!r} is no .rrd file; valid: NAME.rrd")

@@ -29,9 +29,9 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     """
     import cv2  # noqa: PLC0415 - heavy, and only films need its encoder
 
-    first = next(pictures)
-    height, width = (edge - edge % 2 for edge in first.shape[:2])
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=".film-") as folder:
+        first = next(pictures)
+        height, width = (edge - edge % 2 for edge in first.shape[:2])
         draft = Path(folder) / out.name
         codec = cv2.VideoWriter.fourcc(*"VP80" if out.suffix == ".webm" else "vp09")
         writer = cv2.VideoWriter(str(draft), codec, fps, (width, height))
@@ -49,8 +49,8 @@ def write_animation(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     Raises:
         OSError: If it cannot be written.
     """
-    frames = [Image.fromarray(picture) for picture in pictures]
     with replacing(out) as file:
+        frames = [Image.fromarray(picture) for picture in pictures]
         frames[0].save(
             file,
             format=out.suffix[1:],

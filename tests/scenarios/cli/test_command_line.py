@@ -41,8 +41,9 @@ def fails_with(capsys, *args):
         (["--camera-hz", "51"], "camera-hz 51.0 is out of range; valid: 0 to 50 Hz"),
         (
             ["--headless-seconds", "0"],
-            "headless-seconds 0.0 is not positive; valid: seconds above 0",
+            "headless-seconds 0.0 is not valid; valid: seconds above 0",
         ),
+        (["--headless-seconds", "inf"], "headless-seconds inf is not valid; valid: seconds above"),
         (["--record", "flight.mp4"], "record 'flight.mp4' is no .rrd file; valid: NAME.rrd"),
         (["--altitude", "3"], "--altitude is unknown; see aeroscene-sitl --help"),
         (["--speed", "fast"], "speed 'fast' is not valid; valid: a number, max"),
