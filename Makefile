@@ -17,9 +17,13 @@ PIP_INSTALL = set -o pipefail; $(BIN)/python -m pip install --no-compile --disab
 # pip says everything or nothing; this says what takes time, as it begins.
 SHOW = awk '/(Downloading|Using cached).*MB\)/ { print; fflush() } \
 	/^Installing collected/ { print "  Unpacking " NF - 3 " packages"; fflush() }'
-# A wheel cannot hold links, so casadi brings most of its libraries two or three times: 110 MB.
-LINK_COPIES = cd "$$($(BIN)/python -c 'import casadi; print(*casadi.__path__)')" && \
-	for copy in *.so.*; do if cmp -s "$${copy%%.so.*}.so" "$$copy"; then ln -f "$${copy%%.so.*}.so" "$$copy"; fi; done
+# What only those need who build on a library or test it goes: copies of libraries, which a wheel cannot
+# link, headers, static libraries, tests. 210 MB.
+SLIM = cd "$$($(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" && \
+	for copy in casadi/*.so.* pyarrow/*.so.*; do \
+		if cmp -s "$${copy%%.so.*}.so" "$$copy"; then ln -f "$${copy%%.so.*}.so" "$$copy"; fi; done && \
+	rm -rf casadi/include casadi/*.a pyarrow/include && \
+	find matplotlib numba numpy pyarrow scipy -type d -name tests -prune -exec rm -rf {} +
 
 .PHONY: demo test check docs clean
 
@@ -31,7 +35,7 @@ $(VENV)/bin/python:
 $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 	@echo "Installing into $(VENV): about 600 MB to download, then a minute"
 	@$(PIP_INSTALL) --editable . | $(SHOW)
-	@$(LINK_COPIES)
+	@$(SLIM)
 	$(BIN)/aeroscene compile
 	@touch $@
 

@@ -1,4 +1,4 @@
-"""`aeroscene compile`: compile every kernel now, so that nothing compiles in a flight."""
+"""`aeroscene compile`: compile every kernel now, so that nothing compiles when it is needed."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from scenarios.cli.progress import share_bar
 
 @dataclass(frozen=True, kw_only=True)
 class CompileCfg:
-    """Compile every kernel now and keep the machine code, so that nothing compiles in a flight.
+    """Compile every kernel now, of flights and of the scene model, and keep the machine code.
 
-    Takes about half a minute once, and a second or two when there is nothing to do.
+    Takes about a minute once, and some seconds when there is nothing to do.
     """
 
 

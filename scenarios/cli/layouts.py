@@ -12,7 +12,6 @@ from typing import Annotated
 
 import tyro
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from aeroscene.layouts.document import LayoutError, NeutralLayout
@@ -21,6 +20,7 @@ from aeroscene.layouts.reading import read_layouts
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
+from scenarios.cli.progress import progress_bar
 
 _SHOWN = 20
 """Number of entries of a list that are shown."""
@@ -78,8 +78,11 @@ def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout
     if cfg.out is None:
         yield from layouts
         return
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        yield from progress.track(list(layouts), description="converting")
+    all_layouts = list(layouts)
+    with progress_bar("converting", len(all_layouts), "layouts") as advance:
+        for layout in all_layouts:
+            yield layout
+            advance()
 
 
 def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: list[str]) -> MappingReport:

@@ -36,12 +36,13 @@ class _Rate(ProgressColumn):
 
 @contextmanager
 def share_bar() -> Iterator[Callable[[str, float], None]]:
-    """Show a progress bar for work in parts, and remove it at the end.
+    """Show a progress bar for work in parts on a terminal, and remove it at the end.
 
     Yields:
         Function to call with the title of a part and the share done, 0 to 1.
     """
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("", total=1.0)
         yield lambda title, share: progress.update(task, description=title, completed=share)
 

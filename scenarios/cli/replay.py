@@ -50,6 +50,11 @@ class ReplayCfg:
     json: bool = False
     """Print the summary as one JSON object."""
 
+    def __post_init__(self) -> None:
+        """Refuse to draw nothing."""
+        if not self.formats:
+            raise ValueError("format has no value; valid: png, svg, pdf")
+
 
 def run(cfg: ReplayCfg) -> int:
     """Replay; exit status 2 with one line where there is nothing to replay or no way to."""
@@ -86,15 +91,14 @@ def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> No
 
 def _film(recording: Path, video: Path) -> None:
     # Imported here because only films need the renderer and the encoder.
-    from rich.progress import Progress  # noqa: PLC0415
+    from scenarios.cli.progress import share_bar  # noqa: PLC0415
 
     from scenarios.pictures import PictureError  # noqa: PLC0415
     from scenarios.pictures.film import draw_film  # noqa: PLC0415
 
     try:
-        with Progress(console=Console(stderr=True), transient=True) as progress:
-            task = progress.add_task("filming", total=None)
-            draw_film(recording, video, lambda n, of: progress.update(task, completed=n, total=of))
+        with share_bar() as on_progress:
+            draw_film(recording, video, lambda n, of: on_progress("filming", n / of))
     except PictureError as error:
         fail(_PROG, str(error))
     print(video)

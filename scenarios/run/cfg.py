@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -37,6 +38,10 @@ class SitlCfg:
     pictures: Annotated[Path | None, _UNSET] = None
     """Draw what was planned and flown, and the landing map, into this folder when the run ends; it
     is made if only that is missing."""
+    formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (
+        "png",
+    )
+    """What the pictures are; several may be named."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""
@@ -53,9 +58,9 @@ class SitlCfg:
             raise TestbenchError(
                 f"camera-hz {self.camera_hz} is out of range; valid: 0 to {MAX_CAMERA_HZ:.0f} Hz"
             )
-        if self.headless_seconds is not None and not self.headless_seconds > 0:
+        if self.headless_seconds is not None and not 0 < self.headless_seconds < math.inf:
             raise TestbenchError(
-                f"headless-seconds {self.headless_seconds} is not positive; valid: seconds above 0"
+                f"headless-seconds {self.headless_seconds} is not valid; valid: seconds above 0"
             )
         if self.record is not None and self.record.suffix != ".rrd":
             raise TestbenchError(f"record {str(self.record)!r} is no .rrd file; valid: NAME.rrd")
@@ -63,6 +68,8 @@ class SitlCfg:
             _require_folder("record", self.record.parent)
         if self.pictures is not None:
             _require_folder("pictures", self.pictures)
+        if not self.formats:
+            raise TestbenchError("format has no value; valid: png, svg, pdf")
 
     def to_plain(self) -> dict[str, Any]:
         """The resolved configuration as plain data."""

@@ -161,7 +161,7 @@ class Sitl:
         from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415 - as above
 
         try:
-            return draw_pictures(self._tape.story(ending), self.cfg.pictures)
+            return draw_pictures(self._tape.story(ending), self.cfg.pictures, self.cfg.formats)
         except PictureError as error:
             _LOG.warning("%s", error)
             return []

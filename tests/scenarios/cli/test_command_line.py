@@ -41,8 +41,9 @@ def fails_with(capsys, *args):
         (["--camera-hz", "51"], "camera-hz 51.0 is out of range; valid: 0 to 50 Hz"),
         (
             ["--headless-seconds", "0"],
-            "headless-seconds 0.0 is not positive; valid: seconds above 0",
+            "headless-seconds 0.0 is not valid; valid: seconds above 0",
         ),
+        (["--headless-seconds", "inf"], "headless-seconds inf is not valid; valid: seconds above"),
         (["--record", "flight.mp4"], "record 'flight.mp4' is no .rrd file; valid: NAME.rrd"),
         (["--altitude", "3"], "--altitude is unknown; see aeroscene-sitl --help"),
         (["--speed", "fast"], "speed 'fast' is not valid; valid: a number, max"),
@@ -53,6 +54,8 @@ def fails_with(capsys, *args):
         (["1016"], "scene '1016' is unknown, valid: a number from 0 to 1015"),
         (["--record", "a/b/c.rrd"], "record: 'a' is not there; valid: a folder that exists"),
         (["--pictures", "pyproject.toml"], "pictures: 'pyproject.toml' is a file; valid: a folder"),
+        (["--format", "jpg"], "format 'jpg' is not valid; valid: png, svg, pdf"),
+        (["--format"], "format has no value; valid: png, svg, pdf"),
         (["--vehicle"], "--vehicle has no value"),
     ],
 )
@@ -68,6 +71,7 @@ def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
         ([], "aeroscene: error: no command; valid: sitl, replay, doctor, "),
         (["fligh"], "aeroscene: error: fligh is unknown; valid: sitl, replay, doctor, "),
         (["replay"], "aeroscene replay: error: PATH is missing; see aeroscene replay --help"),
+        (["replay", "x.rrd", "--format"], "aeroscene replay: error: format has no value; valid: "),
         (
             ["export", "--out", "x"],
             "aeroscene export: error: --to is missing; see aeroscene export",

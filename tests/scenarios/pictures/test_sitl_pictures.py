@@ -17,6 +17,16 @@ def test_run_that_nobody_flies_leaves_a_picture(tmp_path):
     assert sitl.pictures[0].stat().st_size > 0
 
 
+def test_a_run_draws_lines_where_that_is_asked_for(tmp_path):
+    cfg = SitlCfg(bench=BENCH, headless_seconds=0.5, pictures=tmp_path, formats=("svg", "pdf"))
+    with Sitl(cfg) as sitl:
+        sitl.run()
+    assert sitl.pictures == [tmp_path / "flight.svg", tmp_path / "flight.pdf"]
+    assert (tmp_path / "flight.svg").read_bytes().count(b"<path") > 50
+    assert (tmp_path / "flight.pdf").read_bytes().startswith(b"%PDF")
+    assert {file.suffix for file in tmp_path.iterdir()} == {".svg", ".pdf"}
+
+
 def test_folder_that_vanished_under_a_file_costs_no_verdict(tmp_path, caplog):
     cfg = SitlCfg(bench=BENCH, headless_seconds=0.1, pictures=tmp_path / "out")
     with Sitl(cfg) as sitl:

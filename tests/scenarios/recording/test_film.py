@@ -64,9 +64,14 @@ def test_other_formats_are_refused_with_those_that_there_are(flight, tmp_path, n
         draw_film(flight.path, tmp_path / name, _unseen)
 
 
-def test_a_folder_that_is_not_there_is_told(flight, small, tmp_path):
+@pytest.mark.parametrize("suffix", [".mp4", ".webp"])
+def test_a_folder_that_is_not_there_is_told_before_anything_is_drawn(
+    flight, small, tmp_path, suffix
+):
+    drawn = []
     with pytest.raises(PictureError, match="cannot be written"):
-        draw_film(flight.path, tmp_path / "none" / "flight.mp4", _unseen)
+        draw_film(flight.path, tmp_path / "none" / f"flight{suffix}", lambda *n: drawn.append(n))
+    assert drawn == []
 
 
 def test_no_wall_is_between_the_eye_and_the_vehicle(flight):
