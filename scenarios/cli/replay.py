@@ -92,7 +92,6 @@ def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> No
 def _film(recording: Path, video: Path) -> None:
     # Imported here because only films need the renderer and the encoder.
     from scenarios.cli.progress import share_bar  # noqa: PLC0415
-
     from scenarios.pictures import PictureError  # noqa: PLC0415
     from scenarios.pictures.film import draw_film  # noqa: PLC0415
 
