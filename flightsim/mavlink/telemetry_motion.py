@@ -164,7 +164,8 @@ class MotionTelemetry:
         ground_speed = math.hypot(vx, vy)
         throttle = round(100.0 * v.plant.collective_thrust_fraction)
         return _VFR_HUD.pack(
-            ground_speed,
+            # As PX4 has it: nothing flies backwards.
+            max(0.0, v.plant.sensors.airspeed.indicated_mps),
             ground_speed,
             v.place.altitude_m,
             -vz,
@@ -248,6 +249,7 @@ class MotionTelemetry:
         quat = swap_quat_enu_flu_ned_frd(truth.quat_wxyz)
         place = v.frame.geodetic_from_enu(truth.position_enu_m)
         velocity = swap_enu_ned(truth.velocity_enu_mps)
+        air_speed = math.dist(truth.velocity_enu_mps, v.plant.air_velocity_true_enu_mps)
         accel = swap_flu_frd(v.plant.sensors.imu.accel_flu_mps2)
         rates = swap_flu_frd(truth.angular_rate_flu_radps)
         return _HIL_STATE.encode(
@@ -260,8 +262,8 @@ class MotionTelemetry:
             lon=round(place.longitude_deg * 1e7),
             alt=round(place.altitude_m * 1e3),
             **{f"v{axis}": _int16(100.0 * c) for axis, c in zip("xyz", velocity, strict=True)},
-            ind_airspeed=_int16(100.0 * math.hypot(*velocity)),
-            true_airspeed=_int16(100.0 * math.hypot(*velocity)),
+            ind_airspeed=_int16(100.0 * air_speed),
+            true_airspeed=_int16(100.0 * air_speed),
             **{
                 f"{axis}acc": _int16(1000.0 * c / _STANDARD_GRAVITY_MPS2)
                 for axis, c in zip("xyz", accel, strict=True)

@@ -92,6 +92,8 @@ def test_the_imu_feels_gravity_upwards_in_frd(flight):
 
 def test_the_wind_from_ahead_reaches_the_messages_of_the_airspeed_sensor(flight):
     flight.become_ready()
+    truth = LAYOUTS["HIL_STATE_QUATERNION"].message_id
+    assert flight.command(mav.MAV_CMD_SET_MESSAGE_INTERVAL, truth, 100_000) == 0
     w, x, y, z = flight.plant.truth.quat_wxyz
     forward = (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z))
     flight.plant.wind = WindCfg.towards((-8.0 * forward[0], -8.0 * forward[1], 0.0))
@@ -99,6 +101,10 @@ def test_the_wind_from_ahead_reaches_the_messages_of_the_airspeed_sensor(flight)
     for message in (flight.last("HIGHRES_IMU"), flight.last("SCALED_PRESSURE")):
         pressure_hpa = getattr(message, "diff_pressure", None) or message.press_diff
         assert 100.0 * pressure_hpa == pytest.approx(0.5 * 1.17 * 64.0, abs=5.0)
+    # 8 m/s in air of 1.17 kg/m^3
+    assert flight.last("VFR_HUD").airspeed == pytest.approx(7.8, abs=0.4)
+    assert flight.last("VFR_HUD").groundspeed < 0.5
+    assert flight.last("HIL_STATE_QUATERNION").true_airspeed == pytest.approx(800, abs=10)
     assert flight.last("HIGHRES_IMU").fields_updated == 0x1FFF
     assert flight.last("SCALED_PRESSURE").temperature_press_diff == pytest.approx(1183, abs=5)
 
