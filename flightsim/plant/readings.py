@@ -22,6 +22,9 @@ class EstimatorStatus:
     is_position_valid: bool
     sigma_horizontal_m: float
     sigma_vertical_m: float
+    sigma_velocity_mps: float
+    sigma_tilt_rad: float
+    sigma_yaw_rad: float
     gnss_age_s: float
     """Since the last accepted fix."""
     gnss_position_ratio: float
@@ -40,7 +43,7 @@ _numbers = numbers(
 
 def estimator_status(f: np.void, tick_us: int) -> EstimatorStatus:
     """Status of a filter of `FILTER_DTYPE`, by ticks of this length."""
-    v = f["covariance"].diagonal()[:3].tolist()
+    v = f["covariance"].diagonal()[:9].tolist()
     is_aligned, tick, last_gnss_tick, gyro_bias, accel_bias, *ratios = _numbers(f)
     gnss_position, gnss_velocity, baro, heading = ratios
     sigma_horizontal = math.sqrt(v[0] + v[1]) if is_aligned else math.inf
@@ -49,6 +52,9 @@ def estimator_status(f: np.void, tick_us: int) -> EstimatorStatus:
         is_position_valid=sigma_horizontal < _MAX_HORIZONTAL_SIGMA_M,
         sigma_horizontal_m=sigma_horizontal,
         sigma_vertical_m=math.sqrt(v[2]) if is_aligned else math.inf,
+        sigma_velocity_mps=math.sqrt(v[3] + v[4] + v[5]) if is_aligned else math.inf,
+        sigma_tilt_rad=math.sqrt(v[6] + v[7]) if is_aligned else math.inf,
+        sigma_yaw_rad=math.sqrt(v[8]) if is_aligned else math.inf,
         gnss_age_s=(tick - last_gnss_tick) * tick_us * 1e-6,
         gnss_position_ratio=gnss_position,
         gnss_velocity_ratio=gnss_velocity,
