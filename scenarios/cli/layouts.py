@@ -53,8 +53,6 @@ def run(cfg: LayoutsCfg) -> int:
     faults: list[str] = []
     total = MappingReport()
     written: list[str] = []
-    if cfg.out is not None:
-        _make_folder(cfg.out)
     for layout in _with_progress(cfg, faults):
         try:
             report = _take(layout, cfg, written)
@@ -79,6 +77,7 @@ def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout
         yield from layouts
         return
     all_layouts = list(layouts)
+    _make_folder(cfg.out)
     with progress_bar("converting", len(all_layouts), "layouts") as advance:
         for layout in all_layouts:
             yield layout

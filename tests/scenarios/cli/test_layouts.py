@@ -59,6 +59,13 @@ def test_scenes_are_written_and_can_be_opened(broken, tmp_path, capsys):
     assert read_scene(folder / written[0]).scene_id == "made-up/house-1"
 
 
+def test_a_file_that_cannot_be_read_leaves_no_folder(tmp_path):
+    (tmp_path / "cut.jsonl").write_text("hello")
+    with pytest.raises(LayoutError, match="malformed"):
+        run(LayoutsCfg(file=tmp_path / "cut.jsonl", out=tmp_path / "out"))
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_folder_that_cannot_be_written_is_refused(broken, tmp_path):
     with pytest.raises(LayoutError, match=r"out .* cannot be written"):
         run(LayoutsCfg(file=broken, skip_invalid=True, out=broken / "x"))
