@@ -84,7 +84,7 @@ class Sighting:
             values = self.points_enu_m[:, :2] @ direction
             low, high = np.percentile(values, [_NEAR_PERCENT, _FAR_PERCENT])
             noise = _NORMAL_SPREAD * self.depth_sigma_m * abs(float(direction @ self.forward))
-            spreads.append(_without_noise_m(high - low, noise) / _SPREAD_SHARE)
+            spreads.append(math.sqrt(max((high - low) ** 2 - noise**2, 0.0)) / _SPREAD_SHARE)
         return spreads[0], spreads[1]
 
     def footprint(self, yaw_rad: float) -> Footprint:
@@ -146,8 +146,6 @@ def see(
     depth_sigma_m = image.inverse_depth_sigma_pm * depth_m**2
     ahead = points[:, :2] @ forward
     aside = points[:, 1] * forward[0] - points[:, 0] * forward[1]
-    near_m, far_m = np.percentile(ahead, [_NEAR_PERCENT, _FAR_PERCENT])
-    spread_m = _without_noise_m(far_m - near_m, _NORMAL_SPREAD * depth_sigma_m)
     right_m, left_m = np.percentile(aside, [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
     low_m, top_m = np.percentile(points[:, 2], [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
     half_px_m = STRIDE_PX * depth_m / image.fx / 2
@@ -156,14 +154,14 @@ def see(
     behind_m = foreground.depth_m[blob] + _BEHIND_M
     nearer_m = foreground.depth_m[blob] - _BEHIND_M
     doubt_m = _BEHIND_SIGMAS * depth_sigma_m
-    is_left, is_right, is_top, _ = _cut_sides(image, pixels, behind_m)
+    is_left, is_right, is_top, _ = _cut_sides(image, pixels, behind_m + doubt_m)
     is_bottom = _cut_sides(image, pixels, nearer_m - doubt_m)[3]
     is_hidden = is_bottom or -sight[2] > _STEEP * away
     hidden_m = _MOST_HIDDEN_BELOW_M if is_hidden else 2.0 * within_m
     return Sighting(
         points_enu_m=points,
         forward=forward,
-        near_m=float(near_m + (far_m - near_m - spread_m) / 2),
+        near_m=float(np.percentile(ahead, _NEAR_PERCENT)) + _NORMAL_SPREAD / 2 * depth_sigma_m,
         right_m=float(right_m) - half_px_m,
         left_m=float(left_m) + half_px_m,
         bottom_m=float(low_m) - (below_m if below_m < hidden_m else half_px_m),
@@ -171,11 +169,6 @@ def see(
         is_cut=(is_left, is_right, is_top, is_bottom and below_m >= hidden_m),
         depth_sigma_m=depth_sigma_m,
     )
-
-
-def _without_noise_m(spread_m: float, noise_m: float) -> float:
-    """Spread between two percentiles of values that bear normal errors of a given spread."""
-    return math.sqrt(max(spread_m**2 - noise_m**2, 0.0))
 
 
 def _cut_sides(
