@@ -1,8 +1,11 @@
-"""Every check of places, with what real scenes and good generated ones reach.
+"""Every check of places, and what generated scenes should reach in it.
 
-    views = [TopView.of(scene) for scene in scenes]
+    views = [TopView(scene) for scene in scenes]
     for check in CHECKS:
-        print(check.title, summary(check, views), check.unit, "goal", check.goal)
+        print(check.title, check.figure(views), check.unit, check.goal)
+
+A check judges things of one kind, one value each; its figure is their mean or median over all
+scenes together.
 """
 
 from __future__ import annotations
@@ -154,5 +157,5 @@ CHECKS: tuple[PlaceCheck, ...] = (
 
 def place_figures(scenes: Sequence[Scene]) -> dict[str, float]:
     """Figures of a group of scenes under the keys of `CHECKS`; nan where nothing is judged."""
-    views = [TopView.of(scene) for scene in scenes]
+    views = [TopView(scene) for scene in scenes]
     return {check.key: check.figure(views) for check in CHECKS}

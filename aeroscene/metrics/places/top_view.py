@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.roles import BUILDINGS
 from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
-from aeroscene.scene import Scene
+from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.box import box_corners, rotation_matrix
 from aeroscene.scene.catalogue import category_id
 
@@ -23,15 +23,17 @@ SHELLS = BUILDINGS | {"garage"}
 class TopView:
     """The objects of a scene, one row each, in the scene's order."""
 
-    arrays: SceneArrays
-    use: tuple[str | None, ...]
-    """What rooms are used as, where their scene says so."""
+    scene: Scene
 
-    @classmethod
-    def of(cls, scene: Scene) -> TopView:
-        """Look at a scene from above."""
-        named = (obj.attributes.get("use") for obj in scene.objects)
-        return cls(scene_arrays(scene), tuple(str(use) if use else None for use in named))
+    @cached_property
+    def arrays(self) -> SceneArrays:
+        """Boxes, categories and parents."""
+        return scene_arrays(self.scene)
+
+    @cached_property
+    def use(self) -> tuple[AttributeValue | None, ...]:
+        """What rooms are used as, where the scene says so."""
+        return tuple(obj.attributes.get("use") for obj in self.scene.objects)
 
     def rows(self, *categories: str) -> Int[np.ndarray, " k"]:
         """Rows of the objects of some categories."""
@@ -40,7 +42,7 @@ class TopView:
 
     def is_in(self, *categories: str) -> Bool[np.ndarray, " n"]:
         """Whether an object of one of these categories is among each object's ancestors."""
-        return self.arrays.is_ancestor[self.rows(*categories)].any(axis=0)
+        return np.any(self.arrays.is_ancestor[self.rows(*categories)], axis=0)
 
     def is_on(self, *categories: str) -> Bool[np.ndarray, " n"]:
         """Whether the parent of each object is of one of these categories."""
@@ -50,7 +52,7 @@ class TopView:
     @cached_property
     def is_outdoors(self) -> Bool[np.ndarray, " n"]:
         """Whether an object is no part and no content of a building or room."""
-        return ~self.is_in(*SHELLS, "room")
+        return np.logical_not(self.is_in(*SHELLS, "room"))
 
     @cached_property
     def centre_m(self) -> Float[np.ndarray, "n 2"]:
@@ -73,7 +75,7 @@ class TopView:
         """Outlines as polygons, n of them."""
         arrays = self.arrays
         corners = box_corners(arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m)[..., :2]
-        return shapely.convex_hull(shapely.linestrings(corners))
+        return np.asarray(shapely.convex_hull(shapely.linestrings(corners)))
 
     @cached_property
     def base_m(self) -> Float[np.ndarray, " n"]:
@@ -107,10 +109,12 @@ class TopView:
 
 
 def near_pairs(
-    first: np.ndarray, second: np.ndarray, apart_m: float
+    first: shapely.Geometry | np.ndarray, second: shapely.Geometry | np.ndarray, apart_m: float
 ) -> tuple[Int[np.ndarray, " k"], Int[np.ndarray, " k"]]:
     """Which of two lists of geometries lie at most so far apart, as indices into both."""
-    index, other = shapely.STRtree(second).query(first, predicate="dwithin", distance=apart_m)
+    index, other = shapely.STRtree(np.asarray(second)).query(
+        first, predicate="dwithin", distance=apart_m
+    )
     return index, other
 
 

@@ -20,7 +20,8 @@ TO_RIM_M = 0.6
 OFF_WALL_M = 0.3
 """Farthest that furniture stands off the face of the wall in its back."""
 WALLED_USES = frozenset(
-    "office meeting kitchen store bedroom living dining classroom workshop changing".split()
+    ("office", "meeting", "kitchen", "store", "bedroom", "living", "dining")
+    + ("classroom", "workshop", "changing")
 )
 """Uses of rooms that have walls all around; halls and galleries flow into each other."""
 BACKED = ("cabinet", "wardrobe", "shelf", "counter", "fridge", "stove")
@@ -43,7 +44,7 @@ def loose_wall_ends(view: TopView) -> Bool[np.ndarray, " ends"]:
         for sign in (1, -1)
     ]
     ends, owner = shapely.linestrings(np.concatenate(faces)), np.concatenate([judged, judged])
-    is_loose = np.ones(len(ends), dtype=bool)
+    is_loose = np.ones(len(owner), dtype=bool)
     end, other = near_pairs(ends, view.outline[walls], TO_WALL_M)
     touches = (owner[end] != walls[other]) & (view.shared_height_m(owner[end], walls[other]) > 0)
     is_loose[end[touches]] = False
