@@ -20,8 +20,8 @@ TO_RIM_M = 0.6
 OFF_WALL_M = 0.3
 """Farthest that furniture stands off the face of the wall in its back."""
 WALLED_USES = frozenset(
-    ("office", "meeting", "kitchen", "store", "bedroom", "living", "dining")
-    + ("classroom", "workshop", "changing")
+    {"office", "meeting", "kitchen", "store", "bedroom", "living", "dining"}
+    | {"classroom", "workshop", "changing"}
 )
 """Uses of rooms that have walls all around; halls and galleries flow into each other."""
 BACKED = ("cabinet", "wardrobe", "shelf", "counter", "fridge", "stove")
