@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Shaped
 
-from aeroscene.metrics.places import ground, roads, seating, spacing, stairs, walls
+from aeroscene.metrics.places import backs, ground, roads, seating, spacing, stairs, walls
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.scene import Scene
 
@@ -128,7 +128,7 @@ CHECKS: tuple[PlaceCheck, ...] = (
         title="storage and kitchen furniture with its back off the walls",
         unit="%",
         goal=34.0,
-        judge=walls.backs_off_walls,
+        judge=backs.backs_off_walls,
     ),
     PlaceCheck(
         key="lone_plates",

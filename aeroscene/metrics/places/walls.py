@@ -1,4 +1,4 @@
-"""Walls: do they meet, do they close rooms, does furniture stand with its back to them?
+"""Walls: do they meet, do they close rooms?
 
 An outer wall lies within the rim of a building's box; every other wall is a box of its own. A wall
 counts for what it shares height with.
@@ -8,24 +8,21 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
-from aeroscene.solids.shapes.facade import WALL_M
 
 TO_WALL_M = 0.2
 """Farthest that a wall's outline is from what touches it."""
 TO_RIM_M = 0.6
 """Farthest that the rim of a building's box is from what touches the outer wall within it."""
-OFF_WALL_M = 0.3
-"""Farthest that furniture stands off the face of the wall in its back."""
+_JOINT_M = 0.005
+"""Half of the widest gap between boxes of one room."""
 WALLED_USES = frozenset(
     {"office", "meeting", "kitchen", "store", "bedroom", "living", "dining"}
     | {"classroom", "workshop", "changing"}
 )
 """Uses of rooms that have walls all around; halls and galleries flow into each other."""
-BACKED = ("cabinet", "wardrobe", "shelf", "counter", "fridge", "stove")
-"""Storage and kitchen furniture, which has a wall in its back."""
 
 
 def loose_wall_ends(view: TopView) -> Bool[np.ndarray, " ends"]:
@@ -58,21 +55,19 @@ def closed_shares(view: TopView) -> Float[np.ndarray, " rooms"]:
 
     A stretch is closed where it lies at most `TO_WALL_M` from the outline of a wall or at most
     `TO_RIM_M` from the rim of a building, of those that share at least half of the room's height.
-    Doors and windows are parts of their walls. Judged are rooms whose use is one of `WALLED_USES`,
-    and rooms that are in no building: their walls are all boxes, as in layouts from elsewhere.
+    Doors and windows are parts of their walls. Judged are rooms whose use is one of `WALLED_USES`.
+    Rooms in no building, as in layouts from elsewhere, are judged whatever their use, those that
+    touch as one: there several boxes make a room.
     """
     walls, shells = view.rows("wall"), view.rows(*SHELLS)
-    is_in_shell = view.is_in(*SHELLS)
-    rooms = [r for r in view.rows("room") if view.use[r] in WALLED_USES or not is_in_shell[r]]
-    rooms = np.array(rooms, dtype=int)
     barriers = np.concatenate(
         [
             shapely.buffer(view.outline[walls], TO_WALL_M, join_style="mitre"),
             shapely.buffer(shapely.boundary(view.outline[shells]), TO_RIM_M, join_style="mitre"),
         ]
     )
-    barrier_rows = np.concatenate([walls, shells])
-    rings = shapely.boundary(view.outline[rooms])
+    barrier_rows, (rooms, outlines) = np.concatenate([walls, shells]), _judged_rooms(view)
+    rings = np.asarray(shapely.boundary(outlines))
     room, barrier = shapely.STRtree(barriers).query(rings, predicate="intersects")
     least_m = (view.top_m - view.base_m)[rooms[room]] / 2
     counts = view.shared_height_m(rooms[room], barrier_rows[barrier]) >= least_m
@@ -83,21 +78,14 @@ def closed_shares(view: TopView) -> Float[np.ndarray, " rooms"]:
     return shares
 
 
-def backs_off_walls(view: TopView) -> Bool[np.ndarray, " furniture"]:
-    """Whether each piece of storage or kitchen furniture has its back off every wall.
-
-    The back is the middle of the face towards -x of the box. It is off where it lies over
-    `OFF_WALL_M` from the outlines of walls and from the inner faces of outer walls, `WALL_M` within
-    the rims of buildings.
-    """
-    rows, walls, shells = view.rows(*BACKED), view.rows("wall"), view.rows(*SHELLS)
-    backs = shapely.points(view.face(rows, 0, -1).mean(axis=1))
-    rims = shapely.boundary(view.outline[shells])
-    is_off = np.ones(len(rows), dtype=bool)
-    for others, outlines, apart_m in (
-        (walls, view.outline[walls], OFF_WALL_M),
-        (shells, rims, OFF_WALL_M + WALL_M),
-    ):
-        index, other = near_pairs(backs, outlines, apart_m)
-        is_off[index[view.shared_height_m(rows[index], others[other]) > 0]] = False
-    return is_off
+def _judged_rooms(view: TopView) -> tuple[Int[np.ndarray, " k"], np.ndarray]:
+    """A row and the outline of each room whose walls are judged."""
+    rooms, is_in_shell = view.rows("room"), view.is_in(*SHELLS)
+    named = [row for row in rooms[is_in_shell[rooms]] if view.use[row] in WALLED_USES]
+    free = rooms[~is_in_shell[rooms]]
+    tiles = shapely.buffer(view.outline[free], _JOINT_M, join_style="mitre")
+    joined = shapely.get_parts(shapely.union_all(tiles))
+    tile, whole = near_pairs(shapely.points(view.centre_m[free]), joined, 0.0)
+    first = np.unique(whole, return_index=True)[1]
+    rows = np.array([*named, *free[tile[first]]], dtype=int)
+    return rows, np.array([*view.outline[rows[: len(named)]], *joined[whole[first]]], dtype=object)

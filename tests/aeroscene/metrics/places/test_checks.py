@@ -4,9 +4,9 @@ import math
 
 import pytest
 
+from aeroscene.metrics.places.backs import BACKED
 from aeroscene.metrics.places.checks import CHECKS, place_figures
 from aeroscene.metrics.places.top_view import TopView
-from aeroscene.metrics.places.walls import BACKED
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.metrics.places.faults import (
     changed,

@@ -48,6 +48,18 @@ def test_a_table_upstairs_does_not_count():
     assert averted(table(z=4), chair(-0.8, 0, 180)) == []
 
 
+def wall(x, z=1.5):
+    return ("wall", box((x, 0, z), (0.1, 6, 3)))
+
+
+def test_a_table_behind_a_wall_does_not_count():
+    assert averted(table(), chair(-0.95, 0, 180)) == [True]
+    assert averted(table(), chair(-0.95, 0, 180), wall(-0.57)) == []
+    assert averted(table(), chair(-0.95, 0, 180), wall(-0.57, z=6)) == [True]
+    assert lone(table(), plate(-0.25, 0), chair(-0.95, 0, 0)) == [False]
+    assert lone(table(), plate(-0.25, 0), chair(-0.95, 0, 0), wall(-0.57)) == [True]
+
+
 def test_a_chair_under_the_table_faces_its_middle():
     assert averted(table(), chair(-0.4, 0, 0), chair(-0.4, 0, 180)) == [False, True]
 
