@@ -38,10 +38,10 @@ def test_chairs_in_the_middle_of_the_room_are_not_judged():
 
 
 def test_the_nearest_table_counts():
-    first, second = table(x=0), table(x=2.3)
-    # Its back to the second table, 0.5 m away.
+    first, second = table(x=0), table(x=1.9)
+    # Between the two, its back to the one that is farther by a third of a metre.
     assert averted(first, second, chair(0.78, 0, 180)) == [False]
-    assert averted(first, second, chair(1.52, 0, 180)) == [True]
+    assert averted(first, second, chair(1.12, 0, 180)) == [True]
 
 
 def test_a_table_upstairs_does_not_count():
