@@ -35,7 +35,7 @@ class Standing:
         self._category: dict[int, str] = {}
         self._children: defaultdict[int | None, list[int]] = defaultdict(list)
         self._seats: defaultdict[int, list[int]] = defaultdict(list)
-        self._roads: list[int] = []
+        self._roads: list[int | None] = []
         for obj in coarse:
             self.add(obj.id, obj.category_id, obj.parent_id)
 

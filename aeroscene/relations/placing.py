@@ -10,7 +10,7 @@ pinned axes it gives the scene that the relations alone describe.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from aeroscene.relations.plane import (
     QUARTER,
@@ -37,6 +37,9 @@ from aeroscene.relations.relation import (
     Unit,
 )
 from aeroscene.scene.box import OrientedBox, Vector3, quat_from_yaw, quat_product
+from aeroscene.scene.catalogue import CATALOGUE
+
+_POSTS = frozenset({"street_lamp"})
 
 
 def locate(relation: Relation, residual: Residual, host: Rectangle, half_m: Half) -> Place:
@@ -82,45 +85,51 @@ def gap_middle_m(relation: Relation) -> float:
     return (SEAT_GAPS_M if relation.kind == Kind.SEAT else GAPS_M)[relation.gap]
 
 
-def array_half_m(array: Array | None, sizes_m: Iterable[Vector3]) -> Half:
-    """Half extents of a group of objects of some sizes, or of one by itself."""
-    widest = [max(size[axis] for size in sizes_m) for axis in (0, 1)]
+def array_half_m(array: Array | None, halves_m: Sequence[Half]) -> Half:
+    """Half extents of a group of footprints with some half extents, or of one by itself."""
+    x_m, y_m = (max(half_m[axis] for half_m in halves_m) for axis in (0, 1))
     if array is None:
-        return widest[0] / 2, widest[1] / 2
-    counts = (array.rows, array.columns)
-    spans = [(counts[axis] - 1) * array.pitch_m[axis] + widest[axis] for axis in (0, 1)]
-    return spans[0] / 2, spans[1] / 2
+        return x_m, y_m
+    (pitch_x_m, pitch_y_m) = array.pitch_m
+    return x_m + (array.rows - 1) * pitch_x_m / 2, y_m + (array.columns - 1) * pitch_y_m / 2
+
+
+def foot_m(category_id: int, size_m: Vector3) -> Half:
+    """Half extents of what an object stands on: its footprint; of a lamp post without its arm."""
+    x_m, y_m = size_m[0] / 2, size_m[1] / 2
+    if CATALOGUE[category_id].name in _POSTS:
+        return min(x_m, y_m), min(x_m, y_m)
+    return x_m, y_m
 
 
 def cell_places(unit: Unit, host: Rectangle) -> list[Place]:
     """The place of each member but for its own residual."""
     relation, array, residual = unit.relation, unit.array, unit.residual
-    sizes_m = [member.size_m for member in unit.members]
+    halves_m = [foot_m(member.category_id, member.size_m) for member in unit.members]
     if array is None:
-        return [locate(relation, residual, host, array_half_m(None, sizes_m))]
+        return [locate(relation, residual, host, halves_m[0])]
     if relation.kind == Kind.SEAT:
-        cells = zip(array.cells(Kind.SEAT), sizes_m, strict=True)
-        return [_seat(unit, host, cell, size_m) for cell, size_m in cells]
-    middle = locate(relation, residual, host, array_half_m(array, sizes_m))
+        cells = zip(array.cells(Kind.SEAT), halves_m, strict=True)
+        return [_seat(unit, host, cell, half_m) for cell, half_m in cells]
+    middle = locate(relation, residual, host, array_half_m(array, halves_m))
     return [
         middle.moved(
             (row - (array.rows - 1) / 2) * array.pitch_m[0],
             (column - (array.columns - 1) / 2) * array.pitch_m[1],
+            math.pi if index in array.turned else 0.0,
         )
-        for row, column in array.cells(relation.kind)
+        for index, (row, column) in enumerate(array.cells(relation.kind))
     ]
 
 
-def _seat(unit: Unit, host: Rectangle, cell: tuple[int, int], size_m: Vector3) -> Place:
+def _seat(unit: Unit, host: Rectangle, cell: tuple[int, int], half_m: Half) -> Place:
     """The place of a chair: the gap is that of all chairs, the seats are evenly spaced."""
     (side, seat), array = cell, unit.array
     assert array is not None
     count, pitch_m = ((array.rows, array.columns)[side % 2], array.pitch_m[side % 2])
     relation = Relation(kind=Kind.SEAT, side=side, gap=unit.relation.gap, quadrant=2)
     along_m = (seat - (count - 1) / 2) * pitch_m
-    return locate(
-        relation, Residual(unit.residual.u_m, along_m), host, (size_m[0] / 2, size_m[1] / 2)
-    )
+    return locate(relation, Residual(unit.residual.u_m, along_m), host, half_m)
 
 
 def place(units: Iterable[Unit], hosts: Mapping[int, OrientedBox]) -> dict[int, OrientedBox]:
@@ -147,7 +156,7 @@ def place(units: Iterable[Unit], hosts: Mapping[int, OrientedBox]) -> dict[int, 
 
 
 def _box(member: Member, spot: Place, parent: OrientedBox | None) -> OrientedBox:
-    low_m, top_m = (0.0, 0.0) if parent is None else levels_m(parent)
+    low_m, top_m = levels_m(parent)
     base_m = (top_m if member.is_on_top else low_m) + member.rise_m
     quat = quat_from_yaw(spot.yaw_rad)
     if member.tilt_wxyz is not None:
@@ -156,6 +165,8 @@ def _box(member: Member, spot: Place, parent: OrientedBox | None) -> OrientedBox
     return OrientedBox((spot.x_m, spot.y_m, base_m + member.size_m[2] / 2), quat, member.size_m)
 
 
-def levels_m(box: OrientedBox) -> tuple[float, float]:
-    """Heights of a box's underside and top, as if it were upright."""
+def levels_m(box: OrientedBox | None) -> tuple[float, float]:
+    """Heights of a box's underside and top, as if it were upright; of the bare world zero."""
+    if box is None:
+        return 0.0, 0.0
     return box.p[2] - box.s[2] / 2, box.p[2] + box.s[2] / 2

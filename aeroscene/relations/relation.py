@@ -161,6 +161,8 @@ class Array:
     pitch_m: tuple[float, float] = (0.0, 0.0)
     holes: tuple[int, ...] = ()
     """Places without a member, row by row; at a table side by side."""
+    turned: tuple[int, ...] = ()
+    """Members that look the other way: cars with their noses out of a row of bays."""
 
     def cells(self, kind: Kind) -> list[tuple[int, int]]:
         """Row and column of each place with a member; side and seat at a table."""

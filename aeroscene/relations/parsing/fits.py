@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Literal
 
 from aeroscene.relations.placing import gap_middle_m
 from aeroscene.relations.plane import Rectangle, nearest_quadrant, turned_reach_m
@@ -22,17 +23,25 @@ from aeroscene.relations.relation import (
 TOLERANCE_M = 0.1
 """What a relation pins may be off by so much, and still holds."""
 TOLERANCE_RAD = math.radians(5.0)
-_FLUSH_M = 0.06
+FLUSH_M = 0.06
 """The same for ends that are in line."""
-_PLAY_SHARE = 0.25
+_SMALL_M = 0.03
+"""Both among small things on a top."""
+_PLAY_SHARE = 0.125
 _LEAST_M = 0.02
-"""On a small top a tolerance is a share of the play, from this on: else all would be pinned."""
+"""Where there is little play a tolerance is a share of it, from this on: else all were pinned."""
+_EDGE_SHARE = 0.35
+"""Share of the play from the middle to a side that counts as being at the side."""
 _SQUARE = 0.05
 """Sides that differ by less leave no heading to see."""
 _OVERHANG_M = 3.0
 """How far past the end of a road its traffic lights stand."""
 _FACING_M = 5.0
 """Farthest that two things face each other."""
+
+Manner = Literal["thing", "way", "road", "small"]
+"""Beside what: another thing; a way or structure, where any place along it will do; a road, also
+past its ends; another small thing on the same top, near by chance."""
 
 
 def quadrant_of(turn_rad: float) -> int:
@@ -46,7 +55,7 @@ def _is_square(child: Rectangle) -> bool:
     return abs(x_m - y_m) <= _SQUARE * max(x_m, y_m)
 
 
-def gap_class(gap_m: float, tolerance_m: float, middles_m: tuple[float, ...] = GAPS_M) -> Gap:
+def gap_class(gap_m: float, tolerance_m: float, middles_m: Sequence[float] = GAPS_M) -> Gap:
     """The class of gaps that a gap is in; `Gap.FREE` outside all."""
     index = min(range(len(middles_m)), key=lambda k: abs(gap_m - middles_m[k]))
     return Gap(index) if abs(gap_m - middles_m[index]) <= tolerance_m else Gap.FREE
@@ -58,8 +67,17 @@ def scatter(host: Rectangle, child: Rectangle, kind: Kind = Kind.SCATTER) -> Rel
     return Relation(kind=kind, quadrant=quadrant_of(turn_rad))
 
 
-def inside(host: Rectangle, child: Rectangle, *, is_top: bool) -> Iterator[Relation]:
-    """Edges, corners and middles of what bears or holds an object; `is_top` of furniture."""
+def inside(
+    host: Rectangle, child: Rectangle, *, is_top: bool = False, is_walled: bool = False
+) -> Iterator[Relation]:
+    """Edges, corners and middles of what bears or holds an object.
+
+    Args:
+        host: The outline of the bearer.
+        child: The outline of the object.
+        is_top: Whether the bearer is a piece of furniture.
+        is_walled: Whether it has walls about it, against which things stand or not.
+    """
     if quadrant_of(host.place.local(child.place)[2]) == ANY_TURN and not _is_square(child):
         return
     for side in range(N_SIDES):
@@ -68,7 +86,8 @@ def inside(host: Rectangle, child: Rectangle, *, is_top: bool) -> Iterator[Relat
         reach_m, half_m = turned_reach_m(child.half_m, turn_rad), host.reach_m(side)
         play_m = half_m[0] - reach_m[0], half_m[1] - reach_m[1]
         tolerance_u_m, tolerance_v_m = (_tolerance_m(play) for play in play_m)
-        gap = gap_class(play_m[0] - u_m, tolerance_u_m)
+        gaps_m = GAPS_M[:1] if is_walled else _edge_gaps_m(play_m[0])
+        gap = gap_class(play_m[0] - u_m, tolerance_u_m, gaps_m)
         if gap == Gap.FREE and side < N_SIDES // 2 and abs(u_m) <= tolerance_u_m:
             gap = Gap.MIDDLE
         if gap == Gap.FREE:
@@ -84,29 +103,43 @@ def inside(host: Rectangle, child: Rectangle, *, is_top: bool) -> Iterator[Relat
         yield Relation(kind=kind, side=side, gap=gap, align=align, quadrant=quadrant)
 
 
+def _edge_gaps_m(play_m: float) -> Sequence[float]:
+    """Classes of gaps that are near a side, for so much play between middle and side."""
+    return [gap_m for gap_m in GAPS_M if gap_m <= max(GAPS_M[0], _EDGE_SHARE * play_m)]
+
+
 def _tolerance_m(play_m: float) -> float:
     return max(_LEAST_M, min(TOLERANCE_M, _PLAY_SHARE * play_m))
 
 
-def beside(host: Rectangle, child: Rectangle, *, is_far: bool = False) -> Iterator[Relation]:
-    """Sides of another object, in line with it or not; `is_far` also past its ends."""
+def beside(host: Rectangle, child: Rectangle, manner: Manner = "thing") -> Iterator[Relation]:
+    """Sides of another object, in line with it or not.
+
+    Args:
+        host: The outline of the other.
+        child: The outline of the object.
+        manner: What the two are to each other.
+    """
+    tolerance_m, flush_m, gaps_m = TOLERANCE_M, FLUSH_M, GAPS_M
+    if manner == "small":
+        tolerance_m, flush_m, gaps_m = _SMALL_M, _SMALL_M, GAPS_M[:1]
     for side in range(N_SIDES):
         u_m, v_m, turn_rad = host.from_side(side).local(child.place)
         quadrant = quadrant_of(turn_rad)
         if quadrant == ANY_TURN and not _is_square(child):
             return
         reach_m, half_m = turned_reach_m(child.half_m, turn_rad), host.reach_m(side)
-        gap = gap_class(u_m - half_m[0] - reach_m[0], TOLERANCE_M)
+        gap = gap_class(u_m - half_m[0] - reach_m[0], tolerance_m, gaps_m)
         if gap == Gap.FREE:
             continue
         align = Align.FREE
-        if abs(abs(v_m) - abs(half_m[1] - reach_m[1])) <= _FLUSH_M and gap == Gap.TOUCH:
+        if abs(abs(v_m) - abs(half_m[1] - reach_m[1])) <= flush_m and gap == Gap.TOUCH:
             is_high = (v_m > 0) == (half_m[1] > reach_m[1])
             align = Align.HIGH if is_high else Align.LOW
-        if abs(v_m) <= _FLUSH_M:
+        if abs(v_m) <= flush_m:
             align = Align.CENTRE
-        is_along = abs(v_m) <= half_m[1] + (_OVERHANG_M if is_far else 0.0)
-        if align != Align.FREE or (is_along and (is_far or gap == Gap.TOUCH)):
+        is_along = abs(v_m) <= half_m[1] + (_OVERHANG_M if manner == "road" else 0.0)
+        if align != Align.FREE or (is_along and (manner in {"way", "road"} or gap == Gap.TOUCH)):
             yield Relation(kind=Kind.SIDE, side=side, gap=gap, align=align, quadrant=quadrant)
 
 

@@ -1,17 +1,19 @@
-"""Rows and grids of equal objects, and seats evenly along the sides of a table."""
+"""Rows and grids of equal objects."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
+from itertools import combinations, product
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from aeroscene.relations.parsing.fits import TOLERANCE_M, TOLERANCE_RAD
+from aeroscene.relations.parsing.fits import FLUSH_M, TOLERANCE_M, TOLERANCE_RAD, inside
+from aeroscene.relations.placing import array_half_m
 from aeroscene.relations.plane import Half, Place, Rectangle
-from aeroscene.relations.relation import MAX_ROWS, MAX_SEATS, Array
+from aeroscene.relations.relation import MAX_ROWS, Align, Array
 
 MIN_MEMBERS = 3
 _FULL_SHARE = 0.6
@@ -21,9 +23,6 @@ _SAME_SHARE = 0.1
 """Sizes are equal that differ by less, in metres or as a share."""
 _MAX_PITCHES = 3
 """Neighbours along an axis that a pitch is tried with."""
-_PITCH_SHARES = (0.6, 1.15)
-"""Distance of neighbouring seats, over that of so many evenly along the whole side."""
-_MIN_PITCH_M = 0.35
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +35,21 @@ class Lattice:
     middle: Place
 
 
+def find_groups(rectangles: Sequence[Rectangle], parent: Rectangle) -> list[Lattice]:
+    """Rows and grids, and of what is in none, pairs."""
+    found = find_lattices(rectangles)
+    taken = {index for lattice in found for index in lattice.members}
+    left = [index for index in range(len(rectangles)) if index not in taken]
+    pairs = _find_pairs([rectangles[index] for index in left], parent)
+    return found + [
+        replace(pair, members=tuple(left[index] for index in pair.members)) for pair in pairs
+    ]
+
+
 def find_lattices(rectangles: Sequence[Rectangle]) -> list[Lattice]:
     """Rows and grids of equal ones, the largest first, each rectangle in one at most."""
     found: list[Lattice] = []
-    for alike in _alike(rectangles):
+    for alike in _alike(rectangles, MIN_MEMBERS):
         left = alike
         while len(left) >= MIN_MEMBERS:
             best = _largest([rectangles[index] for index in left])
@@ -51,19 +61,26 @@ def find_lattices(rectangles: Sequence[Rectangle]) -> list[Lattice]:
     return found
 
 
-def _alike(rectangles: Sequence[Rectangle]) -> list[list[int]]:
+def _alike(rectangles: Sequence[Rectangle], at_least: int) -> list[list[int]]:
     """Rectangles by size and heading."""
     groups: list[list[int]] = []
     for index, rectangle in enumerate(rectangles):
         for group in groups:
             first = rectangles[group[0]]
             turn_rad = first.place.local(rectangle.place)[2]
-            if abs(turn_rad) <= TOLERANCE_RAD and _is_same(first.half_m, rectangle.half_m):
+            if abs(_half_turned(turn_rad)) <= TOLERANCE_RAD and _is_same(
+                first.half_m, rectangle.half_m
+            ):
                 group.append(index)
                 break
         else:
             groups.append([index])
-    return [group for group in groups if len(group) >= MIN_MEMBERS]
+    return [group for group in groups if len(group) >= at_least]
+
+
+def _half_turned(turn_rad: float) -> float:
+    """A turn without the half turns in it: a row may have its members look both ways."""
+    return math.remainder(turn_rad, math.pi)
 
 
 def _is_same(first_m: Half, second_m: Half) -> bool:
@@ -73,9 +90,7 @@ def _is_same(first_m: Half, second_m: Half) -> bool:
 
 def _largest(rectangles: Sequence[Rectangle]) -> Lattice | None:
     """The row or grid with the most members among equal rectangles."""
-    turns = [rectangles[0].place.local(other.place)[2] for other in rectangles]
-    origin = rectangles[0].place.moved(0.0, 0.0, float(np.mean(turns)))
-    points = np.array([origin.local(other.place)[:2] for other in rectangles])
+    origin, points, is_turned = _points(rectangles)
     best: dict[int, tuple[int, int]] = {}
     for start in range(len(points)):
         steps = [(*_pitches(points, start, axis), 0.0) for axis in (0, 1)]
@@ -83,7 +98,51 @@ def _largest(rectangles: Sequence[Rectangle]) -> Lattice | None:
             cells = _grown(points, start, pitch_m) if any(pitch_m) else {}
             if len(cells) > len(best) and _is_full(cells):
                 best = cells
-    return _fitted(points, best, origin) if len(best) >= MIN_MEMBERS else None
+    return _fitted(points, is_turned, best, origin) if len(best) >= MIN_MEMBERS else None
+
+
+def _points(
+    rectangles: Sequence[Rectangle],
+) -> tuple[Place, Float[np.ndarray, "n 2"], list[bool]]:
+    """A frame with the heading of equal rectangles, their middles in it, which look back in it."""
+    turns = [rectangles[0].place.local(other.place)[2] for other in rectangles]
+    mean_rad = float(np.mean([_half_turned(turn_rad) for turn_rad in turns]))
+    origin = rectangles[0].place.moved(0.0, 0.0, mean_rad)
+    points = np.array([origin.local(other.place)[:2] for other in rectangles])
+    return origin, points, [abs(turn_rad) > math.pi / 2 for turn_rad in turns]
+
+
+def _find_pairs(rectangles: Sequence[Rectangle], parent: Rectangle) -> list[Lattice]:
+    """Two equal ones each, at the same distance from a middle line of their parent.
+
+    Two make no row: only where the relation of both together pins them too.
+    """
+    found: list[Lattice] = []
+    for alike in _alike(rectangles, 2):
+        taken: set[int] = set()
+        for pair in combinations(alike, 2):
+            lattice = None if taken & set(pair) else _pair([rectangles[i] for i in pair], parent)
+            if lattice is not None:
+                found.append(replace(lattice, members=tuple(pair[i] for i in lattice.members)))
+                taken |= set(pair)
+    return found
+
+
+def _pair(rectangles: Sequence[Rectangle], parent: Rectangle) -> Lattice | None:
+    """Two rectangles as a row in the middle of a side or line of their parent."""
+    origin, points, is_turned = _points(rectangles)
+    apart_m = points[1] - points[0]
+    axis = int(np.abs(apart_m).argmax())
+    if abs(apart_m[1 - axis]) > FLUSH_M:
+        return None
+    order = (0, 1) if apart_m[axis] > 0 else (1, 0)
+    steps = [(0, 0), (1, 0) if axis == 0 else (0, 1)]
+    lattice = _fitted(points, is_turned, dict(zip(order, steps, strict=True)), origin)
+    if lattice is None:
+        return None
+    half_m = array_half_m(lattice.array, [rectangle.half_m for rectangle in rectangles])
+    both = inside(parent, Rectangle(lattice.middle, half_m))
+    return lattice if any(relation.align == Align.CENTRE for relation in both) else None
 
 
 def _pitches(points: Float[np.ndarray, "n 2"], start: int, axis: int) -> list[float]:
@@ -121,7 +180,10 @@ def _is_full(cells: dict[int, tuple[int, int]]) -> bool:
 
 
 def _fitted(
-    points: Float[np.ndarray, "n 2"], cells: dict[int, tuple[int, int]], origin: Place
+    points: Float[np.ndarray, "n 2"],
+    is_turned: Sequence[bool],
+    cells: dict[int, tuple[int, int]],
+    origin: Place,
 ) -> Lattice | None:
     """The array through points by least squares; None where one is off its place."""
     order = sorted(cells, key=lambda index: cells[index])
@@ -144,36 +206,6 @@ def _fitted(
         columns=columns,
         pitch_m=(float(pitch_m[0]), float(pitch_m[1])),
         holes=tuple(sorted(set(range(rows * columns)) - taken)),
+        turned=tuple(place for place, index in enumerate(order) if is_turned[index]),
     )
     return Lattice(tuple(order), array, origin.moved(*middle_m.tolist()))
-
-
-def fit_seats(
-    along_m: Sequence[tuple[int, float]], length_m: float
-) -> tuple[int, float, list[int]] | None:
-    """Evenly spaced seats along two opposite sides of a table.
-
-    Args:
-        along_m: Side (0 or 1 of the pair) and place from its middle of each chair.
-        length_m: Of the sides.
-
-    Returns:
-        Seats a side, their pitch in m, and each chair's seat; None where chairs stand unevenly.
-    """
-    places = np.array([place for _, place in along_m])
-    for count in range(1, MAX_SEATS + 1):
-        low_m, high_m = (share * length_m / count for share in _PITCH_SHARES)
-        if count > 1 and high_m < _MIN_PITCH_M:
-            return None
-        for pitch_m in np.linspace(max(low_m, _MIN_PITCH_M), max(high_m, _MIN_PITCH_M), 12):
-            seats = np.rint(places / pitch_m + (count - 1) / 2).clip(0, count - 1)
-            at = seats - (count - 1) / 2
-            # The pitch that suits these seats best.
-            best_m = float(at @ places / (at @ at)) if at.any() else float(pitch_m)
-            off_m = np.abs(places - at * best_m).max()
-            taken = {(side, seat) for (side, _), seat in zip(along_m, seats, strict=True)}
-            if off_m <= TOLERANCE_M and len(taken) == len(along_m) and best_m > 0:
-                pitch = best_m if count > 1 else 0.0
-                return count, pitch, seats.astype(int).tolist()
-    return None
-
