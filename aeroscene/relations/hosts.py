@@ -18,6 +18,11 @@ SEATED_AT = frozenset({"table", "desk", "counter", "coffee_table"})
 VEHICLES = frozenset({"car", "van", "truck", "bus"})
 AT_ROADS = frozenset({"traffic_light"})
 """What stands beside a road, whatever it stands on."""
+ROUND = frozenset(
+    {"tree", "bush", "plant", "planter", "lamp", "bin", "barrel", "crate", "box", "plate", "cup"}
+    | {"water_tank", "chimney", "antenna"}
+)
+"""What has no front."""
 _ROAD = "road"
 _INSIDE = frozenset({Kind.EDGE, Kind.CENTRE, Kind.ON, Kind.SCATTER})
 

@@ -44,7 +44,7 @@ class RelationShares:
     in_rows: float
     """In rows and grids of at least three equal ones."""
     n_groups: int
-    """Rows, grids, pairs, and tables with chairs."""
+    """Rows, grids, and tables with chairs."""
     n_members: int
 
 

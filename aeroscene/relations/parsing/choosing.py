@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from aeroscene.relations.hosts import AT_ROADS, SEATS, VEHICLES, Standing, is_furniture
+from aeroscene.relations.hosts import AT_ROADS, ROUND, SEATS, VEHICLES, Standing, is_furniture
 from aeroscene.relations.parsing import fits
 from aeroscene.relations.placing import foot_m
 from aeroscene.relations.plane import WORLD, Rectangle, footprint
@@ -73,7 +73,10 @@ def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[C
     yield fits.scatter(parent, outline, Kind.ON if is_top else Kind.SCATTER), parent_id
     if parent_id is not None:
         is_walled = ground.category(parent_id) == "room"
-        for relation in fits.inside(parent, outline, is_top=is_top, is_walled=is_walled):
+        is_round = obj.category in ROUND
+        for relation in fits.inside(
+            parent, outline, is_round=is_round, is_top=is_top, is_walled=is_walled
+        ):
             yield relation, parent_id
     for kind in _kinds(obj, is_top=is_top):
         hosts = ground.standing.possible_hosts(kind, obj.category_id, parent_id)
@@ -101,7 +104,9 @@ def _fits(
         case Kind.FACING:
             return fits.facing(host, outline)
         case _:
-            return fits.beside(host, outline, _manner(ground, host_id, obj))
+            return fits.beside(
+                host, outline, _manner(ground, host_id, obj), is_round=obj.category in ROUND
+            )
 
 
 def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.Manner:

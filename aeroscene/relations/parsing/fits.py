@@ -23,7 +23,7 @@ from aeroscene.relations.relation import (
 TOLERANCE_M = 0.1
 """What a relation pins may be off by so much, and still holds."""
 TOLERANCE_RAD = math.radians(5.0)
-FLUSH_M = 0.06
+_FLUSH_M = 0.06
 """The same for ends that are in line."""
 _SMALL_M = 0.03
 """Both among small things on a top."""
@@ -32,8 +32,6 @@ _LEAST_M = 0.02
 """Where there is little play a tolerance is a share of it, from this on: else all were pinned."""
 _EDGE_SHARE = 0.35
 """Share of the play from the middle to a side that counts as being at the side."""
-_SQUARE = 0.05
-"""Sides that differ by less leave no heading to see."""
 _OVERHANG_M = 3.0
 """How far past the end of a road its traffic lights stand."""
 _FACING_M = 5.0
@@ -50,11 +48,6 @@ def quadrant_of(turn_rad: float) -> int:
     return quadrant if abs(rest_rad) <= TOLERANCE_RAD else ANY_TURN
 
 
-def _is_square(child: Rectangle) -> bool:
-    x_m, y_m = child.half_m
-    return abs(x_m - y_m) <= _SQUARE * max(x_m, y_m)
-
-
 def gap_class(gap_m: float, tolerance_m: float, middles_m: Sequence[float] = GAPS_M) -> Gap:
     """The class of gaps that a gap is in; `Gap.FREE` outside all."""
     index = min(range(len(middles_m)), key=lambda k: abs(gap_m - middles_m[k]))
@@ -68,17 +61,23 @@ def scatter(host: Rectangle, child: Rectangle, kind: Kind = Kind.SCATTER) -> Rel
 
 
 def inside(
-    host: Rectangle, child: Rectangle, *, is_top: bool = False, is_walled: bool = False
+    host: Rectangle,
+    child: Rectangle,
+    *,
+    is_round: bool = False,
+    is_top: bool = False,
+    is_walled: bool = False,
 ) -> Iterator[Relation]:
     """Edges, corners and middles of what bears or holds an object.
 
     Args:
         host: The outline of the bearer.
         child: The outline of the object.
+        is_round: Whether the object has no front, so that its heading is no matter.
         is_top: Whether the bearer is a piece of furniture.
         is_walled: Whether it has walls about it, against which things stand or not.
     """
-    if quadrant_of(host.place.local(child.place)[2]) == ANY_TURN and not _is_square(child):
+    if quadrant_of(host.place.local(child.place)[2]) == ANY_TURN and not is_round:
         return
     for side in range(N_SIDES):
         u_m, v_m, turn_rad = host.from_side(side).local(child.place)
@@ -112,21 +111,24 @@ def _tolerance_m(play_m: float) -> float:
     return max(_LEAST_M, min(TOLERANCE_M, _PLAY_SHARE * play_m))
 
 
-def beside(host: Rectangle, child: Rectangle, manner: Manner = "thing") -> Iterator[Relation]:
+def beside(
+    host: Rectangle, child: Rectangle, manner: Manner = "thing", *, is_round: bool = False
+) -> Iterator[Relation]:
     """Sides of another object, in line with it or not.
 
     Args:
         host: The outline of the other.
         child: The outline of the object.
         manner: What the two are to each other.
+        is_round: Whether the object has no front, so that its heading is no matter.
     """
-    tolerance_m, flush_m, gaps_m = TOLERANCE_M, FLUSH_M, GAPS_M
+    tolerance_m, flush_m, gaps_m = TOLERANCE_M, _FLUSH_M, GAPS_M
     if manner == "small":
         tolerance_m, flush_m, gaps_m = _SMALL_M, _SMALL_M, GAPS_M[:1]
     for side in range(N_SIDES):
         u_m, v_m, turn_rad = host.from_side(side).local(child.place)
         quadrant = quadrant_of(turn_rad)
-        if quadrant == ANY_TURN and not _is_square(child):
+        if quadrant == ANY_TURN and not is_round:
             return
         reach_m, half_m = turned_reach_m(child.half_m, turn_rad), host.reach_m(side)
         gap = gap_class(u_m - half_m[0] - reach_m[0], tolerance_m, gaps_m)

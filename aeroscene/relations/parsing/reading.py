@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from aeroscene.relations.hosts import SEATS, Standing
 from aeroscene.relations.parsing.choosing import Ground, best_relation
-from aeroscene.relations.parsing.rows import find_groups
+from aeroscene.relations.parsing.rows import find_lattices
 from aeroscene.relations.parsing.seating import find_seats
 from aeroscene.relations.placing import array_half_m, cell_places, levels_m, residual_of
 from aeroscene.relations.plane import Rectangle
@@ -99,7 +99,7 @@ class _Reader:
             left = set(range(len(alike)))
             # What lies on furniture is laid by seats, or strewn.
             is_top = self._ground.is_top(parent_id)
-            for lattice in [] if is_top else find_groups(feet, self._ground.outline(parent_id)):
+            for lattice in [] if is_top else find_lattices(feet):
                 members = [alike[index] for index in lattice.members]
                 half_m = array_half_m(lattice.array, [feet[i].half_m for i in lattice.members])
                 yield _Group(members, lattice.array, Rectangle(lattice.middle, half_m))

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations, product
+from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from aeroscene.relations.parsing.fits import FLUSH_M, TOLERANCE_M, TOLERANCE_RAD, inside
-from aeroscene.relations.placing import array_half_m
+from aeroscene.relations.parsing.fits import TOLERANCE_M, TOLERANCE_RAD
 from aeroscene.relations.plane import Half, Place, Rectangle
-from aeroscene.relations.relation import MAX_ROWS, Align, Array
+from aeroscene.relations.relation import MAX_ROWS, Array
 
 MIN_MEMBERS = 3
 _FULL_SHARE = 0.6
@@ -35,21 +34,10 @@ class Lattice:
     middle: Place
 
 
-def find_groups(rectangles: Sequence[Rectangle], parent: Rectangle) -> list[Lattice]:
-    """Rows and grids, and of what is in none, pairs."""
-    found = find_lattices(rectangles)
-    taken = {index for lattice in found for index in lattice.members}
-    left = [index for index in range(len(rectangles)) if index not in taken]
-    pairs = _find_pairs([rectangles[index] for index in left], parent)
-    return found + [
-        replace(pair, members=tuple(left[index] for index in pair.members)) for pair in pairs
-    ]
-
-
 def find_lattices(rectangles: Sequence[Rectangle]) -> list[Lattice]:
     """Rows and grids of equal ones, the largest first, each rectangle in one at most."""
     found: list[Lattice] = []
-    for alike in _alike(rectangles, MIN_MEMBERS):
+    for alike in _alike(rectangles):
         left = alike
         while len(left) >= MIN_MEMBERS:
             best = _largest([rectangles[index] for index in left])
@@ -61,7 +49,7 @@ def find_lattices(rectangles: Sequence[Rectangle]) -> list[Lattice]:
     return found
 
 
-def _alike(rectangles: Sequence[Rectangle], at_least: int) -> list[list[int]]:
+def _alike(rectangles: Sequence[Rectangle]) -> list[list[int]]:
     """Rectangles by size and heading."""
     groups: list[list[int]] = []
     for index, rectangle in enumerate(rectangles):
@@ -75,7 +63,7 @@ def _alike(rectangles: Sequence[Rectangle], at_least: int) -> list[list[int]]:
                 break
         else:
             groups.append([index])
-    return [group for group in groups if len(group) >= at_least]
+    return [group for group in groups if len(group) >= MIN_MEMBERS]
 
 
 def _half_turned(turn_rad: float) -> float:
@@ -110,39 +98,6 @@ def _points(
     origin = rectangles[0].place.moved(0.0, 0.0, mean_rad)
     points = np.array([origin.local(other.place)[:2] for other in rectangles])
     return origin, points, [abs(turn_rad) > math.pi / 2 for turn_rad in turns]
-
-
-def _find_pairs(rectangles: Sequence[Rectangle], parent: Rectangle) -> list[Lattice]:
-    """Two equal ones each, at the same distance from a middle line of their parent.
-
-    Two make no row: only where the relation of both together pins them too.
-    """
-    found: list[Lattice] = []
-    for alike in _alike(rectangles, 2):
-        taken: set[int] = set()
-        for pair in combinations(alike, 2):
-            lattice = None if taken & set(pair) else _pair([rectangles[i] for i in pair], parent)
-            if lattice is not None:
-                found.append(replace(lattice, members=tuple(pair[i] for i in lattice.members)))
-                taken |= set(pair)
-    return found
-
-
-def _pair(rectangles: Sequence[Rectangle], parent: Rectangle) -> Lattice | None:
-    """Two rectangles as a row in the middle of a side or line of their parent."""
-    origin, points, is_turned = _points(rectangles)
-    apart_m = points[1] - points[0]
-    axis = int(np.abs(apart_m).argmax())
-    if abs(apart_m[1 - axis]) > FLUSH_M:
-        return None
-    order = (0, 1) if apart_m[axis] > 0 else (1, 0)
-    steps = [(0, 0), (1, 0) if axis == 0 else (0, 1)]
-    lattice = _fitted(points, is_turned, dict(zip(order, steps, strict=True)), origin)
-    if lattice is None:
-        return None
-    half_m = array_half_m(lattice.array, [rectangle.half_m for rectangle in rectangles])
-    both = inside(parent, Rectangle(lattice.middle, half_m))
-    return lattice if any(relation.align == Align.CENTRE for relation in both) else None
 
 
 def _pitches(points: Float[np.ndarray, "n 2"], start: int, axis: int) -> list[float]:
