@@ -63,5 +63,16 @@ def test_desks_out_of_their_row_are_in_none():
     assert row_spacing_deviation([uneven]) > 0.1
 
 
+def test_desks_of_other_sizes_are_a_row_but_not_of_equals():
+    scene = office()
+    desks = [
+        replace(obj, bbox=replace(obj.bbox, s=(0.8, 1.4 + 0.04 * (index % 2), 0.74)))
+        for index, obj in enumerate(scene.objects[1:])
+    ]
+    scene = replace(scene, objects=(scene.objects[0], *desks))
+    assert relation_shares([scene]).in_rows == 0.0
+    assert len(scene_relations(scene)) == 1
+
+
 def test_without_a_row_there_is_no_spacing():
     assert math.isnan(row_spacing_deviation([dining()]))

@@ -9,7 +9,8 @@ from aeroscene.relations import Align, Gap, Kind, Relation, Residual, place, sce
 from aeroscene.relations.measures import without_noise
 from aeroscene.relations.placing import locate, residual_of
 from aeroscene.relations.plane import Place, Rectangle
-from tests.aeroscene.relations.rooms import office
+from tests.aeroscene.metrics.scenes import scene_of
+from tests.aeroscene.relations.rooms import ROOM, office, on_floor
 
 metres, angles = st.floats(-20, 20), st.floats(-math.pi, math.pi)
 halves = st.tuples(st.floats(0.1, 10), st.floats(0.1, 10))
@@ -50,3 +51,10 @@ def test_without_noise_a_row_is_even():
         columns = sorted(box.p[1] for box in boxes.values() if box.p[0] < 0)
         steps = [after - before for before, after in pairwise(columns)]
         assert (max(steps) - min(steps) < 1e-9) == is_even
+
+
+def test_without_noise_a_wardrobe_stands_at_the_wall_where_it_stood_along_it():
+    scene = scene_of(ROOM, on_floor("wardrobe", 5.65, 1.3, (0.54, 1.94, 2), 180))
+    (unit,) = scene_relations(scene)
+    (box,) = place([without_noise(unit)], {scene.objects[0].id: scene.objects[0].bbox}).values()
+    assert box.p == pytest.approx((6.0 - 0.03 - 0.27, 1.3, 1.0))

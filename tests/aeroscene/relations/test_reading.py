@@ -74,6 +74,15 @@ def test_hosts_stand_before_what_refers_to_them_and_symbols_are_in_range(scene):
             assert max(unit.array.rows, unit.array.columns) <= SYMBOLS["rows"]
 
 
+def test_what_relations_pin_is_noise(scene):
+    for unit in scene_relations(scene):
+        noise = [member.residual for member in unit.members]
+        pins = zip(("u_m", "v_m", "yaw_rad"), unit.relation.pinned, strict=True)
+        pinned = [getattr(unit.residual, name) for name, is_pinned in pins if is_pinned]
+        off = [value for r in noise for value in (r.u_m, r.v_m, r.yaw_rad)]
+        assert max(map(abs, [*off, *pinned, 0.0])) < 0.21, unit
+
+
 def test_only_boxes_categories_and_parents_are_read(scene):
     bare = tuple(replace(obj, attributes={}) for obj in scene.objects)
     assert scene_relations(replace(scene, objects=bare)) == scene_relations(scene)
@@ -86,6 +95,7 @@ def test_chairs_of_a_table_are_one_group():
     # Two seats at each long side, whose one seat at each end is empty.
     assert (unit.array.rows, unit.array.columns, unit.array.holes) == (2, 1, (2, 5))
     assert unit.array.pitch_m[0] == pytest.approx(0.9)
+    assert all(abs(member.residual.yaw_rad) < 1e-6 for member in unit.members)
 
 
 @pytest.mark.parametrize("hole", [None, (0, 1), (1, 2)])
@@ -100,6 +110,7 @@ def test_cars_in_a_row_may_look_both_ways():
     cars = [on_floor("car", 0, 2.6 * k, (4.2, 1.8, 1.5), 180.0 * (k == 1)) for k in range(4)]
     unit = unit_of(scene_of(("lawn", box((0, 3, -0.05), (20, 20, 0.1))), *cars), "car")
     assert (unit.array.columns, unit.array.turned) == (4, (1,))
+    assert all(abs(member.residual.yaw_rad) < 1e-6 for member in unit.members)
 
 
 def test_a_corner_has_two_sides():
