@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 from aeroscene.relations.hosts import AT_ROADS, ROUND, SEATS, VEHICLES, Standing, is_furniture
 from aeroscene.relations.parsing import fits
@@ -16,18 +16,14 @@ Choice = tuple[Relation, int | None]
 """A relation and the id of its host."""
 
 
-@dataclass(frozen=True, slots=True)
 class Ground:
     """What relations are read from: outlines, categories, and what stands already."""
 
-    scene: Scene
-    standing: Standing
-    _outlines: Mapping[int, Rectangle] = field(init=False)
-
-    def __post_init__(self) -> None:
+    def __init__(self, scene: Scene, standing: Standing) -> None:
         """Look at every box from above once."""
-        outlines = {obj.id: footprint(obj.bbox) for obj in self.scene.objects}
-        object.__setattr__(self, "_outlines", outlines)
+        self.scene = scene
+        self.standing = standing
+        self._outlines = {obj.id: footprint(obj.bbox) for obj in scene.objects}
 
     def outline(self, object_id: int | None) -> Rectangle:
         """An object seen from above; None is the bare world."""
