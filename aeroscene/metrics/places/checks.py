@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Shaped
 
-from aeroscene.metrics.places import backs, ground, roads, seating, spacing, stairs, walls
+from aeroscene.metrics.places import backs, ground, order, roads, seating, spacing, stairs, walls
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.scene import Scene
 
@@ -150,6 +150,22 @@ CHECKS: tuple[PlaceCheck, ...] = (
         unit="-",
         goal=0.05,
         judge=spacing.uneven_spacing,
+    ),
+    PlaceCheck(
+        key="pinned",
+        title="objects whose place a relation gives in both axes",
+        unit="%",
+        better="higher",
+        goal=40.0,
+        judge=order.is_pinned,
+    ),
+    PlaceCheck(
+        key="in_rows",
+        title="objects in rows and grids of equal ones",
+        unit="%",
+        better="higher",
+        goal=14.0,
+        judge=order.is_in_row,
     ),
 )
 """In the order in which they are printed."""

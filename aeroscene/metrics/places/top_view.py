@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.roles import BUILDINGS
 from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
+from aeroscene.relations import Unit, scene_relations
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.box import box_corners, rotation_matrix
 from aeroscene.scene.catalogue import category_id
@@ -34,6 +35,11 @@ class TopView:
     def use(self) -> tuple[AttributeValue | None, ...]:
         """What rooms are used as, where the scene says so."""
         return tuple(obj.attributes.get("use") for obj in self.scene.objects)
+
+    @cached_property
+    def units(self) -> tuple[Unit, ...]:
+        """Relations of the fine objects to their hosts."""
+        return scene_relations(self.scene)
 
     def rows(self, *categories: str) -> Int[np.ndarray, " k"]:
         """Rows of the objects of some categories."""

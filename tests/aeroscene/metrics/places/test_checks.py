@@ -2,11 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from aeroscene.metrics.places.backs import BACKED
 from aeroscene.metrics.places.checks import CHECKS, place_figures
 from aeroscene.metrics.places.top_view import TopView
+from aeroscene.relations.measures import relation_shares, strewn
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.metrics.places.faults import (
     changed,
@@ -34,13 +36,15 @@ def spoilt(key, spoil):
     return BY_KEY[key].figure([TopView(spoil(scene)) for scene in SCENES])
 
 
-# Park paths lie apart, screens have two ends, bleachers end at a wall, rows of shelves stand free.
+# Park paths lie apart, screens have two ends, bleachers end at a wall, rows of shelves stand free;
+# nine scenes have fewer rows than all.
 OWN_LIMITS = {
     "patches": 2.0,
     "loose_wall_ends": 20.0,
     "dead_end_stairs": 25.0,
     "backs_off_walls": 50.0,
     "lone_plates": 20.0,
+    "in_rows": 8.0,
 }
 
 
@@ -108,6 +112,19 @@ def test_desks_out_of_line_are_uneven(real):
     ]
     assert real["uneven_desks"] < 0.01
     assert BY_KEY["uneven_desks"].figure(views) > 0.1
+
+
+def test_objects_anywhere_in_their_parents_have_no_order(real):
+    rng = np.random.default_rng(3)
+    views = [TopView(strewn(scene, rng)) for scene in SCENES]
+    for key in ("pinned", "in_rows"):
+        assert BY_KEY[key].figure(views) < real[key] / 4
+
+
+def test_order_is_that_of_the_relations(real):
+    shares = relation_shares(SCENES)
+    assert real["pinned"] == pytest.approx(100 * shares.pinned)
+    assert real["in_rows"] == pytest.approx(100 * shares.in_rows)
 
 
 def test_without_anything_to_judge_there_is_no_figure():
