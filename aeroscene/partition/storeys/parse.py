@@ -22,8 +22,7 @@ _ALIGNED_RAD = 2e-3
 _SAME_LEVEL_M = 0.3
 _FACE_M = 0.008
 """A room's side this near to a wall's face ends at it."""
-_OVERLAP_M = 0.012
-"""Rooms and walls that share more than this are not inset."""
+_OUTSIDE_M = 0.012
 
 Word = Callable[[SceneObject], str]
 
@@ -82,7 +81,8 @@ def storey_partitions(
     walls = [_standing(obj, plane) for obj in others if obj.category == "wall"]
     placed = [_room(obj, plane) for obj in rooms]
     walls = [wall for wall in walls if wall and (host_id is not None or wall.obj.domain == "indoor")]
-    is_inset = not any(_overlap(room, wall) for room in placed for wall in walls)
+    hull = hull_of(room.bounds for room in placed)
+    is_inset = not any(_reaches_out(wall.bounds, hull) for wall in walls)
     zones = [_zone(room, walls) if is_inset else room.bounds for room in placed]
     frame = plane.inner(hull_of(zones))
     corner = plane.local(*frame.point(0.0, 0.0))
@@ -125,11 +125,11 @@ def _standing(obj: SceneObject, plane: Frame) -> StandingWall | None:
     return StandingWall(obj, plane.bounds_of(obj.bbox), quarter)
 
 
-def _overlap(room: _Room, wall: StandingWall) -> bool:
-    x0, y0, x1, y1 = room.bounds
-    u0, v0, u1, v1 = wall.bounds
-    is_level = wall.base_m < room.top_m and wall.top_m > room.base_m
-    return is_level and min(min(x1, u1) - max(x0, u0), min(y1, v1) - max(y0, v0)) > _OVERLAP_M
+def _reaches_out(bounds: Bounds, hull: Bounds) -> bool:
+    """Whether a wall stands outside all rooms: then they end at lines, not at faces of walls."""
+    low = min(bounds[i] - hull[i] for i in (0, 1))
+    high = max(bounds[i] - hull[i] for i in (2, 3))
+    return low < -_OUTSIDE_M or high > _OUTSIDE_M
 
 
 def _zone(room: _Room, walls: Sequence[StandingWall]) -> Bounds:
