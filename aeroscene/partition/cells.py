@@ -54,7 +54,9 @@ def cells_of(node: Node, frame: Frame, base_m: float = 0.0) -> Iterator[Cell]:
             for child, bounds in zip(node.children, _grid(columns, rows, frame), strict=True):
                 yield from cells_of(child, frame.inner(bounds), base_m)
         case Cross():
-            for child, bounds in zip(node.cells, _grid(node.columns, node.rows, frame), strict=True):
+            for child, bounds in zip(
+                node.cells, _grid(node.columns, node.rows, frame), strict=True
+            ):
                 yield from cells_of(child, frame.inner(bounds), base_m)
         case Pinwheel():
             nodes = (*node.arms, node.middle)
@@ -119,9 +121,11 @@ def lane_reach(low: float, high: float, turn_rad: float) -> float:
         high: Left edge likewise.
         turn_rad: Left turn at the bend; 0 at either end of the chain.
     """
-    return max(-low, -high) * math.tan(turn_rad / 2) if turn_rad > 0 else max(
-        low, high
-    ) * math.tan(-turn_rad / 2)
+    return (
+        max(-low, -high) * math.tan(turn_rad / 2)
+        if turn_rad > 0
+        else max(low, high) * math.tan(-turn_rad / 2)
+    )
 
 
 def _bend(bend: Bend, frame: Frame, base_m: float) -> Iterator[Cell]:
@@ -158,7 +162,7 @@ def _joined(group: list[Cell]) -> list[Cell]:
     frame = group[0].frame
     if len(group) == 1:
         return group
-    bounds = [frame.bounds_of(cell.frame.box(0, 0.0, 1.0)) for cell in group]
+    bounds = [frame.bounds_of(cell.frame) for cell in group]
     hull = hull_of(bounds)
     if math.isclose(sum(map(_area, bounds)), _area(hull), abs_tol=_MEET_M * _area(hull)):
         found = [hull]

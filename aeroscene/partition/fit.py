@@ -15,7 +15,6 @@ from aeroscene.partition.pinwheel import find_pinwheel
 from aeroscene.partition.tree import (
     VOID,
     Axis,
-    Bend,
     Cross,
     Leaf,
     Node,
@@ -24,8 +23,10 @@ from aeroscene.partition.tree import (
     PartitionError,
     Pinwheel,
     Slice,
+    children,
     parts_of,
     walk,
+    with_children,
 )
 
 SAME_M = 0.004
@@ -89,25 +90,9 @@ def number_merges(node: Node) -> Node:
 
 
 def _renumbered(node: Node, numbers: dict[int, int]) -> Node:
-    def each(nodes: tuple[Node, ...]) -> tuple[Node, ...]:
-        return tuple(_renumbered(child, numbers) for child in nodes)
-
-    match node:
-        case Leaf():
-            return replace(node, merge=numbers.get(node.merge, 0))
-        case Slice():
-            return replace(node, children=each(node.children))
-        case Cross():
-            return replace(node, cells=each(node.cells))
-        case Pinwheel():
-            south, east, north, west, middle = each((*node.arms, node.middle))
-            return replace(node, arms=(south, east, north, west), middle=middle)
-        case Overlay():
-            items = tuple(replace(i, tree=_renumbered(i.tree, numbers)) for i in node.items)
-            return Overlay(replace(node.base, merge=numbers.get(node.base.merge, 0)), items)
-        case Bend():
-            banks = tuple(b and replace(b, tree=_renumbered(b.tree, numbers)) for b in node.banks)
-            return replace(node, banks=banks)
+    if isinstance(node, Leaf):
+        return replace(node, merge=numbers.get(node.merge, 0))
+    return with_children(node, tuple(_renumbered(child, numbers) for child in children(node)))
 
 
 class _Fitter:
@@ -122,7 +107,9 @@ class _Fitter:
         self.ranges = [self._range(piece) for piece in pieces]
         for index, (i0, i1, j0, j1) in enumerate(self.ranges):
             if (self.owners[i0:i1, j0:j1] != _VOID).any():
-                raise PartitionError(f"piece {pieces[index].key} overlaps another, valid: none does")
+                raise PartitionError(
+                    f"piece {pieces[index].key} overlaps another, valid: none does"
+                )
             self.owners[i0:i1, j0:j1] = index
 
     def _range(self, piece: Piece) -> _Window:
@@ -153,7 +140,6 @@ class _Fitter:
         pinwheel = find_pinwheel(can_cut(owners), can_cut(owners.T).T)
         if pinwheel:
             return self._pinwheel(window, *pinwheel)
-        i0, i1, j0, j1 = window
         lines = [np.flatnonzero((o[1:] != o[:-1]).any(axis=1)) + 1 for o in (owners, owners.T)]
         return self._cross(window, lines[0].tolist(), lines[1].tolist(), is_fallback=True)
 
@@ -214,12 +200,13 @@ class _Fitter:
         else:
             arms = ((i0, east, j0, south), (east, i1, j0, north), (west, i1, north, j1))
             last = (i0, west, south, j1)
-        x, y = self.x, self.y
         return Pinwheel(
             is_mirrored,
             (
-                *(float((x[i] - x[i0]) / (x[i1] - x[i0])) for i in (west, east)),
-                *(float((y[j] - y[j0]) / (y[j1] - y[j0])) for j in (south, north)),
+                _share(self.x, i0, west, i1),
+                _share(self.x, i0, east, i1),
+                _share(self.y, j0, south, j1),
+                _share(self.y, j0, north, j1),
             ),
             (self.node(arms[0]), self.node(arms[1]), self.node(arms[2]), self.node(last)),
             self.node((west, east, south, north)),
@@ -236,7 +223,10 @@ class _Fitter:
         """Whether a strip of a kind that has its width in m runs through, as wide as the window."""
         at, across = (0, 2) if axis == "x" else (2, 0)
         for owner in np.unique(self._owners(window)):
-            if owner == _VOID or getattr(self.pieces[owner].node, "kind", "") not in self.widths.kinds:
+            if (
+                owner == _VOID
+                or getattr(self.pieces[owner].node, "kind", "") not in self.widths.kinds
+            ):
                 continue
             x0, y0, x1, y1 = self.pieces[owner].bounds
             sides = {0: x1 - x0, 2: y1 - y0}
@@ -255,6 +245,11 @@ def full_cuts(owners: _Owners) -> list[int]:
     """Columns before which a line crosses nothing in any row, and parts something."""
     is_cut = can_cut(owners).all(axis=1) & (owners[1:] != owners[:-1]).any(axis=1)
     return (np.flatnonzero(is_cut) + 1).tolist()
+
+
+def _share(lines: np.ndarray, low: int, at: int, high: int) -> float:
+    """Where a line lies between two others."""
+    return float((lines[at] - lines[low]) / (lines[high] - lines[low]))
 
 
 def _lines(values: Sequence[float]) -> np.ndarray:

@@ -44,12 +44,13 @@ class Frame:
         x, y = self.point((x0 + x1) / 2, (y0 + y1) / 2)
         return Frame(x, y, self.yaw_rad + turn_rad, x1 - x0, y1 - y0)
 
-    def bounds_of(self, box: OrientedBox) -> Bounds:
-        """Own coordinates of an aligned box."""
-        quarter, _ = nearest_quarter(box.yaw_rad - self.yaw_rad)
-        size = box.s[:2] if quarter % 2 == 0 else (box.s[1], box.s[0])
-        u, v = self.local(box.p[0], box.p[1])
-        return (u - size[0] / 2, v - size[1] / 2, u + size[0] / 2, v + size[1] / 2)
+    def bounds_of(self, other: Frame) -> Bounds:
+        """Own coordinates of an aligned frame."""
+        quarter, _ = nearest_quarter(other.yaw_rad - self.yaw_rad)
+        du, dv = other.length_m / 2, other.width_m / 2
+        du, dv = (du, dv) if quarter % 2 == 0 else (dv, du)
+        u, v = self.local(other.x_enu_m, other.y_enu_m)
+        return (u - du, v - dv, u + du, v + dv)
 
     def box(self, quarter: int, base_m: float, top_m: float) -> OrientedBox:
         """The box over all of the frame, its x axis turned by quarters."""
@@ -63,8 +64,11 @@ class Frame:
 
 def frame_of(box: OrientedBox, yaw_rad: float | None = None) -> Frame:
     """The frame over a box, or over an aligned one in another heading."""
-    whole = Frame(0.0, 0.0, box.yaw_rad if yaw_rad is None else yaw_rad, 0.0, 0.0)
-    return whole.inner(whole.bounds_of(box))
+    found = Frame(box.p[0], box.p[1], box.yaw_rad, box.s[0], box.s[1])
+    if yaw_rad is None:
+        return found
+    plane = Frame(0.0, 0.0, yaw_rad, 0.0, 0.0)
+    return plane.inner(plane.bounds_of(found))
 
 
 def nearest_quarter(angle_rad: float) -> tuple[int, float]:

@@ -7,7 +7,7 @@ widths that its strips share (doors and windows too), so that `strip` can name t
 |---|---|---|---|
 | `width` | | | metres |
 | `site` | tree | | frame (x, y, yaw, length, width), base |
-| `storey` | tree, borders | rooms inset, borders | frame, level, walls, outer walls, drop |
+| `storey` | tree, borders to the end | 1 if inset | frame, level, walls, outer walls, drop |
 | `leaf` | | | height |
 | `slice` | children, each with its `share` or `strip` | children | |
 | `cross`, `grid` | `part` for each column and row, cells | columns, rows | |
@@ -25,10 +25,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
+from typing import get_args
 
 from aeroscene.partition.frames import Frame
 from aeroscene.partition.sites.site import SitePartition
-from aeroscene.partition.storeys.storey import OPEN, Border, Segment, StoreyPartition
+from aeroscene.partition.storeys.storey import OPEN, Border, Segment, SegmentKind, StoreyPartition
 from aeroscene.partition.tree import (
     Bank,
     Bend,
@@ -93,7 +94,7 @@ def to_sequence(partition: Partition) -> list[Record]:
         case StoreyPartition():
             p = partition
             values = (*frame, p.level_m, p.wall_m, p.outer_m, p.drop_m)
-            head.append(Record("storey", "", int(p.is_inset), len(p.borders), values=values))
+            head.append(Record("storey", "", int(p.is_inset), values=values))
             return [*head, *writer.node(p.tree), *(r for b in p.borders for r in writer.border(b))]
 
 
@@ -103,16 +104,12 @@ def from_sequence(records: Sequence[Record]) -> Partition:
     Raises:
         PartitionError: If they are not the records of one partition.
     """
-    widths = [r.values[0] for r in records if r.node == "width"]
-    reader = _Reader(iter(records[len(widths) :]), widths)
+    widths = [record.values[0] for record in records if record.node == "width"]
+    reader = _Reader(list(records[len(widths) :]), widths)
     try:
-        partition = reader.partition()
-    except (StopIteration, IndexError, ValueError, TypeError) as error:
-        reason = str(error) or "it ends too early"
-        raise PartitionError(f"sequence is no partition: {reason}") from None
-    if next(reader.records, None) is not None:
-        raise PartitionError("sequence goes on behind its partition, valid: one partition")
-    return partition
+        return reader.partition()
+    except (IndexError, KeyError, TypeError) as error:
+        raise PartitionError(f"sequence has a record that does not fit: {error}") from None
 
 
 def _widths_of(partition: Partition) -> list[float]:
@@ -208,24 +205,38 @@ class _Writer:
 
 
 class _Reader:
-    def __init__(self, records: Iterator[Record], widths: list[float]) -> None:
-        self.records, self.widths = records, widths
+    def __init__(self, records: list[Record], widths: list[float]) -> None:
+        self.records, self.widths, self.at = records, widths, 0
+
+    def take(self, *nodes: str) -> Record:
+        """The next record, which is one of these."""
+        found = self.records[self.at] if self.at < len(self.records) else None
+        if found is None or (nodes and found.node not in nodes):
+            name = "ends" if found is None else f"has {found.node!r}"
+            valid = ", ".join(nodes) or "a node"
+            raise PartitionError(f"sequence {name} at record {self.at}, valid: {valid}")
+        self.at += 1
+        return found
 
     def partition(self) -> Partition:
-        head = next(self.records)
+        head = self.take("site", "storey")
         *values, last = head.values
+        frame, tree = Frame(*values[:5]), self.node(self.take())
         if head.node == "site":
-            frame = Frame(*values)
-            return SitePartition(frame=frame, tree=self.node(next(self.records)), base_m=last)
-        if head.node != "storey":
-            raise PartitionError(f"it begins with {head.node!r}, valid: site, storey")
+            if self.at < len(self.records):
+                raise PartitionError("sequence goes on behind its site, valid: one partition")
+            return SitePartition(frame=frame, tree=tree, base_m=last)
+        borders: list[Border] = []
+        while self.at < len(self.records):
+            borders.append(self.border(self.take("border")))
+        _, _, _, _, _, level, wall, outer = values
         return StoreyPartition(
-            frame=Frame(*values[:5]),
-            level_m=values[5],
-            tree=self.node(next(self.records)),
-            borders=tuple(self.border(next(self.records)) for _ in range(head.rows)),
-            wall_m=values[6],
-            outer_m=values[7],
+            frame=frame,
+            level_m=level,
+            tree=tree,
+            borders=tuple(borders),
+            wall_m=wall,
+            outer_m=outer,
             drop_m=last,
             is_inset=bool(head.arity),
         )
@@ -235,76 +246,71 @@ class _Reader:
             return Part(self.widths[record.strip - 1], is_width=True)
         return Part(record.share)
 
-    def _many(self, count: int) -> tuple[Node, ...]:
-        return tuple(self.node(next(self.records)) for _ in range(count))
+    def many(self, count: int) -> tuple[Node, ...]:
+        return tuple(self.node(self.take()) for _ in range(count))
 
     def node(self, r: Record) -> Node:
         match r.node:
             case "leaf":
                 return Leaf(r.kind, r.values[0], r.quarter, r.merge)
             case "slice":
-                return self._slice(r)
+                heads: list[Record] = []
+                nodes: list[Node] = []
+                for _ in range(r.arity):
+                    heads.append(self.take())
+                    nodes.append(self.node(heads[-1]))
+                return Slice(
+                    "x" if r.axis == "x" else "y", tuple(map(self.part, heads)), tuple(nodes)
+                )
             case "cross" | "grid":
-                parts = [self.part(next(self.records)) for _ in range(r.arity + r.rows)]
-                cells = self._many(r.arity * r.rows)
+                parts = [self.part(self.take("part")) for _ in range(r.arity + r.rows)]
                 columns, rows = tuple(parts[: r.arity]), tuple(parts[r.arity :])
+                cells = self.many(r.arity * r.rows)
                 return Cross(columns, rows, cells, is_fallback=r.node == "grid")
             case "pinwheel":
-                south, east, north, west, middle = self._many(5)
+                south, east, north, west, middle = self.many(5)
                 a, b, c, d = r.values
                 return Pinwheel(bool(r.arity), (a, b, c, d), (south, east, north, west), middle)
             case "overlay":
-                base = self.node(next(self.records))
-                if not isinstance(base, Leaf):
-                    raise PartitionError("an overlay begins with another node, valid: a leaf")
-                return Overlay(base, tuple(self._item(next(self.records)) for _ in range(r.arity)))
+                head = self.take("leaf")
+                base = Leaf(head.kind, head.values[0], head.quarter, head.merge)
+                return Overlay(base, tuple(self.item() for _ in range(r.arity)))
             case "bend":
-                return self._bend(r)
+                return self.bend(r)
             case _:
-                raise PartitionError(f"{r.node!r} stands where a node should")
+                raise PartitionError(
+                    f"sequence has {r.node!r} at record {self.at - 1}, valid: a node"
+                )
 
-    def _slice(self, r: Record) -> Slice:
-        parts: list[Part] = []
-        nodes: list[Node] = []
-        for _ in range(r.arity):
-            first = next(self.records)
-            parts.append(self.part(first))
-            nodes.append(self.node(first))
-        if r.axis not in {"x", "y"}:
-            raise PartitionError(f"slice.axis is {r.axis!r}, valid: x, y")
-        return Slice("x" if r.axis == "x" else "y", tuple(parts), tuple(nodes))
-
-    def _item(self, r: Record) -> Item:
-        tree = self.node(next(self.records))
-        if not r.values:
+    def item(self) -> Item:
+        values = self.take("item").values
+        tree = self.node(self.take())
+        if not values:
             return Item(tree)
-        x, y, yaw, length, width = r.values
+        x, y, yaw, length, width = values
         return Item(tree, Place(x, y, yaw, (length, width)))
 
-    def _bend(self, r: Record) -> Bend:
-        lanes = [next(self.records) for _ in range(r.rows)]
-        numbers = r.values[3:]
+    def bend(self, r: Record) -> Bend:
+        lanes = [self.take("lane") for _ in range(r.rows)]
+        u, v, heading, *numbers = r.values
         banks: list[Bank | None] = []
         for _ in range(2 * r.arity):
-            head = next(self.records)
-            low, high, depth = head.values or (0.0, 0.0, 0.0)
-            tree = self.node(next(self.records)) if head.values else None
-            banks.append(Bank(low, high, depth, tree) if tree else None)
+            values = self.take("bank").values
+            banks.append(Bank(*values, tree=self.node(self.take())) if values else None)
         return Bend(
-            (r.values[0], r.values[1]),
-            r.values[2],
-            numbers[: r.arity],
-            numbers[r.arity :],
+            (u, v),
+            heading,
+            tuple(numbers[: r.arity]),
+            tuple(numbers[r.arity :]),
             tuple(Lane(n.kind, self.part(n).value, n.values, n.quarter) for n in lanes),
             tuple(banks),
         )
 
     def border(self, r: Record) -> Border:
-        if not r.arity:
+        segments = [self.take("segment") for _ in range(r.arity)]
+        if not segments:
             return OPEN
-        records = [next(self.records) for _ in range(r.arity)]
-        kinds = {"wall": "wall", "door": "door", "window": "window", "open": "open"}
+        kinds: dict[str, SegmentKind] = {kind: kind for kind in get_args(SegmentKind)}
         return Border(
-            tuple(Segment(kinds[s.kind], self.part(s), s.values[0], s.values[1]) for s in records),
-            r.kind,
+            tuple(Segment(kinds[s.kind], self.part(s), *s.values) for s in segments), r.kind
         )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 Axis = Literal["x", "y"]
@@ -195,6 +195,30 @@ def children(node: Node) -> tuple[Node, ...]:
             return (node.base, *(item.tree for item in node.items))
         case Bend():
             return tuple(bank.tree for bank in node.banks if bank)
+
+
+def with_children(node: Node, nodes: tuple[Node, ...]) -> Node:
+    """A node with others in place of its `children`."""
+    match node:
+        case Leaf():
+            return node
+        case Slice():
+            return replace(node, children=nodes)
+        case Cross():
+            return replace(node, cells=nodes)
+        case Pinwheel():
+            south, east, north, west, middle = nodes
+            return replace(node, arms=(south, east, north, west), middle=middle)
+        case Overlay():
+            base, *trees = nodes
+            items = zip(node.items, trees, strict=True)
+            if not isinstance(base, Leaf):
+                raise PartitionError(f"overlay.base is {base}, valid: a leaf")
+            return Overlay(base, tuple(replace(item, tree=tree) for item, tree in items))
+        case Bend():
+            trees = iter(nodes)
+            banks = tuple(bank and replace(bank, tree=next(trees)) for bank in node.banks)
+            return replace(node, banks=banks)
 
 
 def walk(node: Node) -> Iterator[Node]:

@@ -85,7 +85,7 @@ def _headings(roads: list[SceneObject]) -> list[float]:
 
 def _lanes(road: SceneObject, frame: Frame, others: Sequence[SceneObject]) -> list[list[_Lane]]:
     """Strips without a gap along a carriageway: right of it and left, each from it outwards."""
-    strips = [(o, frame.bounds_of(o.bbox)) for o in others if _is_aligned(o, frame)]
+    strips = [(o, frame.bounds_of(frame_of(o.bbox))) for o in others if _is_aligned(o, frame)]
     found: list[list[_Lane]] = [[(road, 0.0, frame.width_m)], [(road, 0.0, frame.width_m)]]
     for obj, (x0, y0, x1, y1) in sorted(strips, key=lambda s: abs(s[1][1] + s[1][3])):
         overlap = min(x1, frame.length_m) - max(x0, 0.0)
@@ -173,7 +173,7 @@ def _with_banks(
     banks: list[list[tuple[SceneObject, Bounds]]] = [[] for _ in bend.banks]
     for obj in beside:
         number, frame = _nearest(obj, frames)
-        bounds = frame.bounds_of(obj.bbox)
+        bounds = frame.bounds_of(frame_of(obj.bbox))
         side = 0 if bounds[3] <= SAME_M else 1
         if side and bounds[1] < frame.width_m - SAME_M:
             raise PartitionError(f"object {obj.id} lies across a bend, valid: beside its lanes")

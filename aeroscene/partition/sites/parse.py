@@ -124,7 +124,7 @@ class _Reader:
             if abs(rest) > ALIGNED_RAD:
                 raise PartitionError(f"object {obj.id} is turned by {rest:.3f} rad, valid: aligned")
             node = self.node(obj, carried, plane.yaw_rad)
-            pieces.append(Piece(plane.bounds_of(obj.bbox), node, obj.id + 1))
+            pieces.append(Piece(plane.bounds_of(frame_of(obj.bbox)), node, obj.id + 1))
         hull: Bounds = hull_of(piece.bounds for piece in pieces)
         if host:
             hull = hull_of((hull, (0.0, 0.0, host.length_m, host.width_m)))
@@ -167,7 +167,7 @@ class _Reader:
         area = sum(child.bbox.s[0] * child.bbox.s[1] for child in bodies)
         if area < _TILED * frame.length_m * frame.width_m:
             return None
-        inside = all(_is_within(frame.bounds_of(child.bbox), frame) for child in bodies)
+        inside = all(_is_within(frame.bounds_of(frame_of(child.bbox)), frame) for child in bodies)
         if not inside:
             raise PartitionError(f"a child of object {host.id} reaches over it, valid: none does")
         return self.tree(bodies, carried, frame.yaw_rad, frame)[1]

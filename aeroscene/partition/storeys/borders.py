@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import NamedTuple
 
 from aeroscene.partition.frames import Bounds
 from aeroscene.partition.storeys.storey import NOBODY, OPEN, Border, Line, Segment, SegmentKind
@@ -14,6 +14,7 @@ from aeroscene.scene import SceneObject
 _ON_LINE_M = 0.015
 _LEAST_M = 0.02
 """Stretches shorter than this are rounding."""
+_ROUNDING_M = 1e-6
 _DEFAULT_HEAD_M = {"door": 2.4, "window": 2.2}
 _DEFAULT_SILL_M = 0.9
 """What a wall without these attributes has; see `aeroscene.solids.shapes.shell`."""
@@ -64,19 +65,20 @@ class StandingWall:
         """Height of its top."""
         return self.obj.bbox.p[2] + self.obj.bbox.s[2] / 2
 
-    def openings(self) -> list[tuple[Literal["door", "window"], float, float, float, float]]:
-        """Kind, low and high end, sill and head of each, from the low end of the wall."""
+    def openings(self) -> list[_Stretch]:
+        """Its door and its window, from its low end."""
         sign = 1.0 if self.quarter in {0, 3} else -1.0
         middle = sum(self.span) / 2
-        found: list[tuple[Literal["door", "window"], float, float, float, float]] = []
-        for kind in ("door", "window"):
-            width = self._number(f"{kind}_m", 0.0)
-            if width > 0.0:
+        found: list[_Stretch] = []
+        kinds: tuple[SegmentKind, ...] = ("door", "window")
+        for kind in kinds:
+            half = self._number(f"{kind}_m", 0.0) / 2
+            if half > 0.0:
                 at = middle + sign * self._number(f"{kind}_offset_m", 0.0)
                 head = self._number(f"{kind}_height_m", _DEFAULT_HEAD_M[kind])
                 sill = self._number("window_sill_m", _DEFAULT_SILL_M) if kind == "window" else 0.0
-                found.append((kind, at - width / 2, at + width / 2, sill, head))
-        return sorted(found, key=lambda opening: opening[1])
+                found.append(_Stretch(kind, at - half, at + half, sill, head))
+        return sorted(found, key=lambda opening: opening.low)
 
     def _number(self, name: str, default: float) -> float:
         value = self.obj.attributes.get(name, default)
@@ -97,9 +99,17 @@ def stands_on(wall: StandingWall, line: Line, *, is_inset: bool) -> bool:
     return abs(wall.middle - at) < _ON_LINE_M
 
 
+class _Stretch(NamedTuple):
+    kind: SegmentKind
+    low: float
+    high: float
+    sill_m: float = 0.0
+    head_m: float = 0.0
+
+
 def read_border(line: Line, walls: Sequence[StandingWall]) -> Border:
     """The segments of a line; a wall's end at a corner counts as the line's end."""
-    stretches: list[tuple[SegmentKind, float, float, float, float]] = []
+    found: list[_Stretch] = []
     at = line.low
     for wall in sorted(walls, key=lambda w: w.span):
         slack = wall.thickness_m + _ON_LINE_M
@@ -107,31 +117,25 @@ def read_border(line: Line, walls: Sequence[StandingWall]) -> Border:
         low = line.low if low < line.low + slack else low
         high = line.high if high > line.high - slack else high
         if low - at > _LEAST_M:
-            stretches.append(("open", at, low, 0.0, 0.0))
-        else:
-            low = at
-        at = low
-        for kind, first, last, sill, head in wall.openings():
-            first, last = max(first, at), min(last, high)
+            found.append(_Stretch("open", at, low))
+            at = low
+        for opening in wall.openings():
+            first, last = max(opening.low, at), min(opening.high, high)
             if last - first > _LEAST_M:
-                stretches += [("wall", at, first, 0.0, 0.0), (kind, first, last, sill, head)]
+                found.append(_Stretch("wall", at, first))
+                found.append(opening._replace(low=first, high=last))
                 at = last
-        stretches.append(("wall", at, high, 0.0, 0.0))
+        found.append(_Stretch("wall", at, high))
         at = high
     if line.high - at > _LEAST_M:
-        stretches.append(("open", at, line.high, 0.0, 0.0))
-    stretches = [s for s in stretches if s[2] - s[1] > 1e-6]
-    if not walls or not stretches:
+        found.append(_Stretch("open", at, line.high))
+    found = [stretch for stretch in found if stretch.high - stretch.low > _ROUNDING_M]
+    if not walls or not found:
         return OPEN
     parts = parts_of(
-        [high - low for _, low, high, _, _ in stretches],
-        [kind in {"door", "window"} for kind, *_ in stretches],
+        [round(stretch.high - stretch.low, 7) for stretch in found],
+        [stretch.kind in {"door", "window"} for stretch in found],
     )
     forms = [str(wall.obj.attributes.get("form", "")) for wall in walls]
-    return Border(
-        tuple(
-            Segment(kind, part, sill, head)
-            for (kind, _, _, sill, head), part in zip(stretches, parts, strict=True)
-        ),
-        max(forms, key=forms.count),
-    )
+    segments = (Segment(s.kind, p, s.sill_m, s.head_m) for s, p in zip(found, parts, strict=True))
+    return Border(tuple(segments), max(forms, key=forms.count))

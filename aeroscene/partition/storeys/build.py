@@ -45,7 +45,7 @@ def _rooms(storey: StoreyPartition, walls: Sequence[Wall]) -> list[BuildingPart]
     """The rooms, as far as the faces of their walls where these take from them."""
     found: list[BuildingPart] = []
     for cell in merged(storey_cells(storey)):
-        bounds = storey.frame.bounds_of(cell.frame.box(0, 0.0, 1.0))
+        bounds = storey.frame.bounds_of(cell.frame)
         if storey.is_inset:
             bounds = _inset(bounds, walls)
         box = storey.frame.inner(bounds).box(cell.leaf.quarter, cell.base_m, cell.top_m)
@@ -54,7 +54,7 @@ def _rooms(storey: StoreyPartition, walls: Sequence[Wall]) -> list[BuildingPart]
 
 
 def _inset(bounds: Bounds, walls: Sequence[Wall]) -> Bounds:
-    """A room without half of the walls on its sides: a whole side where one stands on part of it."""
+    """A room without half of the walls on its sides, along a whole side where one is on part."""
     sides = list(bounds)
     for wall in walls:
         at, line = (1 if wall.axis == "x" else 0), wall.line

@@ -6,15 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
+from aeroscene.partition.cells import cells_of
 from aeroscene.partition.fit import Piece, fit, number_merges
-from aeroscene.partition.frames import Bounds, Frame, hull_of, nearest_quarter
+from aeroscene.partition.frames import Bounds, Frame, frame_of, hull_of, nearest_quarter
 from aeroscene.partition.storeys.borders import StandingWall, read_border, stands_on
 from aeroscene.partition.storeys.storey import (
     NOBODY,
     StoreyPartition,
     find_lines,
 )
-from aeroscene.partition.cells import cells_of
 from aeroscene.partition.tree import Leaf, PartitionError
 from aeroscene.scene import Scene, SceneObject
 
@@ -64,23 +64,21 @@ def building_partitions(scene: Scene, word: Word = room_word) -> list[ParsedBuil
     Raises:
         PartitionError: If a room is turned against its building or overlaps another.
     """
-    hosts: dict[int | None, list[SceneObject]] = {}
-    for obj in scene.objects:
-        if obj.category == "room":
-            hosts.setdefault(obj.parent_id, []).append(obj)
-    return [storey_partitions(scene, host, rooms, word) for host, rooms in hosts.items()]
+    hosts = dict.fromkeys(obj.parent_id for obj in scene.objects if obj.category == "room")
+    return [storey_partitions(scene, host, word) for host in hosts]
 
 
-def storey_partitions(
-    scene: Scene, host_id: int | None, rooms: Sequence[SceneObject], word: Word = room_word
-) -> ParsedBuilding:
-    """The partitions of one building's storeys; see `building_partitions`."""
+def storey_partitions(scene: Scene, host_id: int | None, word: Word = room_word) -> ParsedBuilding:
+    """The partitions of the storeys of one building, or of rooms without; see the above."""
+    others = scene.children_by_id[host_id]
+    rooms = [obj for obj in others if obj.category == "room"]
     head = rooms[0] if host_id is None else scene.object_by_id[host_id]
     plane = Frame(0.0, 0.0, head.bbox.yaw_rad, 0.0, 0.0)
-    others = scene.children_by_id.get(host_id, ())
     walls = [_standing(obj, plane) for obj in others if obj.category == "wall"]
     placed = [_room(obj, plane) for obj in rooms]
-    walls = [wall for wall in walls if wall and (host_id is not None or wall.obj.domain == "indoor")]
+    walls = [
+        wall for wall in walls if wall and (host_id is not None or wall.obj.domain == "indoor")
+    ]
     hull = hull_of(room.bounds for room in placed)
     is_inset = not any(_reaches_out(wall.bounds, hull) for wall in walls)
     zones = [_zone(room, walls) if is_inset else room.bounds for room in placed]
@@ -115,14 +113,16 @@ def _room(obj: SceneObject, plane: Frame) -> _Room:
     if abs(nearest_quarter(obj.bbox.yaw_rad - plane.yaw_rad)[1]) > _ALIGNED_RAD:
         raise PartitionError(f"room {obj.id} is turned against its building, valid: aligned")
     half = obj.bbox.s[2] / 2
-    return _Room(obj, plane.bounds_of(obj.bbox), obj.bbox.p[2] - half, obj.bbox.p[2] + half)
+    return _Room(
+        obj, plane.bounds_of(frame_of(obj.bbox)), obj.bbox.p[2] - half, obj.bbox.p[2] + half
+    )
 
 
 def _standing(obj: SceneObject, plane: Frame) -> StandingWall | None:
     quarter, rest = nearest_quarter(obj.bbox.yaw_rad - plane.yaw_rad)
     if abs(rest) > _ALIGNED_RAD:
         return None
-    return StandingWall(obj, plane.bounds_of(obj.bbox), quarter)
+    return StandingWall(obj, plane.bounds_of(frame_of(obj.bbox)), quarter)
 
 
 def _reaches_out(bounds: Bounds, hull: Bounds) -> bool:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Literal
 
 from aeroscene.partition.cells import Cell, cells_of
-from aeroscene.partition.frames import Bounds, Frame
+from aeroscene.partition.frames import Frame
 from aeroscene.partition.tree import VOID, Axis, Node, Part, PartitionError
 
 SegmentKind = Literal["wall", "door", "window", "open"]
@@ -92,9 +93,7 @@ def room_numbers(cells: Sequence[Cell]) -> list[int]:
     return [
         NOBODY
         if cell.leaf.kind == VOID
-        else numbers.setdefault(
-            (cell.leaf.merge, 0 if cell.leaf.merge else index), len(numbers)
-        )
+        else numbers.setdefault((cell.leaf.merge, 0 if cell.leaf.merge else index), len(numbers))
         for index, cell in enumerate(cells)
     ]
 
@@ -107,7 +106,8 @@ def storey_lines(storey: StoreyPartition) -> list[Line]:
 
 def find_lines(cells: Sequence[Cell], frame: Frame, *, has_outside: bool) -> list[Line]:
     """Lines between leaves of a frame that belong to different rooms."""
-    rooms = list(zip(room_numbers(cells), map(_bounds_in(frame), cells), strict=True))
+    bounds = (frame.bounds_of(cell.frame) for cell in cells)
+    rooms = list(zip(room_numbers(cells), bounds, strict=True))
     length, width = frame.length_m, frame.width_m
     beyond = [
         (NOBODY, (-1.0, 0.0, 0.0, width)),
@@ -116,23 +116,14 @@ def find_lines(cells: Sequence[Cell], frame: Frame, *, has_outside: bool) -> lis
         (NOBODY, (0.0, width, length, width + 1.0)),
     ]
     found: list[Line] = []
-    for i, (low_room, low) in enumerate(rooms := rooms + (beyond if has_outside else [])):
-        for j, (high_room, high) in enumerate(rooms):
-            if i == j or low_room == high_room:
-                continue
-            for axis, at in (("x", 1), ("y", 0)):
-                start = max(low[1 - at], high[1 - at])
-                end = min(low[3 - at], high[3 - at])
-                if abs(low[at + 2] - high[at]) < _MEET_M and end - start > _MEET_M:
-                    found.append(Line(axis, high[at], start, end, (low_room, high_room)))
+    axes: tuple[tuple[Axis, int], ...] = (("x", 1), ("y", 0))
+    for (low_room, low), (high_room, high) in permutations(rooms + beyond * has_outside, 2):
+        for axis, at in axes:
+            start, end = max(low[1 - at], high[1 - at]), min(low[3 - at], high[3 - at])
+            is_met = abs(low[at + 2] - high[at]) < _MEET_M and end - start > _MEET_M
+            if is_met and low_room != high_room:
+                found.append(Line(axis, high[at], start, end, (low_room, high_room)))
     return [line for line in _joined(found) if line.high - line.low > _LEAST_M]
-
-
-def _bounds_in(frame: Frame):
-    def bounds(cell: Cell) -> Bounds:
-        return frame.bounds_of(cell.frame.box(0, 0.0, 1.0))
-
-    return bounds
 
 
 def _joined(lines: Iterable[Line]) -> list[Line]:

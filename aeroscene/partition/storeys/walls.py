@@ -100,7 +100,7 @@ def _runs(plain: Wall, segments: Sequence[Segment]) -> list[Wall]:
     """A wall for each run of segments that are not open, with at most a door and a window each."""
     line = plain.line
     lengths = part_lengths(tuple(s.part for s in segments), line.high - line.low)
-    edges = [line.low, *(line.low + at for at in accumulate(lengths))][:-1] + [line.high]
+    edges = [line.low, *(line.low + at for at in accumulate(lengths[:-1])), line.high]
     found: list[Wall] = []
     is_going_on = False
     for segment, (low, high) in zip(segments, pairwise(edges), strict=True):
