@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from itertools import combinations
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from aeroscene.partition import (
@@ -66,20 +68,15 @@ def test_rooms_walls_and_openings_of_a_scene_are_built_again_within_5_mm(scene):
     for parsed in building_partitions(scene):
         built = build_storeys(parsed.storeys)
         assert not parsed.free_wall_ids
+        wanted = [obj for obj in scene.objects if obj.id in parsed.object_ids]
         for category in ("room", "wall"):
-            wanted = [
-                o.bbox
-                for o in scene.objects
-                if o.id in parsed.object_ids and o.category == category
-            ]
-            if wanted:
-                assert greatest_error_m(wanted, boxes(built, category)) < 0.005
-        wanted = [o for o in scene.objects if o.id in parsed.object_ids and o.category == "wall"]
+            old = [obj.bbox for obj in wanted if obj.category == category]
+            if old:
+                assert greatest_error_m(old, boxes(built, category)) < 0.005
         for name in ("door_m", "window_m"):
-            old = sorted(o.attributes[name] for o in wanted if name in o.attributes)
-            assert sorted(p.openings[name] for p in built if name in p.openings) == pytest.approx(
-                old
-            )
+            old = sorted(obj.attributes[name] for obj in wanted if name in obj.attributes)
+            new = sorted(p.openings[name] for p in built if name in p.openings)
+            assert new == pytest.approx(old)
 
 
 def heights(tree):
@@ -89,7 +86,13 @@ def heights(tree):
     return with_children(tree, tuple(heights(child) for child in children(tree)))
 
 
-@given(trees(), st.randoms(use_true_random=False))
+def is_roomy(lines):
+    """Whether no two lines are nearer to each other than two walls need, and none is that short."""
+    gaps = [abs(a.at - b.at) for a, b in combinations(lines, 2) if a.axis == b.axis]
+    return all(not 1e-6 < gap < 0.4 for gap in gaps) and all(n.high - n.low > 0.4 for n in lines)
+
+
+@given(st.one_of(trees(1), trees(2)), st.randoms(use_true_random=False))
 def test_a_storey_is_read_off_what_it_builds(tree, random):
     def border(line):
         if line.high - line.low < 4.0:
@@ -97,6 +100,7 @@ def test_a_storey_is_read_off_what_it_builds(tree, random):
         return random.choice((WALL, DOOR))
 
     storey = storey_of(heights(tree), border)
+    assume(is_roomy(storey_lines(storey)))
     built = build_storeys([storey])
     if not boxes(built, "wall"):
         return
@@ -168,16 +172,18 @@ def test_a_wall_off_every_border_is_named_free():
     scene = storey_scene(storey_of(tree, lambda _: WALL))
     wall = scene.objects[-1]
     x, y, z = wall.bbox.p
-    moved = replace(wall, bbox=replace(wall.bbox, p=(x + 3.0, y, z)))
+    moved = replace(
+        wall, bbox=replace(wall.bbox, p=(x + 3 * math.cos(0.3), y + 3 * math.sin(0.3), z))
+    )
     (parsed,) = building_partitions(replace(scene, objects=(*scene.objects[:-1], moved)))
     assert parsed.free_wall_ids == {wall.id}
-    assert parsed.storeys[0].borders == ((OPEN),) or len(parsed.storeys[0].borders) == 0
+    assert all(border == OPEN for border in parsed.storeys[0].borders)
 
 
 def test_rooms_that_overlap_and_a_missing_border_are_refused():
     tree = Slice("x", (Part(0.4), Part(0.6)), (Leaf("hall", 3.0), Leaf("office", 3.0)))
     storey = storey_of(tree, lambda _: WALL)
-    with pytest.raises(PartitionError, match="storey.borders has 0 entries, valid: 1"):
+    with pytest.raises(PartitionError, match=r"storey.borders has 0 entries, valid: 1"):
         replace(storey, borders=())
     scene = storey_scene(storey)
     room = scene.objects[1]
