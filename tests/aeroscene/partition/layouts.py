@@ -111,9 +111,14 @@ def _error_m(a: OrientedBox, b: OrientedBox) -> float:
     return float(gaps.min(axis=1).max())
 
 
+def outline_of(box: OrientedBox) -> shapely.Polygon:
+    """A box seen from above."""
+    return shapely.Polygon(box.corners()[[0, 1, 3, 2], :2])
+
+
 def overlap_m2(boxes: list[OrientedBox]) -> float:
     """Area that two of the boxes share, seen from above."""
-    outlines = [shapely.Polygon(box.corners()[[0, 1, 3, 2], :2]) for box in boxes]
+    outlines = [outline_of(box) for box in boxes]
     total = sum(outline.area for outline in outlines)
     return total - shapely.union_all(outlines, grid_size=1e-6).area
 

@@ -63,7 +63,8 @@ def test_a_street_between_collinear_arms_bridges_the_columns_of_a_cross():
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
 def test_four_streets_about_a_square_are_a_pinwheel(is_mirrored):
-    rows = [(0, 0, 40, 10), (40, 0, 50, 35), (12, 35, 50, 50), (0, 10, 12, 50), (12, 10, 40, 35)]
+    rows = [(0, 0, 40, 10), (40, 0, 50, 35), (12, 35, 50, 50), (0, 10, 5, 50), (12, 10, 40, 35)]
+    rows.append((5, 10, 12, 50))
     if is_mirrored:
         rows = [(50 - x1, y0, 50 - x0, y1) for x0, y0, x1, y1 in rows]
     tree = fit([piece(*row, key) for key, row in enumerate(rows, 1)])
