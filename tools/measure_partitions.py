@@ -15,7 +15,7 @@ from collections import Counter
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from aeroscene.corpus.dataset import open_dataset
 from aeroscene.partition import (
@@ -46,8 +46,10 @@ def hardest(tree: Node) -> str:
 
 def errors_mm(wanted: list[OrientedBox], found: list[OrientedBox]) -> list[float]:
     """Farthest that a corner of each box lies from the nearest box's."""
-    nearest = cKDTree([b.p for b in found]).query([b.p for b in wanted])[1] if wanted else []
-    pairs = ((a.corners(), found[i].corners()) for a, i in zip(wanted, nearest, strict=True))
+    if not wanted:
+        return []
+    nearest = np.atleast_1d(KDTree([b.p for b in found]).query([b.p for b in wanted])[1])
+    pairs = [(a.corners(), found[i].corners()) for a, i in zip(wanted, nearest, strict=True)]
     return [1e3 * np.abs(a[:, None] - b[None]).max(axis=2).min(axis=1).max() for a, b in pairs]
 
 
@@ -112,7 +114,7 @@ def _percentiles(values: list[float] | list[int]) -> list[float]:
 
 def main() -> None:
     """Read the arguments, print the figures."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="how well partition trees fit a corpus")
     parser.add_argument("data", help="folder of a corpus, or the word corpus for corpus:N")
     parser.add_argument("--scenes", default="0:100", help="A up to and without B")
     parser.add_argument("--jitter-m", type=float, default=0.0)

@@ -4,7 +4,9 @@
 inverses, `to_sequence` and `from_sequence` are what a model embeds.
 """
 
-from aeroscene.partition.sequence import Record, from_sequence, to_sequence
+from aeroscene.partition.sequences.read import from_sequence
+from aeroscene.partition.sequences.record import Record
+from aeroscene.partition.sequences.write import to_sequence
 from aeroscene.partition.sites.parse import ParsedSite, site_partition
 from aeroscene.partition.sites.site import Cover, SitePartition, build_site
 from aeroscene.partition.storeys.build import BuildingPart, build_storeys

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import shapely
 from hypothesis import strategies as st
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from aeroscene.partition import build_site, build_storeys
 from aeroscene.partition.frames import Frame
@@ -102,7 +102,7 @@ def storey_scene(*storeys) -> Scene:
 def greatest_error_m(wanted: list[OrientedBox], found: list[OrientedBox]) -> float:
     """Farthest that a corner of any box lies from the nearest box's, m; boxes are as many."""
     assert len(wanted) == len(found)
-    nearest = cKDTree([box.p for box in found]).query([box.p for box in wanted])[1]
+    nearest = KDTree([box.p for box in found]).query([box.p for box in wanted])[1]
     return max(_error_m(a, found[i]) for a, i in zip(wanted, nearest, strict=True))
 
 
