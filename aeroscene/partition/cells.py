@@ -149,12 +149,19 @@ def _bend(bend: Bend, frame: Frame, base_m: float) -> Iterator[Cell]:
 
 def merged(cells: Sequence[Cell]) -> list[Cell]:
     """Cells of one merge number as few as possible; void ones are left out."""
-    groups: dict[tuple[int, int], list[Cell]] = defaultdict(list)
+    return [cell for _, cell in merged_from(cells)]
+
+
+def merged_from(cells: Sequence[Cell]) -> list[tuple[int, Cell]]:
+    """As `merged`, each with the number of the first of the cells that are joined to it."""
+    groups: dict[tuple[int, int], list[int]] = defaultdict(list)
     for index, cell in enumerate(cells):
         if cell.leaf.kind != VOID:
             merge = cell.leaf.merge
-            groups[merge, 0 if merge else index].append(cell)
-    return [cell for group in groups.values() for cell in _joined(group)]
+            groups[merge, 0 if merge else index].append(index)
+    return [
+        (group[0], cell) for group in groups.values() for cell in _joined([cells[i] for i in group])
+    ]
 
 
 def _joined(group: list[Cell]) -> list[Cell]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aeroscene.partition.cells import cells_of, merged
+from aeroscene.partition.cells import cells_of, merged_from
 from aeroscene.partition.frames import Frame
 from aeroscene.partition.tree import Node
 from aeroscene.scene import OrientedBox
@@ -29,6 +29,8 @@ class Cover:
 
     kind: str
     box: OrientedBox
+    leaf: int
+    """Number of its cell, see `aeroscene.partition.cells.cells_of`; of several the first."""
 
 
 def build_site(site: SitePartition) -> list[Cover]:
@@ -37,7 +39,8 @@ def build_site(site: SitePartition) -> list[Cover]:
     Raises:
         PartitionError: If strips are wider than their frame.
     """
-    cells = merged(list(cells_of(site.tree, site.frame, site.base_m)))
+    cells = merged_from(list(cells_of(site.tree, site.frame, site.base_m)))
     return [
-        Cover(kind=c.leaf.kind, box=c.frame.box(c.leaf.quarter, c.base_m, c.top_m)) for c in cells
+        Cover(kind=c.leaf.kind, box=c.frame.box(c.leaf.quarter, c.base_m, c.top_m), leaf=leaf)
+        for leaf, c in cells
     ]

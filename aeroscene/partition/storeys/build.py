@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from aeroscene.partition.cells import merged
+from aeroscene.partition.cells import merged_from
 from aeroscene.partition.frames import Bounds, Frame
 from aeroscene.partition.storeys.storey import StoreyPartition, storey_cells
 from aeroscene.partition.storeys.walls import Wall, fitted, plan_walls
@@ -22,6 +22,10 @@ class BuildingPart:
     kind: str
     """Word of the room's leaf, or of the wall's form."""
     box: OrientedBox
+    storey: int
+    """Number of its storey."""
+    place: int
+    """Number of a room's leaf in the storey, of several the first; of a wall's border."""
     openings: dict[str, float] = field(default_factory=dict, hash=False)
     """Attributes of a wall, m: `door_m`, `door_offset_m` and so on."""
 
@@ -35,21 +39,29 @@ def build_storeys(storeys: Sequence[StoreyPartition]) -> list[BuildingPart]:
     Raises:
         PartitionError: If doors are wider than the line they are in.
     """
-    planned = [plan_walls(storey) for storey in storeys]
-    rooms = [part for each in zip(storeys, planned, strict=True) for part in _rooms(*each)]
+    planned = [plan_walls(storey, number) for number, storey in enumerate(storeys)]
+    rooms = [
+        part
+        for number, (storey, walls) in enumerate(zip(storeys, planned, strict=True))
+        for part in _rooms(storey, walls, number)
+    ]
     walls = fitted([wall for walls in planned for wall in walls])
     return rooms + [_wall_part(wall, storeys[0].frame) for wall in walls]
 
 
-def _rooms(storey: StoreyPartition, walls: Sequence[Wall]) -> list[BuildingPart]:
+def _rooms(storey: StoreyPartition, walls: Sequence[Wall], number: int) -> list[BuildingPart]:
     """The rooms, as far as the faces of their walls where these take from them."""
     found: list[BuildingPart] = []
-    for cell in merged(storey_cells(storey)):
+    for leaf, cell in merged_from(storey_cells(storey)):
         bounds = storey.frame.bounds_of(cell.frame)
         if storey.is_inset:
             bounds = _inset(bounds, walls)
         box = storey.frame.inner(bounds).box(cell.leaf.quarter, cell.base_m, cell.top_m)
-        found.append(BuildingPart(category="room", kind=cell.leaf.kind, box=box))
+        found.append(
+            BuildingPart(
+                category="room", kind=cell.leaf.kind, box=box, storey=number, place=leaf
+            )
+        )
     return found
 
 
@@ -79,4 +91,11 @@ def _wall_part(wall: Wall, frame: Frame) -> BuildingPart:
         if name == "window":
             openings["window_sill_m"] = segment.sill_m
     box = frame.inner(wall.bounds).box(quarter, wall.base_m, wall.top_m)
-    return BuildingPart(category="wall", kind=wall.form, box=box, openings=openings)
+    return BuildingPart(
+        category="wall",
+        kind=wall.form,
+        box=box,
+        storey=wall.storey,
+        place=wall.border,
+        openings=openings,
+    )

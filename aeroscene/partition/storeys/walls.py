@@ -49,6 +49,9 @@ class Wall:
     """Side of the line on which it stands: -1 or 1; 0 for on it."""
     openings: tuple[Opening, ...] = ()
     form: str = ""
+    storey: int = 0
+    border: int = 0
+    """Number of its border in the storey."""
 
     @property
     def axis(self) -> Axis:
@@ -74,17 +77,18 @@ class Wall:
         )
 
 
-def plan_walls(storey: StoreyPartition) -> list[Wall]:
-    """Walls of a storey as long as the stretches of their lines; `fitted` lets them meet."""
+def plan_walls(storey: StoreyPartition, number: int = 0) -> list[Wall]:
+    """Walls of a storey of a number, as long as stretches of lines; `fitted` lets them meet."""
     cells = storey_cells(storey)
     heights = dict(zip(room_numbers(cells), cells, strict=True))
     found: list[Wall] = []
-    for line, border in zip(storey_lines(storey), storey.borders, strict=True):
+    lines = zip(storey_lines(storey), storey.borders, strict=True)
+    for index, (line, border) in enumerate(lines):
         base, top = wall_heights(line, heights, storey.drop_m)
         is_outer = NOBODY in line.rooms and not storey.is_inset
         beyond = 0 if not is_outer else (-1 if line.rooms[0] == NOBODY else 1)
         thickness = storey.outer_m if is_outer else storey.wall_m
-        plain = Wall(line, 0.0, 0.0, base, top, thickness, beyond, (), border.form)
+        plain = Wall(line, 0.0, 0.0, base, top, thickness, beyond, (), border.form, number, index)
         found += _runs(plain, border.segments)
     return found
 

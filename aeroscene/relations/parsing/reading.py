@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from aeroscene.relations.hosts import SEATS, Standing
@@ -17,14 +17,31 @@ from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw, quat_product
 
 
-def scene_relations(scene: Scene) -> tuple[Unit, ...]:
-    """What the fine objects of a scene are to their hosts, in drawing order.
+Alike = Callable[[SceneObject], Hashable]
+
+
+def _category(obj: SceneObject) -> Hashable:
+    return obj.category_id
+
+
+def scene_relations(
+    scene: Scene, given: Sequence[int] | None = None, alike: Alike = _category
+) -> tuple[Unit, ...]:
+    """What the objects of a scene are to their hosts, in drawing order.
 
     Parents come before what stands on them, and of what has one parent the larger first, chairs
     last, so that a host always comes before what refers to it. Only boxes, categories and parents
     are read. `aeroscene.relations.placing.place` gives the boxes back.
+
+    Args:
+        scene: Any scene.
+        given: Ids of the objects that need no relation, in the order in which they stand; by
+            default all coarse ones.
+        alike: What objects of one row or grid share, their category at least.
     """
-    return tuple(_Reader(scene).units())
+    if given is None:
+        given = [obj.id for obj in scene.objects if obj.is_coarse]
+    return tuple(_Reader(scene, given, alike).units())
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +61,18 @@ class _Group:
 
 
 class _Reader:
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-        coarse = tuple(obj for obj in scene.objects if obj.is_coarse)
-        self._ground = Ground(scene, Standing(coarse))
-        self._queue: list[int | None] = [None, *(obj.id for obj in coarse)]
+    def __init__(self, scene: Scene, given: Sequence[int], alike: Alike) -> None:
+        self._scene, self._given, self._alike = scene, frozenset(given), alike
+        standing = Standing(tuple(scene.object_by_id[each] for each in given))
+        self._ground = Ground(scene, standing)
+        self._queue: list[int | None] = [None, *given]
 
     def units(self) -> Iterator[Unit]:
         """Units parent by parent; what they bear follows later."""
         for parent_id in self._queue:
             children = self._scene.children_by_id.get(parent_id, ())
-            fine = [child for child in children if not child.is_coarse]
-            for unit in self._units_on(parent_id, fine):
+            others = [child for child in children if child.id not in self._given]
+            for unit in self._units_on(parent_id, others):
                 self._let_stand(unit)
                 yield unit
 
@@ -65,10 +82,10 @@ class _Reader:
             self._ground.standing.add(member.id, member.category_id, unit.parent_id, table)
             self._queue.append(member.id)
 
-    def _units_on(self, parent_id: int | None, fine: list[SceneObject]) -> Iterator[Unit]:
+    def _units_on(self, parent_id: int | None, objects: list[SceneObject]) -> Iterator[Unit]:
         """Units of one parent: rows and grids and single things by size, then chairs."""
-        yield from self._related([obj for obj in fine if obj.category not in SEATS], parent_id)
-        chairs = {obj.id: obj for obj in fine if obj.category in SEATS}
+        yield from self._related([obj for obj in objects if obj.category not in SEATS], parent_id)
+        chairs = {obj.id: obj for obj in objects if obj.category in SEATS}
         if not chairs:
             return
         category_id = next(iter(chairs.values())).category_id
@@ -76,8 +93,8 @@ class _Reader:
         tables = {host: self._ground.outline(host) for host in hosts if host is not None}
         outlines = {chair: self._ground.outline(chair) for chair in chairs}
         for seating in find_seats(tables, outlines):
-            objects = [chairs.pop(member) for member in seating.members]
-            group = _Group(objects, seating.array, outlines[objects[0].id])
+            seated = [chairs.pop(member) for member in seating.members]
+            group = _Group(seated, seating.array, outlines[seated[0].id])
             relation = replace(seating.relation, host=hosts.index(seating.table_id))
             yield self._unit(group, relation, seating.table_id, seating.residual)
         yield from self._related(list(chairs.values()), parent_id)
@@ -91,9 +108,9 @@ class _Reader:
 
     def _groups(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[_Group]:
         """Rows and grids of one kind, and what is in none."""
-        kinds: defaultdict[int, list[SceneObject]] = defaultdict(list)
+        kinds: defaultdict[Hashable, list[SceneObject]] = defaultdict(list)
         for obj in objects:
-            kinds[obj.category_id].append(obj)
+            kinds[self._alike(obj)].append(obj)
         for alike in kinds.values():
             feet = [self._ground.foot(obj) for obj in alike]
             left = set(range(len(alike)))
