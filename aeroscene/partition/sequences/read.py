@@ -40,6 +40,13 @@ def from_sequence(records: Sequence[Record]) -> Partition:
         raise PartitionError(f"sequence has a record that does not fit: {error}") from None
 
 
+def read_border(records: Sequence[Record]) -> Border:
+    """The border whose records these are, behind those of the widths that it may name."""
+    widths = [record.values[0] for record in records if record.node == "width"]
+    reader = _Reader(list(records[len(widths) :]), widths)
+    return reader.border(reader.take("border"))
+
+
 class _Reader:
     def __init__(self, records: list[Record], widths: list[float]) -> None:
         self.records, self.widths, self.at = records, widths, 0

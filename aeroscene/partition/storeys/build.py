@@ -58,9 +58,7 @@ def _rooms(storey: StoreyPartition, walls: Sequence[Wall], number: int) -> list[
             bounds = _inset(bounds, walls)
         box = storey.frame.inner(bounds).box(cell.leaf.quarter, cell.base_m, cell.top_m)
         found.append(
-            BuildingPart(
-                category="room", kind=cell.leaf.kind, box=box, storey=number, place=leaf
-            )
+            BuildingPart(category="room", kind=cell.leaf.kind, box=box, storey=number, place=leaf)
         )
     return found
 

@@ -53,11 +53,11 @@ class _Group:
     outline: Rectangle
 
     @property
-    def order(self) -> tuple[float, int, int]:
-        """Larger ones first."""
+    def order(self) -> tuple[bool, float, int, int]:
+        """Coarse ones first, then by size."""
         first = self.objects[0]
         area_m2 = first.bbox.s[0] * first.bbox.s[1]
-        return -round(area_m2, 3), first.category_id, first.id
+        return not first.is_coarse, -round(area_m2, 3), first.category_id, first.id
 
 
 class _Reader:

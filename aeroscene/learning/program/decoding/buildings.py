@@ -1,0 +1,151 @@
+"""Storeys of a building from their tokens: rooms, and walls with openings that fit."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import astuple, replace
+
+from aeroscene.learning.program.decoding.growing import Grower
+from aeroscene.learning.program.decoding.settling import settled, snapped
+from aeroscene.learning.program.encoding.partitions import first_leaves, owner_of
+from aeroscene.learning.program.nesting import cells
+from aeroscene.learning.program.program import Program
+from aeroscene.partition import (
+    Border,
+    BuildingPart,
+    Segment,
+    StoreyPartition,
+    build_storeys,
+    from_sequence,
+)
+from aeroscene.partition.cells import cells_of
+from aeroscene.partition.frames import Frame
+from aeroscene.partition.sequences.read import read_border
+from aeroscene.partition.sequences.record import Record
+from aeroscene.partition.storeys.storey import OPEN, Line, find_lines, room_numbers
+from aeroscene.partition.tree import Part
+from aeroscene.relations.plane import Rectangle
+
+Place = int | None
+WALL = Border((Segment("wall", Part(1.0)),))
+_ROOM_M = 0.3
+"""Least width of a room between its walls."""
+_LEAST_WALL_M = 0.02
+_LEAST_SIDE_M = 1.0
+
+
+def build_building(
+    program: Program, grower: Grower, storeys: Sequence[int], host: Rectangle, base_m: float
+) -> list[tuple[BuildingPart, Place]]:
+    """The rooms and walls of a building's storeys, each with its token.
+
+    Args:
+        program: The program.
+        grower: Reads its records.
+        storeys: Places of the storeys' tokens, from the lowest up.
+        host: The building, or the site, seen from above.
+        base_m: Its underside.
+    """
+    made: list[StoreyPartition] = []
+    leaves: list[list[Place]] = []
+    borders: list[list[Place]] = []
+    frame: Frame | None = None
+    for place in storeys:
+        values = program.channels[place, 1:11].tolist()
+        frame = frame or _frame(values, host)
+        base_m += values[6]
+        storey = _Storey(program, grower, place, frame, base_m)
+        made.append(storey.partition)
+        leaves.append(storey.leaves)
+        borders.append(storey.border_places)
+    parts = build_storeys(made)
+    return [
+        (part, (leaves if part.category == "room" else borders)[part.storey][part.place])
+        for part in parts
+    ]
+
+
+def _frame(values: Sequence[float], host: Rectangle) -> Frame:
+    x, y, cos, sin, length, width = (0.0 if v != v else v for v in values[:6])
+    place = host.place.moved(x, y, math.atan2(sin, cos or 1.0))
+    sides = (
+        max(2 * half - less, min(2 * half, _LEAST_SIDE_M))
+        for half, less in zip(host.half_m, (length, width), strict=True)
+    )
+    return Frame(place.x_m, place.y_m, place.yaw_rad, *sides)
+
+
+class _Storey:
+    """One storey as a partition; it keeps which tokens its leaves and borders are."""
+
+    def __init__(
+        self, program: Program, grower: Grower, place: int, frame: Frame, level_m: float
+    ) -> None:
+        self._program, self._grower = program, grower
+        grown, widths = grower.head(place)
+        self._widths = widths
+        wall_m, outer_m, drop_m = program.channels[place, 8:11].tolist()
+        wall_m, outer_m = max(wall_m, _LEAST_WALL_M), outer_m if outer_m > _LEAST_WALL_M else 0.0
+        least_m = wall_m + _ROOM_M
+        head = Record("site", values=(*astuple(frame), level_m))
+        plain = from_sequence([*widths, head, *grown.flat()[1:]])
+        tree = settled(plain.tree, frame.length_m, frame.width_m, least_m)
+        tree = snapped(tree, frame.length_m, frame.width_m, wall_m, least_m)
+        self.leaves: list[Place] = [token for token, _ in cells(grown)]
+        found = list(cells_of(tree, frame, level_m))
+        lines = find_lines(found, frame, has_outside=outer_m > 0)
+        self.border_places: list[Place] = []
+        drawn = self._borders(lines, room_numbers(found), wall_m)
+        self.partition = StoreyPartition(
+            frame=frame,
+            level_m=level_m,
+            tree=tree,
+            borders=tuple(drawn),
+            wall_m=wall_m,
+            outer_m=outer_m,
+            drop_m=drop_m,
+            is_inset=bool(grown.record.arity),
+        )
+
+    def _borders(
+        self, lines: Sequence[Line], rooms: Sequence[int], wall_m: float
+    ) -> list[Border]:
+        """A border for each line: what was drawn between the two rooms, else a wall."""
+        children = self._grower.children
+        kinds = self._program.kinds
+        known: defaultdict[tuple[int, int, int], list[int]] = defaultdict(list)
+        for leaf, token in enumerate(self.leaves):
+            for each in [] if token is None else children[token]:
+                if kinds[each].node == "border":
+                    known[leaf, kinds[each].side, int(self._program.host[each])].append(each)
+        has_walls = any(kinds[i].category != "open" for each in known.values() for i in each)
+        default = WALL if has_walls else OPEN
+        first = first_leaves(rooms)
+        found: list[Border] = []
+        for line in lines:
+            drawn = known[owner_of(line, first, len(rooms))]
+            place = drawn.pop(0) if drawn else None
+            self.border_places.append(place)
+            border = default if place is None else self._border(place)
+            found.append(_with_room(border, line.high - line.low, wall_m))
+        return found
+
+    def _border(self, place: int) -> Border:
+        kind = self._program.kinds[place]
+        if kind.category == "open":
+            return OPEN
+        form = str(dict(kind.attributes).get("form", ""))
+        grown = self._grower.border(place, len(self._widths))
+        if kind.category == "wall" or not grown.children:
+            return replace(WALL, form=form)
+        return read_border([*self._widths, *grown.flat()])
+
+
+def _with_room(border: Border, length_m: float, wall_m: float) -> Border:
+    """A border whose doors and windows fit into the line; else a wall."""
+    fixed_m = sum(segment.part.value for segment in border.segments if segment.part.is_width)
+    if fixed_m <= 0 or fixed_m + wall_m < length_m:
+        return border
+    return replace(WALL, form=border.form)

@@ -1,0 +1,235 @@
+"""Decodes programs: covers, then what stands on them, storeys in buildings, and so on down.
+
+It gives a scene for any program, so that a draw of a model needs no luck: see `growing`,
+`settling` and `units` for what is done with what does not fit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from aeroscene.learning.program.decoding.buildings import build_building
+from aeroscene.learning.program.decoding.extent import extent_of, site_of
+from aeroscene.learning.program.decoding.growing import Grower
+from aeroscene.learning.program.decoding.settling import settled
+from aeroscene.learning.program.decoding.units import member_boxes, read_unit
+from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, Word
+from aeroscene.learning.program.nesting import cells
+from aeroscene.learning.program.program import OPENING, Program
+from aeroscene.partition import SitePartition, build_site, from_sequence
+from aeroscene.partition.tree import VOID
+from aeroscene.relations import Kind as RelationKind
+from aeroscene.relations.hosts import Standing
+from aeroscene.relations.plane import Rectangle, footprint
+from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
+from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
+
+LEAST_COVER_M = 0.05
+_ON_M = 1e-6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DecodedProgram:
+    """A scene, and which of its objects each token stands for."""
+
+    scene: Scene
+    object_ids: tuple[tuple[int, ...], ...]
+
+
+def decode(program: Program, scene_id: str = "program", seed: int = 0) -> DecodedProgram:
+    """The scene of a program, whatever its numbers; without interaction areas."""
+    builder = _Builder(program)
+    builder.build()
+    low, high = extent_of(builder.site, builder.objects, program.kinds[0].domain)
+    objects = tuple(replace(obj, scene_id=scene_id) for obj in builder.objects)
+    pad = next((obj for obj in objects if obj.attributes.get("is_start")), None)
+    start = (0.0, 0.0, 0.0) if pad is None else pad.bbox.p
+    top_m = 0.0 if pad is None else start[2] + pad.bbox.s[2] / 2
+    start = np.clip((start[0], start[1], round(top_m, 4)), low, high).tolist()
+    domain = program.kinds[0].domain
+    scene = Scene(
+        scene_id=scene_id,
+        domain="indoor" if domain == "indoor" else "mixed" if domain == "mixed" else "outdoor",
+        seed=seed,
+        extent_min_enu_m=low,
+        extent_max_enu_m=high,
+        start_position_enu_m=(start[0], start[1], start[2]),
+        start_yaw_rad=round(math.atan2(-start[1], -start[0]), 6),
+        latitude_deg=LATITUDE_DEG,
+        longitude_deg=LONGITUDE_DEG,
+        altitude_m=ALTITUDE_M,
+        objects=objects,
+    )
+    return DecodedProgram(scene=scene, object_ids=tuple(map(tuple, builder.made)))
+
+
+@dataclass(eq=False)
+class _Builder:
+    program: Program
+    objects: list[SceneObject] = field(default_factory=list)
+    standing: Standing = field(default_factory=Standing)
+
+    def __post_init__(self) -> None:
+        self.children = self.program.children()
+        self.grower = Grower(self.program, self.children)
+        self.made: list[list[int]] = [[] for _ in self.program.kinds]
+        self.bearer_of: dict[int, int | None] = {}
+        """What each object stands on, which need not be its parent in the scene."""
+        self.site = site_of(self.program)
+
+    def build(self) -> None:
+        """Everything, from the ground up."""
+        kinds = self.program.kinds
+        for place in self.children[0]:
+            if kinds[place].node == "site":
+                self._add_site(place)
+        queue = deque(range(len(kinds)))
+        queue = deque([0, *(i for i in queue if self.made[i])])
+        while queue:
+            place = queue.popleft()
+            queue += self._build_on(place)
+
+    def _build_on(self, place: int) -> list[int]:
+        """The storeys in what a token stands for, and the units on it; tokens to go on with."""
+        kinds = self.program.kinds
+        below = self.children[place]
+        storeys = [each for each in below if kinds[each].node == "storey"]
+        found = self._add_storeys(place, storeys) if storeys else []
+        units = [each for each in below if kinds[each].node == "unit"]
+        for each in units:
+            self._add_unit(each)
+        return found + units
+
+    def _box(self, object_id: int | None) -> OrientedBox | None:
+        return None if object_id is None else self.objects[object_id].bbox
+
+    def _outline(self, object_id: int | None) -> Rectangle:
+        return self.site if object_id is None else footprint(self.objects[object_id].bbox)
+
+    def _bearer(self, place: int) -> int | None:
+        """The object that bears a token: of the nearest token above that stands for any."""
+        member = int(self.program.member[place])
+        while place:
+            place = int(self.program.parent[place])
+            if self.made[place]:
+                return self.made[place][min(member, len(self.made[place]) - 1)]
+        return None
+
+    def _add_site(self, place: int) -> None:
+        grown, widths = self.grower.head(place)
+        tokens = cells(grown)
+        plain = from_sequence([*widths, *grown.flat()])
+        assert isinstance(plain, SitePartition)
+        frame = plain.frame
+        tree = settled(plain.tree, frame.length_m, frame.width_m, LEAST_COVER_M)
+        for cover in build_site(replace(plain, tree=tree)):
+            token, _ = tokens[cover.leaf]
+            if token is None or cover.kind == VOID:
+                continue
+            word = Word.read(cover.kind)
+            kind = self.program.kinds[token]
+            parent = None if kind.is_root and not self.made[token] else self._under(cover.box, word)
+            made = self._add(token, word.category, word.domain, dict(word.attributes), cover.box)
+            self._set_parent(made, parent, bearer=None)
+
+    def _under(self, box: OrientedBox, word: Word) -> int | None:
+        """The cover that bears another; else the last before it of its category."""
+        base_m = box.p[2] - box.s[2] / 2
+        found: int | None = None
+        for obj in self.objects:
+            top_m = obj.bbox.p[2] + obj.bbox.s[2] / 2
+            u_m, v_m, _ = footprint(obj.bbox).place.local(footprint(box).place)
+            is_over = abs(u_m) <= obj.bbox.s[0] / 2 and abs(v_m) <= obj.bbox.s[1] / 2
+            if abs(top_m - base_m) < _ON_M and is_over:
+                return obj.id
+            found = obj.id if obj.category == word.category else found
+        return found
+
+    def _add_storeys(self, place: int, storeys: list[int]) -> list[int]:
+        """Rooms and walls in each of the objects of a token; tokens of the rooms."""
+        found: list[int] = []
+        for member in sorted({int(self.program.member[each]) for each in storeys}):
+            own = [each for each in storeys if self.program.member[each] == member]
+            ids = self.made[place]
+            host = ids[min(member, len(ids) - 1)] if ids else None
+            box = self._box(host)
+            base_m = 0.0 if box is None else box.p[2] - box.s[2] / 2
+            parts = build_building(self.program, self.grower, own, self._outline(host), base_m)
+            for part, token in parts:
+                kind = Kind("leaf") if token is None else self.program.kinds[token]
+                attributes = dict(kind.attributes) | part.openings
+                if token is not None and part.category == "room":
+                    found.append(token)
+                made = self._add(token, part.category, "indoor", attributes, part.box)
+                self._set_parent(made, host, bearer=host)
+        return list(dict.fromkeys(found))
+
+    def _add_unit(self, place: int) -> None:
+        program = self.program
+        bearer = self._bearer(place)
+        members = [i for i in self.children[place] if program.kinds[i].node == "member"]
+        unit = read_unit(program, place, members, bearer, self.standing, self._outline, self._box)
+        kind = program.kinds[place]
+        boxes = member_boxes(unit, self._box)
+        table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
+        for box in boxes:
+            attributes = dict(kind.attributes) | _openings(program, place, box)
+            made = self._add(place, kind.category, kind.domain, attributes, box)
+            self._set_parent(made, None if kind.is_root else bearer, bearer=bearer, table=table)
+
+    def _add(
+        self,
+        place: int | None,
+        category: str,
+        domain: str,
+        attributes: dict[str, AttributeValue],
+        box: OrientedBox,
+    ) -> int:
+        """Put an object at the end, as yet without a parent."""
+        number = len(self.objects)
+        looks: dict[str, AttributeValue] = {}
+        if place is not None:
+            drawn = self.program.looks[place] if self.program.looks else ()
+            looks = drawn[min(len(self.made[place]), len(drawn) - 1)] if drawn else {}
+            self.made[place].append(number)
+        own: ObjectDomain = "indoor" if domain == "indoor" else "outdoor"
+        self.objects.append(
+            SceneObject(
+                id=number,
+                scene_id="",
+                parent_id=None,
+                category_id=CATEGORY_IDS[category],
+                bbox=box,
+                domain=own,
+                attributes=looks | attributes,
+            )
+        )
+        return number
+
+    def _set_parent(
+        self, made: int, parent: int | None, *, bearer: int | None, table: int | None = None
+    ) -> None:
+        self.objects[made] = replace(self.objects[made], parent_id=parent)
+        self.standing.add(made, self.objects[made].category_id, bearer, table)
+
+
+def _openings(program: Program, place: int, box: OrientedBox) -> dict[str, AttributeValue]:
+    """Openings of a unit, within the wall that they are in."""
+    values = dict(zip(OPENINGS, program.channels[place, OPENING].tolist(), strict=True))
+    half_m = box.s[1] / 2
+    found: dict[str, AttributeValue] = {}
+    for name in program.kinds[place].openings:
+        value = 0.0 if math.isnan(values[name]) else values[name]
+        if name.endswith("offset_m"):
+            width_m = values[name.replace("offset_m", "m")]
+            play = max(0.0, 1.0 - (0.0 if math.isnan(width_m) else width_m) / 2 / half_m)
+            value = min(max(value, -play), play) * half_m
+        else:
+            most_m = box.s[2] if "height" in name or "sill" in name else 2 * half_m
+            value = min(max(value, 0.0), most_m)
+        found[name] = round(value, 4)
+    return found

@@ -1,0 +1,178 @@
+"""From tokens to records that are those of a partition, whatever the tokens are.
+
+What does not fit is made to: a slice has as many parts as the token has children, a cross with
+too few cells is a slice, what should be a node and is none is a void leaf, and a strip without a
+width takes a share.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import msgspec
+
+from aeroscene.learning.program.kinds import Kind, Word
+from aeroscene.learning.program.nesting import Nested
+from aeroscene.learning.program.program import Program
+from aeroscene.learning.program.records import PARTS, shares_of, values_of
+from aeroscene.partition import Record
+from aeroscene.partition.tree import VOID
+from aeroscene.scene import ObjectDomain
+
+NODES = frozenset({"leaf", "slice", "cross", "grid", "pinwheel", "overlay", "bend"})
+Grown = Nested[int | None]
+"""A record with the place of its token; None where a record had to be made up."""
+
+
+class Grower:
+    """Reads the partitions of one program."""
+
+    def __init__(self, program: Program, children: Sequence[Sequence[int]]) -> None:
+        self._program, self.children = program, children
+        self._n_widths = 0
+
+    def head(self, place: int) -> tuple[Grown, list[Record]]:
+        """The record of a site or storey with its tree, and those of its widths."""
+        below = self.children[place]
+        kinds = self._program.kinds
+        widths = [self._record(each) for each in below if kinds[each].node == "width"]
+        self._n_widths = len(widths)
+        tree = self._node(next((each for each in below if kinds[each].node in NODES), None))
+        grown = Nested(self._record(place), place, [tree])
+        _limit_strips(grown, len(widths))
+        _settle_shares(grown, self._logit)
+        return grown, widths
+
+    def border(self, place: int, n_widths: int) -> Grown:
+        """The record of a border with its segments."""
+        found = Nested(self._record(place), place, [])
+        for each in self.children[place]:
+            if self._program.kinds[each].node == "segment":
+                found.children.append(Nested(self._record(each), each))
+        found.record = replace(found.record, arity=len(found.children))
+        _limit_strips(found, n_widths)
+        _settle_shares(found, self._logit)
+        return found
+
+    def _logit(self, place: int | None) -> float:
+        value = math.nan if place is None else float(self._program.channels[place, 0])
+        return 0.0 if math.isnan(value) else value
+
+    def _record(self, place: int) -> Record:
+        record = record_of(self._program.kinds[place])
+        return replace(record, values=values_of(record, self._program.channels[place]))
+
+    def _node(self, place: int | None) -> Grown:
+        """A node of a tree with all below it; a void leaf for nothing."""
+        if place is None:
+            return _void()
+        record = self._record(place)
+        below = self.children[place]
+        nodes = [self._node(each) for each in below if self._node_of(each) in NODES]
+        match record.node:
+            case "slice" if nodes:
+                return Nested(replace(record, arity=len(nodes)), place, nodes)
+            case "cross" | "grid" | "pinwheel":
+                return self._checkered(record, place, nodes)
+            case "overlay":
+                is_based = bool(nodes) and nodes[0].record.node == "leaf"
+                items = [self._item(each) for each in below if self._node_of(each) == "item"]
+                base = nodes[0] if is_based else _void()
+                return Nested(replace(record, arity=len(items)), place, [base, *items])
+            case "bend":
+                return self._bend(record, place)
+            case "leaf":
+                return Nested(record, place)
+            case _:
+                return Nested(replace(_void().record, strip=record.strip), place)
+
+    def _node_of(self, place: int) -> str:
+        return self._program.kinds[place].node
+
+    def _checkered(self, record: Record, place: int, nodes: list[Grown]) -> Grown:
+        """A cross or a pinwheel, or a slice of its cells where these do not fill it."""
+        below = self.children[place]
+        parts = [Nested(self._record(i), i) for i in below if self._node_of(i) == "part"]
+        is_cross = record.node != "pinwheel"
+        n_parts = record.arity + record.rows if is_cross else 0
+        n_cells = record.arity * record.rows if is_cross else 5
+        if n_cells and len(parts) == n_parts and len(nodes) == n_cells:
+            return Nested(record, place, [*parts, *nodes])
+        if not nodes:
+            return Nested(replace(_void().record, strip=record.strip), place)
+        record = Record("slice", "x", len(nodes), strip=record.strip)
+        return Nested(record, place, nodes)
+
+    def _item(self, place: int) -> Grown:
+        below = (each for each in self.children[place] if self._node_of(each) in NODES)
+        return Nested(self._record(place), place, [self._node(next(below, None))])
+
+    def _bend(self, record: Record, place: int) -> Grown:
+        below = self.children[place]
+        lanes = [Nested(self._record(i), i) for i in below if self._node_of(i) == "lane"]
+        banks = [self._bank(i) for i in below if self._node_of(i) == "bank"]
+        if not lanes or not self._n_widths or record.arity < 1:
+            return Nested(replace(_void().record, strip=record.strip), place)
+        banks += [Nested(Record("bank"), None) for _ in range(2 * record.arity - len(banks))]
+        for lane in lanes:
+            known = lane.record.values or (0.15,)
+            heights = (*known, *known[-1:] * record.arity)[: record.arity]
+            lane.record = replace(lane.record, values=heights, strip=max(1, lane.record.strip))
+        record = replace(record, rows=len(lanes))
+        return Nested(record, place, [*lanes, *banks[: 2 * record.arity]])
+
+    def _bank(self, place: int) -> Grown:
+        record = self._record(place)
+        below = [each for each in self.children[place] if self._node_of(each) in NODES]
+        if not record.values or not below:
+            return Nested(Record("bank"), place)
+        return Nested(record, place, [self._node(below[0])])
+
+
+def record_of(kind: Kind) -> Record:
+    """The record of a kind, without numbers."""
+    said = ""
+    if kind.node == "border":
+        said = str(dict(kind.attributes).get("form", ""))
+    elif kind.domain:
+        said = msgspec.json.encode(Word(kind.category, _domain(kind), kind.attributes)).decode()
+    elif kind.node != "width":
+        said = kind.category
+    rows = 0 if kind.node == "storey" else kind.rows
+    return Record(
+        kind.node, kind.axis, kind.arity, rows, said, kind.merge, kind.quarter, kind.strip
+    )
+
+
+def _domain(kind: Kind) -> ObjectDomain:
+    return "indoor" if kind.domain == "indoor" else "outdoor"
+
+
+def _void() -> Grown:
+    return Nested(Record("leaf", kind=VOID, values=(0.0,)), None)
+
+
+def _limit_strips(grown: Grown, n_widths: int) -> None:
+    """Let strips whose width is not there be shares."""
+    record = grown.record
+    if record.strip > n_widths:
+        is_lane = record.node == "lane"
+        grown.record = replace(record, strip=min(1, n_widths) if is_lane else 0)
+    for child in grown.children:
+        _limit_strips(child, n_widths)
+
+
+def _settle_shares(grown: Grown, logit: Callable[[int | None], float]) -> None:
+    """Give each part of a side its share: those without a width sum to one."""
+    record = grown.record
+    for low, high in PARTS.get(record.node, lambda _: ())(record):
+        parts = grown.children[low:high]
+        if parts and all(part.record.strip for part in parts):
+            parts[-1].record = replace(parts[-1].record, strip=0)
+        logits = [math.nan if p.record.strip else logit(p.token) for p in parts]
+        for part, share in zip(parts, shares_of(logits), strict=True):
+            part.record = replace(part.record, share=share)
+    for child in grown.children:
+        _settle_shares(child, logit)

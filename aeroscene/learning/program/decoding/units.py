@@ -1,0 +1,171 @@
+"""Units from their tokens: the inverse of `aeroscene.learning.program.encoding.units`.
+
+A host that does not stand is the next one of the ranks; where there is none the unit is scattered
+in the middle of its bearer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
+from aeroscene.learning.program.kinds import CATEGORY_IDS
+from aeroscene.learning.program.measures import Surroundings, reach_of, scales, size_and_base
+from aeroscene.learning.program.program import COS, PITCH, RISE, SIN, SIZE, TILT, U, V, Program, Shape
+from aeroscene.relations import Array, Member, Relation, Residual, Unit, place
+from aeroscene.relations.hosts import Standing
+from aeroscene.relations.placing import array_half_m, foot_m
+from aeroscene.relations.plane import QUARTER, Half, Rectangle
+from aeroscene.relations.relation import ANY_TURN, Kind
+from aeroscene.scene import OrientedBox, Quaternion, Vector3
+from aeroscene.scene.box import MIN_SIZE_M
+
+Outline = Callable[[int | None], Rectangle]
+BoxOf = Callable[[int | None], OrientedBox | None]
+_MOST_PITCH_M = 30.0
+_LEAST_PITCH_M = 0.05
+
+
+def read_unit(
+    program: Program,
+    token: int,
+    members: Sequence[int],
+    bearer: int | None,
+    standing: Standing,
+    outline: Outline,
+    box_of: BoxOf,
+) -> Unit:
+    """The unit that a token is, on what bears it.
+
+    Args:
+        program: The program.
+        token: Place of the unit's token.
+        members: Places of the tokens of its members, if they differ.
+        bearer: Id of the object that bears it; None for the bare world.
+        standing: What stands already.
+        outline: An object from above by its id; the site for None.
+        box_of: An object's box by its id.
+    """
+    kind = program.kinds[token]
+    c = np.nan_to_num(program.channels[token])
+    relation, host = _related(program, token, bearer, standing)
+    residual_rad = math.atan2(c[SIN], c[COS])
+    turn = 0 if relation.quadrant == ANY_TURN else relation.quadrant
+    host_box = box_of(host)
+    host_rad = 0.0 if host_box is None else host_box.yaw_rad
+    yaw_rad = host_rad + (relation.side + turn) * QUARTER + residual_rad
+    around = Surroundings(box_of(bearer), host_box)
+    size_m, base_m = size_and_base(
+        around,
+        [c[RISE], *c[SIZE]],
+        program.references[token].tolist(),
+        yaw_rad,
+        is_on_top=kind.is_on_top,
+    )
+    shape = _shape(program, token, relation.kind)
+    n_members = len(shape.array().cells(relation.kind)) if kind.is_group else 1
+    own_m = base_m - _low_m(around.bearer)
+    made = _members(program, token, members, size_m, own_m, n_members)
+    halves_m = [foot_m(member.category_id, member.size_m) for member in made]
+    array = _array(program, token, shape, relation.kind, halves_m) if kind.is_group else None
+    is_seat = relation.kind == Kind.SEAT
+    half_m = halves_m[0] if is_seat else array_half_m(array, halves_m)
+    (u0, u1), (v0, v1) = scales(relation, outline(host), reach_of(relation, residual_rad, half_m))
+    return Unit(
+        parent_id=bearer,
+        host_id=host,
+        relation=relation,
+        members=tuple(made),
+        array=array,
+        residual=Residual(u0 + u1 * float(c[U]), v0 + v1 * float(c[V]), residual_rad),
+    )
+
+
+def member_boxes(unit: Unit, box_of: BoxOf) -> list[OrientedBox]:
+    """The boxes of a unit's members, in order."""
+    ids = (unit.parent_id, unit.host_id)
+    hosts = {each: box for each in ids if each is not None and (box := box_of(each)) is not None}
+    made = [replace(member, id=-1 - index) for index, member in enumerate(unit.members)]
+    boxes = place([replace(unit, members=tuple(made))], hosts)
+    return [boxes[member.id] for member in made]
+
+
+def _related(
+    program: Program, token: int, bearer: int | None, standing: Standing
+) -> tuple[Relation, int | None]:
+    """The relation of a unit and its host: of the rank that was drawn, or the last before it."""
+    kind = program.kinds[token]
+    relation = kind.to_relation(0)
+    hosts = standing.possible_hosts(relation.kind, CATEGORY_IDS[kind.category], bearer)
+    if not hosts:
+        return Relation(kind=Kind.SCATTER, quadrant=relation.quadrant), bearer
+    rank = min(max(int(program.host[token]), 0), len(hosts) - 1)
+    return replace(relation, host=rank), hosts[rank]
+
+
+def _shape(program: Program, token: int, kind: Kind) -> Shape:
+    """The array of a group, without holes where these leave nothing."""
+    shape = program.shapes[token]
+    return shape if shape.array().cells(kind) else shape._replace(holes=())
+
+
+def _members(
+    program: Program,
+    token: int,
+    places: Sequence[int],
+    size_m: Vector3,
+    rise_m: float,
+    n_members: int,
+) -> list[Member]:
+    """Members of a unit: all alike, or as their own tokens say."""
+    plain = Member(
+        id=0,
+        category_id=CATEGORY_IDS[program.kinds[token].category],
+        size_m=size_m,
+        is_on_top=False,
+        rise_m=rise_m,
+        tilt_wxyz=_tilt(program, token),
+    )
+    if not places:
+        return [plain] * n_members
+    found: list[Member] = []
+    for index in range(n_members):
+        c = np.nan_to_num(program.channels[places[min(index, len(places) - 1)]])
+        x_m, y_m, z_m = (
+            max(MIN_SIZE_M, extent * math.exp(min(log, 1.0)))
+            for extent, log in zip(size_m, c[SIZE].tolist(), strict=True)
+        )
+        residual = Residual(float(c[U]), float(c[V]), math.atan2(c[SIN], c[COS]))
+        own_m = rise_m + float(c[RISE])
+        found.append(replace(plain, size_m=(x_m, y_m, z_m), rise_m=own_m, residual=residual))
+    return found
+
+
+def _array(
+    program: Program, token: int, shape: Shape, kind: Kind, halves_m: Sequence[Half]
+) -> Array:
+    gaps_m = np.nan_to_num(program.channels[token, PITCH]).tolist()
+    extents_m = pitch_base_m(kind, halves_m)
+    pitch_m = [
+        min(max(gap_m + extent_m, _LEAST_PITCH_M), _MOST_PITCH_M) if count > 1 else 0.0
+        for gap_m, extent_m, count in zip(gaps_m, extents_m, shape[:2], strict=True)
+    ]
+    turned = tuple(index for index in shape.turned if index < len(halves_m))
+    return shape._replace(turned=turned).array((pitch_m[0], pitch_m[1]))
+
+
+def _tilt(program: Program, token: int) -> Quaternion | None:
+    if not program.kinds[token].is_tilted:
+        return None
+    x, y = np.nan_to_num(program.channels[token, TILT]).tolist()
+    w, i, j, k = Rotation.from_rotvec((x, y, 0.0)).as_quat(scalar_first=True).tolist()
+    return w, i, j, k
+
+
+def _low_m(box: OrientedBox | None) -> float:
+    return 0.0 if box is None else underside_m(box)

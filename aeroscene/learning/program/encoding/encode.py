@@ -1,0 +1,172 @@
+"""Encodes scenes: partitions first, then units on what these make, in one tree."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field, replace
+
+import msgspec
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
+from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
+from aeroscene.learning.program.encoding.units import underside_m, unit_node
+from aeroscene.learning.program.kinds import Kind, Word, looks, openings, shaping
+from aeroscene.learning.program.program import Node, Program, in_order, to_program
+from aeroscene.partition import (
+    ParsedBuilding,
+    build_site,
+    build_storeys,
+    building_partitions,
+    site_partition,
+)
+from aeroscene.relations import scene_relations
+from aeroscene.relations.plane import Place, Rectangle, footprint
+from aeroscene.scene import Scene, SceneObject
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EncodedProgram:
+    """A program, and what it was read off."""
+
+    program: Program
+    object_ids: tuple[tuple[int, ...], ...]
+    """For each token the objects of the scene that it stands for."""
+    choices: Float[np.ndarray, "n 4 4"]
+    """The channels that may count from several things, from each of them; NaN where there is none."""
+
+
+def encode(scene: Scene) -> EncodedProgram:
+    """The program of a scene, by boxes, categories, parents and the attributes that shape.
+
+    Raises:
+        PartitionError: If covers, rooms or walls overlap in a way that no partition has.
+        ProgramError: If an object is not built again from the partition that it was read into.
+    """
+    root = Node(Kind("scene", domain=scene.domain))
+    encoder = _Encoder(scene, root)
+    encoder.add_site()
+    buildings = building_partitions(scene, Word.of)
+    for building in buildings:
+        encoder.add_building(building)
+    encoder.add_units()
+    encoder.hang_storeys(buildings)
+    nodes, _, _ = in_order(root)
+    none = np.full((4, 4), np.nan)
+    return EncodedProgram(
+        program=to_program(root),
+        object_ids=tuple(tuple(node.ids) for node in nodes),
+        choices=np.array([none if node.choices is None else node.choices for node in nodes]),
+    )
+
+
+def site_rectangle(scene: Scene) -> Rectangle:
+    """The flight volume from above."""
+    (x0, y0, _), (x1, y1, _) = scene.extent_min_enu_m, scene.extent_max_enu_m
+    return Rectangle(Place((x0 + x1) / 2, (y0 + y1) / 2, 0.0), ((x1 - x0) / 2, (y1 - y0) / 2))
+
+
+@dataclass(slots=True, eq=False)
+class _Encoder:
+    scene: Scene
+    root: Node
+    given: list[int] = field(default_factory=list)
+    """Objects that the partitions make, in the order in which they are built."""
+    bearer: dict[int | None, tuple[Node, int]] = field(default_factory=dict)
+    """The node that stands for each object, and which of its objects it is."""
+    storeys: list[list[Node]] = field(default_factory=list)
+    """Of each building."""
+
+    def add_site(self) -> None:
+        """The covers of the ground."""
+        self.bearer[None] = self.root, 0
+        parsed = site_partition(self.scene, Word.of)
+        if parsed is None:
+            return
+        head, cells = site_node(parsed.site)
+        self.root.add(head)
+        covers = build_site(parsed.site)
+        boxes = [cover.box for cover in covers]
+        found = find_boxes(boxes, [self._object(each) for each in sorted(parsed.object_ids)])
+        for cover, obj in zip(covers, found, strict=True):
+            self._stand_for(obj, *cells[cover.leaf])
+            node = self.bearer[obj.id][0]
+            if len(node.ids) == 1 and obj.parent_id is None:
+                node.kind = msgspec.structs.replace(node.kind, is_root=True)
+
+    def add_building(self, parsed: ParsedBuilding) -> None:
+        """The rooms and walls of a building's storeys."""
+        scene = self.scene
+        host = site_rectangle(scene)
+        below_m = 0.0
+        if parsed.host_id is not None:
+            shell = self._object(parsed.host_id).bbox
+            host, below_m = footprint(shell), underside_m(shell)
+        nodes: list[Node] = []
+        cells: list[Cells] = []
+        borders: list[list[Node]] = []
+        for storey in parsed.storeys:
+            made = storey_node(storey, host, below_m, is_first=not nodes)
+            nodes.append(made[0])
+            cells.append(made[1])
+            borders.append(made[2])
+            below_m = storey.level_m
+        self.storeys.append(nodes)
+        parts = build_storeys(parsed.storeys)
+        found = find_boxes(
+            [part.box for part in parts], [self._object(i) for i in sorted(parsed.object_ids)]
+        )
+        for part, obj in zip(parts, found, strict=True):
+            if part.category == "room":
+                self._stand_for(obj, *cells[part.storey][part.place])
+            else:
+                self._stand_for(obj, borders[part.storey][part.place], 0)
+
+    def _stand_for(self, obj: SceneObject, node: Node, piece: int) -> None:
+        self.bearer[obj.id] = node, max(piece, len(node.ids))
+        self.given.append(obj.id)
+        node.ids.append(obj.id)
+        node.looks.append(looks(obj))
+
+    def add_units(self) -> None:
+        """All other objects, below what bears them."""
+        scene = self.scene
+        view = self._view()
+        objects = view.object_by_id
+        roots = frozenset(obj.id for obj in scene.objects if obj.parent_id is None)
+        with_rooms = {obj.parent_id for obj in scene.objects if obj.category == "room"}
+
+        def alike(obj: SceneObject) -> Hashable:
+            is_single = openings(obj) or obj.id in with_rooms
+            return obj.category, obj.domain, shaping(obj), obj.id if is_single else None
+
+        for unit in scene_relations(view, self.given, alike):
+            node = unit_node(unit, objects, site_rectangle(scene), roots)
+            above, node.member = self.bearer[unit.parent_id]
+            above.add(node)
+            for number, member in enumerate(unit.members):
+                self.bearer[member.id] = node, number
+
+    def hang_storeys(self, buildings: Sequence[ParsedBuilding]) -> None:
+        """Storeys below their buildings, before all else there."""
+        for building, nodes in zip(buildings, self.storeys, strict=True):
+            above, member = self.bearer[building.host_id]
+            for node in nodes:
+                node.member = member
+            above.children[:0] = nodes
+
+    def _view(self) -> Scene:
+        """The scene with what stands on a cover, and has no parent, as its child."""
+        under = covers_under(self.scene, self.given)
+        first = [replace(self._object(i), parent_id=None) for i in self.given if i in under.covers]
+        known = {obj.id for obj in first}
+        rest = [
+            replace(obj, parent_id=under.bearer.get(obj.id, obj.parent_id))
+            for obj in self.scene.objects
+            if obj.id not in known
+        ]
+        return replace(self.scene, objects=(*first, *rest), interaction_areas=())
+
+    def _object(self, object_id: int) -> SceneObject:
+        return self.scene.object_by_id[object_id]

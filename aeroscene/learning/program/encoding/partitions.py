@@ -1,0 +1,183 @@
+"""Partitions as nodes of a program."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import msgspec
+
+from aeroscene.learning.program.kinds import Kind, Word
+from aeroscene.learning.program.nesting import Nested, cells, nest
+from aeroscene.learning.program.program import Node
+from aeroscene.learning.program.records import PARTS, channels_of, share_logits
+from aeroscene.partition import Record, SitePartition, StoreyPartition, storey_lines, to_sequence
+from aeroscene.partition.storeys.storey import NOBODY, Line, room_numbers, storey_cells
+from aeroscene.relations.plane import Rectangle
+
+Cells = list[tuple[Node, int]]
+"""The node of each leaf of a partition, and which of its objects it is."""
+SIDES = {("y", True): 0, ("x", True): 1, ("y", False): 2, ("x", False): 3}
+"""Side of a room by the axis of a line there, and whether the room is on its lower side."""
+
+
+def site_node(site: SitePartition) -> tuple[Node, Cells]:
+    """The node of a site's partition with everything below it, and its leaves' nodes."""
+    records = to_sequence(site)
+    n_widths = sum(record.node == "width" for record in records)
+    head, found = _grown(records, n_widths)
+    return head, found
+
+
+def storey_node(
+    storey: StoreyPartition, host: Rectangle, below_m: float, *, is_first: bool
+) -> tuple[Node, Cells, list[Node]]:
+    """The node of a storey's partition, its leaves' nodes, and those of its borders.
+
+    Args:
+        storey: The partition.
+        host: The building, or the site, seen from above.
+        below_m: Level from which the storey's counts: of the storey below, or of the building.
+        is_first: Whether it says where the frame is; the storeys above have the same.
+    """
+    records = to_sequence(storey)
+    n_widths = sum(record.node == "width" for record in records)
+    n_tree = next((i for i, r in enumerate(records) if r.node == "border"), len(records))
+    head, found = _grown(records[:n_tree], n_widths)
+    _name_doors(head, records)
+    head.kind = _kind(records[n_widths], int(is_first))
+    head.channels[1:11] = _storey_values(storey, host, below_m)
+    if not is_first:
+        head.channels[1:7] = math.nan
+    borders = _add_borders(storey, records[n_tree:], found)
+    return head, found, borders
+
+
+def _storey_values(storey: StoreyPartition, host: Rectangle, below_m: float) -> list[float]:
+    f = storey.frame
+    cos, sin = math.cos(host.place.yaw_rad), math.sin(host.place.yaw_rad)
+    dx, dy = f.x_enu_m - host.place.x_m, f.y_enu_m - host.place.y_m
+    turn = f.yaw_rad - host.place.yaw_rad
+    return [
+        cos * dx + sin * dy,
+        cos * dy - sin * dx,
+        math.cos(turn),
+        math.sin(turn),
+        2 * host.half_m[0] - f.length_m,
+        2 * host.half_m[1] - f.width_m,
+        storey.level_m - below_m,
+        storey.wall_m,
+        storey.outer_m,
+        storey.drop_m,
+    ]
+
+
+def _grown(records: Sequence[Record], n_widths: int) -> tuple[Node, Cells]:
+    """The node of a head, with its widths and its tree below it."""
+    nested = nest(iter(records[n_widths:]))
+    tree = _with_nodes(nested, math.nan)
+    widths = [
+        Node(_kind(Record("width", kind=_first_use(records, n))), channels_of(record))
+        for n, record in enumerate(records[:n_widths], 1)
+    ]
+    tree.token.children[:0] = widths
+    return tree.token, cells(tree)
+
+
+def _first_use(records: Sequence[Record], strip: int) -> str:
+    """What has a width first: the category of the next leaf, lane or segment."""
+    at = next((i for i, record in enumerate(records) if record.strip == strip), len(records))
+    for record in records[at:]:
+        if record.node in {"leaf", "lane", "segment"} and record.kind:
+            return record.kind
+    return ""
+
+
+def _name_doors(head: Node, records: Sequence[Record]) -> None:
+    """Let widths say what has them, borders among them."""
+    widths = [child for child in head.children if child.kind.node == "width"]
+    for number, child in enumerate(widths, 1):
+        child.kind = _kind(Record("width", kind=_first_use(records, number)))
+
+
+def _with_nodes(nested: Nested[None], logit: float) -> Nested[Node]:
+    """A record's tree with a node for each of them."""
+    record = nested.record
+    logits = [math.nan] * len(nested.children)
+    for low, high in PARTS.get(record.node, lambda _: ())(record):
+        parts = [child.record for child in nested.children[low:high]]
+        logits[low:high] = share_logits([part.share for part in parts])
+    node = Node(_kind(record), channels_of(record))
+    node.channels[0] = logit
+    children = [_with_nodes(*each) for each in zip(nested.children, logits, strict=True)]
+    node.children += [child.token for child in children]
+    return Nested(record, node, children)
+
+
+def _kind(record: Record, rows: int | None = None) -> Kind:
+    r = record
+    plain = Kind(
+        r.node,
+        axis=r.axis,
+        arity=r.arity,
+        rows=r.rows if rows is None else rows,
+        merge=r.merge,
+        quarter=r.quarter,
+        strip=r.strip,
+    )
+    said: dict[str, object] = {}
+    if r.kind.startswith("["):
+        word = Word.read(r.kind)
+        said = {"category": word.category}
+        if r.node != "width":
+            said |= {"domain": word.domain, "attributes": word.attributes}
+    elif r.node == "border":
+        said = {"attributes": (("form", r.kind),) if r.kind else ()}
+    elif r.kind:
+        said = {"category": r.kind}
+    return msgspec.structs.replace(plain, **said)
+
+
+def _add_borders(storey: StoreyPartition, records: list[Record], found: Cells) -> list[Node]:
+    """Nodes of a storey's borders, each below the leaf of a room that it is on."""
+    sequence = iter(records)
+    rooms = first_leaves(room_numbers(storey_cells(storey)))
+    borders: list[Node] = []
+    for line, border in zip(storey_lines(storey), storey.borders, strict=True):
+        nested = nest(sequence)
+        is_wall = [segment.kind for segment in border.segments] == ["wall"]
+        if is_wall:
+            nested.children.clear()
+        node = _with_nodes(nested, math.nan).token
+        owner, side, beyond = owner_of(line, rooms, len(found))
+        node.kind = _border_kind(node.kind, side, is_wall=is_wall)
+        node.host = beyond
+        borders.append(found[owner][0].add(node))
+    return borders
+
+
+def _border_kind(kind: Kind, side: int, *, is_wall: bool) -> Kind:
+    """The kind of a border; one that is all open, or all wall, needs no segments."""
+    category = "wall" if is_wall else "mixed" if kind.arity else "open"
+    arity = 0 if is_wall else kind.arity
+    return Kind("border", category, attributes=kind.attributes, arity=arity, side=side)
+
+
+def first_leaves(rooms: Sequence[int]) -> dict[int, int]:
+    """The first leaf of each room, from the room of each leaf."""
+    leaves: dict[int, int] = {}
+    for leaf, room in enumerate(rooms):
+        leaves.setdefault(room, leaf)
+    return leaves
+
+
+def owner_of(line: Line, rooms: dict[int, int], n_leaves: int) -> tuple[int, int, int]:
+    """The leaf that a line belongs to, on which side of it, and how many leaves on what is beyond.
+
+    The latter is 0 where nobody is.
+    """
+    low, high = line.rooms
+    if low == NOBODY:
+        return rooms[high], SIDES[line.axis, False], 0
+    beyond = 0 if high == NOBODY else (rooms[high] - rooms[low]) % n_leaves
+    return rooms[low], SIDES[line.axis, True], beyond

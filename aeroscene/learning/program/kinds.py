@@ -1,0 +1,138 @@
+"""Kinds of tokens: all that is discrete of a record of a partition, or of a unit, in one symbol.
+
+A unit's kind says what it is and what it is to its host, a record's what it divides and how. What
+is discrete beside it are three small numbers of `aeroscene.learning.program.program.Program`: the
+rank of the host, the array of a group, and which object of the parent's token bears the token.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from aeroscene.relations.relation import Align, Gap, Relation
+from aeroscene.relations.relation import Kind as RelationKind
+from aeroscene.scene import AttributeValue, ObjectDomain, SceneObject
+from aeroscene.scene.catalogue import CATALOGUE
+
+OPENINGS = (
+    "door_m",
+    "door_offset_m",
+    "door_height_m",
+    "window_m",
+    "window_offset_m",
+    "window_sill_m",
+    "window_height_m",
+)
+"""Continuous attributes of what has a shell."""
+SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra_end")
+"""Discrete attributes that decide what shape an object has; the others are its looks."""
+Attributes = tuple[tuple[str, AttributeValue], ...]
+
+
+class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
+    """Tokens that differ in numbers and looks only; what does not apply is empty."""
+
+    node: str
+    """A node of `aeroscene.partition.sequences.record`, or scene, unit or member."""
+    category: str = ""
+    """Of a unit, a leaf or a lane; of a width what has it first; of a segment what it is."""
+    domain: str = ""
+    """Of an object indoor or outdoor; of a scene its own."""
+    attributes: Attributes = ()
+    """Attributes that decide the shape, sorted by name."""
+    openings: tuple[str, ...] = ()
+    """Which of `OPENINGS` a unit has."""
+    axis: str = ""
+    arity: int = 0
+    rows: int = 0
+    merge: int = 0
+    quarter: int = 0
+    strip: int = 0
+    relation: str = ""
+    side: int = 0
+    """Side of the host of a unit; of a leaf, for a border."""
+    gap: str = ""
+    align: str = ""
+    slot: int = 0
+    turn: int = 0
+    """Quarter turns of the heading from the host's side."""
+    is_group: bool = False
+    is_on_top: bool = False
+    """Whether the height of a unit counts from its bearer's top, not from its underside."""
+    is_tilted: bool = False
+    is_root: bool = False
+    """Whether the object has no parent in the scene, though it stands on something."""
+
+    @property
+    def what(self) -> tuple[str, str, Attributes]:
+        """What looks depend on."""
+        return self.category, self.domain, self.attributes
+
+    @property
+    def is_record(self) -> bool:
+        """Whether the token is a record of a partition."""
+        return self.node not in {"scene", "unit", "member"}
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether the token belongs to the coarse part of a skeleton."""
+        return self.node == "scene" or self.is_record or CATEGORY_IS_COARSE.get(self.category, False)
+
+    def traits(self) -> set[str]:
+        """What kinds share: a word for each field that is not empty, and for each attribute."""
+        plain = {
+            f"{name} {value}"
+            for name, value in msgspec.to_builtins(self).items()
+            if name not in {"attributes", "openings"}
+        }
+        return plain | set(self.openings) | {f"{name} {value}" for name, value in self.attributes}
+
+    def to_relation(self, host: int) -> Relation:
+        """The relation of a unit to a host of some rank."""
+        return Relation(
+            kind=RelationKind[self.relation],
+            host=host,
+            side=self.side,
+            gap=Gap[self.gap],
+            align=Align[self.align],
+            slot=self.slot,
+            quadrant=self.turn,
+        )
+
+
+CATEGORY_IDS = {category.name: category.id for category in CATALOGUE.values()}
+CATEGORY_IS_COARSE = {c.name: c.level == "coarse" for c in CATALOGUE.values()}
+
+
+def shaping(obj: SceneObject) -> Attributes:
+    """The attributes of an object that its kind has."""
+    return tuple((name, obj.attributes[name]) for name in SHAPING if name in obj.attributes)
+
+
+def openings(obj: SceneObject) -> tuple[str, ...]:
+    """The openings that an object has."""
+    return tuple(name for name in OPENINGS if name in obj.attributes)
+
+
+def looks(obj: SceneObject) -> dict[str, AttributeValue]:
+    """The attributes that are neither."""
+    return {k: v for k, v in obj.attributes.items() if k not in SHAPING and k not in OPENINGS}
+
+
+class Word(msgspec.Struct, frozen=True, array_like=True):
+    """What a leaf's word says: what an object is beside its box."""
+
+    category: str
+    domain: ObjectDomain
+    attributes: Attributes
+
+    @staticmethod
+    def of(obj: SceneObject) -> str:
+        """The word of an object, as text."""
+        word = Word(obj.category, obj.domain, shaping(obj))
+        return msgspec.json.encode(word).decode()
+
+    @staticmethod
+    def read(text: str) -> Word:
+        """The word that a text is."""
+        return msgspec.json.decode(text, type=Word)

@@ -1,0 +1,135 @@
+"""Numbers of a unit: how its place, height and sizes read as channels, in both directions.
+
+| channels | name | unit |
+|---|---|---|
+| 0, 1 | u and v beside the relation's own place: m where the relation pins them | m |
+| | free ones inside the host: over the play there, +-1 touches its border | - |
+| | free v beside it: over the way from middle to middle along its side | - |
+| 2, 3 | cosine and sine of the heading beside the relation's own | - |
+| 4 | underside above the bearer's top or underside; host's top; host's underside | m |
+| 5, 6 | log extents; log ratio to the bearer's along them; less the bearer's | m |
+| 7 | log height; log ratio to the bearer's; top above the host's top; above the bearer's | m |
+| 8, 9 | way between neighbours of a row and of a column, over its own extent | m |
+| 10 to 16 | `OPENINGS`, offsets over half the length | m |
+| 17, 18 | tilt about the own axes | rad |
+
+Heights and sizes have several readings; which of them counts is chosen kind by kind, see
+`aeroscene.learning.program.references`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.relations.plane import Half, Rectangle, turned_reach_m
+from aeroscene.relations.relation import Kind, Relation
+from aeroscene.scene import OrientedBox, Vector3
+from aeroscene.scene.box import MIN_SIZE_M
+
+Scale = tuple[float, float]
+"""What is added to a channel times what it is multiplied by, to give metres."""
+LEAST_PLAY = 0.3
+_LEAST_M = 0.05
+_MOST_M = 500.0
+_BESIDE = frozenset({Kind.SIDE, Kind.FACING})
+
+
+def scales(relation: Relation, host: Rectangle, reach_m: Half) -> tuple[Scale, Scale]:
+    """How channels 0 and 1 give the residual of a unit that reaches so far along u and v."""
+    half_m = host.reach_m(relation.side)
+    found: list[Scale] = []
+    for axis in (0, 1):
+        if relation.pinned[axis] or relation.kind == Kind.SEAT:
+            found.append((0.0, 1.0))
+        elif relation.kind in _BESIDE and axis == 0:
+            found.append((half_m[0] + reach_m[0], 1.0))
+        elif relation.kind in _BESIDE:
+            found.append((0.0, half_m[1] + reach_m[1]))
+        else:
+            play_m = max(half_m[axis] - reach_m[axis], LEAST_PLAY * half_m[axis], _LEAST_M)
+            found.append((0.0, play_m))
+    return found[0], found[1]
+
+
+def reach_of(relation: Relation, yaw_rad: float, half_m: Half) -> Half:
+    """How far something with a residual heading reaches along u and v."""
+    return turned_reach_m(half_m, yaw_rad + relation.quadrant % 4 * math.pi / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What heights and sizes count from."""
+
+    bearer: OrientedBox | None
+    """None on the bare world."""
+    host: OrientedBox | None
+
+    def along_m(self, yaw_rad: float) -> Half:
+        """Extents of the bearer along the axes of something with a heading; NaN without one."""
+        if self.bearer is None:
+            return math.nan, math.nan
+        half_m = self.bearer.s[0] / 2, self.bearer.s[1] / 2
+        x_m, y_m = turned_reach_m(half_m, self.bearer.yaw_rad - yaw_rad)
+        return 2 * x_m, 2 * y_m
+
+
+def _levels(box: OrientedBox | None) -> tuple[float, float]:
+    return (0.0, 0.0) if box is None else (box.p[2] - box.s[2] / 2, box.p[2] + box.s[2] / 2)
+
+
+def choices_of(
+    around: Surroundings, size_m: Vector3, yaw_rad: float, base_m: float, *, is_on_top: bool
+) -> Float[np.ndarray, "4 4"]:
+    """Height of an underside and the three extents, as each reference has them."""
+    low_m, top_m = _levels(around.bearer)
+    host_low_m, host_top_m = _levels(around.host)
+    upper_m = base_m + size_m[2]
+    own_m = base_m - (top_m if is_on_top else low_m)
+    rows = [[own_m, base_m - host_top_m, base_m - host_low_m, math.nan]]
+    for extent_m, along_m in zip(size_m, around.along_m(yaw_rad), strict=False):
+        log = math.log(extent_m)
+        ratio = log - math.log(along_m) if along_m > 0 else math.nan
+        rows.append([log, ratio, extent_m - along_m, math.nan])
+    log, tall_m = math.log(size_m[2]), top_m - low_m
+    ratio = log - math.log(tall_m) if tall_m > 0 else math.nan
+    rows.append([log, ratio, upper_m - host_top_m, upper_m - top_m])
+    return np.array(rows)
+
+
+def size_and_base(
+    around: Surroundings,
+    values: Sequence[float],
+    references: Sequence[int],
+    yaw_rad: float,
+    *,
+    is_on_top: bool,
+) -> tuple[Vector3, float]:
+    """Extents and the height of the underside, whatever the values; inverse of `choices_of`."""
+    rise, *sizes = values
+    low_m, top_m = _levels(around.bearer)
+    host_low_m, host_top_m = _levels(around.host)
+    base_m = rise + (top_m if is_on_top else low_m, host_top_m, host_low_m)[references[0]]
+    along_m = around.along_m(yaw_rad)
+    x_m, y_m = (
+        _extent(sizes[axis], references[1 + axis], along_m[axis], along_m[axis])
+        for axis in (0, 1)
+    )
+    upper_m = host_top_m if references[3] == 2 else top_m
+    z_m = _extent(sizes[2], min(references[3], 2), top_m - low_m, upper_m - base_m)
+    return (x_m, y_m, z_m), base_m
+
+
+def _extent(value: float, reference: int, along_m: float, less_m: float) -> float:
+    """An extent from its log, its log ratio to another, or what it is more than another."""
+    if math.isnan(along_m) or (reference == 1 and along_m <= 0):
+        reference = 0
+    if reference == 2:
+        found_m = less_m + value
+    else:
+        found_m = math.exp(min(value, 6.5)) * (along_m if reference == 1 else 1.0)
+    return min(max(found_m, _LEAST_M if reference else MIN_SIZE_M), _MOST_M)

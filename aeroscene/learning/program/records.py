@@ -1,0 +1,159 @@
+"""Records of partitions as nested tokens with channels, and back whatever the channels are.
+
+| record | channels |
+|---|---|
+| any part of its parent | 0: log of the share, about the mean of those beside it |
+| `width` | 1: log m |
+| `site` | 1 to 7: x, y, cos, sin, log length, log width, base |
+| `storey` | 1 to 10: middle, cos, sin, length and width in the host's, level, walls, outer, drop |
+| `leaf`, `lane` | 1 on: log height, of each piece |
+| `pinwheel` | 1 to 4: log of the sides' shares over the middle's |
+| `item` | 1 to 6: middle in shares, cos, sin, log length, log width |
+| `bend` | 1 on: start, cos, sin, log lengths, turns |
+| `bank` | 1 to 3: low end, log length in shares, log depth |
+| `segment` | 1, 2: sill, head |
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.learning.program.program import N_CHANNELS
+from aeroscene.partition import Record
+
+PARTS = {
+    "slice": lambda r: ((0, r.arity),),
+    "cross": lambda r: ((0, r.arity), (r.arity, r.arity + r.rows)),
+    "grid": lambda r: ((0, r.arity), (r.arity, r.arity + r.rows)),
+    "border": lambda r: ((0, r.arity),),
+}
+"""Which children of a record are the parts of a side, from where to where."""
+_LEAST = 1e-6
+_MOST_LOG = 7.0
+
+
+def n_children(record: Record) -> int:
+    """How many records come below a record, right below it; a storey's borders do not count."""
+    match record.node:
+        case "slice" | "border":
+            return record.arity
+        case "cross" | "grid":
+            return record.arity + record.rows + record.arity * record.rows
+        case "pinwheel":
+            return 5
+        case "overlay":
+            return 1 + record.arity
+        case "bend":
+            return record.rows + 2 * record.arity
+        case "bank":
+            return 1 if record.values else 0
+        case "site" | "storey" | "item":
+            return 1
+        case _:
+            return 0
+
+
+def channels_of(record: Record) -> Float[np.ndarray, "19"]:
+    """The numbers of a record but for its share."""
+    channels = np.full(N_CHANNELS, np.nan)
+    values = _to_channels(record, record.values)
+    channels[1 : 1 + len(values)] = values
+    return channels
+
+
+def _to_channels(record: Record, values: Sequence[float]) -> list[float]:
+    match record.node:
+        case "width":
+            return [_log(values[0])]
+        case "leaf" | "lane":
+            return [_log(value) if value > 0 else math.nan for value in values]
+        case "site":
+            x, y, yaw, length, width, base = values
+            return [x, y, math.cos(yaw), math.sin(yaw), _log(length), _log(width), base]
+        case "pinwheel":
+            west, east, south, north = values
+            x, y = _log(east - west), _log(north - south)
+            return [_log(west) - x, _log(1 - east) - x, _log(south) - y, _log(1 - north) - y]
+        case "item" if values:
+            x, y, yaw, length, width = values
+            return [x, y, math.cos(yaw), math.sin(yaw), _log(length), _log(width)]
+        case "bend":
+            n = record.arity
+            u, v, heading, *rest = values
+            logs = [_log(length) for length in rest[:n]]
+            return [u, v, math.cos(heading), math.sin(heading), *logs, *rest[n:]]
+        case "bank" if values:
+            low, high, depth = values
+            return [low, _log(high - low), _log(depth)]
+        case _:
+            return list(values)
+
+
+def values_of(record: Record, channels: Float[np.ndarray, "19"]) -> tuple[float, ...]:
+    """The numbers of a record of a kind, from its channels: within what a record may have."""
+    c = np.nan_to_num(channels[1:]).tolist()
+    match record.node:
+        case "width":
+            return (_exp(c[0]),)
+        case "leaf":
+            return (0.0 if math.isnan(channels[1]) else _exp(c[0]),)
+        case "lane":
+            return tuple(_exp(value) for value in c[: record.arity])
+        case "site":
+            return (c[0], c[1], math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]), c[6])
+        case "pinwheel":
+            return (*_middle(c[0], c[1]), *_middle(c[2], c[3]))
+        case "item" if not np.isnan(channels[1]):
+            return (*_shares(c[:2]), math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]))
+        case "bend":
+            n = record.arity
+            turns = [min(1.0, max(-1.0, turn)) for turn in c[4 + n : 3 + 2 * n]]
+            lengths = [_exp(value) for value in c[4 : 4 + n]]
+            return (c[0], c[1], math.atan2(c[3], c[2]), *lengths, *turns)
+        case "bank" if not np.isnan(channels[1]):
+            return (c[0], c[0] + _exp(c[1]), _exp(c[2]))
+        case "segment":
+            sill = max(0.0, c[0])
+            return (sill, max(sill + 0.3, c[1])) if record.kind in {"door", "window"} else (0.0, 0.0)
+        case _:
+            return ()
+
+
+def share_logits(shares: Sequence[float]) -> list[float]:
+    """Shares as numbers about zero; those of strips, which have none, are NaN."""
+    logs = [_log(share) if share > 0 else math.nan for share in shares]
+    known = [value for value in logs if not math.isnan(value)]
+    middle = sum(known) / len(known) if known else 0.0
+    return [value - middle for value in logs]
+
+
+def shares_of(logits: Sequence[float]) -> list[float]:
+    """Shares that sum to one, whatever the numbers; 0 for those that are NaN."""
+    known = [value for value in logits if not math.isnan(value)]
+    top = max(known, default=0.0)
+    weights = [0.0 if math.isnan(v) else max(math.exp(v - top), 1e-3) for v in logits]
+    total = sum(weights) or 1.0
+    return [weight / total for weight in weights]
+
+
+def _middle(low: float, high: float) -> tuple[float, float]:
+    """Sides of a middle from the logs of what is before and behind it, over its own share."""
+    before, behind = _exp(min(low, 3.0)), _exp(min(high, 3.0))
+    total = before + 1.0 + behind
+    return before / total, (before + 1.0) / total
+
+
+def _shares(values: Sequence[float]) -> list[float]:
+    return [min(1.0, max(0.0, value)) for value in values]
+
+
+def _log(value: float) -> float:
+    return math.log(max(value, _LEAST))
+
+
+def _exp(value: float) -> float:
+    return math.exp(min(max(value, -_MOST_LOG), _MOST_LOG))
