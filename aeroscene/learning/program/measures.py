@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.relations.plane import Half, Rectangle, turned_reach_m
+from aeroscene.relations.plane import Half, Place, Rectangle, turned_reach_m
 from aeroscene.relations.relation import Kind, Relation
 from aeroscene.scene import OrientedBox, Vector3
 from aeroscene.scene.box import MIN_SIZE_M
@@ -34,6 +34,8 @@ from aeroscene.scene.box import MIN_SIZE_M
 Scale = tuple[float, float]
 """What is added to a channel times what it is multiplied by, to give metres."""
 LEAST_PLAY = 0.3
+BARE_M = 30.0
+"""Sides of a site without ground."""
 _LEAST_M = 0.05
 _MOST_M = 500.0
 _BESIDE = frozenset({Kind.SIDE, Kind.FACING})
@@ -54,6 +56,20 @@ def scales(relation: Relation, host: Rectangle, reach_m: Half) -> tuple[Scale, S
             play_m = max(half_m[axis] - reach_m[axis], LEAST_PLAY * half_m[axis], _LEAST_M)
             found.append((0.0, play_m))
     return found[0], found[1]
+
+
+def site_rectangle(site: Float[np.ndarray, "19"] | None) -> Rectangle:
+    """What stands in for the host of what has none: about the origin, as large as the ground.
+
+    Args:
+        site: Channels of the `site` record, or None where the ground has no covers.
+    """
+    half_m = BARE_M / 2, BARE_M / 2
+    if site is not None:
+        cos, sin, *logs = site[3:7].tolist()
+        x_m, y_m = (math.exp(min(log, 6.5)) / 2 for log in logs)
+        half_m = turned_reach_m((x_m, y_m), math.atan2(sin, cos))
+    return Rectangle(Place(0.0, 0.0, 0.0), half_m)
 
 
 def reach_of(relation: Relation, yaw_rad: float, half_m: Half) -> Half:

@@ -102,7 +102,7 @@ def values_of(record: Record, channels: Float[np.ndarray, "19"]) -> tuple[float,
         case "leaf":
             return (0.0 if math.isnan(channels[1]) else _exp(c[0]),)
         case "lane":
-            return tuple(_exp(value) for value in c[: record.arity])
+            return tuple(_exp(value) for value in channels[1:].tolist() if not math.isnan(value))
         case "site":
             return (c[0], c[1], math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]), c[6])
         case "pinwheel":

@@ -13,11 +13,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from aeroscene.learning.program.decoding.buildings import build_building
-from aeroscene.learning.program.decoding.extent import extent_of, site_of
+from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.units import member_boxes, read_unit
 from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, Word
+from aeroscene.learning.program.measures import site_rectangle
 from aeroscene.learning.program.nesting import cells
 from aeroscene.learning.program.program import OPENING, Program
 from aeroscene.partition import SitePartition, build_site, from_sequence
@@ -44,7 +45,7 @@ def decode(program: Program, scene_id: str = "program", seed: int = 0) -> Decode
     """The scene of a program, whatever its numbers; without interaction areas."""
     builder = _Builder(program)
     builder.build()
-    low, high = extent_of(builder.site, builder.objects, program.kinds[0].domain)
+    low, high = extent_of(builder.objects, program.kinds[0].domain)
     objects = tuple(replace(obj, scene_id=scene_id) for obj in builder.objects)
     pad = next((obj for obj in objects if obj.attributes.get("is_start")), None)
     start = (0.0, 0.0, 0.0) if pad is None else pad.bbox.p
@@ -79,7 +80,8 @@ class _Builder:
         self.made: list[list[int]] = [[] for _ in self.program.kinds]
         self.bearer_of: dict[int, int | None] = {}
         """What each object stands on, which need not be its parent in the scene."""
-        self.site = site_of(self.program)
+        heads = [i for i in self.children[0] if self.program.kinds[i].node == "site"]
+        self.site = site_rectangle(self.program.channels[heads[0]] if heads else None)
 
     def build(self) -> None:
         """Everything, from the ground up."""
@@ -132,7 +134,9 @@ class _Builder:
                 continue
             word = Word.read(cover.kind)
             kind = self.program.kinds[token]
-            parent = None if kind.is_root and not self.made[token] else self._under(cover.box, word)
+            parent = self.made[token][-1] if self.made[token] else None
+            if parent is None and not kind.is_root:
+                parent = self._under(cover.box, word)
             made = self._add(token, word.category, word.domain, dict(word.attributes), cover.box)
             self._set_parent(made, parent, bearer=None)
 

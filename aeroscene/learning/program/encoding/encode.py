@@ -13,6 +13,7 @@ from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
 from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
 from aeroscene.learning.program.encoding.units import underside_m, unit_node
 from aeroscene.learning.program.kinds import Kind, Word, looks, openings, shaping
+from aeroscene.learning.program.measures import site_rectangle
 from aeroscene.learning.program.program import Node, Program, in_order, to_program
 from aeroscene.partition import (
     ParsedBuilding,
@@ -22,7 +23,7 @@ from aeroscene.partition import (
     site_partition,
 )
 from aeroscene.relations import scene_relations
-from aeroscene.relations.plane import Place, Rectangle, footprint
+from aeroscene.relations.plane import Rectangle, footprint
 from aeroscene.scene import Scene, SceneObject
 
 
@@ -61,16 +62,11 @@ def encode(scene: Scene) -> EncodedProgram:
     )
 
 
-def site_rectangle(scene: Scene) -> Rectangle:
-    """The flight volume from above."""
-    (x0, y0, _), (x1, y1, _) = scene.extent_min_enu_m, scene.extent_max_enu_m
-    return Rectangle(Place((x0 + x1) / 2, (y0 + y1) / 2, 0.0), ((x1 - x0) / 2, (y1 - y0) / 2))
-
-
 @dataclass(slots=True, eq=False)
 class _Encoder:
     scene: Scene
     root: Node
+    site: Rectangle = field(default_factory=lambda: site_rectangle(None))
     given: list[int] = field(default_factory=list)
     """Objects that the partitions make, in the order in which they are built."""
     bearer: dict[int | None, tuple[Node, int]] = field(default_factory=dict)
@@ -86,6 +82,7 @@ class _Encoder:
             return
         head, cells = site_node(parsed.site)
         self.root.add(head)
+        self.site = site_rectangle(head.channels)
         covers = build_site(parsed.site)
         boxes = [cover.box for cover in covers]
         found = find_boxes(boxes, [self._object(each) for each in sorted(parsed.object_ids)])
@@ -97,8 +94,7 @@ class _Encoder:
 
     def add_building(self, parsed: ParsedBuilding) -> None:
         """The rooms and walls of a building's storeys."""
-        scene = self.scene
-        host = site_rectangle(scene)
+        host = self.site
         below_m = 0.0
         if parsed.host_id is not None:
             shell = self._object(parsed.host_id).bbox
@@ -142,7 +138,7 @@ class _Encoder:
             return obj.category, obj.domain, shaping(obj), obj.id if is_single else None
 
         for unit in scene_relations(view, self.given, alike):
-            node = unit_node(unit, objects, site_rectangle(scene), roots)
+            node = unit_node(unit, objects, self.site, roots)
             above, node.member = self.bearer[unit.parent_id]
             above.add(node)
             for number, member in enumerate(unit.members):
