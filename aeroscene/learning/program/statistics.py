@@ -1,0 +1,161 @@
+"""Mean and spread of each channel by kind, and programs as standardised arrays."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.learning.program.encoding.encode import EncodedProgram
+from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, Program
+from aeroscene.learning.program.references import (
+    References,
+    group_of,
+    measure_references,
+    with_references,
+)
+from aeroscene.learning.program.vocabulary import ProgramVocabulary, count_program_kinds
+from aeroscene.learning.tokens.skeleton import Skeleton
+from aeroscene.scene import SceneDomain
+
+_PRIOR = 4.0
+"""What is known of a kind's group counts as so many of its tokens."""
+_LEAST_SPREAD = 1e-3
+"""Channels that vary by less are constant."""
+_LIMIT = 5.0
+"""Values are cut at this many spreads."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProgramStatistics:
+    """Standardisation of channels by kind. Pinned ones vary by centimetres, and are kept so."""
+
+    mean: Float[np.ndarray, "kinds channels"]
+    spread: Float[np.ndarray, "kinds channels"]
+    low: Float[np.ndarray, "kinds channels"]
+    """Least value in training, standardised."""
+    high: Float[np.ndarray, "kinds channels"]
+    is_free: Bool[np.ndarray, "kinds channels"]
+    """Which channels a kind has, and vary."""
+    has: Bool[np.ndarray, "kinds channels"]
+    """Which channels a kind has."""
+    references: References
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProgramExample:
+    """A program as arrays: what the skeleton model draws, and what is diffused."""
+
+    skeleton: Skeleton
+    member: Int[np.ndarray, " n"]
+    host: Int[np.ndarray, " n"]
+    shape: Int[np.ndarray, " n"]
+    """Number of the array of a group."""
+    x0: Float[np.ndarray, "n channels"]
+    """Standardised; 0 where a channel does not vary."""
+
+
+def measure_programs(
+    encoded: Sequence[EncodedProgram],
+) -> tuple[ProgramVocabulary, ProgramStatistics]:
+    """The vocabulary of a corpus, and the statistics of its channels."""
+    vocabulary = count_program_kinds(each.program for each in encoded)
+    references = measure_references(encoded)
+    programs = [with_references(each, references) for each in encoded]
+    ids = np.array([vocabulary.number[kind] for p in programs for kind in p.kinds])
+    rows = np.concatenate([program.channels for program in programs])
+    groups: defaultdict[Hashable, list[int]] = defaultdict(list)
+    for number, kind in enumerate(vocabulary.kinds):
+        groups[group_of(kind)].append(number)
+    shape = len(vocabulary.kinds), N_CHANNELS
+    mean, spread, low, high = (np.zeros(shape) for _ in range(4))
+    has = np.zeros(shape, dtype=bool)
+    for numbers in groups.values():
+        common = rows[np.isin(ids, numbers)]
+        common_mean, common_var = _moments(common)
+        for number in numbers:
+            own = rows[ids == number]
+            n = (~np.isnan(own)).sum(axis=0)
+            own_mean, own_var = _moments(own)
+            shift = n * _PRIOR / (n + _PRIOR) * (own_mean - common_mean) ** 2
+            var = (n * own_var + _PRIOR * common_var + shift) / (n + _PRIOR)
+            mean[number] = (n * own_mean + _PRIOR * common_mean) / (n + _PRIOR)
+            spread[number] = np.sqrt(var)
+            has[number] = n > 0
+            _let_turn(mean[number], spread[number])
+            scaled = (own - mean[number]) / np.maximum(spread[number], _LEAST_SPREAD)
+            scaled = np.nan_to_num(scaled)
+            low[number], high[number] = scaled.min(axis=0), scaled.max(axis=0)
+    is_free = has & (spread > _LEAST_SPREAD)
+    statistics = ProgramStatistics(
+        mean,
+        np.maximum(spread, _LEAST_SPREAD),
+        low.clip(-_LIMIT, 0.0),
+        high.clip(0.0, _LIMIT),
+        is_free,
+        has,
+        references,
+    )
+    return vocabulary, statistics
+
+
+def _moments(rows: Float[np.ndarray, "k channels"]) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and variance of each channel; 0 where no row has it."""
+    n = np.maximum((~np.isnan(rows)).sum(axis=0), 1)
+    mean = np.nansum(rows, axis=0) / n
+    return mean, np.nansum((rows - mean) ** 2, axis=0) / n
+
+
+def _let_turn(mean: Float[np.ndarray, " channels"], spread: Float[np.ndarray, " channels"]) -> None:
+    """Headings that vary at all keep their unit circle."""
+    if spread[COS] > 0.3:
+        mean[[COS, SIN]], spread[[COS, SIN]] = 0.0, 1.0
+
+
+def to_example(
+    encoded: EncodedProgram, vocabulary: ProgramVocabulary, statistics: ProgramStatistics
+) -> ProgramExample:
+    """A scene's program as arrays; of what the corpus has not, the nearest stands for it.
+
+    Raises:
+        KeyError: If the corpus has nothing of a category.
+    """
+    program = with_references(encoded, statistics.references)
+    kind = np.array([vocabulary.nearest(each) for each in program.kinds])
+    scaled = (program.channels - statistics.mean[kind]) / statistics.spread[kind]
+    scaled = np.where(statistics.is_free[kind], np.nan_to_num(scaled), 0.0)
+    return ProgramExample(
+        skeleton=Skeleton(
+            _domain(program.kinds[0].domain), kind, program.parent, program.n_coarse
+        ),
+        member=program.member,
+        host=program.host,
+        shape=np.array([vocabulary.nearest_shape(shape) for shape in program.shapes]),
+        x0=scaled.clip(-_LIMIT, _LIMIT),
+    )
+
+
+def from_example(
+    example: ProgramExample, vocabulary: ProgramVocabulary, statistics: ProgramStatistics
+) -> Program:
+    """The program that arrays are: constant channels at their means, no looks yet."""
+    kind, s = example.skeleton.kind_id, statistics
+    kinds = tuple(vocabulary.kinds[number] for number in kind.tolist())
+    values = s.mean[kind] + np.where(s.is_free[kind], example.x0, 0.0) * s.spread[kind]
+    return Program(
+        kinds=kinds,
+        parent=example.skeleton.parent,
+        member=example.member,
+        host=example.host,
+        shapes=tuple(vocabulary.shapes[number] for number in example.shape.tolist()),
+        channels=np.where(s.has[kind], values, np.nan),
+        references=np.array([s.references.of(each) for each in kinds]),
+        n_coarse=example.skeleton.n_coarse,
+    )
+
+
+def _domain(name: str) -> SceneDomain:
+    return "indoor" if name == "indoor" else "mixed" if name == "mixed" else "outdoor"
