@@ -14,7 +14,7 @@ from aeroscene.relations.relation import Kind as RelationKind
 from aeroscene.scene import AttributeValue, ObjectDomain, SceneObject
 from aeroscene.scene.catalogue import CATALOGUE
 
-OPENINGS = (
+OPENINGS: tuple[str, ...] = (
     "door_m",
     "door_offset_m",
     "door_height_m",
@@ -76,7 +76,9 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
     @property
     def is_coarse(self) -> bool:
         """Whether the token belongs to the coarse part of a skeleton."""
-        return self.node == "scene" or self.is_record or CATEGORY_IS_COARSE.get(self.category, False)
+        return (
+            self.node == "scene" or self.is_record or CATEGORY_IS_COARSE.get(self.category, False)
+        )
 
     def traits(self) -> set[str]:
         """What kinds share: a word for each field that is not empty, and for each attribute."""

@@ -58,7 +58,7 @@ def scales(relation: Relation, host: Rectangle, reach_m: Half) -> tuple[Scale, S
     return found[0], found[1]
 
 
-def site_rectangle(site: Float[np.ndarray, "19"] | None) -> Rectangle:
+def site_rectangle(site: Float[np.ndarray, " 19"] | None) -> Rectangle:
     """What stands in for the host of what has none: about the origin, as large as the ground.
 
     Args:
@@ -132,8 +132,7 @@ def size_and_base(
     base_m = rise + (top_m if is_on_top else low_m, host_top_m, host_low_m)[references[0]]
     along_m = around.along_m(yaw_rad)
     x_m, y_m = (
-        _extent(sizes[axis], references[1 + axis], along_m[axis], along_m[axis])
-        for axis in (0, 1)
+        _extent(sizes[axis], references[1 + axis], along_m[axis], along_m[axis]) for axis in (0, 1)
     )
     upper_m = host_top_m if references[3] == 2 else top_m
     z_m = _extent(sizes[2], min(references[3], 2), top_m - low_m, upper_m - base_m)

@@ -58,10 +58,10 @@ class Node:
     """A token in a tree, as it is built."""
 
     kind: Kind
-    channels: Float[np.ndarray, "19"] = field(default_factory=lambda: np.full(N_CHANNELS, np.nan))
+    channels: Float[np.ndarray, " 19"] = field(default_factory=lambda: np.full(N_CHANNELS, np.nan))
     member: int = 0
     host: int = 0
-    shape: Shape = Shape()
+    shape: Shape = field(default_factory=Shape)
     choices: Float[np.ndarray, "4 4"] | None = None
     """For each of `REFERENCED` its value from each reference."""
     looks: list[Looks] = field(default_factory=list)
@@ -125,9 +125,7 @@ def in_order(root: Node) -> tuple[list[Node], list[int], int]:
     return [node for node, _ in pairs], [place[id(above)] for _, above in pairs], len(coarse)
 
 
-def _descend(
-    node: Node, above: Node, found: list[tuple[Node, Node]], *, is_coarse: bool
-) -> None:
+def _descend(node: Node, above: Node, found: list[tuple[Node, Node]], *, is_coarse: bool) -> None:
     found.append((node, above))
     for child in node.children:
         if not is_coarse or child.kind.is_coarse:

@@ -57,7 +57,7 @@ def n_children(record: Record) -> int:
             return 0
 
 
-def channels_of(record: Record) -> Float[np.ndarray, "19"]:
+def channels_of(record: Record) -> Float[np.ndarray, " 19"]:
     """The numbers of a record but for its share."""
     channels = np.full(N_CHANNELS, np.nan)
     values = _to_channels(record, record.values)
@@ -93,34 +93,38 @@ def _to_channels(record: Record, values: Sequence[float]) -> list[float]:
             return list(values)
 
 
-def values_of(record: Record, channels: Float[np.ndarray, "19"]) -> tuple[float, ...]:
+def values_of(record: Record, channels: Float[np.ndarray, " 19"]) -> tuple[float, ...]:
     """The numbers of a record of a kind, from its channels: within what a record may have."""
     c = np.nan_to_num(channels[1:]).tolist()
+    found: tuple[float, ...] = ()
     match record.node:
         case "width":
-            return (_exp(c[0]),)
+            found = (_exp(c[0]),)
         case "leaf":
-            return (0.0 if math.isnan(channels[1]) else _exp(c[0]),)
+            found = (0.0 if math.isnan(channels[1]) else _exp(c[0]),)
         case "lane":
-            return tuple(_exp(value) for value in channels[1:].tolist() if not math.isnan(value))
+            found = tuple(_exp(each) for each in channels[1:].tolist() if not math.isnan(each))
         case "site":
-            return (c[0], c[1], math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]), c[6])
+            found = (c[0], c[1], math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]), c[6])
         case "pinwheel":
-            return (*_middle(c[0], c[1]), *_middle(c[2], c[3]))
+            found = (*_middle(c[0], c[1]), *_middle(c[2], c[3]))
         case "item" if not np.isnan(channels[1]):
-            return (*_shares(c[:2]), math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]))
+            found = (*_shares(c[:2]), math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]))
         case "bend":
             n = record.arity
             turns = [min(1.0, max(-1.0, turn)) for turn in c[4 + n : 3 + 2 * n]]
             lengths = [_exp(value) for value in c[4 : 4 + n]]
-            return (c[0], c[1], math.atan2(c[3], c[2]), *lengths, *turns)
+            found = (c[0], c[1], math.atan2(c[3], c[2]), *lengths, *turns)
         case "bank" if not np.isnan(channels[1]):
-            return (c[0], c[0] + _exp(c[1]), _exp(c[2]))
-        case "segment":
+            found = (c[0], c[0] + _exp(c[1]), _exp(c[2]))
+        case "segment" if record.kind in {"door", "window"}:
             sill = max(0.0, c[0])
-            return (sill, max(sill + 0.3, c[1])) if record.kind in {"door", "window"} else (0.0, 0.0)
+            found = sill, max(sill + 0.3, c[1])
+        case "segment":
+            found = 0.0, 0.0
         case _:
-            return ()
+            pass
+    return found
 
 
 def share_logits(shares: Sequence[float]) -> list[float]:

@@ -128,9 +128,7 @@ def to_example(
     scaled = (program.channels - statistics.mean[kind]) / statistics.spread[kind]
     scaled = np.where(statistics.is_free[kind], np.nan_to_num(scaled), 0.0)
     return ProgramExample(
-        skeleton=Skeleton(
-            _domain(program.kinds[0].domain), kind, program.parent, program.n_coarse
-        ),
+        skeleton=Skeleton(_domain(program.kinds[0].domain), kind, program.parent, program.n_coarse),
         member=program.member,
         host=program.host,
         shape=np.array([vocabulary.nearest_shape(shape) for shape in program.shapes]),

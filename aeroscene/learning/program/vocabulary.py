@@ -109,7 +109,7 @@ def count_program_kinds(programs: Iterable[Program]) -> ProgramVocabulary:
         for kind, some in zip(program.kinds, program.looks, strict=True):
             texts = (msgspec.json.encode(dict(sorted(each.items()))).decode() for each in some)
             looks[kind.what].update(texts)
-    order = sorted(kinds, key=lambda kind: msgspec.json.encode(kind))
+    order = sorted(kinds, key=msgspec.json.encode)
     one = Shape()
     others = sorted((shape for shape in shapes if shape != one), key=lambda s: (-shapes[s], s))
     return ProgramVocabulary(

@@ -16,7 +16,6 @@ from aeroscene.relations.relation import Array, Kind, Member, Relation, Residual
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw, quat_product
 
-
 Alike = Callable[[SceneObject], Hashable]
 
 

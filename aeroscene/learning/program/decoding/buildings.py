@@ -68,7 +68,7 @@ def build_building(
 
 
 def _frame(values: Sequence[float], host: Rectangle) -> Frame:
-    x, y, cos, sin, length, width = (0.0 if v != v else v for v in values[:6])
+    x, y, cos, sin, length, width = (0.0 if math.isnan(v) else v for v in values[:6])
     place = host.place.moved(x, y, math.atan2(sin, cos or 1.0))
     sides = (
         max(2 * half - less, min(2 * half, _LEAST_SIDE_M))
@@ -109,9 +109,7 @@ class _Storey:
             is_inset=bool(grown.record.arity),
         )
 
-    def _borders(
-        self, lines: Sequence[Line], rooms: Sequence[int], wall_m: float
-    ) -> list[Border]:
+    def _borders(self, lines: Sequence[Line], rooms: Sequence[int], wall_m: float) -> list[Border]:
         """A border for each line: what was drawn between the two rooms, else a wall."""
         children = self._grower.children
         kinds = self._program.kinds

@@ -13,6 +13,7 @@ from aeroscene.scene import SceneObject, Vector3
 _OPEN_SKY_M = 22.0
 """Least height of the flight volume under open sky."""
 
+
 def extent_of(objects: Sequence[SceneObject], domain: str) -> tuple[Vector3, Vector3]:
     """Corners of the flight volume: up to the roof indoors, some way above everything outdoors."""
     corners = np.array([obj.bbox.corners() for obj in objects] or [np.zeros((8, 3))])

@@ -40,17 +40,17 @@ class Grower:
         widths = [self._record(each) for each in below if kinds[each].node == "width"]
         self._n_widths = len(widths)
         tree = self._node(next((each for each in below if kinds[each].node in NODES), None))
-        grown = Nested(self._record(place), place, [tree])
+        grown = Grown(self._record(place), place, [tree])
         _limit_strips(grown, len(widths))
         _settle_shares(grown, self._logit)
         return grown, widths
 
     def border(self, place: int, n_widths: int) -> Grown:
         """The record of a border with its segments."""
-        found = Nested(self._record(place), place, [])
+        found = Grown(self._record(place), place, [])
         for each in self.children[place]:
             if self._program.kinds[each].node == "segment":
-                found.children.append(Nested(self._record(each), each))
+                found.children.append(Grown(self._record(each), each))
         found.record = replace(found.record, arity=len(found.children))
         _limit_strips(found, n_widths)
         _settle_shares(found, self._logit)
@@ -73,20 +73,20 @@ class Grower:
         nodes = [self._node(each) for each in below if self._node_of(each) in NODES]
         match record.node:
             case "slice" if nodes:
-                return Nested(replace(record, arity=len(nodes)), place, nodes)
+                return Grown(replace(record, arity=len(nodes)), place, nodes)
             case "cross" | "grid" | "pinwheel":
                 return self._checkered(record, place, nodes)
             case "overlay":
                 is_based = bool(nodes) and nodes[0].record.node == "leaf"
                 items = [self._item(each) for each in below if self._node_of(each) == "item"]
                 base = nodes[0] if is_based else _void()
-                return Nested(replace(record, arity=len(items)), place, [base, *items])
+                return Grown(replace(record, arity=len(items)), place, [base, *items])
             case "bend":
                 return self._bend(record, place)
             case "leaf":
-                return Nested(record, place)
+                return Grown(record, place)
             case _:
-                return Nested(replace(_void().record, strip=record.strip), place)
+                return Grown(replace(_void().record, strip=record.strip), place)
 
     def _node_of(self, place: int) -> str:
         return self._program.kinds[place].node
@@ -94,41 +94,41 @@ class Grower:
     def _checkered(self, record: Record, place: int, nodes: list[Grown]) -> Grown:
         """A cross or a pinwheel, or a slice of its cells where these do not fill it."""
         below = self.children[place]
-        parts = [Nested(self._record(i), i) for i in below if self._node_of(i) == "part"]
+        parts = [Grown(self._record(i), i) for i in below if self._node_of(i) == "part"]
         is_cross = record.node != "pinwheel"
         n_parts = record.arity + record.rows if is_cross else 0
         n_cells = record.arity * record.rows if is_cross else 5
         if n_cells and len(parts) == n_parts and len(nodes) == n_cells:
-            return Nested(record, place, [*parts, *nodes])
+            return Grown(record, place, [*parts, *nodes])
         if not nodes:
-            return Nested(replace(_void().record, strip=record.strip), place)
+            return Grown(replace(_void().record, strip=record.strip), place)
         record = Record("slice", "x", len(nodes), strip=record.strip)
-        return Nested(record, place, nodes)
+        return Grown(record, place, nodes)
 
     def _item(self, place: int) -> Grown:
         below = (each for each in self.children[place] if self._node_of(each) in NODES)
-        return Nested(self._record(place), place, [self._node(next(below, None))])
+        return Grown(self._record(place), place, [self._node(next(below, None))])
 
     def _bend(self, record: Record, place: int) -> Grown:
         below = self.children[place]
-        lanes = [Nested(self._record(i), i) for i in below if self._node_of(i) == "lane"]
+        lanes = [Grown(self._record(i), i) for i in below if self._node_of(i) == "lane"]
         banks = [self._bank(i) for i in below if self._node_of(i) == "bank"]
         if not lanes or not self._n_widths or record.arity < 1:
-            return Nested(replace(_void().record, strip=record.strip), place)
-        banks += [Nested(Record("bank"), None) for _ in range(2 * record.arity - len(banks))]
+            return Grown(replace(_void().record, strip=record.strip), place)
+        banks += [Grown(Record("bank"), None) for _ in range(2 * record.arity - len(banks))]
         for lane in lanes:
             known = lane.record.values or (0.15,)
             heights = (*known, *known[-1:] * record.arity)[: record.arity]
             lane.record = replace(lane.record, values=heights, strip=max(1, lane.record.strip))
         record = replace(record, rows=len(lanes))
-        return Nested(record, place, [*lanes, *banks[: 2 * record.arity]])
+        return Grown(record, place, [*lanes, *banks[: 2 * record.arity]])
 
     def _bank(self, place: int) -> Grown:
         record = self._record(place)
         below = [each for each in self.children[place] if self._node_of(each) in NODES]
         if not record.values or not below:
-            return Nested(Record("bank"), place)
-        return Nested(record, place, [self._node(below[0])])
+            return Grown(Record("bank"), place)
+        return Grown(record, place, [self._node(below[0])])
 
 
 def record_of(kind: Kind) -> Record:
@@ -151,7 +151,7 @@ def _domain(kind: Kind) -> ObjectDomain:
 
 
 def _void() -> Grown:
-    return Nested(Record("leaf", kind=VOID, values=(0.0,)), None)
+    return Grown(Record("leaf", kind=VOID, values=(0.0,)), None)
 
 
 def _limit_strips(grown: Grown, n_widths: int) -> None:

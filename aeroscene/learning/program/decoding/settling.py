@@ -28,7 +28,7 @@ _SAME_M = 1e-4
 
 
 def settled(node: Node, length_m: float, width_m: float, least_m: float) -> Node:
-    """A tree whose parts fill a frame of some extents, each at least so wide where there is room."""
+    """A tree whose parts fill a frame, each at least so wide where there is room."""
     match node:
         case Slice():
             is_x = node.axis == "x"
@@ -154,7 +154,7 @@ class _Cut:
 
 
 def snapped(node: Node, length_m: float, width_m: float, nearer_m: float, least_m: float) -> Node:
-    """A storey's tree whose lines are the same where they run on nearer than some way beside others.
+    """A storey's tree in which lines that run close beside each other are one.
 
     Lines that would make a part narrower than `least_m` stay where they are.
     """

@@ -16,7 +16,18 @@ from scipy.spatial.transform import Rotation
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
 from aeroscene.learning.program.kinds import CATEGORY_IDS
 from aeroscene.learning.program.measures import Surroundings, reach_of, scales, size_and_base
-from aeroscene.learning.program.program import COS, PITCH, RISE, SIN, SIZE, TILT, U, V, Program, Shape
+from aeroscene.learning.program.program import (
+    COS,
+    PITCH,
+    RISE,
+    SIN,
+    SIZE,
+    TILT,
+    Program,
+    Shape,
+    U,
+    V,
+)
 from aeroscene.relations import Array, Member, Relation, Residual, Unit, place
 from aeroscene.relations.hosts import Standing
 from aeroscene.relations.placing import array_half_m, foot_m

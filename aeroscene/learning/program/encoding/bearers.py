@@ -67,8 +67,7 @@ def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> 
     if not boxes:
         return []
     built, wanted = (
-        np.array([box.corners() for box in some])
-        for some in (boxes, [obj.bbox for obj in objects])
+        np.array([box.corners() for box in some]) for some in (boxes, [obj.bbox for obj in objects])
     )
     low = np.linalg.norm(built.min(1)[:, None] - wanted.min(1), axis=2)
     far = np.maximum(low, np.linalg.norm(built.max(1)[:, None] - wanted.max(1), axis=2))

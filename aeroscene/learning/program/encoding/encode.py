@@ -35,7 +35,7 @@ class EncodedProgram:
     object_ids: tuple[tuple[int, ...], ...]
     """For each token the objects of the scene that it stands for."""
     choices: Float[np.ndarray, "n 4 4"]
-    """The channels that may count from several things, from each of them; NaN where there is none."""
+    """Channels that may count from several things, from each of them; NaN where there is none."""
 
 
 def encode(scene: Scene) -> EncodedProgram:

@@ -10,8 +10,19 @@ from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.kinds import OPENINGS, Kind, looks, openings, shaping
 from aeroscene.learning.program.measures import Surroundings, choices_of, reach_of, scales
-from aeroscene.learning.program.program import COS, OPENING, PITCH, RISE, SIN, SIZE, TILT, U, V
-from aeroscene.learning.program.program import Node, Shape
+from aeroscene.learning.program.program import (
+    COS,
+    OPENING,
+    PITCH,
+    RISE,
+    SIN,
+    SIZE,
+    TILT,
+    Node,
+    Shape,
+    U,
+    V,
+)
 from aeroscene.relations import Unit
 from aeroscene.relations.placing import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle, footprint
