@@ -1,0 +1,47 @@
+"""Numbers of the writer's network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from aeroscene.scene import SceneError
+
+
+class WriterError(SceneError):
+    """A writer that cannot be used; one line saying what is wrong and what is valid."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WriterCfg:
+    """The network."""
+
+    width: int = 160
+    """Width of an element."""
+    layers: int = 4
+    """Blocks of attention and FFN."""
+    heads: int = 4
+    """Attention heads, even: half of them see kin alone."""
+    ffn_ratio: int = 3
+    """Hidden width of the FFN by `width`."""
+    kind_width: int = 96
+    """Width of a kind's embedding."""
+    dropout: float = 0.1
+    """Share of activations that training switches off."""
+
+    def __post_init__(self) -> None:
+        _require("width", self.width, 8, 1024)
+        _require("layers", self.layers, 1, 16)
+        _require("heads", self.heads, 2, 16)
+        _require("ffn_ratio", self.ffn_ratio, 1, 8)
+        _require("kind_width", self.kind_width, 4, 512)
+        _require("dropout", self.dropout, 0.0, 0.9)
+        if self.heads % 2 or self.width % self.heads:
+            raise WriterError(
+                f"heads is {self.heads} with width {self.width}, valid: an even number that "
+                "divides the width"
+            )
+
+
+def _require(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise WriterError(f"{name} is {value!r}, valid: {low:g} to {high:g}")

@@ -1,0 +1,147 @@
+"""Programs drawn from the writer, within what their syntax allows."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from jaxtyping import Bool
+from torch import Tensor
+
+from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.skeleton.bucket import bucket
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.writer.config import WriterError
+from aeroscene.learning.writer.growth import Choice, Growth
+from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
+from aeroscene.learning.writer.model import Memory, Writer
+from aeroscene.learning.writer.syntax import Syntax
+
+
+@torch.inference_mode()
+def draw_program(
+    writer: Writer,
+    syntax: Syntax,
+    wish: Wish,
+    rng: np.random.Generator,
+    kept: Growth | None = None,
+) -> Growth:
+    """A program as wished for.
+
+    Args:
+        writer: The network, in evaluation.
+        syntax: What it keeps to.
+        wish: Domain and numbers of objects, about.
+        rng: Draws all of it.
+        kept: A growth with a coarse part, which is furnished; None where the writer draws one.
+
+    Raises:
+        WriterError: If it never saw a scene of the domain.
+    """
+    growth = kept or Growth(syntax, _scene_kind(syntax, wish), wish)
+    draw = _Draw(writer, syntax, wish, rng)
+    if kept is not None:
+        draw.read(growth)
+        growth.end()
+    while not growth.is_done:
+        draw.step(growth)
+    return growth
+
+
+def _scene_kind(syntax: Syntax, wish: Wish) -> int:
+    vocabulary = syntax.vocabulary
+    kind = Kind("scene", domain=wish.domain)
+    if kind not in vocabulary.number:
+        known = [each.domain for each in vocabulary.kinds if each.node == "scene"]
+        raise WriterError(
+            f"domain is {wish.domain!r}, which the model never saw, valid: {', '.join(known)}"
+        )
+    return vocabulary.number[kind]
+
+
+class _Draw:
+    """The network's memory of one program."""
+
+    def __init__(
+        self, writer: Writer, syntax: Syntax, wish: Wish, rng: np.random.Generator
+    ) -> None:
+        self._writer, self._syntax, self._rng = writer, syntax, rng
+        self._table = writer.embedding()
+        self._device = self._table.device
+        self._wish = torch.from_numpy(wish_numbers(wish))[None].to(self._device)
+        self._memory: Memory | None = None
+        self._known: list[Tensor] = []
+        self._kin: list[Bool[np.ndarray, " t"]] = []
+        self._is_fine = False
+
+    def step(self, growth: Growth) -> None:
+        """Draw what comes after the latest element."""
+        self.read(growth)
+        known = self._known[-1]
+        depth = self._choose(self._writer.depth(known), growth.allowed_depths())
+        if depth == 0:
+            growth.end()
+            return
+        above = growth.parent_at(depth)
+        recent, n_siblings = recent_of(growth, above)
+        local = self._writer.local(
+            known,
+            self._known[above],
+            self._tensor([growth.elements[above].kind]),
+            self._tensor([recent]),
+            self._tensor(bucket(np.array([n_siblings]))),
+            self._tensor([depth]),
+            self._table,
+        )
+        kind = self._choose(
+            self._writer.kind_logits(local, self._table), growth.allowed_kinds(depth)
+        )
+        rest = self._writer.rest_logits(local, self._tensor([kind]), self._table)
+        member, host, shape = (self._choose(logits) for logits in rest)
+        is_group = self._syntax.vocabulary.kinds[kind].is_group
+        growth.add(depth, Choice(kind, member, host, shape if is_group else 0))
+
+    def read(self, growth: Growth) -> None:
+        """Read the elements that are new."""
+        for index in range(len(self._known), len(growth.elements)):
+            element = growth.elements[index]
+            self._is_fine |= element.is_mark
+            seen = np.array(seen_of(growth, element))
+            seen[11] = self._is_fine
+            seen[8:11] = bucket(seen[8:11])
+            mask = torch.from_numpy(np.stack([np.ones(index + 1, dtype=bool), self._kin_of(growth)]))
+            known, self._memory = self._writer.read(
+                self._tensor([[seen.tolist()]])[0],
+                self._wish,
+                mask[None, :, None].to(self._device),
+                self._table,
+                self._memory,
+            )
+            self._known.append(known[0])
+
+    def _kin_of(self, growth: Growth) -> Bool[np.ndarray, " t"]:
+        """Elements above the next one to read, itself included, or its earlier siblings."""
+        index = len(self._known)
+        parent = growth.elements[index].parent
+        kin = np.zeros(index + 1, dtype=bool)
+        if index:
+            above = self._kin[parent]
+            kin[: len(above)] = above
+            own = (each.parent == parent for each in growth.elements[1:index])
+            kin[1:index] |= np.fromiter(own, dtype=bool, count=index - 1)
+        kin[index] = True
+        self._kin.append(kin)
+        return kin
+
+    def _tensor(self, values: object) -> Tensor:
+        return torch.as_tensor(np.asarray(values), device=self._device)
+
+    def _choose(self, logits: Tensor, allowed: Bool[np.ndarray, " choices"] | None = None) -> int:
+        scaled = logits[0].double().cpu().numpy()
+        if allowed is not None and allowed.any():
+            scaled = np.where(allowed, scaled, -np.inf)
+        weight = np.exp(scaled - scaled.max())
+        total = weight.cumsum()
+        # Above 0 and up to 1: so the first share that reaches it is never an empty one.
+        return int((total < (1.0 - self._rng.random()) * total[-1]).sum())
+
+

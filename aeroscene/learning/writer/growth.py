@@ -1,0 +1,235 @@
+"""A program in the making: coarse tokens depth first, then the fine ones below each of them.
+
+The elements of a program are its tokens and, between them, marks that turn to a coarse token that
+is to be furnished. After each element the next token comes at a depth below the scene or the mark,
+or, at depth 0, the part ends. Training and drawing walk the same code, so they cannot disagree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool
+
+from aeroscene.learning.program.program import Program
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.writer.syntax import Syntax, count_objects
+
+MAX_DEPTH = 24
+MAX_TOKENS = 420
+N_RECENT = 12
+"""Latest siblings that the next token knows of."""
+
+
+@dataclass(slots=True)
+class Element:
+    """A token, or the mark of one."""
+
+    token: int
+    """Place in the program."""
+    kind: int
+    parent: int
+    """Element above; its own for the scene."""
+    depth: int
+    ordinal: int
+    is_mark: bool = False
+    member: int = 0
+    host: int = 0
+    shape: int = 0
+    children: list[int] = field(default_factory=list)
+    """Kinds of its children so far."""
+    n_given: int = 0
+    """Of a mark, children that the coarse token had before."""
+    left: tuple[int, int] = (0, 0)
+    """Coarse and fine objects that are still wished for, after it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The next token."""
+
+    kind: int
+    member: int = 0
+    host: int = 0
+    shape: int = 0
+
+
+class Growth:
+    """One program as it grows."""
+
+    def __init__(self, syntax: Syntax, scene_kind: int, wish: Wish) -> None:
+        self._syntax = syntax
+        self._left = [wish.n_coarse, wish.n_fine]
+        self.kinds: list[int] = [scene_kind]
+        self.parents: list[int] = [0]
+        self.choices: list[Choice] = [Choice(scene_kind)]
+        self.n_coarse = 1
+        self.elements: list[Element] = []
+        self.path: list[int] = []
+        """Elements from the scene, or the mark, down to the latest."""
+        self.is_fine = False
+        self.is_done = False
+        self.has_start = False
+        self._of_token: list[int] = []
+        self._ahead: list[int] = []
+        """Coarse tokens that are still to be furnished, the next one last."""
+        self._put(Element(0, scene_kind, 0, 0, 0))
+        self.path = [0]
+
+    def _put(self, element: Element) -> int:
+        element.left = self._left[0], self._left[1]
+        self.elements.append(element)
+        if not element.is_mark:
+            self._of_token.append(len(self.elements) - 1)
+        return len(self.elements) - 1
+
+    @property
+    def latest(self) -> Element:
+        """The element after which the next token comes."""
+        return self.elements[-1]
+
+    def parent_at(self, depth: int) -> int:
+        """The element whose child a token at a depth from 1 is."""
+        return self.path[depth - 1]
+
+    def add(self, depth: int, choice: Choice) -> None:
+        """A token at a depth from 1."""
+        syntax = self._syntax
+        above = self.elements[self.path[depth - 1]]
+        token = len(self.kinds)
+        self.kinds.append(choice.kind)
+        self.parents.append(above.token)
+        self.choices.append(choice)
+        shape = syntax.vocabulary.shapes[choice.shape]
+        count = count_objects(syntax.vocabulary.kinds[choice.kind], shape)
+        self._left[self.is_fine] -= count
+        self.has_start |= bool(syntax.is_start[choice.kind])
+        element = Element(
+            token,
+            choice.kind,
+            self.path[depth - 1],
+            depth,
+            len(above.children),
+            member=choice.member,
+            host=choice.host,
+            shape=choice.shape,
+        )
+        above.children.append(choice.kind)
+        self.path[depth:] = [self._put(element)]
+        self.n_coarse += not self.is_fine
+
+    def end(self) -> None:
+        """End of the part: turn to the next coarse token that may be furnished."""
+        if not self.is_fine:
+            self.is_fine = True
+            bears = self._syntax.bears_fine[self._syntax.class_of[self.kinds]]
+            self._ahead = np.flatnonzero(bears).tolist()[::-1]
+        if not self._ahead:
+            self.is_done = True
+            return
+        token = self._ahead.pop()
+        own = self._of_token[token]
+        mark = Element(token, self.kinds[token], own, 0, 0, is_mark=True)
+        mark.children = list(self.elements[own].children)
+        mark.n_given = len(mark.children)
+        self.path = [self._put(mark)]
+
+    def allowed_depths(self) -> Bool[np.ndarray, " depths"]:
+        """Where the next token may be, 0 for none; what is needed is not left out."""
+        allowed = np.zeros(MAX_DEPTH, dtype=bool)
+        if len(self.kinds) >= MAX_TOKENS:
+            allowed[0] = True
+            return allowed
+        for depth in range(len(self.path), 0, -1):
+            if depth < MAX_DEPTH and self.allowed_kinds(depth).any():
+                allowed[depth] = True
+            above = self.elements[self.path[depth - 1]]
+            if allowed[depth] and self._lacks(above):
+                return allowed
+        allowed[0] = len(self.kinds) > 1 or not allowed.any()
+        return allowed
+
+    def _lacks(self, above: Element) -> bool:
+        """Whether a token's children are not complete."""
+        if len(above.children) < len(self._syntax.required[above.kind]):
+            return not self.is_fine
+        return bool(self._missing(above).any())
+
+    def _missing(self, above: Element) -> Bool[np.ndarray, " kinds"]:
+        """Kinds whose categories a token never went without, and has not."""
+        syntax = self._syntax
+        needed = syntax.always[syntax.class_of[above.kind]].copy()
+        needed[syntax.category[above.children]] = False
+        of_level = syntax.is_coarse != self.is_fine
+        return needed[syntax.category] & of_level & ~syntax.is_start
+
+    def allowed_kinds(self, depth: int) -> Bool[np.ndarray, " kinds"]:
+        """Which kinds may be at a depth from 1."""
+        syntax = self._syntax
+        above = self.elements[self.path[depth - 1]]
+        own = syntax.class_of[above.kind]
+        cap = syntax.cap[own]
+        allowed = (cap > 0) & (syntax.is_coarse != self.is_fine)
+        if self.has_start:
+            allowed &= ~syntax.is_start
+        required = syntax.required[above.kind]
+        if required:
+            if len(above.children) >= len(required):
+                return allowed & ~syntax.fits_record
+            return allowed & syntax.fits(required[len(above.children)])
+        if above.children:
+            counts = np.bincount(
+                syntax.class_of[above.children], minlength=len(syntax.most)
+            )
+            allowed &= counts[syntax.class_of] < cap
+        if len(above.children) >= syntax.most_children[own]:
+            missing = self._missing(above)
+            allowed &= missing
+        return allowed
+
+
+def replay(
+    syntax: Syntax, program: Program, wish: Wish
+) -> tuple[Growth, list[tuple[int, Choice | None]]]:
+    """The growth of a program, and what was right after each of its elements.
+
+    Returns:
+        The growth at its end; for each element the depth that comes next and, from 1, the choice.
+    """
+    vocabulary = syntax.vocabulary
+    kinds = [vocabulary.nearest(kind) for kind in program.kinds]
+    shapes = [vocabulary.nearest_shape(shape) for shape in program.shapes]
+    parents = program.parent.tolist()
+    growth = Growth(syntax, kinds[0], wish)
+    said: list[tuple[int, Choice | None]] = []
+
+    def grow(token: int) -> None:
+        above = parents[token]
+        place = next(
+            depth
+            for depth, element in enumerate(growth.path)
+            if growth.elements[element].token == above
+        )
+        choice = Choice(
+            kinds[token], int(program.member[token]), int(program.host[token]), shapes[token]
+        )
+        said.append((place + 1, choice))
+        growth.add(place + 1, choice)
+
+    for token in range(1, program.n_coarse):
+        grow(token)
+    token = program.n_coarse
+    said.append((0, None))
+    growth.end()
+    while not growth.is_done:
+        while token < len(kinds) and _is_below(growth, parents[token]):
+            grow(token)
+            token += 1
+        said.append((0, None))
+        growth.end()
+    return growth, said
+
+
+def _is_below(growth: Growth, above: int) -> bool:
+    return any(growth.elements[element].token == above for element in growth.path)

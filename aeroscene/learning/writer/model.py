@@ -1,0 +1,184 @@
+"""The network: a causal transformer over the elements of programs in the making.
+
+    depth   p(how deep the next token is | elements so far)
+    kind    p(its kind | depth, what its parent is, its latest siblings)
+    rest    p(member, host, array | kind)
+
+Half of the heads see all elements before, the other half kin alone: what is above, and siblings.
+"""
+
+from __future__ import annotations
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor, nn
+from torch.nn import functional
+
+from aeroscene.learning.program.vocabulary import ProgramVocabulary
+from aeroscene.learning.skeleton.bucket import N_BUCKETS
+from aeroscene.learning.skeleton.embedding import KindEmbedding
+from aeroscene.learning.writer.config import WriterCfg
+from aeroscene.learning.writer.growth import MAX_DEPTH
+from aeroscene.learning.writer.lesson import N_HOSTS, N_MEMBERS, N_WISHES, Lesson
+
+_SMALL = 12
+Memory = list[tuple[Tensor, Tensor]]
+"""Keys and values of each layer, [b, heads, t, w]."""
+
+
+def program_traits(vocabulary: ProgramVocabulary) -> Bool[Tensor, "kinds traits"]:
+    """Traits that kinds share."""
+    names = sorted(set().union(*vocabulary.traits))
+    return torch.tensor([[name in traits for name in names] for traits in vocabulary.traits])
+
+
+class Block(nn.Module):
+    """Masked attention and FFN, normalised first."""
+
+    def __init__(self, cfg: WriterCfg) -> None:
+        super().__init__()
+        self.heads = cfg.heads
+        self.norm, self.norm_ffn = nn.LayerNorm(cfg.width), nn.LayerNorm(cfg.width)
+        self.inward = nn.Linear(cfg.width, 3 * cfg.width)
+        self.outward = nn.Linear(cfg.width, cfg.width)
+        self.ffn = nn.Sequential(
+            nn.Linear(cfg.width, cfg.ffn_ratio * cfg.width),
+            nn.GELU(),
+            nn.Dropout(cfg.dropout),
+            nn.Linear(cfg.ffn_ratio * cfg.width, cfg.width),
+        )
+        self.drop = nn.Dropout(cfg.dropout)
+
+    def forward(
+        self,
+        x: Float[Tensor, "b t w"],
+        mask: Bool[Tensor, "b h t s"],
+        known: tuple[Tensor, Tensor] | None = None,
+    ) -> tuple[Float[Tensor, "b t w"], tuple[Tensor, Tensor]]:
+        """Update elements; `known` are keys and values of those before."""
+        packed = self.inward(self.norm(x)).unflatten(-1, (3, self.heads, -1))
+        query, key, value = packed.permute(2, 0, 3, 1, 4).unbind(0)
+        if known is not None:
+            key, value = (torch.cat(pair, dim=2) for pair in zip(known, (key, value), strict=True))
+        mixed = functional.scaled_dot_product_attention(query, key, value, attn_mask=mask)
+        x = x + self.drop(self.outward(mixed.transpose(1, 2).flatten(-2)))
+        return x + self.drop(self.ffn(self.norm_ffn(x))), (key, value)
+
+
+class Writer(nn.Module):
+    """Programs by wish; see `aeroscene.learning.writer.draw` for its use."""
+
+    def __init__(self, cfg: WriterCfg, traits: Bool[Tensor, "kinds traits"], n_shapes: int) -> None:
+        super().__init__()
+        self.cfg = cfg
+        width, kind = cfg.width, cfg.kind_width
+        self.embedding = KindEmbedding(traits, kind)
+        sizes = (MAX_DEPTH, 64, 2, N_MEMBERS, N_HOSTS, n_shapes, N_BUCKETS, N_BUCKETS, N_BUCKETS, 2)
+        self.numbers = nn.ModuleList(nn.Embedding(size, width) for size in sizes)
+        self.of_kind = nn.Linear(kind, width)
+        self.of_parent = nn.Linear(kind, width)
+        self.of_wish = nn.Linear(N_WISHES, width)
+        self.blocks = nn.ModuleList(Block(cfg) for _ in range(cfg.layers))
+        self.norm = nn.LayerNorm(width)
+        self.depth = _mlp(width, width, MAX_DEPTH, cfg.dropout)
+        self.count = nn.Embedding(N_BUCKETS, _SMALL)
+        self.at_depth = nn.Embedding(MAX_DEPTH, _SMALL)
+        local = 2 * width + 3 * kind + 2 * _SMALL
+        self.kind = _mlp(local, 2 * width, kind, cfg.dropout)
+        self.bias = nn.Parameter(torch.zeros(len(traits)))
+        self.rest = _mlp(local + kind, width, N_MEMBERS + N_HOSTS + n_shapes, cfg.dropout)
+        self.n_shapes = n_shapes
+
+    def read(
+        self,
+        seen: Int[Tensor, "b t 12"],
+        wish: Float[Tensor, "b 6"],
+        mask: Bool[Tensor, "b 2 t s"],
+        table: Float[Tensor, "kinds_and_none k"],
+        memory: Memory | None = None,
+    ) -> tuple[Float[Tensor, "b t w"], Memory]:
+        """What is known after each element; `mask` is for wide heads and for narrow ones."""
+        x = self.of_kind(table[seen[..., 0]]) + self.of_parent(table[seen[..., 1]])
+        x = x + self.of_wish(wish).unsqueeze(1)
+        for column, numbers in enumerate(self.numbers, 2):
+            x = x + numbers(seen[..., column])
+        heads = mask.repeat_interleave(self.cfg.heads // 2, dim=1)
+        found: Memory = []
+        for index, block in enumerate(self.blocks):
+            x, kept = block(x, heads, None if memory is None else memory[index])
+            found.append(kept)
+        return self.norm(x), found
+
+    def local(
+        self,
+        known: Float[Tensor, "n w"],
+        above: Float[Tensor, "n w"],
+        above_kind: Int[Tensor, " n"],
+        recent: Int[Tensor, "n recent"],
+        n_siblings: Int[Tensor, " n"],
+        depth: Int[Tensor, " n"],
+        table: Float[Tensor, "kinds_and_none k"],
+    ) -> Float[Tensor, "n l"]:
+        """What the choice of a token below some parent depends on."""
+        siblings = table[recent] * (recent >= 0).unsqueeze(-1)
+        mean = siblings.sum(1) / (recent >= 0).sum(1, keepdim=True).clamp(min=1)
+        parts = [known, above, table[above_kind], siblings[:, 0], mean]
+        return torch.cat([*parts, self.count(n_siblings), self.at_depth(depth)], dim=-1)
+
+    def kind_logits(
+        self, local: Float[Tensor, "n l"], table: Float[Tensor, "kinds_and_none k"]
+    ) -> Float[Tensor, "n kinds"]:
+        """Logits of the kinds."""
+        return self.kind(local) @ table[:-1].T + self.bias
+
+    def rest_logits(
+        self,
+        local: Float[Tensor, "n l"],
+        kind: Int[Tensor, " n"],
+        table: Float[Tensor, "kinds_and_none k"],
+    ) -> tuple[Tensor, Tensor, Tensor]:
+        """Logits of member, host and array of tokens of some kinds."""
+        found = self.rest(torch.cat([local, table[kind]], dim=-1))
+        member, host, shape = found.split([N_MEMBERS, N_HOSTS, self.n_shapes], dim=-1)
+        return member, host, shape
+
+
+def _mlp(inward: int, hidden: int, outward: int, dropout: float) -> nn.Sequential:
+    return nn.Sequential(
+        nn.Linear(inward, hidden), nn.GELU(), nn.Dropout(dropout), nn.Linear(hidden, outward)
+    )
+
+
+def surprise(writer: Writer, lesson: Lesson) -> dict[str, Float[Tensor, ""]]:
+    """Negative log likelihood of a batch of programs, nats in all, by what is said."""
+    table = writer.embedding()
+    n = lesson.seen.shape[1]
+    before = torch.ones(n, n, dtype=torch.bool, device=lesson.kin.device).tril()
+    mask = torch.stack([before.expand_as(lesson.kin), lesson.kin & before], dim=1)
+    known, _ = writer.read(lesson.seen, lesson.wish, mask, table)
+    places = lesson.kind >= 0
+    row, _ = torch.nonzero(places, as_tuple=True)
+    above = lesson.above[places]
+    local = writer.local(
+        known[places],
+        known[row, above],
+        lesson.seen[row, above, 0],
+        lesson.recent[places],
+        lesson.n_siblings[places],
+        lesson.depth[places],
+        table,
+    )
+    kind = lesson.kind[places]
+    member, host, shape = writer.rest_logits(local, kind, table)
+    said = lesson.depth >= 0
+    return {
+        "depth": _nats(writer.depth(known[said]), lesson.depth[said]),
+        "kind": _nats(writer.kind_logits(local, table), kind),
+        "member": _nats(member, lesson.member[places]),
+        "host": _nats(host, lesson.host[places]),
+        "shape": _nats(shape, lesson.shape[places]),
+    }
+
+
+def _nats(logits: Float[Tensor, "n choices"], target: Int[Tensor, " n"]) -> Float[Tensor, ""]:
+    return functional.cross_entropy(logits, target, reduction="sum")

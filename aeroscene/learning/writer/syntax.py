@@ -1,0 +1,178 @@
+"""What programs have at all: which kinds are whose children, how many, and which never lack.
+
+Classes are kinds that are the same thing, whatever they are to their hosts. Records of partitions
+have as many children as they say; of everything else a corpus tells.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.program.program import Program, Shape
+from aeroscene.learning.program.vocabulary import ProgramVocabulary
+
+FEW = 2
+"""A parent that never had more than so many children of a class never gets more: a building has
+one roof. What there were more of may be repeated without end."""
+ENOUGH = 8
+"""Tokens of a class that must have been seen for what they all have to be called needed."""
+NODES = frozenset({"leaf", "slice", "cross", "grid", "pinwheel", "overlay", "bend"})
+_MANY = np.iinfo(np.int16).max
+
+
+def required_children(kind: Kind) -> list[frozenset[str]]:
+    """Which nodes the children of a record are, in order; of other tokens nothing is required."""
+    part, segment, item = (frozenset({name}) for name in ("part", "segment", "item"))
+    match kind.node:
+        case "slice":
+            return [NODES] * kind.arity
+        case "cross" | "grid":
+            return [part] * (kind.arity + kind.rows) + [NODES] * (kind.arity * kind.rows)
+        case "pinwheel":
+            return [NODES] * 5
+        case "overlay":
+            return [NODES] + [item] * kind.arity
+        case "border":
+            return [segment] * kind.arity
+        case "item":
+            return [NODES]
+        case _:
+            return []
+
+
+def count_objects(kind: Kind, shape: Shape) -> int:
+    """Objects that a token stands for, as the writer counts them."""
+    if kind.node == "unit":
+        return len(shape.array().cells(kind.to_relation(0).kind)) if kind.is_group else 1
+    return int(kind.node in {"leaf", "lane", "segment"} and bool(kind.category))
+
+
+@dataclass(frozen=True, eq=False)
+class Syntax:
+    """The structure that draws keep."""
+
+    vocabulary: ProgramVocabulary
+    class_of: Int[np.ndarray, " kinds"]
+    most: Int[np.ndarray, "classes classes"]
+    """Most children of a class (column) that a token of a class (row) had."""
+    always: Bool[np.ndarray, "classes categories"]
+    """Which categories of children each class never went without."""
+    bears_fine: Bool[np.ndarray, " classes"]
+    """Coarse classes that had fine children."""
+    follows: Mapping[int, frozenset[int]]
+    """For each kind of record the kinds that were its children."""
+    most_children: Int[np.ndarray, " classes"]
+
+    @cached_property
+    def is_coarse(self) -> Bool[np.ndarray, " kinds"]:
+        """Kinds that belong to the coarse part."""
+        return np.array([kind.is_coarse for kind in self.vocabulary.kinds])
+
+    @cached_property
+    def is_start(self) -> Bool[np.ndarray, " kinds"]:
+        """Kinds that are start pads."""
+        return np.array(
+            [bool(dict(kind.attributes).get("is_start")) for kind in self.vocabulary.kinds]
+        )
+
+    @cached_property
+    def category(self) -> Int[np.ndarray, " kinds"]:
+        """Number of the category of each kind, by name."""
+        names = [kind.category for kind in self.vocabulary.kinds]
+        return np.unique(names, return_inverse=True)[1]
+
+    @cached_property
+    def node(self) -> tuple[str, ...]:
+        """The node of each kind."""
+        return tuple(kind.node for kind in self.vocabulary.kinds)
+
+    @cached_property
+    def required(self) -> tuple[tuple[frozenset[str], ...], ...]:
+        """`required_children` of each kind."""
+        return tuple(tuple(required_children(kind)) for kind in self.vocabulary.kinds)
+
+    @cached_property
+    def cap(self) -> Int[np.ndarray, "classes kinds"]:
+        """How many children of the class of a kind a token of a class may have."""
+        many = np.where(self.most <= FEW, self.most, _MANY)
+        return many[:, self.class_of]
+
+    @cached_property
+    def has_children(self) -> Bool[np.ndarray, "kinds 2"]:
+        """Whether a kind ever has fine, and coarse, children."""
+        cap = self.cap > 0
+        fine = cap[:, ~self.is_coarse].any(axis=1)[self.class_of]
+        return np.stack([fine, cap[:, self.is_coarse].any(axis=1)[self.class_of]], axis=1)
+
+    @cached_property
+    def by_node(self) -> Mapping[str, Bool[np.ndarray, " kinds"]]:
+        """Kinds of each node."""
+        nodes = np.array(self.node)
+        return {node: nodes == node for node in sorted(set(self.node))}
+
+    def fits(self, nodes: frozenset[str]) -> Bool[np.ndarray, " kinds"]:
+        """Kinds of some nodes."""
+        if nodes not in self._fits:
+            self._fits[nodes] = np.isin(np.array(self.node), sorted(nodes))
+        return self._fits[nodes]
+
+    @cached_property
+    def _fits(self) -> dict[frozenset[str], Bool[np.ndarray, " kinds"]]:
+        return {}
+
+    @cached_property
+    def fits_record(self) -> Bool[np.ndarray, " kinds"]:
+        """Kinds of the nodes that records ask for."""
+        return self.fits(NODES | {"part", "segment", "item"})
+
+
+def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> Syntax:
+    """The structure of a corpus."""
+    classes = {
+        key: number
+        for number, key in enumerate(sorted({_class_key(k) for k in vocabulary.kinds}, key=repr))
+    }
+    class_of = np.array([classes[_class_key(kind)] for kind in vocabulary.kinds])
+    categories = np.unique([kind.category for kind in vocabulary.kinds]).tolist()
+    number_of = {name: number for number, name in enumerate(categories)}
+    n = len(classes)
+    most = np.zeros((n, n), dtype=np.int16)
+    n_with, n_seen = np.zeros((n, len(categories)), dtype=int), np.zeros(n, dtype=int)
+    bears, most_children = np.zeros(n, dtype=bool), np.zeros(n, dtype=int)
+    follows: defaultdict[int, set[int]] = defaultdict(set)
+    for program in programs:
+        kinds = [vocabulary.nearest(kind) for kind in program.kinds]
+        own = class_of[kinds]
+        children = program.children()
+        for place, below in enumerate(children):
+            n_seen[own[place]] += 1
+            n_with[own[place], sorted({number_of[program.kinds[i].category] for i in below})] += 1
+            most_children[own[place]] = max(most_children[own[place]], len(below))
+            for each, count in Counter(own[below].tolist()).items():
+                most[own[place], each] = max(most[own[place], each], count)
+            if place < program.n_coarse:
+                bears[own[place]] |= any(i >= program.n_coarse for i in below)
+            if program.kinds[place].is_record:
+                follows[kinds[place]].update(kinds[i] for i in below)
+    always = (n_with == n_seen[:, None]) & (n_seen[:, None] >= ENOUGH)
+    always[:, number_of.get("", 0)] &= False
+    return Syntax(
+        vocabulary=vocabulary,
+        class_of=class_of,
+        most=most,
+        always=always,
+        bears_fine=bears,
+        follows={kind: frozenset(found) for kind, found in follows.items()},
+        most_children=most_children,
+    )
+
+
+def _class_key(kind: Kind) -> tuple[object, ...]:
+    return kind.node, *kind.what
