@@ -10,6 +10,7 @@ from torch.nn import functional
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import TokenEmbedding
+from aeroscene.learning.model.program_embedding import ProgramEmbedding
 from aeroscene.learning.model.hierarchy import HierarchyBlock
 from aeroscene.learning.model.relations import Relations, relations_of
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -22,10 +23,10 @@ class TokenDenoiser(nn.Module):
     convolution could use, and the blocks already relate every token to its kin.
     """
 
-    def __init__(self, cfg: ModelCfg) -> None:
+    def __init__(self, cfg: ModelCfg, embedding: ProgramEmbedding | None = None) -> None:
         super().__init__()
         self.cfg = cfg
-        self.embedding = TokenEmbedding(cfg)
+        self.embedding = embedding or TokenEmbedding(cfg)
         self.blocks = nn.ModuleList(
             HierarchyBlock(cfg.width, cfg.heads, cfg.ffn_ratio, is_top_down=i % 2 == 0)
             for i in range(cfg.blocks)

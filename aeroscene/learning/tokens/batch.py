@@ -46,6 +46,8 @@ class TokenBatch:
     x0: Float[Tensor, "batch n channels"] | None = None
     weight: Float[Tensor, "batch n channels"] | None = None
     """1 where a channel of a token varies, 0 elsewhere and in padding."""
+    extra: Int[Tensor, "batch n 3"] | None = None
+    """Of tokens of programs member, rank of the host, and array."""
 
     @property
     def n_scenes(self) -> int:

@@ -1,0 +1,77 @@
+"""Programs as padded tensors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import torch
+
+from aeroscene.learning.program.statistics import ProgramExample, ProgramStatistics
+from aeroscene.learning.tokens.batch import MOST_SIBLINGS, TokenBatch, scaled_wish
+from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.learning.tokens.skeleton import Wish
+
+_MOST = np.array([15, 31])
+"""Members and ranks of hosts are counted up to here."""
+
+
+def program_batch(
+    examples: Sequence[ProgramExample], wishes: Sequence[Wish], statistics: ProgramStatistics
+) -> TokenBatch:
+    """A batch of programs, with their channels."""
+    skeletons = [example.skeleton for example in examples]
+    n_coarse = max(skeleton.n_coarse for skeleton in skeletons)
+    n = n_coarse + max(len(skeleton) - skeleton.n_coarse for skeleton in skeletons)
+    whole = np.zeros((5, len(examples), n), dtype=np.int64)
+    extra = np.zeros((len(examples), n, 3), dtype=np.int64)
+    mask = np.zeros((len(examples), n), dtype=bool)
+    x0, weight = np.zeros((2, len(examples), n, statistics.mean.shape[1]), dtype=np.float32)
+    for row, example in enumerate(examples):
+        skeleton = example.skeleton
+        fine = n_coarse + np.arange(len(skeleton) - skeleton.n_coarse)
+        slot = np.concatenate([np.arange(skeleton.n_coarse), fine])
+        whole[:, row, slot] = np.stack(
+            [
+                skeleton.kind_id,
+                slot[skeleton.parent],
+                skeleton.depth,
+                skeleton.ordinal.clip(max=MOST_SIBLINGS),
+                skeleton.twin.clip(max=MOST_SIBLINGS),
+            ]
+        )
+        numbers = np.stack([example.member, example.host], axis=1).clip(0, _MOST)
+        extra[row, slot] = np.column_stack([numbers, example.shape])
+        mask[row, slot] = True
+        x0[row, slot] = example.x0
+        weight[row, slot] = statistics.is_free[skeleton.kind_id]
+    kind, parent, depth, ordinal, twin = torch.from_numpy(whole)
+    wish = np.array([scaled_wish(wish) for wish in wishes], dtype=np.float32)
+    return TokenBatch(
+        kind=kind,
+        parent=parent,
+        depth=depth,
+        ordinal=ordinal,
+        twin=twin,
+        mask=torch.from_numpy(mask),
+        stands_on_top=torch.zeros(mask.shape, dtype=torch.bool),
+        lift_m=torch.zeros(mask.shape),
+        domain=torch.tensor([DOMAINS.index(skeleton.domain) for skeleton in skeletons]),
+        wish=torch.from_numpy(wish),
+        n_coarse_slots=n_coarse,
+        x0=torch.from_numpy(x0),
+        weight=torch.from_numpy(weight),
+        extra=torch.from_numpy(extra),
+    )
+
+
+def channels_in(
+    batch_x0: torch.Tensor, example: ProgramExample, row: int, n_coarse_slots: int
+) -> ProgramExample:
+    """An example with the channels of a row of a batch."""
+    n_coarse = example.skeleton.n_coarse
+    n_fine = len(example.skeleton) - n_coarse
+    own = batch_x0[row].double().cpu().numpy()
+    x0 = np.concatenate([own[:n_coarse], own[n_coarse_slots : n_coarse_slots + n_fine]])
+    return replace(example, x0=x0)
