@@ -37,6 +37,8 @@ class Composition:
     """Lower corner of the flight volume."""
     extent_max_enu_m: Vector3
     """Upper corner of the flight volume; its height is raised over what stands higher."""
+    fulness: float = 1.0
+    """How many fine objects it should have, relative to the average scene."""
     place_start: Callable[[], Placed]
     """Puts the home pad down, once the structures stand and before the details."""
 

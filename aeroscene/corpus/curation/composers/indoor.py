@@ -32,6 +32,7 @@ def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
         places=[place],
         extent_min_enu_m=(-x / 2, -y / 2, 0.0),
         extent_max_enu_m=(x / 2, y / 2, round(plan.height + ROOF_M, 4)),
+        fulness=theme.fulness,
         place_start=place.place_start,
     )
 
