@@ -44,6 +44,7 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
     """Which of `OPENINGS` a unit has."""
     axis: str = ""
     arity: int = 0
+    """As of the record; of an item or a bank whether it has a place of its own."""
     rows: int = 0
     merge: int = 0
     quarter: int = 0

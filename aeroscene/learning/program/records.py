@@ -108,14 +108,14 @@ def values_of(record: Record, channels: Float[np.ndarray, " 19"]) -> tuple[float
             found = (c[0], c[1], math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]), c[6])
         case "pinwheel":
             found = (*_middle(c[0], c[1]), *_middle(c[2], c[3]))
-        case "item" if not np.isnan(channels[1]):
+        case "item" if record.arity:
             found = (*_shares(c[:2]), math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]))
         case "bend":
             n = record.arity
             turns = [min(1.0, max(-1.0, turn)) for turn in c[4 + n : 3 + 2 * n]]
             lengths = [_exp(value) for value in c[4 : 4 + n]]
             found = (c[0], c[1], math.atan2(c[3], c[2]), *lengths, *turns)
-        case "bank" if not np.isnan(channels[1]):
+        case "bank" if record.arity:
             found = (c[0], c[0] + _exp(c[1]), _exp(c[2]))
         case "segment" if record.kind in {"door", "window"}:
             sill = max(0.0, c[0])

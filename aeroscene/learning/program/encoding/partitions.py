@@ -119,7 +119,7 @@ def _kind(record: Record, rows: int | None = None) -> Kind:
     plain = Kind(
         r.node,
         axis=r.axis,
-        arity=r.arity,
+        arity=int(bool(r.values)) if r.node in {"item", "bank"} else r.arity,
         rows=r.rows if rows is None else rows,
         merge=r.merge,
         quarter=r.quarter,
