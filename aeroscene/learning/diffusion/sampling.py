@@ -62,15 +62,15 @@ class SamplerCfg:
 
 @dataclass(frozen=True)
 class Fixed:
-    """Tokens that are given and come out as they are: the coarse part in scene completion."""
+    """Channels that are given and come out as they are: the coarse part in scene completion."""
 
-    mask: Bool[Tensor, "batch n"]
+    mask: Bool[Tensor, "batch n channels"]
     x0: Float[Tensor, "batch n channels"]
     """Read where `mask` is true."""
 
     def impose(self, x: Tensor, truth: Tensor) -> Tensor:
-        """A layout with the given tokens in their places."""
-        return torch.where(self.mask[..., None], truth, x)
+        """A layout with the given channels in their places."""
+        return torch.where(self.mask, truth, x)
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Moment:
     """Time of x_t: 1 is noise."""
     alpha_bar: float
     """Share of signal power left in x_t."""
-    fixed: Bool[Tensor, "batch n"] | None
-    """Tokens that must not move."""
+    fixed: Bool[Tensor, "batch n channels"] | None
+    """Channels that must not change."""
 
     @property
     def is_last(self) -> bool:
@@ -137,12 +137,12 @@ def sample(
         cfg: Which sampler.
         generator: Source of all noise; same seed, same device: same layouts.
         guidance: Applied at every step.
-        fixed: Given tokens. They are in x_t as noised truth and come out exactly.
+        fixed: Given channels. They are in x_t as noised truth and come out exactly.
         x0_range: Least and greatest values in training, which broadcast to the layouts; the
             prediction is clipped to them (static thresholding, Saharia et al. 2022, section 2.3).
         on_step: Called at every step.
 
-    Source: the paper's algorithm 2; clipping and fixed tokens are ours.
+    Source: the paper's algorithm 2; clipping and fixed channels are ours.
     """
     weight = channel_weight(batch)
     is_free = (weight > 0).to(weight)
@@ -151,7 +151,7 @@ def sample(
     x, before = first_noise, None
     for index, (at, to) in enumerate(pairwise(path)):
         if fixed is not None:
-            # One draw of noise throughout: given tokens follow a path as deterministic samplers do.
+            # One draw of noise throughout: given channels follow a path as deterministic samplers do.
             x = fixed.impose(x, (at.alpha * fixed.x0 + at.sigma * first_noise) * is_free)
         moment = Moment(
             index, cfg.n_steps, at.time, at.alpha**2, None if fixed is None else fixed.mask

@@ -1,4 +1,4 @@
-"""Generation of a scene from a seed: skeleton, guided diffusion, feasibility."""
+"""Generation of a scene from a seed: a program, its diffusion, feasibility."""
 
 from aeroscene.learning.generation.generator import (
     Generated,

@@ -1,4 +1,4 @@
-"""The trained model at work: skeleton, guided diffusion, feasibility.
+"""The trained model at work: what it proposes, made feasible.
 
 The same request gives the same scene on the same device with the same batch size.
 """
@@ -18,7 +18,6 @@ from aeroscene.feasibility import FeasibilityCfg, FeasibilityReport, make_feasib
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
-from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.training.devices import choose_device, naming_memory
 from aeroscene.scene import Scene
 
@@ -102,7 +101,8 @@ class Generator:
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
             streams = [_streams(request.seed, attempt) for request in chunk]
-            drawn = [r.drawn(rngs[0]) for r, rngs in zip(chunk, streams, strict=True)]
+            seen = self._proposer.wishes
+            drawn = [r.drawn(rngs[0], seen) for r, rngs in zip(chunk, streams, strict=True)]
             with naming_memory(choose_device(self.device), f"fewer than {len(chunk)} at once"):
                 proposals = self._proposer.propose(
                     chunk, [wish for wish, _ in drawn], [rngs[1] for rngs in streams], on_step
@@ -137,15 +137,7 @@ class Generator:
         limits: AreaLimits,
         rng: np.random.Generator,
     ) -> Generated:
-        raw = assemble(
-            proposal.skeleton,
-            proposal.geometry,
-            self._proposer.vocabulary,
-            scene_id=f"aeroscene-{request.seed:04d}",
-            seed=request.seed,
-            rng=rng,
-            kept=request.kept,
-        )
+        raw = proposal.scene(f"aeroscene-{request.seed:04d}", request.seed, rng)
         feasible = make_feasible(raw, FeasibilityCfg(limits=limits))
         return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
 

@@ -4,27 +4,34 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 import torch
+from torch import nn
 
 from aeroscene.learning.diffusion.sampling import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.generation.proposal import HierarchicalProposer, Proposer
-from aeroscene.learning.generation.raw import GeometrySampler
-from aeroscene.learning.guidance.config import GuidanceCfg
-from aeroscene.learning.model.network import HierarchicalDenoiser
+from aeroscene.learning.generation.programs import ProgramProposer
+from aeroscene.learning.generation.proposal import Proposer
+from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.guidance.layout import flat_reader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
 from aeroscene.learning.paper.preset import PAPER_SAMPLER
 from aeroscene.learning.paper.proposer import FlatProposer
 from aeroscene.learning.paper.tokens import FlatStatistics
-from aeroscene.learning.skeleton.config import SkeletonError
-from aeroscene.learning.skeleton.model import SkeletonModel
 from aeroscene.learning.tokens.kinds import Vocabulary
-from aeroscene.learning.tokens.statistics import Statistics
-from aeroscene.learning.training.checkpoint import Checkpoint, CheckpointError, read_checkpoint
+from aeroscene.learning.training.checkpoint import (
+    Checkpoint,
+    CheckpointError,
+    Part,
+    read_checkpoint,
+)
 from aeroscene.learning.training.presets import sections_from_plain
+from aeroscene.learning.writer.language import Language
+from aeroscene.learning.writer.model import new_writer
+
+Module = TypeVar("Module", bound=nn.Module)
 
 _SHIPPED = Path(__file__).parents[1] / "checkpoints"
 SHIPPED = {"default": _SHIPPED / "default.safetensors", "paper": _SHIPPED / "paper.safetensors"}
@@ -55,59 +62,41 @@ class _Loader:
         self._checkpoint = checkpoint
         self._device = device
         self._sections = sections_from_plain(checkpoint.facts.configs)
-        self._vocabulary = Vocabulary.from_json(checkpoint.facts.vocabulary)
         self._schedule = Schedule(self._sections["schedule"])
         self._n_steps = n_steps
 
     def proposer(self) -> Proposer:
         """Proposer of scenes with this checkpoint."""
-        statistics = self._checkpoint.statistics
-        if isinstance(statistics, FlatStatistics):
-            return self._flat(statistics)
-        return self._hierarchical(statistics)
+        known = self._checkpoint.known
+        return self._flat(known) if isinstance(known, FlatStatistics) else self._ours(known)
 
-    def _hierarchical(self, statistics: Statistics) -> HierarchicalProposer:
-        geometry = GeometrySampler(
-            self._denoiser(),
-            self._vocabulary,
-            statistics,
+    def _ours(self, language: Language) -> ProgramProposer:
+        writer = new_writer(self._sections["writer"], language)
+        return ProgramProposer(
+            language,
+            self._loaded(writer, "writer"),
+            self._loaded(new_denoiser(self._sections["model"], language), "denoiser"),
             self._schedule,
             self._sampler(DEFAULT_SAMPLER),
-            GuidanceCfg(),
             self._device,
         )
-        skeletons = self._skeletons().to(self._device)
-        return HierarchicalProposer(self._vocabulary, statistics, skeletons, geometry, self._device)
-
-    def _skeletons(self) -> SkeletonModel:
-        weights = self._checkpoint.weights_of("skeleton")
-        try:
-            return SkeletonModel.restored(self._sections["skeleton"], self._vocabulary, weights)
-        except SkeletonError as error:
-            raise CheckpointError(f"checkpoint's {error}") from None
 
     def _flat(self, statistics: FlatStatistics) -> FlatProposer:
-        prior = SemanticPrior(self._sections["prior"])
-        self._checkpoint.load_into(prior, "prior")
+        prior = self._loaded(SemanticPrior(self._sections["prior"]), "prior")
         read = flat_reader(statistics, self._device)
         return FlatProposer(
-            self._denoiser(),
-            self._vocabulary,
+            self._loaded(new_denoiser(self._sections["model"], None), "denoiser"),
+            Vocabulary.from_json(self._checkpoint.facts.vocabulary),
             statistics,
             self._schedule,
             self._sampler(PAPER_SAMPLER),
-            Objectives(read, self._sections["guidance"], prior.to(self._device).eval()),
+            Objectives(read, self._sections["guidance"], prior),
             self._device,
         )
 
-    def _denoiser(self) -> HierarchicalDenoiser:
-        denoiser = HierarchicalDenoiser(self._sections["model"])
-        self._checkpoint.load_into(denoiser, "denoiser")
-        statistics = self._checkpoint.statistics
-        if isinstance(statistics, Statistics):
-            # Its weights are stored in half precision, and what scales channels with them.
-            denoiser.use_statistics(self._vocabulary, statistics)
-        return denoiser.to(self._device).eval()
+    def _loaded(self, module: Module, part: Part) -> Module:
+        self._checkpoint.load_into(module, part)
+        return module.to(self._device).eval()
 
     def _sampler(self, cfg: SamplerCfg) -> SamplerCfg:
         n_steps = cfg.n_steps if self._n_steps is None else self._n_steps

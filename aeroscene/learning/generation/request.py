@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,12 +18,8 @@ OBJECTS = (20, 250)
 AREAS = (1, 200)
 OUTLINE_M = (15.0, 150.0)
 """Shortest and longest side of a site."""
-_COARSE_SHARE = 0.23
-"""Share of a scene's objects, as in the paper's dataset: 34 of 149."""
-
 _MORE_COARSE, _MORE_FINE = 2, 4
-"""Asked for beyond the budget of the corpus, whose structures bring some objects of their own;
-the projection drops one in 200."""
+"""Asked for beyond the budget of the corpus, whose structures bring some objects of their own."""
 _MORE_SMALL, _MORE_LARGE = 2, 1
 """Areas asked for beyond those of the corpus: generated scenes, of which the indoor ones have less
 floor, cannot always offer as many. With it averages are within 5% of the paper's."""
@@ -70,23 +67,50 @@ class Request:
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
         return replace(self.complete, objects=coarse, interaction_areas=())
 
-    def drawn(self, rng: np.random.Generator) -> tuple[Wish, AreaLimits]:
+    def drawn(
+        self, rng: np.random.Generator, seen: Sequence[Wish] = ()
+    ) -> tuple[Wish, AreaLimits]:
         """The wish with nothing left open, and how many areas of each size are kept.
 
         The same numbers are drawn whatever is open.
+
+        Args:
+            rng: Draws what is open.
+            seen: What the scenes that the model learned from have: one of the domain is taken.
+                Without any, the budget of the corpus.
+
+        Raises:
+            RequestError: If the model never saw a scene of the domain.
         """
-        domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
+        domains = [each for each in DOMAINS if not seen or any(w.domain == each for w in seen)]
+        domain = self.domain or domains[int(rng.integers(len(domains)))]
+        domain = domain if self.complete is None else self.complete.domain
+        if domain not in domains:
+            raise RequestError(
+                f"domain is {domain!r}, which the model never saw, valid: {', '.join(domains)}"
+            )
         budget = draw_budget(rng)
-        n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
-        if self.n_objects is not None:
-            n_coarse = round(_COARSE_SHARE * self.n_objects)
-            n_fine = self.n_objects - n_coarse
-        if self.complete is not None:
-            domain = self.complete.domain
-            n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
         limits = self._limits(budget)
         n_areas = limits.small + limits.medium + limits.large
-        return Wish(self.domain or domain, n_coarse, n_fine, n_areas), limits
+        wish = Wish(domain, budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE, n_areas)
+        known = [each for each in seen if each.domain == domain]
+        number = rng.random()
+        if known:
+            wish = known[int(number * len(known))]
+            wish = wish if self.n_areas is None else replace(wish, n_areas=n_areas)
+        return self._with_objects(wish), limits
+
+    def _with_objects(self, wish: Wish) -> Wish:
+        """The wish with as many objects as asked for, or coarse ones as given."""
+        if self.n_objects is not None:
+            share = wish.n_coarse / max(1, wish.n_coarse + wish.n_fine)
+            n_coarse = round(share * self.n_objects)
+            wish = replace(wish, n_coarse=n_coarse, n_fine=self.n_objects - n_coarse)
+        if self.complete is not None:
+            n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
+            n_fine = wish.n_fine if self.n_objects is None else self.n_objects - n_coarse
+            wish = replace(wish, n_coarse=n_coarse, n_fine=max(0, n_fine))
+        return wish
 
     def _limits(self, budget: Budget) -> AreaLimits:
         """Areas by size in the proportions of the budget."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -11,15 +12,40 @@ from torch import Tensor
 from aeroscene.learning.diffusion.loss import Denoiser
 from aeroscene.learning.diffusion.sampling import Guidance, Moment, SamplerCfg, sample
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.generation.proposal import OnStep, Proposal, noise_of
+from aeroscene.learning.generation.proposal import OnStep, noise_of
 from aeroscene.learning.generation.request import Request, RequestError
 from aeroscene.learning.paper.tokens import FlatStatistics, empty_flat_batch, read_flat
+from aeroscene.learning.tokens.assembly import assemble
+from aeroscene.learning.tokens.channels import Geometry
 from aeroscene.learning.tokens.kinds import Vocabulary
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.tokens.skeleton import Skeleton, Wish
+from aeroscene.scene import Scene
+
+
+@dataclass(frozen=True)
+class FlatProposal:
+    """Objects beside each other, of kinds that were drawn within their categories."""
+
+    skeleton: Skeleton
+    geometry: Geometry
+    vocabulary: Vocabulary
+
+    def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
+        """The scene as sampled, without areas; `rng` draws the looks.
+
+        Raises:
+            SceneError: If a number is not finite.
+        """
+        return assemble(
+            self.skeleton, self.geometry, self.vocabulary, scene_id=scene_id, seed=seed, rng=rng
+        )
 
 
 class FlatProposer:
     """The paper's algorithm 2, to the letter."""
+
+    wishes: Sequence[Wish] = ()
+    """How many objects there are is drawn as the corpus draws them."""
 
     def __init__(
         self,
@@ -31,7 +57,7 @@ class FlatProposer:
         guidance: Guidance,
         device: torch.device,
     ) -> None:
-        self.vocabulary = vocabulary
+        self._vocabulary = vocabulary
         self._model = model
         self._statistics = statistics
         self._schedule = schedule
@@ -50,7 +76,7 @@ class FlatProposer:
         wishes: Sequence[Wish],
         rngs: Sequence[np.random.Generator],
         on_step: OnStep | None = None,
-    ) -> list[Proposal]:
+    ) -> list[FlatProposal]:
         """Layouts of as many objects as wished for.
 
         Raises:
@@ -85,10 +111,13 @@ class FlatProposer:
 
     def _read(
         self, x: Tensor, mask: Tensor, wishes: Sequence[Wish], rngs: Sequence[np.random.Generator]
-    ) -> list[Proposal]:
+    ) -> list[FlatProposal]:
         layouts, is_there = x.double().cpu().numpy(), mask.cpu().numpy()
         return [
-            Proposal(*read_flat(layout[real], wish, self._statistics, self.vocabulary, rng))
+            FlatProposal(
+                *read_flat(layout[real], wish, self._statistics, self._vocabulary, rng),
+                self._vocabulary,
+            )
             for layout, real, wish, rng in zip(layouts, is_there, wishes, rngs, strict=True)
         ]
 

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import torch
+from jaxtyping import Int
 
 from aeroscene.learning.program.statistics import ProgramExample, ProgramStatistics
 from aeroscene.learning.tokens.batch import MOST_SIBLINGS, TokenBatch, scaled_wish
 from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.tokens.skeleton import Skeleton, Wish
 
 _MOST = np.array([15, 31])
 """Members and ranks of hosts are counted up to here."""
@@ -30,8 +31,7 @@ def program_batch(
     x0, weight = np.zeros((2, len(examples), n, statistics.mean.shape[1]), dtype=np.float32)
     for row, example in enumerate(examples):
         skeleton = example.skeleton
-        fine = n_coarse + np.arange(len(skeleton) - skeleton.n_coarse)
-        slot = np.concatenate([np.arange(skeleton.n_coarse), fine])
+        slot = slots_of(skeleton, n_coarse)
         whole[:, row, slot] = np.stack(
             [
                 skeleton.kind_id,
@@ -66,12 +66,15 @@ def program_batch(
     )
 
 
+def slots_of(skeleton: Skeleton, n_coarse_slots: int) -> Int[np.ndarray, " n"]:
+    """Slots that the tokens of a program have in a batch."""
+    fine = n_coarse_slots + np.arange(len(skeleton) - skeleton.n_coarse)
+    return np.concatenate([np.arange(skeleton.n_coarse), fine])
+
+
 def channels_in(
     batch_x0: torch.Tensor, example: ProgramExample, row: int, n_coarse_slots: int
 ) -> ProgramExample:
     """An example with the channels of a row of a batch."""
-    n_coarse = example.skeleton.n_coarse
-    n_fine = len(example.skeleton) - n_coarse
     own = batch_x0[row].double().cpu().numpy()
-    x0 = np.concatenate([own[:n_coarse], own[n_coarse_slots : n_coarse_slots + n_fine]])
-    return replace(example, x0=x0)
+    return replace(example, x0=own[slots_of(example.skeleton, n_coarse_slots)])

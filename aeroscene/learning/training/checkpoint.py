@@ -1,8 +1,8 @@
 """A trained model in one file: weights by part, and everything needed to run them.
 
     FILE.safetensors
-      tensors    denoiser.*, skeleton.*, prior.*: weights by their part's prefix;
-                 statistics.*: what scales the channels of a token
+      tensors    writer.*, denoiser.*, prior.*: weights by their part's prefix;
+                 known.*: statistics and structure of what it was trained on
       metadata   "aeroscene": JSON with format, version, preset, configurations, vocabulary,
                  what it was trained on, by which code, with which figures
 
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -26,22 +26,26 @@ from torch import Tensor, nn
 
 from aeroscene.files import replacing
 from aeroscene.learning.paper.tokens import FlatStatistics
-from aeroscene.learning.tokens.codec import CodecCfg
-from aeroscene.learning.tokens.statistics import Statistics
-from aeroscene.learning.training.settings import section_from_plain
+from aeroscene.learning.writer.language import Language
 from aeroscene.scene import SceneError
 from aeroscene.scene.catalogue import CATALOGUE
 
 FORMAT = "aeroscene-checkpoint"
-VERSION = 1
+VERSION = 2
+_FLAT_VERSION = 1
+"""Since when checkpoints of the paper's preset are as they are."""
 
-Part = Literal["denoiser", "skeleton", "prior"]
+Part = Literal["writer", "denoiser", "prior"]
 PARTS: tuple[Part, ...] = get_args(Part)
 Weights = Mapping[str, Tensor]
-AnyStatistics = Statistics | FlatStatistics
+Known = Language | FlatStatistics
+"""What a model knows of its data beside weights: ours a language, the paper's statistics."""
 
 _KEY = "aeroscene"
-_STATISTICS = "statistics"
+_KNOWN = "known."
+_FLAT_KNOWN = "statistics."
+_FLAT_PREFIX = "network."
+"""Of the names of the denoiser's weights, in a version that had two networks in one."""
 
 
 class CheckpointError(SceneError):
@@ -67,7 +71,7 @@ class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):
     configs: dict[str, dict[str, Any]]
     """Every configuration by its section, as in a configuration file."""
     vocabulary: str
-    """The kinds of objects, as JSON of their own."""
+    """The kinds of tokens, or of objects, as JSON of their own."""
     categories: tuple[str, ...]
     """Names of the categories in the order of their numbers, from 1."""
     is_foreign: bool = False
@@ -87,7 +91,7 @@ class Checkpoint:
 
     facts: CheckpointFacts
     parts: Mapping[Part, Weights]
-    statistics: AnyStatistics
+    known: Known
 
     def weights_of(self, part: Part) -> Weights:
         """The weights of a part.
@@ -128,13 +132,13 @@ def write_checkpoint(
     path: Path,
     facts: CheckpointFacts,
     parts: Mapping[Part, Weights],
-    statistics: AnyStatistics,
+    known: Known,
     *,
     is_half: bool = True,
 ) -> None:
     """Write a checkpoint, whole or not at all.
 
-    Weights take half precision on disk where `is_half`, statistics never; what is read back is
+    Weights take half precision on disk where `is_half`, what is known never; what is read back is
     single again.
 
     Raises:
@@ -145,7 +149,7 @@ def write_checkpoint(
         for part, weights in parts.items()
         for name, value in weights.items()
     }
-    tensors |= {f"{_STATISTICS}.{k}": v for k, v in statistics_tensors(statistics).items()}
+    tensors |= {f"{_KNOWN}{k}": v for k, v in _known_tensors(known).items()}
     facts = msgspec.structs.replace(facts, digest=_digest(tensors.items()))
     data = save(tensors, metadata={_KEY: msgspec.json.encode(facts).decode()})
     with replacing(path) as file:
@@ -167,21 +171,14 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
             f"checkpoint {str(path)!r} is damaged (its weights are not those that were written), "
             "valid: the file as it was made; copy it again"
         )
-    try:
-        statistics = statistics_from(under(tensors, f"{_STATISTICS}."))
-    except TypeError:
-        raise CheckpointError(
-            f"checkpoint {str(path)!r} lacks the statistics of its channels, "
-            "valid: the file as aeroscene train has written it"
-        ) from None
-    if isinstance(statistics, Statistics) and "codec" in facts.configs:
-        codec = section_from_plain(CodecCfg, facts.configs["codec"], "codec")
-        statistics = replace(statistics, codec=codec)
     single = {k: v.float() if v.dtype == torch.float16 else v for k, v in tensors.items()}
     parts: dict[Part, Weights] = {part: under(single, f"{part}.") for part in PARTS}
-    return Checkpoint(
-        facts, {part: weights for part, weights in parts.items() if weights}, statistics
-    )
+    if facts.version == _FLAT_VERSION:
+        parts["denoiser"] = {
+            name.removeprefix(_FLAT_PREFIX): value for name, value in parts["denoiser"].items()
+        }
+    found: dict[Part, Weights] = {part: weights for part, weights in parts.items() if weights}
+    return Checkpoint(facts, found, _known(path, facts, tensors))
 
 
 def under(tensors: Weights, prefix: str) -> dict[str, Tensor]:
@@ -189,25 +186,26 @@ def under(tensors: Weights, prefix: str) -> dict[str, Tensor]:
     return {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
 
 
-def statistics_tensors(statistics: AnyStatistics) -> dict[str, Tensor]:
-    """Statistics as tensors by the name of their field; the codec is a section of its own."""
-    values = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
-    return {
-        name: torch.from_numpy(np.ascontiguousarray(value))
-        for name, value in values.items()
-        if isinstance(value, np.ndarray)
-    }
+def _known_tensors(known: Known) -> dict[str, Tensor]:
+    if isinstance(known, Language):
+        arrays = known.to_arrays()
+    else:
+        arrays = {field.name: getattr(known, field.name) for field in fields(known)}
+    return {k: torch.from_numpy(np.ascontiguousarray(v)) for k, v in arrays.items()}
 
 
-def statistics_from(tensors: Weights) -> AnyStatistics:
-    """What `statistics_tensors` made them of.
-
-    Raises:
-        TypeError: If one is missing, or one too many.
-    """
-    arrays: dict[str, Any] = {name: value.numpy() for name, value in tensors.items()}
-    is_flat = arrays.keys() == {field.name for field in fields(FlatStatistics)}
-    return FlatStatistics(**arrays) if is_flat else Statistics(**arrays)
+def _known(path: Path, facts: CheckpointFacts, tensors: Weights) -> Known:
+    prefix = _FLAT_KNOWN if facts.version == _FLAT_VERSION else _KNOWN
+    arrays: dict[str, Any] = {k: v.numpy() for k, v in under(tensors, prefix).items()}
+    try:
+        if facts.preset == "paper":
+            return FlatStatistics(**arrays)
+        return Language.restored(facts.vocabulary, arrays)
+    except (TypeError, KeyError, msgspec.DecodeError):
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} lacks the statistics of its channels, "
+            "valid: the file as aeroscene train has written it"
+        ) from None
 
 
 def _stored(value: Tensor, *, is_half: bool) -> Tensor:
@@ -246,7 +244,8 @@ def _facts(path: Path, text: str) -> CheckpointFacts:
             f"checkpoint {str(path)!r} holds weights of another program (format is "
             f"{head.get('format')!r}), valid: {FORMAT!r}, as aeroscene train writes it"
         )
-    if head.get("version") != VERSION:
+    is_flat = head.get("preset") == "paper" and head.get("version") == _FLAT_VERSION
+    if head.get("version") != VERSION and not is_flat:
         raise CheckpointError(
             f"checkpoint {str(path)!r} is of version {head.get('version')!r}, valid: {VERSION}; "
             f"it was made by AeroScene {head.get('code')}: use that, or train anew"

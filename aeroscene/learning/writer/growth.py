@@ -189,6 +189,14 @@ class Growth:
         return allowed
 
 
+def coarse_growth(syntax: Syntax, program: Program, wish: Wish) -> Growth:
+    """The growth of a program's coarse part, before it ends."""
+    written = _Written(syntax, program, wish)
+    for token in range(1, program.n_coarse):
+        written.grow(token)
+    return written.growth
+
+
 def replay(
     syntax: Syntax, program: Program, wish: Wish
 ) -> tuple[Growth, list[tuple[int, Choice | None]]]:
@@ -197,39 +205,49 @@ def replay(
     Returns:
         The growth at its end; for each element the depth that comes next and, from 1, the choice.
     """
-    vocabulary = syntax.vocabulary
-    kinds = [vocabulary.nearest(kind) for kind in program.kinds]
-    shapes = [vocabulary.nearest_shape(shape) for shape in program.shapes]
-    parents = program.parent.tolist()
-    growth = Growth(syntax, kinds[0], wish)
-    said: list[tuple[int, Choice | None]] = []
-
-    def grow(token: int) -> None:
-        above = parents[token]
-        place = next(
-            depth
-            for depth, element in enumerate(growth.path)
-            if growth.elements[element].token == above
-        )
-        choice = Choice(
-            kinds[token], int(program.member[token]), int(program.host[token]), shapes[token]
-        )
-        said.append((place + 1, choice))
-        growth.add(place + 1, choice)
-
-    for token in range(1, program.n_coarse):
-        grow(token)
+    written = _Written(syntax, program, wish)
+    growth = written.growth
+    said: list[tuple[int, Choice | None]] = [
+        written.grow(token) for token in range(1, program.n_coarse)
+    ]
     token = program.n_coarse
     said.append((0, None))
     growth.end()
     while not growth.is_done:
-        while token < len(kinds) and _is_below(growth, parents[token]):
-            grow(token)
+        while token < len(program) and written.is_next(token):
+            said.append(written.grow(token))
             token += 1
         said.append((0, None))
         growth.end()
     return growth, said
 
 
-def _is_below(growth: Growth, above: int) -> bool:
-    return any(growth.elements[element].token == above for element in growth.path)
+class _Written:
+    """A program that is known, token by token."""
+
+    def __init__(self, syntax: Syntax, program: Program, wish: Wish) -> None:
+        vocabulary = syntax.vocabulary
+        self._program = program
+        self._kinds = [vocabulary.nearest(kind) for kind in program.kinds]
+        self._shapes = [vocabulary.nearest_shape(shape) for shape in program.shapes]
+        self._parents = program.parent.tolist()
+        self.growth = Growth(syntax, self._kinds[0], wish)
+
+    def grow(self, token: int) -> tuple[int, Choice]:
+        """Add a token; its depth, and what it is."""
+        growth, above = self.growth, self._parents[token]
+        places = (growth.elements[element].token for element in growth.path)
+        depth = 1 + next(depth for depth, place in enumerate(places) if place == above)
+        choice = Choice(
+            self._kinds[token],
+            int(self._program.member[token]),
+            int(self._program.host[token]),
+            self._shapes[token],
+        )
+        growth.add(depth, choice)
+        return depth, choice
+
+    def is_next(self, token: int) -> bool:
+        """Whether a token comes below what is being furnished."""
+        growth, above = self.growth, self._parents[token]
+        return any(growth.elements[element].token == above for element in growth.path)

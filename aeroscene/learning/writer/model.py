@@ -19,6 +19,7 @@ from aeroscene.learning.skeleton.bucket import N_BUCKETS
 from aeroscene.learning.skeleton.embedding import KindEmbedding
 from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.learning.writer.growth import MAX_DEPTH
+from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.lesson import N_HOSTS, N_MEMBERS, N_WISHES, Lesson
 
 _SMALL = 12
@@ -147,6 +148,12 @@ def _mlp(inward: int, hidden: int, outward: int, dropout: float) -> nn.Sequentia
     return nn.Sequential(
         nn.Linear(inward, hidden), nn.GELU(), nn.Dropout(dropout), nn.Linear(hidden, outward)
     )
+
+
+def new_writer(cfg: WriterCfg, language: Language) -> Writer:
+    """A writer of a language, with its first weights."""
+    vocabulary = language.vocabulary
+    return Writer(cfg, program_traits(vocabulary), len(vocabulary.shapes))
 
 
 def surprise(writer: Writer, lesson: Lesson) -> dict[str, Float[Tensor, ""]]:

@@ -6,7 +6,7 @@ have as many children as they say; of everything else a corpus tells.
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -66,8 +66,6 @@ class Syntax:
     """Which categories of children each class never went without."""
     bears_fine: Bool[np.ndarray, " classes"]
     """Coarse classes that had fine children."""
-    follows: Mapping[int, frozenset[int]]
-    """For each kind of record the kinds that were its children."""
     most_children: Int[np.ndarray, " classes"]
 
     @cached_property
@@ -135,18 +133,13 @@ class Syntax:
 
 def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> Syntax:
     """The structure of a corpus."""
-    classes = {
-        key: number
-        for number, key in enumerate(sorted({_class_key(k) for k in vocabulary.kinds}, key=repr))
-    }
-    class_of = np.array([classes[_class_key(kind)] for kind in vocabulary.kinds])
+    class_of = classes_of(vocabulary)
     categories = np.unique([kind.category for kind in vocabulary.kinds]).tolist()
     number_of = {name: number for number, name in enumerate(categories)}
-    n = len(classes)
+    n = int(class_of.max()) + 1
     most = np.zeros((n, n), dtype=np.int16)
     n_with, n_seen = np.zeros((n, len(categories)), dtype=int), np.zeros(n, dtype=int)
     bears, most_children = np.zeros(n, dtype=bool), np.zeros(n, dtype=int)
-    follows: defaultdict[int, set[int]] = defaultdict(set)
     for program in programs:
         kinds = [vocabulary.nearest(kind) for kind in program.kinds]
         own = class_of[kinds]
@@ -159,8 +152,6 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
                 most[own[place], each] = max(most[own[place], each], count)
             if place < program.n_coarse:
                 bears[own[place]] |= any(i >= program.n_coarse for i in below)
-            if program.kinds[place].is_record:
-                follows[kinds[place]].update(kinds[i] for i in below)
     always = (n_with == n_seen[:, None]) & (n_seen[:, None] >= ENOUGH)
     always[:, number_of.get("", 0)] &= False
     return Syntax(
@@ -169,9 +160,15 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
         most=most,
         always=always,
         bears_fine=bears,
-        follows={kind: frozenset(found) for kind, found in follows.items()},
         most_children=most_children,
     )
+
+
+def classes_of(vocabulary: ProgramVocabulary) -> Int[np.ndarray, " kinds"]:
+    """The class of each kind."""
+    keys = [_class_key(kind) for kind in vocabulary.kinds]
+    number = {key: index for index, key in enumerate(sorted(set(keys), key=repr))}
+    return np.array([number[key] for key in keys])
 
 
 def _class_key(kind: Kind) -> tuple[object, ...]:

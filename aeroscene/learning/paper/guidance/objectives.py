@@ -96,7 +96,7 @@ class Objectives:
                 return mean
             (gradient,) = torch.autograd.grad(loss, x)
         if at.fixed is not None:
-            gradient = gradient * ~at.fixed[..., None]
+            gradient = gradient * ~at.fixed
         norm = gradient.flatten(1).norm(dim=1)[:, None, None]
         size = self.cfg.step_size * (1 - at.alpha_bar) ** 0.5
         return mean - size * gradient / (norm + _LEAST_NORM)

@@ -1,0 +1,109 @@
+"""All that is known of a corpus' programs: their symbols, their numbers, their structure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+
+from aeroscene.learning.program.encoding.encode import EncodedProgram
+from aeroscene.learning.program.kinds import Attributes, Kind
+from aeroscene.learning.program.program import Shape
+from aeroscene.learning.program.references import References, group_of
+from aeroscene.learning.program.statistics import ProgramStatistics, measure_programs
+from aeroscene.learning.program.vocabulary import ProgramVocabulary
+from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.writer.syntax import Syntax, classes_of, learn_syntax
+from aeroscene.scene import AttributeValue
+
+_MEASURED = ("mean", "spread", "low", "high")
+_FLAGS = ("is_free", "has")
+
+
+class _Looks(msgspec.Struct, array_like=True):
+    category: str
+    domain: str
+    attributes: Attributes
+    found: tuple[tuple[dict[str, AttributeValue], int], ...]
+
+
+class _Document(msgspec.Struct):
+    kinds: tuple[Kind, ...]
+    counts: tuple[int, ...]
+    shapes: tuple[Shape, ...]
+    looks: tuple[_Looks, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Language:
+    """What programs are written in."""
+
+    vocabulary: ProgramVocabulary
+    statistics: ProgramStatistics
+    syntax: Syntax
+    wishes: tuple[Wish, ...]
+    """What each of the scenes has that it was learned from."""
+
+    def to_json(self) -> str:
+        """The vocabulary as text."""
+        known = self.vocabulary
+        looks = tuple(_Looks(*what, tuple(found)) for what, found in known.looks.items())
+        document = _Document(known.kinds, known.counts, known.shapes, looks)
+        return msgspec.json.encode(document).decode()
+
+    def to_arrays(self) -> dict[str, np.ndarray]:
+        """Statistics and structure by name, the measured ones in single precision."""
+        statistics, syntax = self.statistics, self.syntax
+        arrays = {name: getattr(statistics, name).astype(np.float32) for name in _MEASURED}
+        arrays |= {name: getattr(statistics, name) for name in _FLAGS}
+        references = [statistics.references.of(kind) for kind in self.vocabulary.kinds]
+        return arrays | {
+            "references": np.array(references, dtype=np.int8),
+            "wishes": np.array([_numbers(wish) for wish in self.wishes], dtype=np.int16),
+            "most": syntax.most.astype(np.int16),
+            "always": syntax.always,
+            "bears_fine": syntax.bears_fine,
+            "most_children": syntax.most_children.astype(np.int16),
+        }
+
+    @staticmethod
+    def restored(text: str, arrays: Mapping[str, np.ndarray]) -> Language:
+        """What `to_json` and `to_arrays` made.
+
+        Raises:
+            msgspec.DecodeError: If the text is another.
+            KeyError: If an array is missing.
+        """
+        document = msgspec.json.decode(text, type=_Document)
+        looks = {(e.category, e.domain, e.attributes): e.found for e in document.looks}
+        vocabulary = ProgramVocabulary(document.kinds, document.counts, document.shapes, looks)
+        rows = zip(document.kinds, arrays["references"].tolist(), strict=True)
+        statistics = ProgramStatistics(
+            **{name: arrays[name].astype(np.float64) for name in _MEASURED},
+            **{name: arrays[name] for name in _FLAGS},
+            references=References({group_of(kind): tuple(row) for kind, row in rows}),
+        )
+        syntax = Syntax(
+            vocabulary=vocabulary,
+            class_of=classes_of(vocabulary),
+            most=arrays["most"],
+            always=arrays["always"],
+            bears_fine=arrays["bears_fine"],
+            most_children=arrays["most_children"].astype(np.int64),
+        )
+        wishes = (Wish(DOMAINS[number], *counts) for number, *counts in arrays["wishes"].tolist())
+        return Language(vocabulary, statistics, syntax, tuple(wishes))
+
+
+def learn_language(encoded: Sequence[EncodedProgram], wishes: Sequence[Wish]) -> Language:
+    """The language of a corpus, with what each of its scenes has; equal ones of equal corpora."""
+    vocabulary, statistics = measure_programs(encoded)
+    syntax = learn_syntax(vocabulary, [each.program for each in encoded])
+    return Language(vocabulary, statistics, syntax, tuple(wishes))
+
+
+def _numbers(wish: Wish) -> tuple[int, int, int, int]:
+    return DOMAINS.index(wish.domain), wish.n_coarse, wish.n_fine, wish.n_areas
