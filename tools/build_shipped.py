@@ -29,7 +29,7 @@ from aeroscene.scene import SceneError
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
 from scenarios.dataset.build import build
-from scenarios.dataset.pool import WorkerDiedError, default_jobs
+from aeroscene.processes import WorkerDiedError, default_jobs
 from scenarios.dataset.shipping import CorpusMaker, Maker, ModelMaker, pack_shipped, plan_shipped
 
 TOLERANCE = 0.10

@@ -20,7 +20,7 @@ from flightsim.looks.framing import frame_points
 from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
-from scenarios.dataset.pool import run_all
+from aeroscene.processes import run_all
 from scenarios.pictures.lettering import INK_RGB, PALE_RGB, PAPER_RGB, Picture, write
 
 ASPECT = 4 / 3

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from aeroscene.corpus.summary import Entry, SceneSet
 from aeroscene.scene.io import write_scene
-from scenarios.dataset.pool import run_all
+from aeroscene.processes import run_all
 
 
 def unpack_all(

@@ -15,7 +15,7 @@ from scenarios.cli.dataset.options import check_jobs
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import scene_numbers
 from scenarios.dataset.build import BuildPlan, build, plan_build
-from scenarios.dataset.pool import default_jobs
+from aeroscene.processes import default_jobs
 
 _PROG = "aeroscene dataset build"
 

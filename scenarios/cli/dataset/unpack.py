@@ -8,7 +8,7 @@ from pathlib import Path
 from scenarios.cli.command_line import EXIT_DONE, print_json
 from scenarios.cli.dataset.options import SHIPPED_NAME, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
-from scenarios.dataset.pool import default_jobs
+from aeroscene.processes import default_jobs
 from scenarios.dataset.unpack import unpack_all
 
 

@@ -5,11 +5,12 @@ import os
 import signal
 import time
 from contextlib import closing
+from itertools import count
 
 import pytest
 
 from aeroscene.corpus.dataset import DatasetError
-from scenarios.dataset.pool import WorkerDiedError, default_jobs, run_all
+from aeroscene.processes import Workers, WorkerDiedError, default_jobs, run_all
 
 
 def slow_square(number):
@@ -56,6 +57,36 @@ def test_leaving_early_ends_the_processes():
 def test_a_process_that_dies_is_said_in_a_line():
     with pytest.raises(WorkerDiedError, match="valid: fewer --jobs"):
         list(run_all(die, range(4), 2))
+
+
+def mark(folder_and_number):
+    folder, number = folder_and_number
+    (folder / str(number)).touch()
+    return number
+
+
+def test_work_without_end_goes_so_far_ahead_and_no_farther(tmp_path):
+    with Workers(mark, ((tmp_path, number) for number in count()), 2, 5) as results:
+        assert [next(results) for _ in range(4)] == [0, 1, 2, 3]
+        deadline_s = time.monotonic() + 60.0
+        while len(list(tmp_path.iterdir())) < 9:
+            assert time.monotonic() < deadline_s
+            time.sleep(0.02)
+        time.sleep(0.3)
+        assert len(list(tmp_path.iterdir())) == 9
+    assert multiprocessing.active_children() == []
+
+
+def test_workers_leave_interrupts_to_the_parent():
+    """As `timeout` and a terminal send them: to the whole group."""
+    with Workers(slow_square, count(), 2, 2) as results:
+        assert next(results) == 0
+        for process in multiprocessing.active_children():
+            assert process.pid is not None
+            os.kill(process.pid, signal.SIGTERM)
+            os.kill(process.pid, signal.SIGINT)
+        assert [next(results) for _ in range(6)] == [1, 4, 9, 16, 25, 36]
+    assert multiprocessing.active_children() == []
 
 
 def test_nothing_to_do_needs_no_process():
