@@ -10,7 +10,7 @@ from itertools import count
 import pytest
 
 from aeroscene.corpus.dataset import DatasetError
-from aeroscene.processes import Workers, WorkerDiedError, default_jobs, run_all
+from aeroscene.processes import WorkerDiedError, Workers, default_jobs, run_all
 
 
 def slow_square(number):

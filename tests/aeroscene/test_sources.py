@@ -77,7 +77,16 @@ def test_a_file_is_opened_by_its_path(tmp_path, scene_42):
     "spec",
     [
         *("1016", "-1", "4.2", "x", "", "٤٢", "+1", "9" * 5000, "a.jsonx", "#0"),
-        *("corpus:1234567890", "corpus:", "gen:", "gen:x", "gen:-3", "gen:3 ", "shipped:3", "Gen:3"),
+        *(
+            "corpus:1234567890",
+            "corpus:",
+            "gen:",
+            "gen:x",
+            "gen:-3",
+            "gen:3 ",
+            "shipped:3",
+            "Gen:3",
+        ),
     ],
 )
 def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):

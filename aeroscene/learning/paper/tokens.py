@@ -13,7 +13,7 @@ Source: the paper's section "Initial Layout and Hierarchy Embedding", x_t.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -105,6 +105,10 @@ class FlatTrainingSet:
 
     statistics: FlatStatistics
     examples: tuple[FlatExample, ...]
+
+    def with_examples(self, examples: Sequence[FlatExample]) -> FlatTrainingSet:
+        """Other scenes, standardised as these are."""
+        return replace(self, examples=tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
         """Scenes drawn with replacement, each turned and mirrored at random."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,12 @@ class TrainingSet:
     def collator(self) -> Collator:
         """Makes batches of these scenes."""
         return Collator(self.vocabulary, self.statistics)
+
+    def with_examples(self, examples: Sequence[Example]) -> TrainingSet:
+        """Other scenes, standardised as these are; the collator stays, with what it knows."""
+        other = replace(self, examples=tuple(examples))
+        other.__dict__["collator"] = self.collator
+        return other
 
     @cached_property
     def digest(self) -> str:

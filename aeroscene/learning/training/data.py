@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
-from aeroscene.corpus.dataset import open_dataset
+import msgspec
+
+from aeroscene.corpus.dataset import DatasetError, open_dataset
+from aeroscene.corpus.provenance import curation_digest
 from aeroscene.layouts.neutral import read_neutral
 from aeroscene.learning.paper.tokens import FlatTrainingSet, encode_flat, flat_training_set
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
@@ -14,6 +18,7 @@ from aeroscene.learning.tokens.examples import encode
 from aeroscene.learning.tokens.kinds import Vocabulary, count_kinds
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish, skeleton_of
 from aeroscene.learning.tokens.training_set import TrainingSet, training_set
+from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint import DataSource
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.scene import Scene
@@ -37,6 +42,16 @@ class TrainingData:
     train: Set
     held_out: Set
     """Scenes that are not trained on, those of them whose kinds occur in training."""
+    last_number: int | None = None
+    """Number after which the grammar goes on with scenes to train on; None where it does not."""
+
+    @property
+    def encoder(self) -> Encoder:
+        """From other scenes to examples of the same vocabulary and statistics."""
+        known = self.train
+        if isinstance(known, FlatTrainingSet):
+            return partial(encode_flat, statistics=known.statistics)
+        return partial(encode, vocabulary=known.vocabulary, statistics=known.statistics)
 
 
 def open_training_data(
@@ -44,6 +59,7 @@ def open_training_data(
     *,
     is_flat: bool = False,
     codec: CodecCfg = DEFAULT_CODEC,
+    is_streamed: bool = False,
     on_scene: OnScene = lambda: None,
 ) -> TrainingData:
     """Read what a user names.
@@ -53,18 +69,26 @@ def open_training_data(
         is_flat: As the paper has scenes, objects beside each other in the scene's frame; otherwise
             as trees, each object in the frame of its parent.
         codec: Codec of a tree's channels.
+        is_streamed: Whether the grammar goes on where the dataset ends. What is in the folder then
+            is the first stretch: it fixes vocabulary and statistics, and its test split is held
+            out.
         on_scene: Called after each scene.
 
     Raises:
         SceneError: If there is no such data, or it is not valid.
     """
+    last = _last_number(path) if is_streamed else None
     train, held_out = _scenes(path, on_scene)
     if len(train) < _LEAST_SCENES:
         raise TrainingError(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
             f"valid: {_LEAST_SCENES} or more"
         )
-    return prepared(path.name, train, held_out, is_flat=is_flat, codec=codec)
+    data = prepared(path.name, train, held_out, is_flat=is_flat, codec=codec)
+    if last is None:
+        return data
+    source = msgspec.structs.replace(data.source, stream=f"{curation_digest()} from {last + 1}")
+    return replace(data, source=source, last_number=last)
 
 
 def prepared(
@@ -84,8 +108,30 @@ def prepared(
     return TrainingData(source, vocabulary, skeletons, known, _encoded(held_out, known))
 
 
+def _last_number(path: Path) -> int:
+    """Number of the last scene in a folder whose scenes the grammar made as it makes them now."""
+    if _is_layout(path):
+        raise TrainingError(
+            f"data {str(path)!r} is a file of layouts, of which no grammar makes more, valid with "
+            "--stream: a folder that aeroscene dataset build has made"
+        )
+    entries = open_dataset(path).entries
+    n_foreign = sum(entry.sources != curation_digest() for entry in entries)
+    if n_foreign:
+        raise DatasetError(
+            f"{n_foreign} of {len(entries)} scenes in {str(path)!r} were made by other sources "
+            "than those that would follow, valid with --stream: scenes of this very code; "
+            "aeroscene dataset build makes them again"
+        )
+    return entries[-1].index
+
+
+def _is_layout(path: Path) -> bool:
+    return path.is_file() or ".jsonl" in path.name
+
+
 def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    if path.is_file() or ".jsonl" in path.name:
+    if _is_layout(path):
         return _layout_scenes(path, on_scene)
     dataset = open_dataset(path)
     train: list[Scene] = []

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.provenance import curation_digest
+from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, print_json
 from scenarios.cli.dataset.options import check_jobs
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import scene_numbers
 from scenarios.dataset.build import BuildPlan, build, plan_build
-from aeroscene.processes import default_jobs
 
 _PROG = "aeroscene dataset build"
 
@@ -67,7 +67,8 @@ def _announce(plan: BuildPlan) -> None:
     if plan.foreign:
         sys.stderr.write(
             f"{_PROG}: {len(plan.foreign)} scenes in {plan.folder} that were not asked for were "
-            "made by other sources: they stay; a build that names them in --scenes makes them again\n"
+            "made by other sources: they stay; a build that names them in --scenes makes them "
+            "again\n"
         )
 
 
