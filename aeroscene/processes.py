@@ -17,11 +17,13 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from types import TracebackType
-from typing import Generic, Self, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
 
+_PATIENCE_S = 0.5
+"""Time for what a process is at, when it is to end."""
 _AHEAD_PER_JOB = 3
 """Tasks queued per process ahead of the results."""
 
@@ -76,11 +78,12 @@ class Workers(Generic[_T, _R]):
             jobs: Number of processes.
             ahead: Calls begun or queued before their results are taken.
         """
-        self._function = function
         self._items = iter(items)
         self._not_ours = set(multiprocessing.active_children())
+        # The function goes with the process, not with each item: a queue of large items cannot be
+        # closed once nobody reads it.
         self._executor = ProcessPoolExecutor(
-            jobs, multiprocessing.get_context("spawn"), initializer=_end_with_parent
+            jobs, multiprocessing.get_context("spawn"), initializer=_begin, initargs=(function,)
         )
         self._pending: deque[Future[_R]] = deque()
         try:
@@ -125,17 +128,22 @@ class Workers(Generic[_T, _R]):
         self.close()
 
     def close(self) -> None:
-        """End the processes at once; results that were not taken are lost."""
-        if self._pending:
-            for process in set(multiprocessing.active_children()) - self._not_ours:
-                # Not terminate: what they are asked by SIGTERM they leave to the parent.
-                process.kill()
+        """End the processes, in half a second at most; results that were not taken are lost."""
+        # Not at once: a process that is killed while it hands over a result leaves half of it.
+        patience = threading.Timer(_PATIENCE_S, self._kill)
+        patience.start()
         self._executor.shutdown(wait=True, cancel_futures=True)
+        patience.cancel()
+
+    def _kill(self) -> None:
+        for process in set(multiprocessing.active_children()) - self._not_ours:
+            # Not terminate: what they are asked by SIGTERM they leave to the parent.
+            process.kill()
 
     def _submit(self) -> None:
         for item in self._items:
             with _without_interrupts():
-                self._pending.append(self._executor.submit(self._function, item))
+                self._pending.append(self._executor.submit(_call, item))
             return
 
 
@@ -147,6 +155,20 @@ def _without_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+_function: Callable[[Any], Any]
+"""Function of this worker process."""
+
+
+def _begin(function: Callable[[Any], Any]) -> None:
+    global _function  # noqa: PLW0603 - a process has no other place for it
+    _function = function
+    _end_with_parent()
+
+
+def _call(item: Any) -> Any:
+    return _function(item)
 
 
 def _end_with_parent() -> None:

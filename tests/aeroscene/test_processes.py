@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from contextlib import closing
+from functools import partial
 from itertools import count
 
 import pytest
@@ -51,6 +52,18 @@ def test_leaving_early_ends_the_processes():
     with closing(run_all(sleep_long, range(9), 2)) as results:
         assert next(results) == 0
         assert len(multiprocessing.active_children()) == 2
+    assert multiprocessing.active_children() == []
+
+
+def long_of(text, number):
+    time.sleep(600 if number else 0)
+    return len(text)
+
+
+def test_leaving_early_ends_though_the_function_is_large():
+    """More than a pipe holds, for every item that waits."""
+    with Workers(partial(long_of, "x" * 200_000), count(), 2, 20) as results:
+        assert next(results) == 200_000
     assert multiprocessing.active_children() == []
 
 
