@@ -202,9 +202,9 @@ def is_there(group):
     return True
 
 
-def test_sigterm_to_all_processes_saves_and_leaves_none(corpus, streaming, tmp_path):
-    out = with_scenes(tmp_path / "out", 64)
-    args = command(corpus, streaming, out, "--steps", 1_000_000, "--stream", "--workers", 2)
+def test_sigterm_to_all_processes_saves_and_leaves_none(corpus, config, tmp_path):
+    out = with_scenes(tmp_path / "out", 200)
+    args = command(corpus, config, out, "--steps", 1_000_000, "--stream", "--workers", 2)
     process = subprocess.Popen(
         [sys.executable, "-m", "scenarios.cli.main", *args],
         stderr=subprocess.PIPE,
