@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.layouts.neutral import read_neutral
-from aeroscene.learning.paper.tokens import FlatTrainingSet, encode_flat, flat_training_set
+from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
-from aeroscene.learning.tokens.examples import encode
+from aeroscene.learning.tokens.examples import UnencodableError
 from aeroscene.learning.tokens.kinds import Vocabulary, count_kinds
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish, skeleton_of
 from aeroscene.learning.tokens.training_set import TrainingSet, training_set
@@ -41,17 +42,11 @@ class TrainingData:
     """Skeletons of the scenes to train on, with what each has."""
     train: Set
     held_out: Set
-    """Scenes that are not trained on, those of them whose kinds occur in training."""
+    """Scenes that are not trained on, those of them that can be encoded."""
+    n_skipped: int = 0
+    """Scenes that are not trained on either and cannot be encoded."""
     last_number: int | None = None
     """Number after which the grammar goes on with scenes to train on; None where it does not."""
-
-    @property
-    def encoder(self) -> Encoder:
-        """From other scenes to examples of the same vocabulary and statistics."""
-        known = self.train
-        if isinstance(known, FlatTrainingSet):
-            return partial(encode_flat, statistics=known.statistics)
-        return partial(encode, vocabulary=known.vocabulary, statistics=known.statistics)
 
 
 def open_training_data(
@@ -99,13 +94,21 @@ def prepared(
     is_flat: bool = False,
     codec: CodecCfg = DEFAULT_CODEC,
 ) -> TrainingData:
-    """Scenes as tokens, to train on and to watch by; a checkpoint names them as `name`."""
+    """Scenes as examples, to train on and to watch by; a checkpoint names them as `name`.
+
+    The set of the scenes to train on fixes how scenes are encoded: its `encoder` makes those that
+    are held out here, and those of a stream in the worker processes.
+    """
     tree = training_set(train, codec)
     vocabulary = count_kinds(train)
     source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))
     skeletons = tuple((skeleton_of(scene, vocabulary), Wish.of(scene)) for scene in train)
     known = flat_training_set(train) if is_flat else tree
-    return TrainingData(source, vocabulary, skeletons, known, _encoded(held_out, known))
+    examples = _encoded(held_out, known.encoder)
+    n_skipped = len(held_out) - len(examples)
+    return TrainingData(
+        source, vocabulary, skeletons, known, known.with_examples(examples), n_skipped
+    )
 
 
 def _last_number(path: Path) -> int:
@@ -154,14 +157,9 @@ def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Sce
     return train, held_out
 
 
-def _encoded(scenes: Sequence[Scene], known: Set) -> Set:
-    if isinstance(known, FlatTrainingSet):
-        examples = tuple(encode_flat(scene, known.statistics) for scene in scenes)
-        return FlatTrainingSet(known.statistics, examples)
-    found = []
+def _encoded(scenes: Sequence[Scene], encode: Encoder) -> list[Any]:
+    found: list[Any] = []
     for scene in scenes:
-        try:
-            found.append(encode(scene, known.vocabulary, known.statistics))
-        except KeyError:
-            continue  # An object of a kind that no scene of the training split has.
-    return TrainingSet(known.vocabulary, known.statistics, tuple(found))
+        with suppress(UnencodableError):
+            found.append(encode(scene))
+    return found

@@ -119,6 +119,7 @@ class Training:
         """
         self.plan.folder.mkdir(parents=True, exist_ok=True)
         self.parts = dict(self.plan.taken)
+        self.figures["held_out_skipped"] = self.plan.data.n_skipped
         if state is not None:
             check_same_data(self.plan.folder, state.facts, self.plan.data.source)
             self.parts |= state.parts

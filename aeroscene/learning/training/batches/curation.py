@@ -14,13 +14,17 @@ from typing import Any
 from aeroscene.corpus.corpus import scene_split
 from aeroscene.corpus.curation import curate_scene
 from aeroscene.corpus.provenance import curation_digest
+from aeroscene.learning.tokens.examples import UnencodableError
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import read_scene, write_scene
 
 FOLDER = "stream"
 
 Encoder = Callable[[Scene], Any]
-"""Scene to example; raises `KeyError` where it has an object of an unknown kind."""
+"""Scene to example of a vocabulary and statistics that it carries along.
+
+It is pickled once for each worker process; raises `UnencodableError` where a scene has no example.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +55,8 @@ def fresh_example(encode: Encoder, folder: Path, number: int) -> Fresh:
     """
     try:
         example = encode(_scene(folder, number))
-    except KeyError as error:
-        kind = error.args[0]
-        return Fresh(number, None, f"kind {getattr(kind, 'category', kind)} is unknown: {kind}")
+    except UnencodableError as error:
+        return Fresh(number, None, str(error))
     return Fresh(number, example)
 
 

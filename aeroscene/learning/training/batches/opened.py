@@ -45,7 +45,7 @@ def open_batches(
             stream = stack.enter_context(
                 StreamedBatches(
                     data.train,
-                    data.encoder,
+                    data.train.encoder,
                     data.last_number,
                     cfg,
                     folder,

@@ -87,6 +87,7 @@ def test_checkpoint_says_what_it_was_trained_on_and_by_what(plan):
     assert facts.code.startswith("0.")
     assert facts.training["steps"] == 8
     assert facts.training["held_out_loss"] > 0
+    assert facts.training["held_out_skipped"] == 0
 
 
 def test_progress_reaches_one_in_every_stage(plan):

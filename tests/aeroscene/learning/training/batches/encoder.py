@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+from aeroscene.learning.tokens.examples import UnencodableError
+
 
 class OneKind:
     """Encoder that knows a scene by its number alone, and refuses some."""
@@ -11,6 +13,6 @@ class OneKind:
 
     def __call__(self, scene):
         if scene.seed in self.refused:
-            raise KeyError("hovercraft")
+            raise UnencodableError("kind hovercraft is unknown")
         wish = replace(self.example.wish, n_areas=scene.seed)
         return replace(self.example, wish=wish)

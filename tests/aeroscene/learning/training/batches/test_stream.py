@@ -1,14 +1,15 @@
 """The stream: the same batches whoever makes them, a pool that moves, nothing left behind."""
 
 import multiprocessing
+import re
 from collections import deque
 from dataclasses import fields, replace
-from functools import partial
 
 import pytest
 import torch
 
-from aeroscene.learning.tokens.examples import encode
+from aeroscene.corpus.curation import curate_scene
+from aeroscene.learning.tokens.training_set import training_set
 from aeroscene.learning.training.batches.curation import (
     fresh_example,
     numbers_after,
@@ -165,23 +166,24 @@ def test_wish_to_stop_is_heard_while_it_waits_for_scenes(opened):
         stream(1)
 
 
-def test_scene_from_its_file_is_the_one_that_was_made(known, tmp_path):
+def test_scene_from_its_file_is_the_one_that_was_made(tmp_path):
     """What a resume reads back is what was trained on, to the last bit."""
-    encoder = partial(
-        encode,
-        vocabulary=known.vocabulary,
-        statistics=known.statistics,
-        allow_nearest=True,
-    )
     number = next(numbers_after(311))
-    made = fresh_example(encoder, tmp_path, number)
+    encode = training_set([curate_scene(number)]).encoder
+    made = fresh_example(encode, tmp_path, number)
     assert scene_file(tmp_path, number).exists()
-    read = fresh_example(encoder, tmp_path, number)
-    if made.example is not None:
-        assert (made.example.x0 == read.example.x0).all()
-        assert (made.example.skeleton.kind_id == read.example.skeleton.kind_id).all()
-    else:
-        assert made.reason == read.reason
+    read = fresh_example(encode, tmp_path, number)
+    assert (made.example.x0 == read.example.x0).all()
+    assert (made.example.skeleton.kind_id == read.example.skeleton.kind_id).all()
+
+
+def test_scene_of_a_new_kind_is_skipped_with_its_reason(known, tmp_path):
+    path = scene_file(tmp_path, 313)
+    path.parent.mkdir()
+    write_scene(cached_scene(45), path)
+    fresh = fresh_example(known.encoder, tmp_path, 313)
+    assert fresh.example is None
+    assert re.fullmatch(r"kind \w+ is unknown: Kind\(.*\)", fresh.reason)
 
 
 def test_workers_end_with_the_batches(known, tmp_path):
