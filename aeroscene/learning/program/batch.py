@@ -23,6 +23,7 @@ def program_batch(
 ) -> TokenBatch:
     """A batch of programs, with their channels."""
     skeletons = [example.skeleton for example in examples]
+    importance = statistics.importance
     n_coarse = max(skeleton.n_coarse for skeleton in skeletons)
     n = n_coarse + max(len(skeleton) - skeleton.n_coarse for skeleton in skeletons)
     whole = np.zeros((5, len(examples), n), dtype=np.int64)
@@ -45,7 +46,7 @@ def program_batch(
         extra[row, slot] = np.column_stack([numbers, example.shape])
         mask[row, slot] = True
         x0[row, slot] = example.x0
-        weight[row, slot] = statistics.is_free[skeleton.kind_id]
+        weight[row, slot] = importance[skeleton.kind_id]
     kind, parent, depth, ordinal, twin = torch.from_numpy(whole)
     wish = np.array([scaled_wish(wish) for wish in wishes], dtype=np.float32)
     return TokenBatch(

@@ -25,6 +25,8 @@ _PRIOR = 4.0
 """What is known of a kind's group counts as so many of its tokens."""
 _LEAST_SPREAD = 1e-3
 """Channels that vary by less are constant."""
+_PLAIN_SPREAD, _LEAST_WEIGHT = 0.1, 0.1
+"""Channels that vary by at least so much, in m or shares, count whole, others down to a tenth."""
 _LIMIT = 5.0
 """Values are cut at this many spreads."""
 
@@ -43,6 +45,11 @@ class ProgramStatistics:
     has: Bool[np.ndarray, "kinds channels"]
     """Which channels a kind has."""
     references: References
+
+    @property
+    def importance(self) -> Float[np.ndarray, "kinds channels"]:
+        """How much an error counts in training: little where all that varies is millimetres."""
+        return np.where(self.is_free, (self.spread / _PLAIN_SPREAD).clip(_LEAST_WEIGHT, 1.0), 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
