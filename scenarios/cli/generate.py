@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from aeroscene.learning import require_torch
-from aeroscene.learning.skeleton.config import SkeletonError
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import (
@@ -87,7 +86,7 @@ def run(cfg: GenerateCfg) -> int:
     """Generate; exit status 2 with one line where input, device or memory do not allow it."""
     try:
         return _run(cfg)
-    except (SceneError, SkeletonError) as error:
+    except SceneError as error:
         fail(_PROG, str(error))
     except OSError as error:
         where = f"file {error.filename!r}: " if error.filename else ""

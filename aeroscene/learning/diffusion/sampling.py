@@ -151,7 +151,7 @@ def sample(
     x, before = first_noise, None
     for index, (at, to) in enumerate(pairwise(path)):
         if fixed is not None:
-            # One draw of noise throughout: given channels follow a path as deterministic samplers do.
+            # One draw of noise throughout: they follow a path as deterministic samplers do.
             x = fixed.impose(x, (at.alpha * fixed.x0 + at.sigma * first_noise) * is_free)
         moment = Moment(
             index, cfg.n_steps, at.time, at.alpha**2, None if fixed is None else fixed.mask

@@ -28,8 +28,8 @@ from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import Writer
 from aeroscene.scene import Scene
 
-_SITE_FRAME = (1, 2, 3, 4, 5, 6)
-_UNIT_FRAME = (U, V, COS, SIN, SIZE.start, SIZE.start + 1)
+_SITE_FRAME: tuple[int, ...] = (1, 2, 3, 4, 5, 6)
+_UNIT_FRAME: tuple[int, ...] = (U, V, COS, SIN, SIZE.start, SIZE.start + 1)
 """Channels of middle, heading and log sides: of a site's record, and of a unit."""
 
 

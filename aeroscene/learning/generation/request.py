@@ -67,9 +67,7 @@ class Request:
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
         return replace(self.complete, objects=coarse, interaction_areas=())
 
-    def drawn(
-        self, rng: np.random.Generator, seen: Sequence[Wish] = ()
-    ) -> tuple[Wish, AreaLimits]:
+    def drawn(self, rng: np.random.Generator, seen: Sequence[Wish] = ()) -> tuple[Wish, AreaLimits]:
         """The wish with nothing left open, and how many areas of each size are kept.
 
         The same numbers are drawn whatever is open.
@@ -83,8 +81,10 @@ class Request:
             RequestError: If the model never saw a scene of the domain.
         """
         domains = [each for each in DOMAINS if not seen or any(w.domain == each for w in seen)]
-        domain = self.domain or domains[int(rng.integers(len(domains)))]
-        domain = domain if self.complete is None else self.complete.domain
+        drawn = domains[int(rng.integers(len(domains)))]
+        domain: SceneDomain = self.domain or drawn
+        if self.complete is not None:
+            domain = self.complete.domain
         if domain not in domains:
             raise RequestError(
                 f"domain is {domain!r}, which the model never saw, valid: {', '.join(domains)}"

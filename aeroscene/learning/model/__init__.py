@@ -2,6 +2,6 @@
 
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg, ModelCfgError
-from aeroscene.learning.model.network import HierarchicalDenoiser
+from aeroscene.learning.model.network import new_denoiser
 
-__all__ = ["HierarchicalDenoiser", "ModelCfg", "ModelCfgError", "Prediction"]
+__all__ = ["ModelCfg", "ModelCfgError", "Prediction", "new_denoiser"]

@@ -37,7 +37,7 @@ class ModelCfgError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class ModelCfg:
-    """Shape of a `HierarchicalDenoiser`; the defaults are the default preset.
+    """Shape of a denoiser; the defaults are the default preset.
 
     Raises:
         ModelCfgError: If a number is out of range or parts do not fit together.
@@ -51,8 +51,8 @@ class ModelCfg:
     """The paper's 3D CNN over a voxel grid; or attention among coarse tokens."""
     fine_branch: Literal["radius_gnn", "siblings"] = "siblings"
     """The paper's GNN over the radius graph; or attention among siblings."""
-    channels: int = 15
-    """Channels of an object."""
+    channels: int = 19
+    """Channels of a token."""
     n_kinds: int = 256
     """Kinds of the vocabulary; not read where the category is among the channels."""
     n_categories: int = 0
@@ -72,11 +72,9 @@ class ModelCfg:
     """Hidden width of the default's FFN by `width`."""
     fourier_bands: int = 6
     """Octaves of the Fourier features of a position; 0 leaves them out."""
-    has_borders: bool = True
-    """Whether the default's tokens see the borders of their noisy boxes, see `borders`."""
     place_width: int = 16
     """Width of the encoding of a place among siblings."""
-    max_depth: int = 8
+    max_depth: int = 16
     """Depths that the default tells apart."""
     unet_widths: tuple[int, ...] = (128, 192, 256)
     """Width of each level of the UNet."""

@@ -6,7 +6,7 @@ import torch
 from torch import nn
 
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.model.program_embedding import ProgramEmbedding
+from aeroscene.learning.model.embedding import ProgramEmbedding
 from aeroscene.learning.model.token_denoiser import TokenDenoiser
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.writer.language import Language

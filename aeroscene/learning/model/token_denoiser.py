@@ -1,4 +1,4 @@
-"""The default network: hierarchy blocks over the tokens of a skeleton."""
+"""The default network: hierarchy blocks over the tokens of a program."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from torch.nn import functional
 
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.model.embedding import TokenEmbedding
-from aeroscene.learning.model.program_embedding import ProgramEmbedding
+from aeroscene.learning.model.embedding import ProgramEmbedding
 from aeroscene.learning.model.hierarchy import HierarchyBlock
 from aeroscene.learning.model.relations import Relations, relations_of
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -23,10 +22,10 @@ class TokenDenoiser(nn.Module):
     convolution could use, and the blocks already relate every token to its kin.
     """
 
-    def __init__(self, cfg: ModelCfg, embedding: ProgramEmbedding | None = None) -> None:
+    def __init__(self, cfg: ModelCfg, embedding: ProgramEmbedding) -> None:
         super().__init__()
         self.cfg = cfg
-        self.embedding = embedding or TokenEmbedding(cfg)
+        self.embedding = embedding
         self.blocks = nn.ModuleList(
             HierarchyBlock(cfg.width, cfg.heads, cfg.ffn_ratio, is_top_down=i % 2 == 0)
             for i in range(cfg.blocks)

@@ -16,7 +16,7 @@ from aeroscene.learning.generation.proposal import OnStep, noise_of
 from aeroscene.learning.generation.request import Request, RequestError
 from aeroscene.learning.paper.tokens import FlatStatistics, empty_flat_batch, read_flat
 from aeroscene.learning.tokens.assembly import assemble
-from aeroscene.learning.tokens.channels import Geometry
+from aeroscene.learning.tokens.geometry import Geometry
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish
 from aeroscene.scene import Scene

@@ -12,17 +12,18 @@ Source: the paper's section "Initial Layout and Hierarchy Embedding", x_t.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.learning.tokens.batch import TokenBatch, scaled_wish
-from aeroscene.learning.tokens.channels import Geometry
-from aeroscene.learning.tokens.kinds import DOMAINS, OPENINGS, Vocabulary
+from aeroscene.learning.tokens.geometry import Geometry
+from aeroscene.learning.tokens.kinds import DOMAINS, OPENINGS, Vocabulary, count_kinds
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish, token_order
 from aeroscene.scene import Scene
 from aeroscene.scene.box import rotation_matrix
@@ -104,8 +105,27 @@ def random_flat_symmetry(example: FlatExample, rng: np.random.Generator) -> Flat
 class FlatTrainingSet:
     """Scenes as the paper has them, as batches for training."""
 
+    vocabulary: Vocabulary
     statistics: FlatStatistics
     examples: tuple[FlatExample, ...]
+
+    @property
+    def known(self) -> FlatStatistics:
+        """What a checkpoint keeps of the scenes, beside their kinds."""
+        return self.statistics
+
+    @property
+    def kinds_json(self) -> str:
+        """The kinds of objects as text."""
+        return self.vocabulary.to_json()
+
+    @cached_property
+    def digest(self) -> str:
+        """Sixteen hexadecimal digits that differ between corpora."""
+        digest = hashlib.sha256(self.kinds_json.encode())
+        for example in self.examples:
+            digest.update(np.round(example.x0, 4).astype("<f4").tobytes())
+        return digest.hexdigest()[:16]
 
     @property
     def encoder(self) -> Callable[[Scene], FlatExample]:
@@ -129,7 +149,8 @@ class FlatTrainingSet:
 def flat_training_set(scenes: Sequence[Scene]) -> FlatTrainingSet:
     """The scenes of a corpus and their statistics."""
     statistics = measure_flat(scenes)
-    return FlatTrainingSet(statistics, tuple(encode_flat(s, statistics) for s in scenes))
+    examples = tuple(encode_flat(scene, statistics) for scene in scenes)
+    return FlatTrainingSet(count_kinds(scenes), statistics, examples)
 
 
 def flat_batch(examples: Sequence[FlatExample]) -> TokenBatch:
@@ -165,8 +186,6 @@ def empty_flat_batch(wishes: Sequence[Wish], counts: Sequence[tuple[int, int]]) 
         ordinal=ordinal,
         twin=zeros,
         mask=mask,
-        stands_on_top=torch.zeros(shape, dtype=torch.bool),
-        lift_m=torch.zeros(shape),
         domain=torch.tensor([DOMAINS.index(wish.domain) for wish in wishes]),
         wish=torch.from_numpy(np.array([scaled_wish(w) for w in wishes], dtype=np.float32)),
         n_coarse_slots=n_coarse,

@@ -56,8 +56,6 @@ def program_batch(
         ordinal=ordinal,
         twin=twin,
         mask=torch.from_numpy(mask),
-        stands_on_top=torch.zeros(mask.shape, dtype=torch.bool),
-        lift_m=torch.zeros(mask.shape),
         domain=torch.tensor([DOMAINS.index(skeleton.domain) for skeleton in skeletons]),
         wish=torch.from_numpy(wish),
         n_coarse_slots=n_coarse,

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
 from aeroscene.corpus.curation.curate import HEADROOM_M
-from aeroscene.learning.tokens.channels import Geometry, site_growth
+from aeroscene.learning.tokens.geometry import Geometry
 from aeroscene.learning.tokens.kinds import OPENINGS, Vocabulary
-from aeroscene.learning.tokens.skeleton import Skeleton, token_order
+from aeroscene.learning.tokens.skeleton import Skeleton
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import MIN_SIZE_M, quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
@@ -29,27 +27,20 @@ def assemble(
     scene_id: str,
     seed: int,
     rng: np.random.Generator,
-    kept: Scene | None = None,
 ) -> Scene:
     """The scene that a skeleton and its geometry are, without interaction areas.
 
-    The site and the first tokens after it stand for what is `kept`, which stays as it is; `rng`
-    draws the looks.
+    `rng` draws the looks.
 
     Raises:
         SceneError: If a number is not finite.
     """
     low, high = _extent(skeleton, geometry)
-    own: tuple[SceneObject, ...] = ()
-    if kept is not None:
-        own = token_order(kept)
-        low, high = kept.extent_min_enu_m, kept.extent_max_enu_m
-        geometry = _moved_along(skeleton, geometry, own, (np.array(low) + high) / 2)
     looks = _draw_looks(skeleton, vocabulary, rng)
     objects: list[SceneObject] = []
     for i in range(1, len(skeleton)):
         parent_id = int(skeleton.parent[i]) - 1 if skeleton.parent[i] else None
-        made = own[i - 1] if i <= len(own) else _made(skeleton, geometry, vocabulary, i, looks[i])
+        made = _made(skeleton, geometry, vocabulary, i, looks[i])
         objects.append(replace(made, id=i - 1, scene_id=scene_id, parent_id=parent_id))
     pad = next((o for o in objects if o.attributes.get("is_start")), None)
     start = (0.0, 0.0, 0.0) if pad is None else _top_middle(pad)
@@ -88,26 +79,6 @@ def _made(
     )
 
 
-def _moved_along(
-    skeleton: Skeleton,
-    geometry: Geometry,
-    own: Sequence[SceneObject],
-    middle_m: Float[np.ndarray, " 3"],
-) -> Geometry:
-    """The geometry with all that belongs to what is kept moved along to where this is.
-
-    A kind that stands for one that the model never saw may have another height.
-    """
-    moved = np.zeros_like(geometry.center_enu_m)
-    moved[0, :2] = middle_m[:2]
-    for i in range(1, len(skeleton)):
-        if i <= len(own):
-            moved[i] = own[i - 1].bbox.p - geometry.center_enu_m[i]
-        else:
-            moved[i] = moved[skeleton.parent[i]]
-    return replace(geometry, center_enu_m=geometry.center_enu_m + moved)
-
-
 def _box(geometry: Geometry, i: int) -> OrientedBox:
     size = np.maximum(np.round(geometry.size_m[i], 3), MIN_SIZE_M)
     return OrientedBox(
@@ -130,8 +101,7 @@ def _extent(
     skeleton: Skeleton, geometry: Geometry
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """The site's outline; up to the roof indoors, some way above everything outdoors."""
-    growth = site_growth(float(geometry.yaw_rad[0]))
-    half_x, half_y = np.round(geometry.size_m[0, :2] * growth / 2, 2).tolist()
+    half_x, half_y = np.round(geometry.size_m[0, :2] / 2, 2).tolist()
     top = float(np.max(geometry.center_enu_m[1:, 2] + geometry.size_m[1:, 2] / 2, initial=0.0))
     if skeleton.domain != "indoor":
         top = max(_OPEN_SKY_M, math.ceil(top + HEADROOM_M))

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from weakref import finalize
 
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
-from aeroscene.learning.tokens.channels import attachment_heights
-from aeroscene.learning.tokens.examples import Example
-from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary
-from aeroscene.learning.tokens.skeleton import Skeleton, Wish
-from aeroscene.learning.tokens.statistics import Statistics
+from aeroscene.learning.tokens.skeleton import Wish
 
 MOST_SIBLINGS = 63
 """Places among siblings are counted up to here."""
@@ -37,9 +32,6 @@ class TokenBatch:
     """Place among those that are of the same kind, too."""
     mask: Bool[Tensor, "batch n"]
     """Which slots hold a token."""
-    stands_on_top: Bool[Tensor, "batch n"]
-    lift_m: Float[Tensor, "batch n"]
-    """Height of the underside above the parent's; NaN where it is a channel or on top."""
     domain: Int[Tensor, " batch"]
     wish: Float[Tensor, "batch 3"]
     """Objects coarse and fine, and landing areas wished for, standardised."""
@@ -79,81 +71,3 @@ class TokenBatch:
 def scaled_wish(wish: Wish) -> Float[np.ndarray, " 3"]:
     """A wish as the networks read it."""
     return (np.array([wish.n_coarse, wish.n_fine, wish.n_areas]) - _WISH_MEAN) / _WISH_SPREAD
-
-
-class Collator:
-    """Makes batches of skeletons, with geometry where there is one."""
-
-    def __init__(self, vocabulary: Vocabulary, statistics: Statistics) -> None:
-        self._vocabulary = vocabulary
-        self._is_free = statistics.is_free
-        self._heights: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-
-    def examples(self, examples: Sequence[Example]) -> TokenBatch:
-        """Batch for training."""
-        batch = self.skeletons([e.skeleton for e in examples], [e.wish for e in examples])
-        slots = [_slots(e.skeleton, batch.n_coarse_slots) for e in examples]
-        shape = (*batch.kind.shape, self._is_free.shape[1])
-        x0, weight = np.zeros(shape, dtype=np.float32), np.zeros(shape, dtype=np.float32)
-        for row, (example, slot) in enumerate(zip(examples, slots, strict=True)):
-            x0[row, slot] = example.x0
-            weight[row, slot] = self._is_free[example.skeleton.kind_id]
-        return replace(batch, x0=torch.from_numpy(x0), weight=torch.from_numpy(weight))
-
-    def skeletons(self, skeletons: Sequence[Skeleton], wishes: Sequence[Wish]) -> TokenBatch:
-        """Batch for sampling."""
-        n_coarse = max(skeleton.n_coarse for skeleton in skeletons)
-        n = n_coarse + max(len(skeleton) - skeleton.n_coarse for skeleton in skeletons)
-        whole = np.zeros((5, len(skeletons), n), dtype=np.int64)
-        mask, on_top = np.zeros((2, len(skeletons), n), dtype=bool)
-        lift = np.zeros((len(skeletons), n), dtype=np.float32)
-        weight = np.zeros((len(skeletons), n, self._is_free.shape[1]), dtype=np.float32)
-        for row, skeleton in enumerate(skeletons):
-            slot = _slots(skeleton, n_coarse)
-            places = (
-                skeleton.kind_id,
-                slot[skeleton.parent],
-                skeleton.depth,
-                skeleton.ordinal.clip(max=MOST_SIBLINGS),
-                skeleton.twin.clip(max=MOST_SIBLINGS),
-            )
-            whole[:, row, slot] = np.stack(places)
-            mask[row, slot] = True
-            weight[row, slot] = self._is_free[skeleton.kind_id]
-            on_top[row, slot], lift[row, slot] = self._attachments(skeleton)
-        kind, parent, depth, ordinal, twin = torch.from_numpy(whole)
-        wish = np.array([scaled_wish(wish) for wish in wishes], dtype=np.float32)
-        return TokenBatch(
-            kind=kind,
-            parent=parent,
-            depth=depth,
-            ordinal=ordinal,
-            twin=twin,
-            mask=torch.from_numpy(mask),
-            stands_on_top=torch.from_numpy(on_top),
-            lift_m=torch.from_numpy(lift),
-            domain=torch.tensor([DOMAINS.index(skeleton.domain) for skeleton in skeletons]),
-            wish=torch.from_numpy(wish),
-            n_coarse_slots=n_coarse,
-            weight=torch.from_numpy(weight),
-        )
-
-    def _attachments(self, skeleton: Skeleton) -> tuple[np.ndarray, np.ndarray]:
-        # Training asks for the same skeletons again and again; answers go with their skeletons,
-        # whose identity may be another's then.
-        known = self._heights.get(id(skeleton))
-        if known is None:
-            known = attachment_heights(skeleton, self._vocabulary)
-            self._heights[id(skeleton)] = known
-            finalize(skeleton, self._heights.pop, id(skeleton)).atexit = False
-        return known
-
-
-def slots_of(skeleton: Skeleton, batch: TokenBatch) -> Int[np.ndarray, " n"]:
-    """Slots that the tokens of a skeleton have in a batch."""
-    return _slots(skeleton, batch.n_coarse_slots)
-
-
-def _slots(skeleton: Skeleton, n_coarse_slots: int) -> Int[np.ndarray, " n"]:
-    fine = n_coarse_slots + np.arange(len(skeleton) - skeleton.n_coarse)
-    return np.concatenate([np.arange(skeleton.n_coarse), fine])

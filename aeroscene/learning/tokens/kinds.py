@@ -8,7 +8,6 @@ categories has a vocabulary of its own.
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,7 +17,7 @@ from typing import Literal, get_args
 
 import msgspec
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Int
 
 from aeroscene.learning.tokens.placed import ATTACHED_M, SITE, Placed, placed_objects
 from aeroscene.scene import AttributeValue, ObjectDomain, Scene, SceneDomain, SceneObject
@@ -105,56 +104,6 @@ class Vocabulary:
         known = {category.name: category.id for category in CATALOGUE.values()}
         return np.array([known.get(kind.category, 0) for kind in self.kinds])
 
-    @cached_property
-    def is_coarse(self) -> Bool[np.ndarray, " kinds"]:
-        """Which kinds are coarse; sites are."""
-        return np.array(
-            [
-                kind.is_site or (i > 0 and CATALOGUE[i].level == "coarse")
-                for kind, i in zip(self.kinds, self.category_id.tolist(), strict=True)
-            ]
-        )
-
-    @cached_property
-    def number(self) -> Mapping[Kind, int]:
-        """Numbers of the kinds."""
-        return {kind: index for index, kind in enumerate(self.kinds)}
-
-    @cached_property
-    def digest(self) -> str:
-        """Sixteen hexadecimal digits that differ between vocabularies."""
-        return hashlib.sha256(self.to_json().encode()).hexdigest()[:16]
-
-    def lift_m(self, category: str, parent: str) -> float:
-        """Usual height of an underside above the parent's, NaN where there is none."""
-        return self.lifts_m.get((category, parent), _NO_LIFT)
-
-    def kind_of(
-        self, obj: SceneObject, parent: SceneObject | None, site_yaw_rad: float = 0.0
-    ) -> int:
-        """Number of the kind that an object is of; where it has no parent, on a site of a heading.
-
-        Raises:
-            KeyError: If the corpus had no such object.
-        """
-        return self.number[_kind(Placed(obj, parent, site_yaw_rad), self.lifts_m)]
-
-    def nearest_kind_of(
-        self, obj: SceneObject, parent: SceneObject | None, site_yaw_rad: float = 0.0
-    ) -> int:
-        """As `kind_of`; of what the corpus had not, the kind most like it of the same category.
-
-        Raises:
-            KeyError: If the corpus had nothing of the category.
-        """
-        wanted = _kind(Placed(obj, parent, site_yaw_rad), self.lifts_m)
-        if wanted in self.number:
-            return self.number[wanted]
-        alike = [kind for kind in self.kinds if kind.category == wanted.category]
-        if not alike:
-            raise KeyError(wanted.category)
-        return self.number[min(alike, key=lambda kind: _differences(kind, wanted))]
-
     def to_json(self) -> str:
         """The vocabulary as text."""
         lifts = {f"{child}<{parent}": v for (child, parent), v in sorted(self.lifts_m.items())}
@@ -215,19 +164,6 @@ def _kind(placed: Placed, lifts_m: Mapping[tuple[str, str], float]) -> Kind:
         is_aligned=placed.is_aligned,
         openings=tuple(name for name in OPENINGS if name in obj.attributes),
         attributes=tuple((k, obj.attributes[k]) for k in _SHAPING if k in obj.attributes),
-    )
-
-
-def _differences(kind: Kind, wanted: Kind) -> tuple[int, ...]:
-    """What two kinds of a category do not share, what matters most first."""
-    return (
-        len(set(kind.openings) ^ set(wanted.openings)),
-        len(set(kind.attributes) ^ set(wanted.attributes)),
-        kind.domain != wanted.domain,
-        # A kind without a height or heading of its own cannot stand for one that has them.
-        kind.attachment not in {"free", wanted.attachment},
-        kind.is_aligned and not wanted.is_aligned,
-        kind.attachment != wanted.attachment,
     )
 
 

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Int
 
-from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary
-from aeroscene.learning.tokens.placed import site_yaw
 from aeroscene.scene import Scene, SceneDomain, SceneObject
+
+
+class UnencodableError(ValueError):
+    """A scene that cannot be learned from by what is known; one line that says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,13 +70,6 @@ class Skeleton:
         """Place of each object among those children of its parent that are of its kind."""
         return _counted(list(zip(self.parent.tolist(), self.kind_id.tolist(), strict=True)))
 
-    def family(self) -> Bool[np.ndarray, "n n"]:
-        """Which objects are ancestor and descendant, or the same."""
-        above = np.eye(len(self), dtype=bool)
-        for i in range(1, len(self)):
-            above[i] |= above[self.parent[i]]
-        return above | above.T
-
 
 def _counted(keys: list) -> Int[np.ndarray, " n"]:
     seen: Counter = Counter()
@@ -102,23 +97,3 @@ def _descend(
         if child.is_coarse == is_coarse:
             found.append(child)
             _descend(scene, child.id, found, is_coarse=is_coarse)
-
-
-def skeleton_of(scene: Scene, vocabulary: Vocabulary, *, allow_nearest: bool = False) -> Skeleton:
-    """The skeleton of a scene; the nearest kind may stand for one that the vocabulary lacks.
-
-    Raises:
-        KeyError: If an object is of no kind of the vocabulary.
-    """
-    kind_of = vocabulary.nearest_kind_of if allow_nearest else vocabulary.kind_of
-    order = token_order(scene)
-    place = {None: 0} | {obj.id: i for i, obj in enumerate(order, 1)}
-    by_id, yaw = scene.object_by_id, site_yaw(scene)
-    kinds = [DOMAINS.index(scene.domain)]
-    for obj in order:
-        parent = None if obj.parent_id is None else by_id[obj.parent_id]
-        kinds.append(kind_of(obj, parent, yaw))
-    parents = [0, *(place[obj.parent_id] for obj in order)]
-    return Skeleton(
-        scene.domain, np.array(kinds), np.array(parents), 1 + sum(obj.is_coarse for obj in order)
-    )

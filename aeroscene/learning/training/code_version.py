@@ -7,7 +7,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-_SOURCES = ("diffusion", "guidance", "model", "paper", "skeleton", "tokens", "training")
+_SOURCES = ("diffusion", "model", "paper", "program", "tokens", "training", "writer")
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Configuration of the denoiser's training and of the whole procedure."""
+"""Configuration of the networks' trainings and of the whole procedure."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def require(*, ok: bool, name: str, value: object, valid: str) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class TrainCfg:
-    """Training of the denoiser."""
+    """Training of a network."""
 
     batch_size: int = 16
     """Scenes a step."""
@@ -33,6 +33,8 @@ class TrainCfg:
     """At its highest."""
     weight_decay: float = 0.01
     """Weight decay of AdamW, in units of the learning rate a step."""
+    second_decay: float = 0.999
+    """Decay of the mean squares of the gradients (beta_2)."""
     schedule: RateSchedule = "cooldown"
     """Course of the learning rate over the training."""
     warmup_steps: int = 200
@@ -73,8 +75,9 @@ class TrainCfg:
         )
         for name, value, most in (*shares, ("clip_norm", self.clip_norm, 1e6)):
             require(ok=0 <= value <= most, name=name, value=value, valid=f"0 to {most:g}")
-        ok = 0 <= self.average_decay < 1
-        require(ok=ok, name="average_decay", value=self.average_decay, valid="0 to below 1")
+        for name in ("average_decay", "second_decay"):
+            value = getattr(self, name)
+            require(ok=0 <= value < 1, name=name, value=value, valid="0 to below 1")
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,14 +14,13 @@ from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.layouts.neutral import read_neutral
 from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
-from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
-from aeroscene.learning.tokens.examples import UnencodableError
-from aeroscene.learning.tokens.kinds import Vocabulary, count_kinds
-from aeroscene.learning.tokens.skeleton import Skeleton, Wish, skeleton_of
-from aeroscene.learning.tokens.training_set import TrainingSet, training_set
+from aeroscene.learning.tokens.skeleton import UnencodableError
 from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint import DataSource
 from aeroscene.learning.training.config import TrainingError
+from aeroscene.learning.writer.examples import encodable, written
+from aeroscene.learning.writer.language import learn_language
+from aeroscene.learning.writer.training_set import ProgramSet
 from aeroscene.scene import Scene
 
 _HELD_OUT_EVERY = 10
@@ -29,7 +28,7 @@ _HELD_OUT_EVERY = 10
 _LEAST_SCENES = 2
 
 OnScene = Callable[[], None]
-Set = TrainingSet | FlatTrainingSet
+Set = ProgramSet | FlatTrainingSet
 
 
 @dataclass(frozen=True)
@@ -37,9 +36,6 @@ class TrainingData:
     """Scenes to train on, and others to watch the training by."""
 
     source: DataSource
-    vocabulary: Vocabulary
-    skeletons: tuple[tuple[Skeleton, Wish], ...]
-    """Skeletons of the scenes to train on, with what each has."""
     train: Set
     held_out: Set
     """Scenes that are not trained on, those of them that can be encoded."""
@@ -53,7 +49,6 @@ def open_training_data(
     path: Path,
     *,
     is_flat: bool = False,
-    codec: CodecCfg = DEFAULT_CODEC,
     is_streamed: bool = False,
     on_scene: OnScene = lambda: None,
 ) -> TrainingData:
@@ -62,8 +57,7 @@ def open_training_data(
     Args:
         path: Folder of a dataset, whose training split is taken; or a file of neutral layouts.
         is_flat: As the paper has scenes, objects beside each other in the scene's frame; otherwise
-            as trees, each object in the frame of its parent.
-        codec: Codec of a tree's channels.
+            as programs.
         is_streamed: Whether the grammar goes on where the dataset ends. What is in the folder then
             is the first stretch: it fixes vocabulary and statistics, and its test split is held
             out.
@@ -79,7 +73,7 @@ def open_training_data(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
             f"valid: {_LEAST_SCENES} or more"
         )
-    data = prepared(path.name, train, held_out, is_flat=is_flat, codec=codec)
+    data = prepared(path.name, train, held_out, is_flat=is_flat)
     if last is None:
         return data
     source = msgspec.structs.replace(data.source, stream=f"{curation_digest()} from {last + 1}")
@@ -87,28 +81,41 @@ def open_training_data(
 
 
 def prepared(
-    name: str,
-    train: Sequence[Scene],
-    held_out: Sequence[Scene],
-    *,
-    is_flat: bool = False,
-    codec: CodecCfg = DEFAULT_CODEC,
+    name: str, train: Sequence[Scene], held_out: Sequence[Scene], *, is_flat: bool = False
 ) -> TrainingData:
     """Scenes as examples, to train on and to watch by; a checkpoint names them as `name`.
 
     The set of the scenes to train on fixes how scenes are encoded: its `encoder` makes those that
     are held out here, and those of a stream in the worker processes.
+
+    Raises:
+        TrainingError: If too few scenes have a program.
     """
-    tree = training_set(train, codec)
-    vocabulary = count_kinds(train)
-    source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))
-    skeletons = tuple((skeleton_of(scene, vocabulary), Wish.of(scene)) for scene in train)
-    known = flat_training_set(train) if is_flat else tree
+    known = flat_training_set(train) if is_flat else _program_set(train)
+    if len(known.examples) < _LEAST_SCENES:
+        raise TrainingError(
+            f"data {name!r} has {len(known.examples)} scenes that have a program, "
+            f"valid: {_LEAST_SCENES} or more"
+        )
     examples = _encoded(held_out, known.encoder)
-    n_skipped = len(held_out) - len(examples)
     return TrainingData(
-        source, vocabulary, skeletons, known, known.with_examples(examples), n_skipped
+        source=DataSource(name=name, digest=known.digest, n_scenes=len(known.examples)),
+        train=known,
+        held_out=known.with_examples(examples),
+        n_skipped=len(held_out) - len(examples),
     )
+
+
+def _program_set(scenes: Sequence[Scene]) -> ProgramSet:
+    encoded, wishes = encodable(scenes)
+    if not encoded:
+        raise TrainingError(
+            "none of the scenes has a program, valid: scenes whose floors, walls "
+            "and covers do not overlap"
+        )
+    language = learn_language(encoded, wishes)
+    pairs = zip(encoded, wishes, strict=True)
+    return ProgramSet(language, tuple(written(each, wish, language) for each, wish in pairs))
 
 
 def _last_number(path: Path) -> int:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sized
-from typing import Protocol
+from typing import Any, Protocol
 
 import torch
-from torch import Tensor
 from torch.func import functional_call
 
-from aeroscene.learning.diffusion.loss import Prediction
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.training.loop import TOTAL, DenoiserTraining, LossFunction
+from aeroscene.learning.training.batches.source import Batch
+from aeroscene.learning.training.loop import TOTAL, LossFunction, PartTraining
 
 _SEED = 20260
 _MOST = 48
@@ -26,12 +24,12 @@ class HeldOutSet(Protocol):
         """As many as there are."""
         ...
 
-    def in_order(self, start: int, size: int) -> TokenBatch:
+    def in_order(self, start: int, size: int) -> Batch:
         """Scenes from a place on, at most so many."""
         ...
 
 
-def held_out_loss(training: DenoiserTraining, data: HeldOutSet, loss: LossFunction) -> float | None:
+def held_out_loss(training: PartTraining, data: HeldOutSet, loss: LossFunction) -> float | None:
     """Mean loss of the averaged weights on other scenes; None where there are none.
 
     Times and noise are the same on every call.
@@ -42,8 +40,8 @@ def held_out_loss(training: DenoiserTraining, data: HeldOutSet, loss: LossFuncti
     total = 0.0
     generator = torch.Generator(training.device).manual_seed(_SEED)
 
-    def averaged(x_t: Tensor, time: Tensor, batch: TokenBatch) -> Prediction:
-        return functional_call(training.model, training.average.weights, (x_t, time, batch))
+    def averaged(*args: Any) -> Any:
+        return functional_call(training.model, training.average.weights, args)
 
     training.model.eval()
     with torch.no_grad():

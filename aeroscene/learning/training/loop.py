@@ -1,4 +1,4 @@
-"""The denoiser's training, step by step: the paper's algorithm 1.
+"""The training of a network, step by step: the paper's algorithm 1.
 
 Batch, time and noise of step k come from the seed and k alone. So a training that was stopped and
 goes on takes the same steps as one that was not, if its length is given in steps; where it is
@@ -10,22 +10,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
-from aeroscene.learning.diffusion.loss import Denoiser
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.average import MovingAverage
-from aeroscene.learning.training.batches.source import Batches, StoppedError
+from aeroscene.learning.training.batches.source import Batch, Batches, StoppedError
 from aeroscene.learning.training.best import Best
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.rates import rate_factor
 
 LossTerms = Mapping[str, Tensor]
 """Terms of the loss by name; `total` is what is minimised."""
-LossFunction = Callable[[Denoiser, TokenBatch, torch.Generator], LossTerms]
+LossFunction = Callable[[Callable[..., Any], Any, torch.Generator], LossTerms]
+"""Loss of a network, or of the same with other weights, on a batch that it reads."""
 
 TOTAL = "total"
 
@@ -47,8 +47,8 @@ class StepReport:
 
 
 @dataclass
-class DenoiserTraining:
-    """A denoiser on its way: everything that changes from step to step."""
+class PartTraining:
+    """A network on its way: everything that changes from step to step."""
 
     model: nn.Module
     cfg: TrainCfg
@@ -69,6 +69,7 @@ class DenoiserTraining:
         self.optimiser = kind(
             self.model.parameters(),
             lr=self.cfg.learning_rate,
+            betas=(0.9, self.cfg.second_decay),
             weight_decay=self.cfg.weight_decay,
             fused=True,
         )
@@ -113,7 +114,7 @@ class DenoiserTraining:
         """The weights that generate: the best ones, or the last average where none are kept."""
         return self.best.weights or self.average.weights
 
-    def _terms(self, batch: TokenBatch, loss: LossFunction) -> LossTerms:
+    def _terms(self, batch: Batch, loss: LossFunction) -> LossTerms:
         generator = noise_generator(self.cfg.seed, self.step, self.device)
         precision = self.cfg.precision
         is_mixed = precision == "mixed" or (precision == "auto" and self.device.type == "cuda")
@@ -137,8 +138,8 @@ def noise_generator(seed: int, step: int, device: torch.device) -> torch.Generat
     return torch.Generator(device).manual_seed(number >> 1)
 
 
-def train_denoiser(
-    training: DenoiserTraining,
+def train_steps(
+    training: PartTraining,
     batches: Batches,
     loss: LossFunction,
     budget: Budget,

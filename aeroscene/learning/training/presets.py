@@ -10,12 +10,12 @@ from aeroscene.learning.diffusion.loss import LossCfg
 from aeroscene.learning.diffusion.schedule import ScheduleCfg
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.paper.preset import PAPER_SECTIONS
-from aeroscene.learning.skeleton.config import SkeletonCfg, SkeletonTrainingCfg
-from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
-from aeroscene.learning.tokens.kinds import Vocabulary
-from aeroscene.learning.training.checkpoint import Part
+from aeroscene.learning.program.program import N_CHANNELS
+from aeroscene.learning.training.checkpoint import Known, Part
 from aeroscene.learning.training.config import Preset, TrainCfg, TrainingError
 from aeroscene.learning.training.settings import section_from_plain, section_to_plain
+from aeroscene.learning.writer.config import WriterCfg
+from aeroscene.learning.writer.language import Language
 
 _SHARED = ("model", "schedule", "loss", "training")
 Sections = Mapping[str, Any]
@@ -24,17 +24,16 @@ Sections = Mapping[str, Any]
 _DEFAULT: Sections = {
     "model": ModelCfg(),
     "schedule": ScheduleCfg(),
-    "loss": LossCfg(coarse_weight=3.0),
-    "training": TrainCfg(),
-    "codec": CodecCfg(),
-    "skeleton": SkeletonCfg(),
-    "skeleton_training": SkeletonTrainingCfg(),
+    "loss": LossCfg(),
+    "training": TrainCfg(learning_rate=1e-3, second_decay=0.99),
+    "writer": WriterCfg(),
+    "writer_training": TrainCfg(learning_rate=1e-3, second_decay=0.99, weight_decay=0.02),
 }
 _KINDS: Mapping[str, type] = {
     name: type(section) for name, section in {**_DEFAULT, **PAPER_SECTIONS}.items()
 }
 PARTS: Mapping[Preset, tuple[Part, ...]] = {
-    "default": ("skeleton", "denoiser"),
+    "default": ("writer", "denoiser"),
     "paper": ("prior", "denoiser"),
 }
 """Parts of each preset, in the order of their training: L_guide reads the prior."""
@@ -56,25 +55,21 @@ def is_flat(sections: Sections) -> bool:
     return sections["model"].n_categories > 0
 
 
-def codec_of(sections: Sections) -> CodecCfg:
-    """Codec of a training; those from before there was a choice have the default."""
-    return sections.get("codec", DEFAULT_CODEC)
-
-
-def fitted(sections: Sections, vocabulary: Vocabulary) -> dict[str, Any]:
+def fitted(sections: Sections, known: Known) -> dict[str, Any]:
     """Sections for the kinds that there are.
 
     Raises:
-        TrainingError: If the network would see the borders of another codec.
+        TrainingError: If the network is not one for programs.
     """
-    if is_flat(sections):
+    if not isinstance(known, Language):
         return dict(sections)
-    if codec_of(sections) != DEFAULT_CODEC and sections["model"].has_borders:
+    model = sections["model"]
+    if model.denoiser != "tokens" or model.channels != N_CHANNELS:
         raise TrainingError(
-            "model.has_borders is True beside another [codec], valid: false; borders are read "
-            "from the default's channels"
+            f"model.denoiser is {model.denoiser!r} with {model.channels} channels, valid: 'tokens' "
+            f"with {N_CHANNELS}; the paper's network needs --preset paper"
         )
-    return {**sections, "model": replace(sections["model"], n_kinds=vocabulary.n_kinds)}
+    return {**sections, "model": replace(model, n_kinds=len(known.vocabulary.kinds))}
 
 
 def sections_to_plain(sections: Sections) -> dict[str, dict[str, Any]]:

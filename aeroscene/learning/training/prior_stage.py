@@ -10,13 +10,12 @@ import torch
 
 from aeroscene.learning.diffusion.loss import Denoiser, GuidanceLoss, LossCfg, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.paper.guidance.layout import Layout, Reader, flat_reader, tree_reader
+from aeroscene.learning.paper.guidance.layout import Layout, flat_reader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior, train_semantic_prior
-from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.paper.tokens import FlatTrainingSet
 from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.decode import TreeDecoder
-from aeroscene.learning.training.batches.source import drawn_from
+from aeroscene.learning.training.batches.source import batch_generator
 from aeroscene.learning.training.checkpoint import Weights
 from aeroscene.learning.training.data import TrainingData
 from aeroscene.learning.training.journal import append_line, forget_after
@@ -45,20 +44,22 @@ def train_prior_part(
     data: TrainingData,
     device: torch.device,
     on_progress: OnProgress,
-) -> tuple[Weights, dict[str, float]] | None:
+) -> Weights | None:
     """Train the paper's P_sem; it takes a minute and begins anew where it was stopped.
 
     Returns:
-        Its weights, and no figures; None where it was stopped.
+        Its weights; None where it was stopped.
     """
     forget_after(folder, "prior", 0)
     cfg = sections["training"]
-    read = layout_reader(data, device)
+    train = data.train
+    assert isinstance(train, FlatTrainingSet)
+    read = flat_reader(train.statistics, device)
     n_drawn = 0
 
     def layouts(size: int) -> Layout:
         nonlocal n_drawn
-        batch = drawn_from(data.train, size, cfg.seed)(_STREAM + n_drawn)
+        batch = train.sample_batch(size, batch_generator(cfg.seed, _STREAM + n_drawn))
         n_drawn += 1
         batch = batch.to(device)
         assert batch.x0 is not None
@@ -77,16 +78,7 @@ def train_prior_part(
         )
     except _StoppedError:
         return None
-    return prior.state_dict(), {}
-
-
-def layout_reader(data: TrainingData, device: torch.device) -> Reader:
-    """From channels of the data to the objects that they stand for."""
-    statistics = data.train.statistics
-    if isinstance(statistics, FlatStatistics):
-        return flat_reader(statistics, device)
-    decoder = TreeDecoder(data.vocabulary, statistics, device)
-    return tree_reader(decoder, data.vocabulary.n_kinds)
+    return prior.state_dict()
 
 
 def loss_function(
@@ -101,7 +93,9 @@ def loss_function(
             known = SemanticPrior(sections["prior"])
             known.load_state_dict(dict(prior))
             known = known.to(device).eval().requires_grad_(requires_grad=False)
-        guide = Objectives(layout_reader(data, device), sections["guidance"], known).loss
+        assert isinstance(data.train, FlatTrainingSet)
+        read = flat_reader(data.train.statistics, device)
+        guide = Objectives(read, sections["guidance"], known).loss
     return partial(_loss, Schedule(sections["schedule"]), cfg, guide)
 
 

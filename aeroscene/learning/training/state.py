@@ -20,23 +20,31 @@ from aeroscene.learning.training.checkpoint import (
     Weights,
     under,
 )
-from aeroscene.learning.training.loop import DenoiserTraining
+from aeroscene.learning.training.loop import PartTraining
 
 STATE = "state.safetensors"
-VERSION = 1
+VERSION = 2
 
 _KEY = "aeroscene-training"
-_MODEL, _AVERAGE, _MOMENTS, _PARTS = "model.", "average.", "moments.", "parts."
-_BEST = "best."
+_MODEL, _AVERAGE, _MOMENTS, _BEST = "model.", "average.", "moments.", "best."
+_PARTS = "parts."
+
+
+class PartHead(msgspec.Struct, frozen=True, kw_only=True):
+    """How far a part is."""
+
+    step: int
+    seconds: float
+    best_step: int = 0
+    best_loss: float | None = None
+    """Least held-out loss so far; None where no step was looked at."""
 
 
 class _Head(msgspec.Struct):
     version: int
-    step: int
-    seconds: float
+    parts: dict[Part, PartHead]
+    """Parts that are trained step by step, as far as they are."""
     facts: CheckpointFacts
-    best_step: int = 0
-    best_loss: float | None = None
 
 
 @dataclass(frozen=True)
@@ -45,41 +53,38 @@ class TrainingState:
 
     path: Path
     facts: CheckpointFacts
-    step: int
-    seconds: float
+    heads: Mapping[Part, PartHead]
     tensors: Mapping[str, Tensor]
-    best_step: int = 0
-    best_loss: float | None = None
-    """Least held-out loss so far; None where no step was looked at."""
+
+    @property
+    def steps(self) -> int:
+        """Steps of all parts."""
+        return sum(head.step for head in self.heads.values())
 
     @property
     def parts(self) -> dict[Part, Weights]:
-        """Weights of the parts that are trained already."""
+        """Weights of the parts that are there whole: taken, or trained at one go."""
         kept = under(self.tensors, _PARTS)
         found: dict[Part, Weights] = {part: under(kept, f"{part}.") for part in PARTS}
         return {part: weights for part, weights in found.items() if weights}
 
-    @property
-    def has_denoiser(self) -> bool:
-        """Whether the denoiser's training had begun."""
-        return any(name.startswith(_MODEL) for name in self.tensors)
-
-    def restore(self, training: DenoiserTraining) -> None:
-        """Put a training where this one was.
+    def restore(self, part: Part, training: PartTraining) -> None:
+        """Put the training of a part where this one was.
 
         Raises:
             CheckpointError: If it is of another model.
         """
+        tensors, head = under(self.tensors, f"{part}."), self.heads[part]
         try:
-            training.model.load_state_dict(under(self.tensors, _MODEL))
-            training.average.load(under(self.tensors, _AVERAGE))
+            training.model.load_state_dict(under(tensors, _MODEL))
+            training.average.load(under(tensors, _AVERAGE))
         except (RuntimeError, KeyError) as error:
             detail = str(error).splitlines()[-1].strip()
             raise CheckpointError(
                 f"state {str(self.path)!r} is of another model ({detail}), "
                 "valid: the configuration that it was begun with, or another folder"
             ) from None
-        moments = under(self.tensors, _MOMENTS)
+        moments = under(tensors, _MOMENTS)
         for name, parameter in training.model.named_parameters():
             kept = under(moments, f"{name}|")
             if kept:
@@ -88,20 +93,20 @@ class TrainingState:
                 training.optimiser.state[parameter] = {
                     key: value.to(training.device) for key, value in kept.items()
                 }
-        training.step, training.seconds = self.step, self.seconds
-        if self.best_loss is not None:
-            kept = under(self.tensors, _BEST)
+        training.step, training.seconds = head.step, head.seconds
+        if head.best_loss is not None:
+            kept = under(tensors, _BEST)
             weights = {name: value.to(training.device) for name, value in kept.items()}
-            training.best.offer(self.best_step, self.best_loss, weights)
+            training.best.offer(head.best_step, head.best_loss, weights)
 
 
 def write_state(
     path: Path,
     facts: CheckpointFacts,
-    training: DenoiserTraining | None,
+    trainings: Mapping[Part, PartTraining],
     parts: Mapping[Part, Weights],
 ) -> None:
-    """Write a training, whole or not at all: the denoiser's, where it has begun, and other parts.
+    """Write a training, whole or not at all: of parts that have begun, and of those that are whole.
 
     Raises:
         OSError: If it cannot be written.
@@ -111,21 +116,30 @@ def write_state(
         for part, weights in parts.items()
         for name, value in weights.items()
     }
-    if training is not None:
-        tensors |= {f"{_MODEL}{k}": v for k, v in training.model.state_dict().items()}
-        tensors |= {f"{_AVERAGE}{k}": v for k, v in training.average.weights.items()}
-        tensors |= {f"{_BEST}{k}": v for k, v in training.best.weights.items()}
-        for name, parameter in training.model.named_parameters():
-            state = training.optimiser.state.get(parameter, {})
-            tensors |= {f"{_MOMENTS}{name}|{key}": value for key, value in state.items()}
-    step, seconds = (0, 0.0) if training is None else (training.step, training.seconds)
-    head = _Head(VERSION, step, seconds, facts)
-    if training is not None and training.best.step:
-        head.best_step, head.best_loss = training.best.step, training.best.loss
+    for part, training in trainings.items():
+        tensors |= {f"{part}.{name}": value for name, value in _tensors(training).items()}
+    heads: dict[Part, PartHead] = {part: _head(training) for part, training in trainings.items()}
     plain = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
-    data = save(plain, metadata={_KEY: msgspec.json.encode(head).decode()})
+    head = msgspec.json.encode(_Head(VERSION, heads, facts)).decode()
+    data = save(plain, metadata={_KEY: head})
     with replacing(path) as file:
         file.write(data)
+
+
+def _head(training: PartTraining) -> PartHead:
+    best = training.best
+    looked = {"best_step": best.step, "best_loss": best.loss} if best.step else {}
+    return PartHead(step=training.step, seconds=training.seconds, **looked)
+
+
+def _tensors(training: PartTraining) -> dict[str, Tensor]:
+    tensors = {f"{_MODEL}{k}": v for k, v in training.model.state_dict().items()}
+    tensors |= {f"{_AVERAGE}{k}": v for k, v in training.average.weights.items()}
+    tensors |= {f"{_BEST}{k}": v for k, v in training.best.weights.items()}
+    for name, parameter in training.model.named_parameters():
+        state = training.optimiser.state.get(parameter, {})
+        tensors |= {f"{_MOMENTS}{name}|{key}": value for key, value in state.items()}
+    return tensors
 
 
 def read_state(path: Path) -> TrainingState | None:
@@ -140,17 +154,23 @@ def read_state(path: Path) -> TrainingState | None:
         with safe_open(path, framework="pt", device="cpu") as file:
             text = (file.metadata() or {}).get(_KEY, "")
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-        head = msgspec.json.decode(text, type=_Head)
+        version = msgspec.json.decode(text, type=dict).get("version")
     except (OSError, SafetensorError, msgspec.DecodeError) as error:
+        raise _damaged(path, error) from None
+    if version != VERSION:
         raise CheckpointError(
-            f"state {str(path)!r} is truncated or no state of a training ({error}), "
-            "valid: as aeroscene train has written it; delete it to train anew"
-        ) from None
-    if head.version != VERSION:
-        raise CheckpointError(
-            f"state {str(path)!r} is of version {head.version}, valid: {VERSION}; "
+            f"state {str(path)!r} is of version {version}, valid: {VERSION}; "
             "delete it to train anew"
         )
-    return TrainingState(
-        path, head.facts, head.step, head.seconds, tensors, head.best_step, head.best_loss
+    try:
+        head = msgspec.json.decode(text, type=_Head)
+    except msgspec.DecodeError as error:
+        raise _damaged(path, error) from None
+    return TrainingState(path, head.facts, head.parts, tensors)
+
+
+def _damaged(path: Path, error: Exception) -> CheckpointError:
+    return CheckpointError(
+        f"state {str(path)!r} is truncated or no state of a training ({error}), "
+        "valid: as aeroscene train has written it; delete it to train anew"
     )

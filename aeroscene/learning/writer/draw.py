@@ -8,8 +8,8 @@ from jaxtyping import Bool
 from torch import Tensor
 
 from aeroscene.learning.program.kinds import Kind
-from aeroscene.learning.skeleton.bucket import bucket
 from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.writer.bucket import bucket
 from aeroscene.learning.writer.config import WriterError
 from aeroscene.learning.writer.growth import Choice, Growth
 from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
@@ -108,7 +108,9 @@ class _Draw:
             seen = np.array(seen_of(growth, element))
             seen[11] = self._is_fine
             seen[8:11] = bucket(seen[8:11])
-            mask = torch.from_numpy(np.stack([np.ones(index + 1, dtype=bool), self._kin_of(growth)]))
+            mask = torch.from_numpy(
+                np.stack([np.ones(index + 1, dtype=bool), self._kin_of(growth)])
+            )
             known, self._memory = self._writer.read(
                 self._tensor([[seen.tolist()]])[0],
                 self._wish,
@@ -143,5 +145,3 @@ class _Draw:
         total = weight.cumsum()
         # Above 0 and up to 1: so the first share that reaches it is never an empty one.
         return int((total < (1.0 - self._rng.random()) * total[-1]).sum())
-
-

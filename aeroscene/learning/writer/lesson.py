@@ -1,18 +1,16 @@
-"""Programs as padded tensors: what is seen after each element, and what is right."""
+"""Programs as arrays: what is seen after each element, and what is right."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
-import torch
 from jaxtyping import Bool, Float, Int
-from torch import Tensor
 
-from aeroscene.learning.skeleton.bucket import bucket
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.writer.bucket import bucket
 from aeroscene.learning.writer.growth import MAX_DEPTH, N_RECENT, Choice, Element, Growth
 
 IGNORE = -100
@@ -23,31 +21,30 @@ N_SEEN = 12
 N_WISHES = 6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lesson:
-    """Elements of one program or of many; the targets are those of the token that comes next."""
+    """Elements of a program; the targets are those of the token that comes next."""
 
-    seen: Int[Tensor, "b t 12"]
+    seen: Int[np.ndarray, "t 12"]
     """Kind, kind of the parent, depth, place among siblings, whether it is a mark, member, host,
     array, coarse and fine objects left, how many too many, whether the part is fine."""
-    kin: Bool[Tensor, "b t t"]
+    kin: Bool[np.ndarray, "t t"]
     """Which elements are above an element, or children of the same."""
-    wish: Float[Tensor, "b 6"]
-    depth: Int[Tensor, "b t"]
+    wish: Float[np.ndarray, " 6"]
+    depth: Int[np.ndarray, " t"]
     """Depth of the next token, 0 for the end of the part."""
-    above: Int[Tensor, "b t"]
+    above: Int[np.ndarray, " t"]
     """Element that will be its parent."""
-    recent: Int[Tensor, "b t recent"]
+    recent: Int[np.ndarray, "t recent"]
     """Kinds of the latest children there, the last one first; -1 where there is none."""
-    n_siblings: Int[Tensor, "b t"]
-    kind: Int[Tensor, "b t"]
-    member: Int[Tensor, "b t"]
-    host: Int[Tensor, "b t"]
-    shape: Int[Tensor, "b t"]
+    n_siblings: Int[np.ndarray, " t"]
+    kind: Int[np.ndarray, " t"]
+    member: Int[np.ndarray, " t"]
+    host: Int[np.ndarray, " t"]
+    shape: Int[np.ndarray, " t"]
 
-    def to(self, device: torch.device) -> Lesson:
-        """The same on a device."""
-        return replace(self, **{f.name: getattr(self, f.name).to(device) for f in fields(self)})
+    def __len__(self) -> int:
+        return len(self.seen)
 
 
 def wish_numbers(wish: Wish) -> Float[np.ndarray, " 6"]:
@@ -85,7 +82,7 @@ def recent_of(growth: Growth, above: int) -> tuple[list[int], int]:
 
 
 def lesson_of(growth: Growth, said: Sequence[tuple[int, Choice | None]], wish: Wish) -> Lesson:
-    """The lesson of one grown program, as a batch of one."""
+    """The lesson of a grown program."""
     elements = growth.elements
     n = len(elements)
     seen = np.array([seen_of(growth, each) for each in elements])
@@ -115,18 +112,19 @@ def lesson_of(growth: Growth, said: Sequence[tuple[int, Choice | None]], wish: W
         n_siblings[i] = len(below)
         below.append(choice.kind)
         targets[:, i] = _targets(choice)
+    kind, member, host, shape = targets
     return Lesson(
-        seen=torch.from_numpy(seen)[None],
-        kin=torch.from_numpy(kin)[None],
-        wish=torch.from_numpy(wish_numbers(wish))[None],
-        depth=torch.from_numpy(depth)[None],
-        above=torch.from_numpy(above)[None],
-        recent=torch.from_numpy(recent)[None],
-        n_siblings=torch.from_numpy(bucket(n_siblings))[None],
-        **{
-            name: torch.from_numpy(row)[None]
-            for name, row in zip(("kind", "member", "host", "shape"), targets, strict=True)
-        },
+        seen=seen,
+        kin=kin,
+        wish=wish_numbers(wish),
+        depth=depth,
+        above=above,
+        recent=recent,
+        n_siblings=bucket(n_siblings),
+        kind=kind,
+        member=member,
+        host=host,
+        shape=shape,
     )
 
 
@@ -142,28 +140,3 @@ def kin_of(parent: Int[np.ndarray, " t"]) -> Bool[np.ndarray, "t t"]:
         kin[i] |= kin[parent[i]]
         kin[i, 1:i] |= parent[1:i] == parent[i]
     return kin
-
-
-def batched(lessons: Sequence[Lesson]) -> Lesson:
-    """Lessons padded to one length; padding says nothing and sees itself alone."""
-    n = max(lesson.seen.shape[1] for lesson in lessons)
-
-    def padded(name: str, value: int) -> Tensor:
-        parts = [getattr(lesson, name)[0] for lesson in lessons]
-        found = parts[0].new_full((len(parts), n, *parts[0].shape[1:]), value)
-        for row, part in enumerate(parts):
-            found[row, : len(part)] = part
-        return found
-
-    kin = torch.eye(n, dtype=torch.bool).repeat(len(lessons), 1, 1)
-    for row, lesson in enumerate(lessons):
-        size = lesson.kin.shape[1]
-        kin[row, :size, :size] = lesson.kin[0]
-    said = ("depth", "kind", "member", "host", "shape")
-    return Lesson(
-        kin=kin,
-        wish=torch.cat([lesson.wish for lesson in lessons]),
-        recent=padded("recent", -1),
-        **{name: padded(name, 0) for name in ("seen", "above", "n_siblings")},
-        **{name: padded(name, IGNORE) for name in said},
-    )

@@ -15,12 +15,13 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
-from aeroscene.learning.skeleton.bucket import N_BUCKETS
-from aeroscene.learning.skeleton.embedding import KindEmbedding
+from aeroscene.learning.writer.batch import LessonBatch
+from aeroscene.learning.writer.bucket import N_BUCKETS
 from aeroscene.learning.writer.config import WriterCfg
+from aeroscene.learning.writer.embedding import KindEmbedding
 from aeroscene.learning.writer.growth import MAX_DEPTH
 from aeroscene.learning.writer.language import Language
-from aeroscene.learning.writer.lesson import N_HOSTS, N_MEMBERS, N_WISHES, Lesson
+from aeroscene.learning.writer.lesson import N_HOSTS, N_MEMBERS, N_WISHES
 
 _SMALL = 12
 Memory = list[tuple[Tensor, Tensor]]
@@ -90,6 +91,10 @@ class Writer(nn.Module):
         self.rest = _mlp(local + kind, width, N_MEMBERS + N_HOSTS + n_shapes, cfg.dropout)
         self.n_shapes = n_shapes
 
+    def forward(self, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]]:
+        """`surprise` at a batch."""
+        return surprise(self, lesson)
+
     def read(
         self,
         seen: Int[Tensor, "b t 12"],
@@ -156,7 +161,7 @@ def new_writer(cfg: WriterCfg, language: Language) -> Writer:
     return Writer(cfg, program_traits(vocabulary), len(vocabulary.shapes))
 
 
-def surprise(writer: Writer, lesson: Lesson) -> dict[str, Float[Tensor, ""]]:
+def surprise(writer: Writer, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]]:
     """Negative log likelihood of a batch of programs, nats in all, by what is said."""
     table = writer.embedding()
     n = lesson.seen.shape[1]

@@ -7,7 +7,7 @@ have as many children as they say; of everything else a corpus tells.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -101,19 +101,6 @@ class Syntax:
         """How many children of the class of a kind a token of a class may have."""
         many = np.where(self.most <= FEW, self.most, _MANY)
         return many[:, self.class_of]
-
-    @cached_property
-    def has_children(self) -> Bool[np.ndarray, "kinds 2"]:
-        """Whether a kind ever has fine, and coarse, children."""
-        cap = self.cap > 0
-        fine = cap[:, ~self.is_coarse].any(axis=1)[self.class_of]
-        return np.stack([fine, cap[:, self.is_coarse].any(axis=1)[self.class_of]], axis=1)
-
-    @cached_property
-    def by_node(self) -> Mapping[str, Bool[np.ndarray, " kinds"]]:
-        """Kinds of each node."""
-        nodes = np.array(self.node)
-        return {node: nodes == node for node in sorted(set(self.node))}
 
     def fits(self, nodes: frozenset[str]) -> Bool[np.ndarray, " kinds"]:
         """Kinds of some nodes."""

@@ -11,7 +11,6 @@ from torch import Tensor
 
 from aeroscene.learning.paper.tokens import N_GEOMETRY, POSITION, ROTATION, SCALE, FlatStatistics
 from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.decode import TreeDecoder
 
 _LEAST_SIZE_M = 0.02
 """Extents of a noisy layout may come out negative."""
@@ -57,24 +56,20 @@ def flat_reader(statistics: FlatStatistics, device: torch.device | str = "cpu") 
     return read
 
 
-def tree_reader(decoder: TreeDecoder, n_kinds: int) -> Reader:
-    """Reads our channels, in the parents' frames; the kinds stand for the categories."""
-
-    def read(x: Tensor, batch: TokenBatch) -> Layout:
-        boxes = decoder.decode(x, batch)
-        kind = torch.nn.functional.one_hot(batch.kind, n_kinds).to(x)
-        mask = batch.mask & (batch.depth > 0)
-        is_coarse = _is_coarse(batch)
-        return Layout(boxes.center_enu_m, boxes.heading, boxes.size_m, kind, mask, is_coarse)
-
-    return read
-
-
 def heading_of_quaternion(quat_wxyz: Float[Tensor, "*batch 4"]) -> Float[Tensor, "*batch 2"]:
     """Cosine and sine of the yaw of quaternions of any norm."""
     w, x, y, z = quat_wxyz.unbind(-1)
     along = torch.stack([w * w + x * x - y * y - z * z, 2 * (w * z + x * y)], dim=-1)
     return along / along.norm(dim=-1, keepdim=True).clamp(min=1e-6)
+
+
+def turn_back(
+    vector: Float[Tensor, "*batch 3"], heading: Float[Tensor, "*batch 2"]
+) -> Float[Tensor, "*batch 3"]:
+    """Vectors of the world in frames turned about the vertical."""
+    x, y, z = vector.unbind(-1)
+    c, s = heading.unbind(-1)
+    return torch.stack([c * x + s * y, c * y - s * x, z.expand_as(c * x)], dim=-1)
 
 
 def _is_coarse(batch: TokenBatch) -> Bool[Tensor, " n"]:

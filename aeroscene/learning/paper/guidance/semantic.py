@@ -17,8 +17,7 @@ from torch import Tensor, nn
 from torch.nn.functional import logsigmoid, softplus
 
 from aeroscene.learning.diffusion.schedule import DiffusionError
-from aeroscene.learning.guidance.tree import turn_back
-from aeroscene.learning.paper.guidance.layout import Layout
+from aeroscene.learning.paper.guidance.layout import Layout, turn_back
 
 
 @dataclass(frozen=True, kw_only=True)

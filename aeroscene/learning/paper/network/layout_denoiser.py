@@ -8,13 +8,13 @@ from torch import Tensor, nn
 
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.model.embedding import LayoutEmbedding
 from aeroscene.learning.model.encoding import TimeEmbedding
 from aeroscene.learning.paper.network.attention import (
     CrossScaleProgressiveAttention,
     ScaleAttention,
 )
 from aeroscene.learning.paper.network.coarse import CoarseCnn
+from aeroscene.learning.paper.network.embedding import LayoutEmbedding
 from aeroscene.learning.paper.network.fine import FineGnn
 from aeroscene.learning.paper.network.routing import LearnedRouting, Routes, given_routes
 from aeroscene.learning.paper.network.unet import Condition, TokenUnet

@@ -14,7 +14,7 @@ from typing import Any
 from aeroscene.corpus.corpus import scene_split
 from aeroscene.corpus.curation import curate_scene
 from aeroscene.corpus.provenance import curation_digest
-from aeroscene.learning.tokens.examples import UnencodableError
+from aeroscene.learning.tokens.skeleton import UnencodableError
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import read_scene, write_scene
 

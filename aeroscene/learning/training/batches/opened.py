@@ -9,11 +9,11 @@ from pathlib import Path
 
 import torch
 
+from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.batches.prefetch import Prefetched
 from aeroscene.learning.training.batches.source import Batches, drawn_from
-from aeroscene.learning.training.batches.stream import StreamedBatches
+from aeroscene.learning.training.batches.stream import FirstStretch, StreamedBatches
 from aeroscene.learning.training.config import TrainCfg
-from aeroscene.learning.training.data import TrainingData
 
 
 @dataclass(frozen=True)
@@ -24,37 +24,56 @@ class OpenBatches:
     stream: StreamedBatches | None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Supply:
+    """Where the batches of a part come from."""
+
+    scenes: FirstStretch
+    """The scenes that there are."""
+    encode: Encoder
+    last_number: int | None
+    """Number after which the grammar goes on; None where it does not."""
+    folder: Path
+    """Folder of the training."""
+    n_workers: int
+    stage: str
+    """Name of the part."""
+    is_last: bool
+    """Whether no other part will ask for the same scenes."""
+
+
 @contextmanager
 def open_batches(
-    data: TrainingData,
-    cfg: TrainCfg,
-    device: torch.device,
-    folder: Path,
-    step: int,
-    n_workers: int,
-    wants_stop: Callable[[], bool],
+    supply: Supply, cfg: TrainCfg, device: torch.device, step: int, wants_stop: Callable[[], bool]
 ) -> Iterator[OpenBatches]:
     """Batches from a step on; a thread makes them ahead where another device computes.
 
-    Arguments are those of `StreamedBatches`.
+    Other arguments are those of `StreamedBatches`.
     """
     with ExitStack() as stack:
         stream = None
-        batches = drawn_from(data.train, cfg.batch_size, cfg.seed)
-        if data.last_number is not None:
+        batches = drawn_from(supply.scenes, cfg.batch_size, cfg.seed)
+        if supply.last_number is not None:
             stream = stack.enter_context(
                 StreamedBatches(
-                    data.train,
-                    data.train.encoder,
-                    data.last_number,
+                    supply.scenes,
+                    supply.encode,
+                    supply.last_number,
                     cfg,
-                    folder,
+                    supply.folder,
                     step,
-                    n_workers,
+                    supply.n_workers,
                     wants_stop,
+                    stage=stream_stage(supply.stage),
+                    keeps_files=not supply.is_last,
                 )
             )
             batches = stream
         if device.type != "cpu":
             batches = stack.enter_context(Prefetched(batches, device))
         yield OpenBatches(batches, stream)
+
+
+def stream_stage(part: str) -> str:
+    """Name of the log's lines about the stream of a part."""
+    return f"stream of {part}"

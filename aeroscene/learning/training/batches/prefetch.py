@@ -9,8 +9,7 @@ from typing import Self
 
 import torch
 
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.training.batches.source import Batches
+from aeroscene.learning.training.batches.source import Batch, Batches
 
 _AHEAD = 2
 """Batches: one that is being made while one waits."""
@@ -23,9 +22,9 @@ class Prefetched:
         self._batches = batches
         self._device = device
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="batches")
-        self._pending: deque[tuple[int, Future[TokenBatch]]] = deque()
+        self._pending: deque[tuple[int, Future[Batch]]] = deque()
 
-    def __call__(self, step: int) -> TokenBatch:
+    def __call__(self, step: int) -> Batch:
         """Batch of a step on the device; raises what making it raises."""
         if not self._pending or self._pending[0][0] != step:
             self._pending.clear()
@@ -47,7 +46,7 @@ class Prefetched:
         """End the thread; a batch that it is making is made first."""
         self._thread.shutdown(wait=True, cancel_futures=True)
 
-    def _made(self, step: int) -> TokenBatch:
+    def _made(self, step: int) -> Batch:
         batch = self._batches(step)
         if self._device.type == "cuda":
             return batch.pinned().to(self._device, non_blocking=True)

@@ -8,8 +8,10 @@ from typing import Protocol
 import numpy as np
 
 from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.writer.batch import LessonBatch
 
-Batches = Callable[[int], TokenBatch]
+Batch = TokenBatch | LessonBatch
+Batches = Callable[[int], Batch]
 """Batch of a step, counted from 0, on the processor; steps are asked for in ascending order.
 
 Raises `StoppedError` where the user wants the training to end before the batch is made.
@@ -23,7 +25,7 @@ class StoppedError(Exception):
 class Scenes(Protocol):
     """Scenes to train on, varied at random."""
 
-    def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
+    def sample_batch(self, size: int, rng: np.random.Generator) -> Batch:
         """Scenes drawn from the set, on the processor."""
         ...
 

@@ -24,7 +24,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol, Self
 
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.batches.curation import (
     Encoder,
     Fresh,
@@ -32,13 +31,10 @@ from aeroscene.learning.training.batches.curation import (
     numbers_after,
     scene_file,
 )
-from aeroscene.learning.training.batches.source import Scenes, StoppedError, batch_generator
+from aeroscene.learning.training.batches.source import Batch, Scenes, StoppedError, batch_generator
 from aeroscene.learning.training.config import TrainCfg, TrainingError
 from aeroscene.learning.training.journal import append_line, forget_after, read_log
 from aeroscene.processes import WorkerDiedError, Workers
-
-STAGE = "stream"
-"""Lines of the log about scenes that were skipped, and how many there were."""
 
 _AHEAD = 64
 """Scenes made before they are needed."""
@@ -72,6 +68,9 @@ class StreamedBatches:
         step: int,
         n_workers: int,
         wants_stop: Callable[[], bool] = lambda: False,
+        *,
+        stage: str = "stream",
+        keeps_files: bool = False,
     ) -> None:
         """Start the workers.
 
@@ -84,8 +83,11 @@ class StreamedBatches:
             step: Step that the training goes on from.
             n_workers: Processes.
             wants_stop: Asked while batches wait for scenes.
+            stage: Name of the lines of the log about the stream.
+            keeps_files: Whether files of scenes that have gone by stay, for another part's stream.
         """
         self._first, self._cfg, self._folder, self._wants_stop = first, cfg, folder, wants_stop
+        self._stage, self._keeps_files = stage, keeps_files
         self._size = len(first.examples)
         begin = self._place(step)
         n_passed = max(0, begin - self._size)
@@ -100,7 +102,7 @@ class StreamedBatches:
         numbers = islice(numbers_after(last), n_passed, None)
         self._fresh: Workers[int, Fresh] = Workers(work, numbers, n_workers, _AHEAD)
 
-    def __call__(self, step: int) -> TokenBatch:
+    def __call__(self, step: int) -> Batch:
         """Batch of a step.
 
         Raises:
@@ -168,12 +170,12 @@ class StreamedBatches:
         self._is_stale = True
         if fresh.example is None and self._end > self._logged_to:
             self._n_skipped += 1
-            line = {"stage": STAGE, "step": step + 1, "skipped": fresh.number}
+            line = {"stage": self._stage, "step": step + 1, "skipped": fresh.number}
             append_line(self._folder, line | {"reason": fresh.reason})
 
     def _drop(self, fresh: Fresh) -> None:
         self._is_stale = True
-        if fresh.number >= 0:
+        if fresh.number >= 0 and not self._keeps_files:
             scene_file(self._folder, fresh.number).unlink(missing_ok=True)
 
     def _examples(self) -> tuple[Any, ...]:
@@ -188,11 +190,11 @@ class StreamedBatches:
 
     def _begin_log(self, step: int) -> None:
         """Say what the stream is; what was skipped before the step is in the log already."""
-        forget_after(self._folder, STAGE, step)
+        forget_after(self._folder, self._stage, step)
         self._n_skipped = sum(
-            line.get("stage") == STAGE and "reason" in line for line in read_log(self._folder)
+            line.get("stage") == self._stage and "reason" in line for line in read_log(self._folder)
         )
         # Step `step` is not taken yet: what it brings in is logged by it.
         self._logged_to = self._place(step - 1) + self._size if step else 0
-        line = {"stage": STAGE, "step": step, "scene_uses": self._cfg.scene_uses}
+        line = {"stage": self._stage, "step": step, "scene_uses": self._cfg.scene_uses}
         append_line(self._folder, line | {"pool": self._size})

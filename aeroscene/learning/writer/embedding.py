@@ -6,20 +6,6 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
-from aeroscene.learning.tokens.kinds import Vocabulary
-
-
-def kind_traits(vocabulary: Vocabulary) -> Bool[Tensor, "kinds traits"]:
-    """Traits that kinds share: category, attachment, each attribute's value."""
-    found = [
-        {kind.category, f"at {kind.attachment}", f"aligned {kind.is_aligned}", f"in {kind.domain}"}
-        | set(kind.openings)
-        | {f"{name} {value}" for name, value in kind.attributes}
-        for kind in vocabulary.kinds
-    ]
-    names = sorted(set().union(*found))
-    return torch.tensor([[name in traits for name in names] for traits in found])
-
 
 class KindEmbedding(nn.Module):
     """Kinds as vectors: one of their own, plus one for each of their traits.

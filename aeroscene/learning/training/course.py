@@ -1,0 +1,136 @@
+"""The course of one part's training: what is logged, looked at and saved on the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import torch
+from torch import Tensor
+
+from aeroscene.learning.training.batches.opened import stream_stage
+from aeroscene.learning.training.batches.stream import StreamedBatches
+from aeroscene.learning.training.checkpoint import Part
+from aeroscene.learning.training.config import TrainingError
+from aeroscene.learning.training.data import Set
+from aeroscene.learning.training.held_out import held_out_loss
+from aeroscene.learning.training.journal import append_line
+from aeroscene.learning.training.loop import TOTAL, LossFunction, PartTraining, StepReport
+from aeroscene.learning.writer.training_set import LessonSet, ProgramSet
+
+
+class Watcher(Protocol):
+    """Observer of a training, which may stop it."""
+
+    def on_progress(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
+        """A stage has come so far, 0 to 1; `figures` are losses by name, now and then."""
+        ...
+
+    def wants_stop(self) -> bool:
+        """Asked after every step."""
+        ...
+
+
+@dataclass(kw_only=True)
+class Course:
+    """The course of one part's training: what is logged, looked at and saved on the way."""
+
+    part: Part
+    training: PartTraining
+    loss: LossFunction
+    held_out: Set | LessonSet
+    stream: StreamedBatches | None
+    folder: Path
+    log_steps: int
+    watcher: Watcher
+    figures: dict[str, Any]
+    """Figures of the whole training, which it adds to."""
+    save: Callable[[], None]
+    """Called after a step where it is time to."""
+    pending: list[StepReport] = field(default_factory=list)
+
+    def after_step(self, report: StepReport) -> bool:
+        """Whether to go on after a step."""
+        self.pending.append(report)
+        figures: dict[str, float] = {}
+        if report.step % self.log_steps == 0:
+            figures = self.log()
+        if report.step % self.training.cfg.look_steps == 0 or report.share >= 1.0:
+            figures |= self.look()
+        self.watcher.on_progress(self.part, report.share, figures)
+        if self.watcher.wants_stop():
+            return False
+        if report.share < 1.0:
+            self.save()
+        return True
+
+    def log(self) -> dict[str, float]:
+        """Write the means of the steps since the last line."""
+        reports, self.pending = self.pending, []
+        if not reports:
+            return {}
+        folder, last = self.folder, reports[-1]
+        figures = {name: _mean([report.losses[name] for report in reports]) for name in last.losses}
+        figures["gradient_norm"] = _mean([report.gradient_norm for report in reports])
+        figures = {name: value for name, value in figures.items() if value > 0}
+        figures["learning_rate"] = last.learning_rate
+        line = {"stage": self.part, "step": last.step, "seconds": round(last.seconds, 2)}
+        append_line(folder, line | {k: float(f"{v:.6g}") for k, v in figures.items()})
+        self._tell({"loss": figures.get(TOTAL, 0.0)})
+        if self.stream is not None:
+            streamed = self.stream.figures(last.step)
+            stage = stream_stage(self.part)
+            append_line(folder, {"stage": stage, "step": last.step} | streamed)
+            self._tell({"scenes": streamed["scenes"]})
+        return figures
+
+    def look(self) -> dict[str, float]:
+        """Measure the averaged weights on held-out scenes, and keep them where they are best."""
+        training = self.training
+        check_finite(training)
+        loss = held_out_loss(training, self.held_out, self.loss)
+        if loss is None:
+            return {}
+        best, step = training.best, training.step
+        is_best = best.offer(step, loss, training.average.weights)
+        line = {"stage": self.part, "step": step, "held_out": round(loss, 6), "is_best": is_best}
+        append_line(self.folder, line)
+        kept = best.loss if best.keeps_weights else loss
+        self._tell({"held_out_loss": kept, "held_out_least_step": best.step})
+        self._tell({"held_out_least": best.loss})
+        return {"held_out": loss}
+
+    def _tell(self, figures: Mapping[str, float]) -> None:
+        prefix = figure_prefix(self.part)
+        self.figures |= {f"{prefix}{name}": value for name, value in figures.items()}
+
+
+def figure_prefix(part: Part) -> str:
+    """Beginning of the names of a part's figures; those of the denoiser have none."""
+    return "" if part == "denoiser" else f"{part}_"
+
+
+def part_set(data: Set, part: Part) -> Set | LessonSet:
+    """Scenes as a part reads them."""
+    return data.lessons if part == "writer" and isinstance(data, ProgramSet) else data
+
+
+def check_finite(training: PartTraining) -> None:
+    """Refuse weights that are of no use.
+
+    Raises:
+        TrainingError: If one is not finite.
+    """
+    for name, value in training.average.weights.items():
+        if not torch.isfinite(value).all():
+            raise TrainingError(
+                f"weights {name} are not finite after step {training.step}, valid: a lower "
+                "learning_rate; the last save is as it was"
+            )
+
+
+def _mean(values: list[Tensor]) -> float:
+    return math.fsum(float(value) for value in values) / len(values)

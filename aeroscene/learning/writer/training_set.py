@@ -1,0 +1,117 @@
+"""Programs of a corpus as batches for training: for the writer, and for the denoiser."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Int
+
+from aeroscene.learning.program.batch import program_batch
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.writer.batch import LessonBatch, lesson_batch
+from aeroscene.learning.writer.examples import ProgramEncoder, Written
+from aeroscene.learning.writer.language import Language
+
+_WINDOW = 4
+"""Batches that a window of programs of like size holds."""
+
+
+@dataclass(frozen=True, eq=False)
+class ProgramSet:
+    """Programs with their language, as batches for the denoiser."""
+
+    language: Language
+    examples: tuple[Written, ...]
+
+    @property
+    def known(self) -> Language:
+        """What a checkpoint keeps of the scenes."""
+        return self.language
+
+    @property
+    def kinds_json(self) -> str:
+        """The kinds of tokens as text."""
+        return self.language.to_json()
+
+    @property
+    def encoder(self) -> ProgramEncoder:
+        """From other scenes to examples of the same language, without these."""
+        return ProgramEncoder(self.language)
+
+    @cached_property
+    def digest(self) -> str:
+        """Sixteen hexadecimal digits that differ between corpora."""
+        digest = hashlib.sha256(self.kinds_json.encode())
+        for each in self.examples:
+            digest.update(each.example.skeleton.kind_id.astype("<i4").tobytes())
+            digest.update(np.round(each.example.x0, 4).astype("<f4").tobytes())
+        return digest.hexdigest()[:16]
+
+    @property
+    def lessons(self) -> LessonSet:
+        """The same programs for the writer."""
+        return LessonSet(self.examples)
+
+    def with_examples(self, examples: Sequence[Written]) -> ProgramSet:
+        """Other programs of the same language."""
+        return replace(self, examples=tuple(examples))
+
+    def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
+        """Programs of like size, drawn from a random window of four batches."""
+        return self._batch([self.examples[i] for i in _window(self._by_size, size, rng)])
+
+    def in_order(self, start: int, size: int) -> TokenBatch:
+        """Programs from a place on, for measuring."""
+        return self._batch(self.examples[start : start + size])
+
+    def _batch(self, chosen: Sequence[Written]) -> TokenBatch:
+        wishes = [each.wish for each in chosen]
+        return program_batch([each.example for each in chosen], wishes, self.language.statistics)
+
+    @cached_property
+    def _by_size(self) -> Int[np.ndarray, " scenes"]:
+        return _windowed([len(each.example.skeleton) for each in self.examples])
+
+
+@dataclass(frozen=True, eq=False)
+class LessonSet:
+    """Programs as batches for the writer."""
+
+    examples: tuple[Written, ...]
+
+    def with_examples(self, examples: Sequence[Written]) -> LessonSet:
+        """Other programs of the same language."""
+        return LessonSet(tuple(examples))
+
+    def sample_batch(self, size: int, rng: np.random.Generator) -> LessonBatch:
+        """Programs of like size, drawn from a random window of four batches."""
+        picked = _window(self._by_size, size, rng)
+        return lesson_batch([self.examples[i].lesson for i in picked])
+
+    def in_order(self, start: int, size: int) -> LessonBatch:
+        """Programs from a place on, for measuring."""
+        return lesson_batch([each.lesson for each in self.examples[start : start + size]])
+
+    @cached_property
+    def _by_size(self) -> Int[np.ndarray, " scenes"]:
+        return _windowed([len(each.lesson) for each in self.examples])
+
+
+def _windowed(sizes: Sequence[int]) -> Int[np.ndarray, " scenes"]:
+    """Numbers of the programs, the smallest first, then down again: no window spans a jump."""
+    order = np.argsort(sizes, kind="stable")
+    return np.concatenate([order[::2], order[1::2][::-1]])
+
+
+def _window(by_size: Int[np.ndarray, " scenes"], size: int, rng: np.random.Generator) -> list[int]:
+    """Numbers of programs of like size: that leaves 8% of a batch of 16 to padding, not 24%.
+
+    Windows reach over both ends, so that all are drawn alike.
+    """
+    n = len(by_size)
+    start = int(rng.integers(n))
+    return by_size[(start + rng.integers(min(_WINDOW * size, n), size=size)) % n].tolist()
