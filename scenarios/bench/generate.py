@@ -123,7 +123,7 @@ def _speed_rows(
     yield lower("its CPU time, median", float(np.median([c.cpu_s for c in costs])), "CPU s")
     on_progress("timing the stages", 0.55)
     stages = _stages(generator, costs)
-    yield lower("its skeleton, median", stages.skeleton_s, "s")
+    yield lower("its program, median", stages.program_s, "s")
     yield lower("its sampling, median", stages.sampling_s, "s")
     yield lower("its feasibility, areas and validation, median", stages.rest_s, "s")
     yield higher("its objects, mean", float(np.mean(n_objects)), "objects")
@@ -136,7 +136,7 @@ def _speed_rows(
 class _Stages:
     """Time of each stage of a scene, medians of a few."""
 
-    skeleton_s: float
+    program_s: float
     sampling_s: float
     """Time of sampling the geometry; the paper's method has no other stage before feasibility."""
     rest_s: float
@@ -149,9 +149,9 @@ def _stages(generator: Generator, costs: Sequence[_Cost]) -> _Stages:
 
 
 def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
-    """Seconds of the skeleton, of the sampling and of the rest.
+    """Seconds of the program, of the sampling and of the rest.
 
-    Observing takes time. The first step ends as long after the skeleton as the second after the
+    Observing takes time. The first step ends as long after the program as the second after the
     first; the sampling is the rest of the scene's time when unobserved.
     """
     seen_s = [time.perf_counter()]
@@ -162,8 +162,8 @@ def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
     )
     start_s, first_s, second_s, last_s = *seen_s[:3], seen_s[-1]
     rest_s = time.perf_counter() - last_s
-    skeleton_s = max(0.0, first_s - start_s - (second_s - first_s))
-    return skeleton_s, max(0.0, cost.wall_s - skeleton_s - rest_s), rest_s
+    program_s = max(0.0, first_s - start_s - (second_s - first_s))
+    return program_s, max(0.0, cost.wall_s - program_s - rest_s), rest_s
 
 
 def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, rest_s: float) -> Iterator[Row]:

@@ -35,7 +35,7 @@ _CORPUS_SIZE = 1016
 
 @dataclass(frozen=True, kw_only=True)
 class TrainCfg:
-    """Train a model that generates scenes: first skeletons, then the geometry of the objects.
+    """Train a model that generates scenes: first what writes them, then what places it.
 
     Ctrl-C saves and leaves; the same command with --resume goes on from there. The folder then
     holds checkpoint.safetensors for `aeroscene generate`, state.safetensors to go on from,
@@ -57,10 +57,11 @@ class TrainCfg:
     out: Path = Path("training")
     """Folder to write to; it is made where there is none."""
     steps: Annotated[int | None, default_hint("no limit")] = None
-    """Training steps of the denoiser; the weights do not depend on whether the training was
-    resumed."""
+    """Training steps of writer and denoiser each; the weights do not depend on whether the training
+    was resumed."""
     minutes: Annotated[float | None, default_hint("60 without --steps")] = None
-    """Minutes of training of the denoiser; it ends at steps or minutes, whichever comes first."""
+    """Minutes of training, half for the writer and half for the denoiser, or all for the one
+    that is trained; it ends at steps or minutes, whichever comes first."""
     resume: bool = False
     """Continue the training in the folder."""
     device: str = "auto"
@@ -68,11 +69,11 @@ class TrainCfg:
     threads: Annotated[int | None, default_hint("all cores")] = None
     """Number of CPU threads."""
     parts: Annotated[
-        tuple[Literal["skeleton", "prior", "denoiser"], ...] | None,
-        default_hint("all of these", metavar="{skeleton,prior,denoiser} ..."),
+        tuple[Literal["writer", "prior", "denoiser"], ...] | None,
+        default_hint("all of these", metavar="{writer,prior,denoiser} ..."),
     ] = None
-    """Parts of the model to train. The default preset has skeleton (minutes) and denoiser, paper
-    has prior (a minute) and denoiser."""
+    """Parts of the model to train. The default preset has writer and denoiser, paper has prior (a
+    minute) and denoiser."""
     take: Annotated[Path | None, default_hint("none")] = None
     """Checkpoint from which the parts that are not trained are copied; it must be of the same
     data."""
@@ -141,7 +142,7 @@ def _open_state(cfg: TrainCfg) -> TrainingState | None:
     state = read_state(cfg.out / STATE)
     if state is not None and not cfg.resume:
         raise TrainingError(
-            f"out {str(cfg.out)!r} holds a training already ({state.step:,} steps), "
+            f"out {str(cfg.out)!r} holds a training already ({state.steps:,} steps), "
             "valid: --resume to go on with it, or another folder"
         )
     if state is None and cfg.resume:
@@ -155,9 +156,9 @@ def _open_state(cfg: TrainCfg) -> TrainingState | None:
 def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     import torch  # noqa: PLC0415 - seconds that no other command should spend
 
-    from aeroscene.learning.training.config import Budget, require  # noqa: PLC0415
+    from aeroscene.learning.training.config import require  # noqa: PLC0415
     from aeroscene.learning.training.devices import choose_device  # noqa: PLC0415
-    from aeroscene.learning.training.presets import PARTS, fitted  # noqa: PLC0415
+    from aeroscene.learning.training.presets import PARTS, fitted, part_budgets  # noqa: PLC0415
     from aeroscene.learning.training.procedure import Plan  # noqa: PLC0415
     from aeroscene.learning.training.same_data import taken_parts  # noqa: PLC0415
 
@@ -169,23 +170,23 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     least = "more than 0"
     require(ok=cfg.save_minutes > 0, name="save_minutes", value=cfg.save_minutes, valid=least)
     minutes = 60.0 if cfg.minutes is None and cfg.steps is None else cfg.minutes
-    budget = Budget(cfg.steps, None if minutes is None else 60.0 * minutes)
     # Refuse bad options before reading the scenes, which takes time.
     preset, sections = _sections(cfg, state)
-    is_streamed = cfg.stream or (state is not None and state.facts.data.stream != "")
-    data = _read_data(cfg.data, sections, is_streamed=is_streamed)
-    if state is None:
-        sections = fitted(sections, data.vocabulary)
     parts = cfg.parts or PARTS[preset]
     strange = [part for part in parts if part not in PARTS[preset]]
     valid = f"{', '.join(PARTS[preset])} with preset {preset}"
     require(ok=not strange, name="parts", value=" ".join(parts), valid=valid)
+    budgets = part_budgets(parts, cfg.steps, minutes)
+    is_streamed = cfg.stream or (state is not None and state.facts.data.stream != "")
+    data = _read_data(cfg.data, sections, is_streamed=is_streamed)
+    if state is None:
+        sections = fitted(sections, data.train.known)
     return Plan(
         folder=cfg.out,
         preset=preset,
         sections=sections,
         data=data,
-        budget=budget,
+        budgets=budgets,
         device=device,
         save_seconds=60.0 * cfg.save_minutes,
         parts=parts,
@@ -247,13 +248,12 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
 
 def _read_data(path: Path, sections: Mapping[str, Any], *, is_streamed: bool) -> TrainingData:
     from aeroscene.learning.training.data import open_training_data  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.presets import codec_of, is_flat  # noqa: PLC0415
+    from aeroscene.learning.training.presets import is_flat  # noqa: PLC0415
 
     with progress_bar("reading scenes", _CORPUS_SIZE) as advance:
         return open_training_data(
             path,
             is_flat=is_flat(sections),
-            codec=codec_of(sections),
             is_streamed=is_streamed,
             on_scene=advance,
         )
@@ -274,14 +274,23 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
         }
         print_json(facts | figures)
         return
-    said = f"parts {', '.join(training.parts)}"
-    if "steps" in figures:
-        names = [name for name in ("loss", "held_out_loss") if name in figures]
-        losses = ", ".join(f"{name.replace('_', ' ')} {figures[name]:.4f}" for name in names)
-        said = f"{figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, {losses}"
-        if "held_out_least" in figures:
-            least, step = figures["held_out_least"], figures["held_out_least_step"]
-            said += f" (least {least:.4f} at step {step:,})"
+    said = "; ".join(_said(part, figures) for part in training.trainings)
+    said = said or f"parts {', '.join(training.parts)}"
     print(f"{path}: {said}")
     if not is_done:
         sys.stderr.write(f"{_PROG}: stopped and saved; --resume goes on from here\n")
+
+
+def _said(part: str, figures: Mapping[str, Any]) -> str:
+    """How long a part was trained, and to which losses."""
+    from aeroscene.learning.training.course import figure_prefix  # noqa: PLC0415 - PyTorch
+
+    prefix = figure_prefix(part)
+    names = [name for name in ("loss", "held_out_loss") if prefix + name in figures]
+    losses = ", ".join(f"{name.replace('_', ' ')} {figures[prefix + name]:.4f}" for name in names)
+    minutes = figures[f"{prefix}seconds"] / 60
+    said = f"{part} {figures[f'{prefix}steps']:,} steps in {minutes:.1f} min, {losses}"
+    if f"{prefix}held_out_least" not in figures:
+        return said
+    least, step = figures[f"{prefix}held_out_least"], figures[f"{prefix}held_out_least_step"]
+    return f"{said} (least {least:.4f} at step {step:,})"

@@ -99,36 +99,15 @@ def measure_once() -> None:
 
 
 def arrange_once() -> None:
-    """Part two boxes in every way that generated scenes are, so that nothing compiles there.
-
-    Needs no torch: what the scene model has of kernels takes arrays.
-    """
+    """Part two boxes in every way that generated scenes are, so that nothing compiles there."""
     # A flight imports this module, and makes no scene.
     from aeroscene.feasibility.least_change import least_change  # noqa: PLC0415
     from aeroscene.feasibility.place_search import nearest_free  # noqa: PLC0415
-    from aeroscene.learning.guidance.push_loop import Freedom, Touching, iterate  # noqa: PLC0415
 
     least_change(np.eye(2), np.ones(2), np.ones(2), 1)
     box = np.array([[0.0, 0.0, 0.5, 0.5, 1.0, 0.0, 0.0, 1.0]])
     region = np.array([0.0, 0.0, 4.0, 4.0, 1.0, 0.0])
     nearest_free(box, box, region, np.array([-4.0, -4.0, 4.0, 4.0]), 4.0, 0.0)
-    directions = np.eye(3)[[0, 1, 0, 1, 2]]
-    touching = Touching(
-        token=np.array([[0, 1]]),
-        axes=directions[None],
-        reach_m=np.ones((1, 5)),
-        offset_m=np.array([[0.5, 0.0, 0.0]]),
-        above=np.array([[1, 1]]),
-    )
-    freedom = Freedom(
-        order=np.arange(2),
-        parent=np.full(2, -1),
-        heading=np.array([[1.0, 0.0], [1.0, 0.0]]),
-        low_m=np.full((2, 3), -1.0),
-        high_m=np.ones((2, 3)),
-        lightness=np.ones(2),
-    )
-    iterate(touching, freedom, 0.01, 2, 1)
 
 
 def compile_everything(progress: Callable[[str, float], None]) -> None:

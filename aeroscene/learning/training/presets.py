@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, get_args
 
@@ -12,7 +12,7 @@ from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.paper.preset import PAPER_SECTIONS
 from aeroscene.learning.program.program import N_CHANNELS
 from aeroscene.learning.training.checkpoint import Known, Part
-from aeroscene.learning.training.config import Preset, TrainCfg, TrainingError
+from aeroscene.learning.training.config import Budget, Preset, TrainCfg, TrainingError
 from aeroscene.learning.training.settings import section_from_plain, section_to_plain
 from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.learning.writer.language import Language
@@ -48,6 +48,23 @@ def preset_sections(preset: Preset) -> dict[str, Any]:
     if preset not in get_args(Preset):
         raise TrainingError(f"preset is {preset!r}, valid: {', '.join(get_args(Preset))}")
     return dict(PAPER_SECTIONS if preset == "paper" else _DEFAULT)
+
+
+def part_budgets(
+    parts: Sequence[Part], steps: int | None, minutes: float | None
+) -> dict[Part, Budget]:
+    """The length of each part's training: as many steps each, minutes in equal shares.
+
+    The prior's is its own.
+
+    Raises:
+        TrainingError: If there is no end, or it is out of range.
+    """
+    shared = [part for part in parts if part != "prior"]
+    seconds = None if minutes is None else 60.0 * minutes
+    Budget(steps, seconds)
+    each = Budget(steps, None if seconds is None else seconds / max(1, len(shared)))
+    return dict.fromkeys(shared, each)
 
 
 def is_flat(sections: Sections) -> bool:

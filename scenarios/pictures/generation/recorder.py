@@ -10,6 +10,7 @@ import numpy as np
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.generation import Generated
 from aeroscene.learning.generation.proposal import Proposal
+from aeroscene.scene import Scene
 from scenarios.pictures.generation.layout_view import Layout
 from scenarios.pictures.generation.strip import chosen_steps, draw_strip
 
@@ -26,7 +27,8 @@ class Recorder:
     def __call__(self, moment: Moment, proposals: Sequence[Proposal]) -> None:
         """Keep the first scene of the batch where its step is one to be drawn."""
         if moment.index in chosen_steps(moment.n_steps):
-            self._kept.append((f"t = {moment.time:.2f} T", _layout_of(proposals[0])))
+            scene = proposals[0].scene("noisy", 0, np.random.default_rng(0))
+            self._kept.append((f"t = {moment.time:.2f} T", _layout_of(scene)))
 
     def draw(self, found: Generated, out: Path) -> None:
         """Draw the steps, the sampled layout, and the finished scene.
@@ -36,17 +38,16 @@ class Recorder:
         """
         low, high = found.raw.extent_min_enu_m, found.raw.extent_max_enu_m
         half_m = _MARGIN * max(high[axis] - low[axis] for axis in (0, 1)) / 2
-        moments = [*self._kept, ("t = 0, guided", _layout_of(found.proposal))]
+        moments = [*self._kept, ("t = 0, sampled", _layout_of(found.raw))]
         draw_strip(moments, half_m, found.scene, out)
 
 
-def _layout_of(proposal: Proposal) -> Layout:
-    """All boxes but the site, which is the frame of the picture."""
-    geometry, skeleton = proposal.geometry, proposal.skeleton
-    yaw = geometry.yaw_rad[1:]
+def _layout_of(scene: Scene) -> Layout:
+    """All boxes of a scene."""
+    yaw = np.array([obj.bbox.yaw_rad for obj in scene.objects])
     return Layout(
-        center_enu_m=geometry.center_enu_m[1:],
+        center_enu_m=np.array([obj.bbox.p for obj in scene.objects]),
         heading=np.stack([np.cos(yaw), np.sin(yaw)], axis=1),
-        size_m=geometry.size_m[1:],
-        is_coarse=np.arange(1, len(skeleton)) < skeleton.n_coarse,
+        size_m=np.array([obj.bbox.s for obj in scene.objects]),
+        is_coarse=np.array([obj.is_coarse for obj in scene.objects]),
     )
