@@ -11,6 +11,7 @@ _NO_PART_OF_A_SCENE = (
     "corpus/dataset.py",
     "corpus/provenance.py",
     "corpus/shipped",
+    "processes.py",
     "sources.py",
     "feasibility",
     "layouts",

@@ -56,6 +56,8 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
     digest: str
     """Digest of everything that was trained on, hexadecimal."""
     n_scenes: int
+    stream: str = ""
+    """What goes on after those scenes, where the grammar does: its sources and first number."""
 
 
 class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):
