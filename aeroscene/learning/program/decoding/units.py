@@ -15,7 +15,13 @@ from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
 from aeroscene.learning.program.kinds import CATEGORY_IDS
-from aeroscene.learning.program.measures import Surroundings, reach_of, scales, size_and_base
+from aeroscene.learning.program.measures import (
+    Surroundings,
+    reach_of,
+    scales,
+    size_and_base,
+    up_to_level,
+)
 from aeroscene.learning.program.program import (
     COS,
     PITCH,
@@ -29,7 +35,7 @@ from aeroscene.learning.program.program import (
     V,
 )
 from aeroscene.relations import Array, Member, Relation, Residual, Unit, place
-from aeroscene.relations.hosts import Standing
+from aeroscene.relations.hosts import AT_LEVELS, Standing, level_m
 from aeroscene.relations.placing import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle
 from aeroscene.relations.relation import ANY_TURN, Kind
@@ -40,6 +46,8 @@ Outline = Callable[[int | None], Rectangle]
 BoxOf = Callable[[int | None], OrientedBox | None]
 _MOST_PITCH_M = 30.0
 _LEAST_PITCH_M = 0.05
+LEAST_RISE_M = 0.15
+"""Lowest level above the ground that stairs lead up to."""
 
 
 def read_unit(
@@ -64,13 +72,13 @@ def read_unit(
     """
     kind = program.kinds[token]
     c = np.nan_to_num(program.channels[token])
-    relation, host = _related(program, token, bearer, standing)
+    relation, host = _related(program, token, bearer, standing, box_of)
     residual_rad = math.atan2(c[SIN], c[COS])
     turn = 0 if relation.quadrant == ANY_TURN else relation.quadrant
     host_box = box_of(host)
     host_rad = 0.0 if host_box is None else host_box.yaw_rad
     yaw_rad = host_rad + (relation.side + turn) * QUARTER + residual_rad
-    around = Surroundings(box_of(bearer), host_box)
+    around = Surroundings(box_of(bearer), up_to_level(standing.category(host), host_box))
     size_m, base_m = size_and_base(
         around,
         [c[RISE], *c[SIZE]],
@@ -107,16 +115,32 @@ def member_boxes(unit: Unit, box_of: BoxOf) -> list[OrientedBox]:
 
 
 def _related(
-    program: Program, token: int, bearer: int | None, standing: Standing
+    program: Program, token: int, bearer: int | None, standing: Standing, box_of: BoxOf
 ) -> tuple[Relation, int | None]:
-    """The relation of a unit and its host: of the rank that was drawn, or the last before it."""
+    """The relation of a unit and its host: of the rank that was drawn, or the last before it.
+
+    Of stairs it is the next of those that are higher than what bears them.
+    """
     kind = program.kinds[token]
     relation = kind.to_relation(0)
     hosts = standing.possible_hosts(relation.kind, CATEGORY_IDS[kind.category], bearer)
     if not hosts:
         return Relation(kind=Kind.SCATTER, quadrant=relation.quadrant), bearer
     rank = min(max(int(program.host[token]), 0), len(hosts) - 1)
+    if kind.category in AT_LEVELS and relation.kind == Kind.SIDE:
+        higher = [i for i, host in enumerate(hosts) if _is_higher(host, bearer, standing, box_of)]
+        rank = next((i for i in higher if i >= rank), higher[0] if higher else rank)
     return replace(relation, host=rank), hosts[rank]
+
+
+def _is_higher(host: int | None, bearer: int | None, standing: Standing, box_of: BoxOf) -> bool:
+    """Whether the level of a host is above the ground that something stands on."""
+    box, ground = box_of(host), box_of(bearer)
+    if box is None or ground is None:
+        return box is not None
+    is_inside = standing.category(bearer) == "room"
+    ground_m = underside_m(ground) if is_inside else level_m(standing.category(bearer), ground)
+    return level_m(standing.category(host), box) > ground_m + LEAST_RISE_M
 
 
 def _shape(program: Program, token: int, kind: Kind) -> Shape:
