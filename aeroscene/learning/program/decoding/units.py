@@ -91,10 +91,13 @@ def read_unit(
     own_m = base_m - _low_m(around.bearer)
     made = _members(program, token, members, size_m, own_m, n_members)
     halves_m = [foot_m(member.category_id, member.size_m) for member in made]
-    array = _array(program, token, shape, relation.kind, halves_m) if kind.is_group else None
+    host_outline = outline(host)
+    array = None
+    if kind.is_group:
+        array = _array(program, token, shape, relation.kind, halves_m, host_outline)
     is_seat = relation.kind == Kind.SEAT
     half_m = halves_m[0] if is_seat else array_half_m(array, halves_m)
-    (u0, u1), (v0, v1) = scales(relation, outline(host), reach_of(relation, residual_rad, half_m))
+    (u0, u1), (v0, v1) = scales(relation, host_outline, reach_of(relation, residual_rad, half_m))
     return Unit(
         parent_id=bearer,
         host_id=host,
@@ -182,7 +185,12 @@ def _members(
 
 
 def _array(
-    program: Program, token: int, shape: Shape, kind: Kind, halves_m: Sequence[Half]
+    program: Program,
+    token: int,
+    shape: Shape,
+    kind: Kind,
+    halves_m: Sequence[Half],
+    outline: Rectangle,
 ) -> Array:
     gaps_m = np.nan_to_num(program.channels[token, PITCH]).tolist()
     extents_m = pitch_base_m(kind, halves_m)
@@ -190,6 +198,14 @@ def _array(
         min(max(gap_m + extent_m, _LEAST_PITCH_M), _MOST_PITCH_M) if count > 1 else 0.0
         for gap_m, extent_m, count in zip(gaps_m, extents_m, shape[:2], strict=True)
     ]
+    if kind == Kind.SEAT:
+        # Every chair has the table before it.
+        sides_m = reversed(outline.half_m)
+        most_m = [
+            2 * half_m / (count - 1) if count > 1 else 0.0
+            for half_m, count in zip(sides_m, shape[:2], strict=True)
+        ]
+        pitch_m = [min(pair) for pair in zip(pitch_m, most_m, strict=True)]
     turned = tuple(index for index in shape.turned if index < len(halves_m))
     return shape._replace(turned=turned).array((pitch_m[0], pitch_m[1]))
 
