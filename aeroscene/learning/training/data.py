@@ -21,6 +21,7 @@ from aeroscene.scene import Scene
 _HELD_OUT_EVERY = 10
 """Every so many scenes of a layout file, which has no splits, one is held out."""
 _LEAST_SCENES = 2
+_MOST_WISHES = 256
 
 OnScene = Callable[[], None]
 Set = TrainingSet | FlatTrainingSet
@@ -64,7 +65,8 @@ def open_training_data(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
             f"valid: {_LEAST_SCENES} or more"
         )
-    return prepared(path.name, train, held_out, is_flat=is_flat, codec=codec)
+    wishes = [Wish.of(scene) for scene in train] if _is_layouts(path) else []
+    return prepared(path.name, train, held_out, is_flat=is_flat, codec=codec, wishes=wishes)
 
 
 def prepared(
@@ -74,18 +76,24 @@ def prepared(
     *,
     is_flat: bool = False,
     codec: CodecCfg = DEFAULT_CODEC,
+    wishes: Sequence[Wish] = (),
 ) -> TrainingData:
-    """Scenes as tokens, to train on and to watch by; a checkpoint names them as `name`."""
+    """Scenes as tokens, to train on and to watch by.
+
+    A checkpoint names them as `name`, and draws what it is asked for from `wishes` where there are
+    any.
+    """
     tree = training_set(train, codec)
     vocabulary = count_kinds(train)
-    source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))
+    sample = tuple(wishes[:: 1 + len(wishes) // _MOST_WISHES])
+    source = DataSource(name=name, digest=tree.digest, n_scenes=len(train), wishes=sample)
     skeletons = tuple((skeleton_of(scene, vocabulary), Wish.of(scene)) for scene in train)
     known = flat_training_set(train) if is_flat else tree
     return TrainingData(source, vocabulary, skeletons, known, _encoded(held_out, known))
 
 
 def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    if path.is_file() or ".jsonl" in path.name:
+    if _is_layouts(path):
         return _layout_scenes(path, on_scene)
     dataset = open_dataset(path)
     train: list[Scene] = []
@@ -94,6 +102,10 @@ def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
         (train if entry.split == "train" else held_out).append(dataset.read(entry))
         on_scene()
     return train, held_out
+
+
+def _is_layouts(path: Path) -> bool:
+    return path.is_file() or ".jsonl" in path.name
 
 
 def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
