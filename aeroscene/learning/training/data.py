@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from aeroscene.corpus.dataset import open_dataset
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.kept import count_layouts, mapped_scenes
 from aeroscene.learning.paper.tokens import FlatTrainingSet, encode_flat, flat_training_set
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
 from aeroscene.learning.tokens.examples import encode
@@ -65,7 +65,7 @@ def open_training_data(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
             f"valid: {_LEAST_SCENES} or more"
         )
-    wishes = [Wish.of(scene) for scene in train] if _is_layouts(path) else []
+    wishes = [Wish.of(scene) for scene in train] if is_layouts(path) else []
     return prepared(path.name, train, held_out, is_flat=is_flat, codec=codec, wishes=wishes)
 
 
@@ -93,7 +93,7 @@ def prepared(
 
 
 def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    if _is_layouts(path):
+    if is_layouts(path):
         return _layout_scenes(path, on_scene)
     dataset = open_dataset(path)
     train: list[Scene] = []
@@ -104,17 +104,22 @@ def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
     return train, held_out
 
 
-def _is_layouts(path: Path) -> bool:
+def count_scenes(path: Path) -> int:
+    """Number of the scenes that `open_training_data` reads.
+
+    Raises:
+        SceneError: If there is no such data.
+    """
+    return count_layouts(path) if is_layouts(path) else len(open_dataset(path).entries)
+
+
+def is_layouts(path: Path) -> bool:
+    """Whether a user names a file of layouts, not the folder of a dataset."""
     return path.is_file() or ".jsonl" in path.name
 
 
 def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - shapely, only for layouts
-
-    scenes: list[Scene] = []
-    for layout in read_neutral(path):
-        scenes.append(make_flyable(layout)[0])
-        on_scene()
+    scenes = mapped_scenes(path, on_scene)
     held_out = scenes[_HELD_OUT_EVERY - 1 :: _HELD_OUT_EVERY]
     train = [scene for i, scene in enumerate(scenes) if (i + 1) % _HELD_OUT_EVERY]
     return train, held_out
