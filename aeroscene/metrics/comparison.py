@@ -32,6 +32,7 @@ from aeroscene.metrics.novelty import (
     nearness,
     training_distances,
 )
+from aeroscene.metrics.places.checks import CHECKS, place_figures
 from aeroscene.metrics.semantics import NeighbourFrequencies, Plausibility, mean_plausibility
 from aeroscene.scene import Scene
 
@@ -88,6 +89,8 @@ class Figures:
     classifier_accuracy: float
     nearness: Nearness
     recurrence: Recurrence
+    places: Mapping[str, float]
+    """Figures of the checks of places under their keys; nan where a check judges nothing."""
 
 
 def figures_of(scenes: Sequence[Scene], reference: Reference, rng: np.random.Generator) -> Figures:
@@ -111,6 +114,7 @@ def figures_of(scenes: Sequence[Scene], reference: Reference, rng: np.random.Gen
         classifier_accuracy=classifier_accuracy(features, reference.features, rng),
         nearness=nearness(distances, reference.training_distances),
         recurrence=reference.known.recurrence(group),
+        places=place_figures(scenes),
     )
 
 
@@ -134,7 +138,7 @@ class ComparisonRow:
     better: Better | None
     """None where it is best when it is as with real scenes."""
     values: Mapping[str, float]
-    """Figures under the names of the groups."""
+    """Figures under the names of the groups; nan where a check of places judges nothing."""
 
 
 # key, title, unit, which is better, the figure
@@ -190,6 +194,10 @@ _ROWS: tuple[tuple[str, str, str, Better | None, Callable[[Figures], float]], ..
      lambda f: 100 * f.recurrence.tree),
     ("known_coarse_skeletons", "coarse skeletons that occur in training", "%", None,
      lambda f: 100 * f.recurrence.coarse_tree),
+    *(
+        (check.key, check.title, check.unit, check.better, lambda f, key=check.key: f.places[key])
+        for check in CHECKS
+    ),
 )  # fmt: skip
 
 

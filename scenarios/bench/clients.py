@@ -1,7 +1,8 @@
 """Real MAVLink clients for a benchmark: a process that reads UDP ports and sends heartbeats.
 
-Run as `python -m scenarios.bench.clients N`: opens N ports, prints them, reads until its standard
-input ends, then prints the number of messages. A separate process, so its work is not counted.
+Run as `python -m scenarios.bench.clients N`: opens N ports, prints them, and reads; for each line
+of its standard input, and at its end, prints the number of messages until then. A separate process,
+so its work is not counted.
 """
 
 from __future__ import annotations
@@ -38,14 +39,13 @@ class Clients:
         assert self._process.stdout is not None
         self.ports = tuple(int(port) for port in self._process.stdout.readline().split())
 
-    def close(self) -> int:
-        """End the clients.
-
-        Returns:
-            MAVLink messages that they received.
-        """
-        out, _ = self._process.communicate()
-        return int(out or 0)
+    def n_messages(self) -> int:
+        """MAVLink messages received until now."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write("\n")
+        self._process.stdin.flush()
+        return int(self._process.stdout.readline())
 
     def __enter__(self) -> Self:
         return self
@@ -59,7 +59,7 @@ def main() -> None:
     """Read the ports until standard input ends."""
     sockets = [_open() for _ in range(int(sys.argv[1]))]
     print(*(s.getsockname()[1] for s in sockets), flush=True)  # noqa: T201 - its interface
-    print(_serve(sockets))  # noqa: T201
+    _serve(sockets)
 
 
 def _open() -> socket.socket:
@@ -70,7 +70,14 @@ def _open() -> socket.socket:
     return client
 
 
-def _serve(sockets: list[socket.socket]) -> int:
+def _receive(client: socket.socket) -> tuple[bytes, tuple[str, int]] | None:
+    try:
+        return client.recvfrom(65536)
+    except BlockingIOError:
+        return None
+
+
+def _serve(sockets: list[socket.socket]) -> None:
     n_messages = 0
     addresses: dict[socket.socket, tuple[str, int]] = {}
     heartbeat = _heartbeat()
@@ -80,13 +87,17 @@ def _serve(sockets: list[socket.socket]) -> int:
         for client in sockets:
             selector.register(client, selectors.EVENT_READ)
         while True:
-            for key, _ in selector.select(_HEARTBEAT_PERIOD_S):
-                if key.fileobj is sys.stdin:
-                    return n_messages
-                client = key.fileobj
-                assert isinstance(client, socket.socket)
-                data, addresses[client] = client.recvfrom(65536)
-                n_messages += count_messages(data)
+            ready = {key.fileobj for key, _ in selector.select(_HEARTBEAT_PERIOD_S)}
+            for client in sockets:
+                # All that has arrived is read before a count is told.
+                while (received := _receive(client)) is not None:
+                    data, addresses[client] = received
+                    n_messages += count_messages(data)
+            if sys.stdin in ready:
+                is_asked = bool(sys.stdin.readline())
+                print(n_messages, flush=True)  # noqa: T201
+                if not is_asked:
+                    return
             if time.monotonic() >= heartbeat_due_s:
                 heartbeat_due_s = time.monotonic() + _HEARTBEAT_PERIOD_S
                 for client, address in addresses.items():

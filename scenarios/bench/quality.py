@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ from aeroscene.feasibility.validity import validity
 from aeroscene.metrics.comparison import ComparisonRow, Figures, comparison_rows
 from aeroscene.metrics.displacement import displacement
 from aeroscene.metrics.paper_table import paper_table
+from aeroscene.metrics.places.checks import CHECKS
 from aeroscene.scene import Scene
 from scenarios.bench.row import Row, higher, lower
 from scenarios.bench.soundness import fault
@@ -57,6 +59,13 @@ _OF_COPIES = (
     "known_coarse_skeletons",
 )
 _COLLISIONS = _BY_SCENE[:6]
+_OF_PLACES = tuple(check.key for check in CHECKS)
+_GOALS = {
+    "plausibility": 6.8,
+    "classifier_accuracy": 65.0,
+    **{check.key: check.goal for check in CHECKS},
+}
+"""What generated scenes should reach where the corpus's own figure is not the target."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,15 +118,18 @@ def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> 
 def comparison(figures: Mapping[str, Figures]) -> Iterator[Row]:
     """Compare every figure before and after feasibility with the corpus's own.
 
+    A figure of which a group holds nothing to judge, such as bridges, has no row of that group.
+
     Args:
         figures: Figures of `RAW` where it is known what scenes were, of `FEASIBLE` where enough
             scenes were not rejected, of `TEST` and of as many scenes of `TRAIN`.
     """
     table = {row.key: row for row in comparison_rows(figures)}
-    for keys, truth in ((_BY_SCENE, TEST), (_OF_SETS, TRAIN), (_OF_COPIES, TEST)):
+    parts = ((_BY_SCENE, TEST), (_OF_SETS, TRAIN), (_OF_COPIES, TEST), (_OF_PLACES, TEST))
+    for keys, truth in parts:
         for key in keys:
             for group in (RAW, FEASIBLE, truth):
-                if group in figures:
+                if group in figures and not math.isnan(table[key].values[group]):
                     yield _compared(table[key], group, _target(key, group, table))
 
 
@@ -130,7 +142,7 @@ def _target(key: str, group: str, table: Mapping[str, ComparisonRow]) -> float |
         return table[key].values[RAW] + table["mmd_noise"].values[RAW]
     if key == "training_distance":
         return LEAST_DISTANCE_SHARE * table[key].values[TEST]
-    return None
+    return _GOALS.get(key)
 
 
 def _compared(row: ComparisonRow, group: str, target: float | None) -> Row:

@@ -117,9 +117,11 @@ def _fly(
         if equip is not None:
             bench.observers += equip(bench, stack)
         before, start_us = bench.simulator.timing, bench.plant.time_us
+        n_messages = clients.n_messages()
         cpu_s, wall_s = time.process_time(), time.perf_counter()
         _fly_square(bench, seconds)
         cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
+        n_messages = clients.n_messages() - n_messages
         after, sim_s = bench.simulator.timing, (bench.plant.time_us - start_us) * 1e-6
         n_ticks = after.n_steps - before.n_steps
         parts = {
@@ -128,13 +130,12 @@ def _fly(
             "MAVLink": after.mavlink_s - before.mavlink_s,
             "observers": after.observers_s - before.observers_s,
         }
-        stack.close()
         return _Flight(
             sim_s,
             cpu_s,
             wall_s,
             {part: 1e6 * part_s / n_ticks for part, part_s in parts.items()},
-            clients.close(),
+            n_messages,
         )
 
 

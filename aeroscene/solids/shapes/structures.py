@@ -12,7 +12,7 @@ from aeroscene.solids.shapes.solids import about, inwards, leaning, legs, prism
 
 _RISER_M = 0.19
 _MOST_STEPS = 16
-_RAIL_M = 1.1
+RAIL_M = 1.1
 """Height of a bridge's railing."""
 _CANOPY_PITCH_RAD = radians(8.0)
 _SLAB_M = 0.16
@@ -144,7 +144,7 @@ def bridge(look: Look) -> list[Part]:
     """A footbridge along x: level from end to end, with stairs at both ends, or a truss."""
     x, y, z = look.size_m
     form = look.choice("form", FORMS["bridge"])
-    top = z - _RAIL_M
+    top = z - RAIL_M
     run = 1.6 * top
     if form == "stairs" and x - 2 * run > 6:
         ends = [part for sign in (-1, 1) for part in _flight(sign, (x / 2 - run, x / 2), y, top)]
@@ -156,7 +156,7 @@ def bridge(look: Look) -> list[Part]:
 
 def _span(x: float, y: float, z: float, panel: str) -> list[Part]:
     """A deck on two piers with handrails and panels."""
-    top = z - _RAIL_M
+    top = z - RAIL_M
     parts = [block(x, y, (top - 0.35, top), "concrete")]
     for sign in (-1, 1):
         side = inwards(sign, y / 2, 0.08)
@@ -186,13 +186,13 @@ def _flight(sign: int, along: Interval, y: float, top: float) -> list[Part]:
 def _truss(x: float, y: float, z: float) -> list[Part]:
     """Diagonals between deck and handrail on both sides."""
     count = max(2, min(6, round(x / 4)))
-    bay, rise = x / count, _RAIL_M - 0.1
+    bay, rise = x / count, RAIL_M - 0.1
     tilt, length = atan2(rise, bay), hypot(rise, bay)
     parts: list[Part] = []
     for sign in (-1, 1):
         parts += [
             leaning(
-                ((i - (count - 1) / 2) * bay, sign * (y / 2 - 0.04), z - _RAIL_M + rise / 2),
+                ((i - (count - 1) / 2) * bay, sign * (y / 2 - 0.04), z - RAIL_M + rise / 2),
                 (length - 0.1, 0.07, 0.07),
                 tilt if i % 2 else -tilt,
                 "y",

@@ -108,7 +108,18 @@ def test_clients_count_what_they_receive_and_greet_whom_they_know():
             greeting, (_, sender_port) = vehicle.recvfrom(1000)
             assert count_messages(greeting) == 1
             assert sender_port in clients.ports
-        assert clients.close() == 6
+        assert clients.n_messages() == 6
+
+
+def test_all_that_was_sent_before_is_in_a_count():
+    sender = common.MAVLink(None)
+    frame = sender.heartbeat_encode(2, 12, 0, 0, 4).pack(sender)
+    with Clients(2) as clients, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+        for n_sent in (500, 1000):
+            for _ in range(250):
+                for port in clients.ports:
+                    vehicle.sendto(frame, ("127.0.0.1", port))
+            assert clients.n_messages() == n_sent
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,13 @@
 """What `aeroscene bench generate` says of scenes, told by corpus scenes that were disturbed."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from aeroscene.metrics.comparison import Reference, figures_of
+from aeroscene.metrics.places.checks import CHECKS
 from scenarios.bench.quality import (
     FEASIBLE,
     RAW,
@@ -60,6 +62,30 @@ def test_distances_are_held_to_the_test_split_and_mmd_to_its_noise(figures):
     mmd = rows[f"layout MMD, {FEASIBLE}"]
     assert mmd.target == pytest.approx(rows[f"layout MMD, {RAW}"].value + noise)
     assert (mmd.better, mmd.is_met) == ("lower", True)
+
+
+def test_places_plausibility_and_the_classifier_are_held_to_goals_of_their_own(figures):
+    rows = by_metric(comparison(figures))
+    for check in CHECKS:
+        for group in (RAW, FEASIBLE, TEST):
+            row = rows.get(f"{check.title}, {group}")
+            assert (row is None) == math.isnan(figures[group].places[check.key])
+            if row is not None:
+                assert row.target == (check.goal if group == FEASIBLE else None)
+                assert row.better == check.better
+    # Half a metre off their places, chairs no longer face their tables nor do walls meet.
+    for key in ("averted_chairs", "loose_wall_ends"):
+        before, truth = figures[RAW].places[key], figures[TEST].places[key]
+        assert before > truth + 3.0
+    assert rows[f"semantic plausibility, {FEASIBLE}"].target == 6.8
+    assert rows[f"real-or-generated classifier's accuracy, {FEASIBLE}"].target == 65.0
+
+
+def test_where_nothing_is_judged_there_is_no_row(figures):
+    rows = by_metric(comparison(figures))
+    # None of these scenes has a bridge.
+    assert not any(metric.startswith("bridges") for metric in rows)
+    assert all(math.isfinite(row.value) for row in rows.values())
 
 
 def test_a_model_without_feasible_scenes_is_compared_as_far_as_it_came(figures):

@@ -39,10 +39,14 @@ batch = 2
 def as_before():
     """The command sets these for its process, which is this one here."""
     threads = torch.get_num_threads()
+    # A shell that starts the tests in the background has them ignore SIGINT.
+    inherited = signal.signal(signal.SIGINT, signal.default_int_handler)
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     yield
     torch.set_num_threads(threads)
-    assert {number: signal.getsignal(number) for number in handlers} == handlers
+    found = {number: signal.getsignal(number) for number in handlers}
+    signal.signal(signal.SIGINT, inherited)
+    assert found == handlers
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,35 @@
+"""Furniture along the walls: does it stand with its back to one?"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from jaxtyping import Bool
+
+from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
+from aeroscene.solids.shapes.facade import WALL_M
+
+OFF_WALL_M = 0.3
+"""Farthest that furniture stands off the face of the wall in its back."""
+BACKED = ("cabinet", "wardrobe", "shelf", "counter", "fridge", "stove")
+"""Storage and kitchen furniture, which has a wall in its back."""
+
+
+def backs_off_walls(view: TopView) -> Bool[np.ndarray, " furniture"]:
+    """Whether each piece of storage or kitchen furniture has its back off every wall.
+
+    The back is the middle of the face towards -x of the box. It is off where it lies over
+    `OFF_WALL_M` from the outlines of walls and from the inner faces of outer walls, `WALL_M` within
+    the rims of buildings.
+    """
+    rows, walls, shells = view.rows(*BACKED), view.rows("wall"), view.rows(*SHELLS)
+    backs = shapely.points(view.face(rows, 0, -1).mean(axis=1))
+    rims = shapely.boundary(view.outline[shells])
+    is_off = np.ones(len(rows), dtype=bool)
+    for others, outlines, apart_m in (
+        (walls, view.outline[walls], OFF_WALL_M),
+        (shells, rims, OFF_WALL_M + WALL_M),
+    ):
+        index, other = near_pairs(backs, outlines, apart_m)
+        is_off[index[view.shared_height_m(rows[index], others[other]) > 0]] = False
+    return is_off

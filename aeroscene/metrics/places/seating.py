@@ -1,0 +1,79 @@
+"""Tables: do chairs face them, is a chair there for every plate?"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+from jaxtyping import Bool, Int
+
+from aeroscene.metrics.places.top_view import TopView, near_pairs
+
+TABLES = ("table", "desk")
+AT_TABLE_M = 0.5
+"""Widest gap between a table and a chair at it."""
+OFF_RAD = math.radians(45.0)
+"""Largest angle between where a chair at a table looks and where the table is."""
+TO_CHAIR_M = 0.9
+"""Farthest that the middle of a plate is from the middle of a chair."""
+_ABOVE_M = 0.3
+"""Farthest that a plate lies above the back of a chair before it."""
+
+
+def averted_chairs(view: TopView) -> Bool[np.ndarray, " chairs"]:
+    """Whether each chair at a table is turned off it.
+
+    A chair is at the nearest table or desk that shares height with it and that no wall parts from
+    it, if the gap between their outlines is at most `AT_TABLE_M`; other chairs are not judged. It
+    is turned off where its x axis and the way from its middle to the nearest point of the table
+    make an angle over `OFF_RAD`.
+    """
+    chairs, tables = view.rows("chair"), view.rows(*TABLES)
+    chair, table = near_pairs(view.outline[chairs], view.outline[tables], AT_TABLE_M)
+    chair, table = chairs[chair], tables[table]
+    is_near = (view.shared_height_m(chair, table) > 0) & ~_are_parted(view, chair, table)
+    chair, table = chair[is_near], table[is_near]
+    apart_m = shapely.distance(view.outline[chair], view.outline[table])
+    best = np.lexsort((apart_m, chair))
+    best = best[np.unique(chair[best], return_index=True)[1]]
+    chair, table = chair[best], table[best]
+    middle = shapely.points(view.centre_m[chair])
+    nearest_m = shapely.get_coordinates(
+        shapely.get_point(shapely.shortest_line(middle, view.outline[table]), 1)
+    )
+    is_inside = shapely.intersects(middle, view.outline[table])
+    target_m = np.where(is_inside[:, None], view.centre_m[table], nearest_m)
+    way_m = target_m - view.centre_m[chair]
+    ahead_m = (way_m * view.forward[chair]).sum(axis=1)
+    return ahead_m < math.cos(OFF_RAD) * np.linalg.norm(way_m, axis=1)
+
+
+def lone_plates(view: TopView) -> Bool[np.ndarray, " plates"]:
+    """Whether each plate on a table or desk has no chair within `TO_CHAIR_M`, middle to middle.
+
+    Chairs behind walls and of other storeys do not count: a plate lies at most `_ABOVE_M` above a
+    chair's back.
+    """
+    plates, chairs = view.rows("plate"), view.rows("chair")
+    plates = plates[view.is_on(*TABLES)[plates]]
+    is_lone = np.ones(len(plates), dtype=bool)
+    plate, chair = near_pairs(
+        shapely.points(view.centre_m[plates]), shapely.points(view.centre_m[chairs]), TO_CHAIR_M
+    )
+    first, second = plates[plate], chairs[chair]
+    is_near = view.shared_height_m(first, second) > -_ABOVE_M
+    is_lone[plate[is_near & ~_are_parted(view, first, second)]] = False
+    return is_lone
+
+
+def _are_parted(
+    view: TopView, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
+) -> Bool[np.ndarray, " k"]:
+    """Whether a wall stands between the two of each pair, on the shortest way, seen from above."""
+    walls = view.rows("wall")
+    ways = shapely.shortest_line(view.outline[first], view.outline[second])
+    pair, wall = near_pairs(ways, view.outline[walls], 0.0)
+    are_parted = np.zeros(len(first), dtype=bool)
+    are_parted[pair[view.shared_height_m(second[pair], walls[wall]) > 0]] = True
+    return are_parted

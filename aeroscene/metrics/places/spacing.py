@@ -1,0 +1,56 @@
+"""Rows of equal things: do they stand at equal distances?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from aeroscene.metrics.places.top_view import TopView
+
+LEAST_IN_ROW = 3
+OFF_LINE_M = 0.5
+"""Farthest that the middle of one in a row is from the row's line."""
+OFF_HEADING_RAD = math.radians(15.0)
+"""Largest angle between the headings of two in a row."""
+DESKS = ("desk", "table")
+"""What one works at in rows: pupils' desks are tables."""
+
+
+def uneven_spacing(view: TopView, categories: tuple[str, ...] = DESKS) -> Float[np.ndarray, " k"]:
+    """Deviation of the spacing over its mean, one number for each row of one kind.
+
+    A row is `LEAST_IN_ROW` or more of one category and one parent whose headings differ from that
+    of the first by at most `OFF_HEADING_RAD` and whose middles lie at most `OFF_LINE_M` from the
+    line through it along its x or its y axis. Spacing is between neighbours along that line.
+    """
+    found = []
+    for category in categories:
+        rows = view.rows(category)
+        for parent in np.unique(view.arrays.parent[rows]):
+            siblings = rows[view.arrays.parent[rows] == parent]
+            for axes in (view.forward, view.leftward):
+                found += [_unevenness(along_m) for along_m in _lines(view, siblings, axes)]
+    return np.array(found, dtype=float)
+
+
+def _lines(
+    view: TopView, rows: Int[np.ndarray, " k"], axes: Float[np.ndarray, "n 2"]
+) -> Iterator[Float[np.ndarray, " m"]]:
+    """Places along its line of each row's members; each object is in one row at most."""
+    while len(rows) >= LEAST_IN_ROW:
+        first = rows[0]
+        apart_m = view.centre_m[rows] - view.centre_m[first]
+        across_m = apart_m[:, 1] * axes[first, 0] - apart_m[:, 0] * axes[first, 1]
+        cosine = view.forward[rows] @ view.forward[first]
+        is_in = (np.abs(across_m) <= OFF_LINE_M) & (cosine >= math.cos(OFF_HEADING_RAD))
+        if is_in.sum() >= LEAST_IN_ROW:
+            yield apart_m[is_in] @ axes[first]
+        rows = rows[~is_in]
+
+
+def _unevenness(along_m: Float[np.ndarray, " m"]) -> float:
+    gaps_m = np.diff(np.sort(along_m))
+    return float(gaps_m.std() / max(gaps_m.mean(), 1e-9))

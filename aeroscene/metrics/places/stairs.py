@@ -1,0 +1,45 @@
+"""Stairs: do they lead somewhere?"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from jaxtyping import Bool, Float
+
+from aeroscene.feasibility.roles import COVERS
+from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
+from aeroscene.solids.shapes.structures import RAIL_M
+
+REACH_M = 0.5
+"""Farthest that a level begins from the top of the stairs that lead to it."""
+STEP_M = 0.25
+"""Largest step between the top of stairs and the level that they lead to."""
+_BORNE_BY_TOP = (
+    *(COVERS - {"water"}), *SHELLS, "terrain", "floor", "deck", "roof", "container",
+)  # fmt: skip
+"""What one walks on top of."""
+
+
+def dead_end_stairs(view: TopView) -> Bool[np.ndarray, " stairs"]:
+    """Whether the top of each flight of stairs meets no level.
+
+    The top is the upper edge of the face towards +x of the box. It meets a level whose outline lies
+    at most `REACH_M` from it and whose height differs by at most `STEP_M`. Levels are the upper
+    sides of covers, terrain, floors, decks, roofs, containers and buildings, the undersides of
+    rooms, and the decks of bridges, `RAIL_M` below their upper sides.
+    """
+    stairs = view.rows("stairs")
+    levels, height_m = _levels(view)
+    tops = shapely.linestrings(view.face(stairs, 0, 1))
+    flight, level = near_pairs(tops, view.outline[levels], REACH_M)
+    step_m = np.abs(view.top_m[stairs[flight]] - height_m[level])
+    is_dead_end = np.ones(len(stairs), dtype=bool)
+    is_dead_end[flight[step_m <= STEP_M]] = False
+    return is_dead_end
+
+
+def _levels(view: TopView) -> tuple[np.ndarray, Float[np.ndarray, " k"]]:
+    """Rows and heights of what stairs may lead to."""
+    tops, rooms, bridges = view.rows(*_BORNE_BY_TOP), view.rows("room"), view.rows("bridge")
+    heights_m = (view.top_m[tops], view.base_m[rooms], view.top_m[bridges] - RAIL_M)
+    return np.concatenate([tops, rooms, bridges]), np.concatenate(heights_m)

@@ -1,0 +1,131 @@
+"""A scene seen from above: outlines of its objects and the heights between which each stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.feasibility.roles import BUILDINGS
+from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
+from aeroscene.relations import Unit, scene_relations
+from aeroscene.scene import AttributeValue, Scene
+from aeroscene.scene.box import box_corners, rotation_matrix
+from aeroscene.scene.catalogue import category_id
+
+SHELLS = BUILDINGS | {"garage"}
+"""What has outer walls of its own, within the rim of its box."""
+
+
+@dataclass(frozen=True, eq=False)
+class TopView:
+    """The objects of a scene, one row each, in the scene's order."""
+
+    scene: Scene
+
+    @cached_property
+    def arrays(self) -> SceneArrays:
+        """Boxes, categories and parents."""
+        return scene_arrays(self.scene)
+
+    @cached_property
+    def use(self) -> tuple[AttributeValue | None, ...]:
+        """What rooms are used as, where the scene says so."""
+        return tuple(obj.attributes.get("use") for obj in self.scene.objects)
+
+    @cached_property
+    def units(self) -> tuple[Unit, ...]:
+        """Relations of the fine objects to their hosts."""
+        return scene_relations(self.scene)
+
+    def rows(self, *categories: str) -> Int[np.ndarray, " k"]:
+        """Rows of the objects of some categories."""
+        numbers = [category_id(name) - 1 for name in categories]
+        return np.flatnonzero(np.isin(self.arrays.category, numbers))
+
+    def is_in(self, *categories: str) -> Bool[np.ndarray, " n"]:
+        """Whether an object of one of these categories is among each object's ancestors."""
+        return np.any(self.arrays.is_ancestor[self.rows(*categories)], axis=0)
+
+    def is_on(self, *categories: str) -> Bool[np.ndarray, " n"]:
+        """Whether the parent of each object is of one of these categories."""
+        parent = self.arrays.parent
+        return np.isin(parent, self.rows(*categories)) & (parent != NO_PARENT)
+
+    @cached_property
+    def is_outdoors(self) -> Bool[np.ndarray, " n"]:
+        """Whether an object is no part and no content of a building or room."""
+        return np.logical_not(self.is_in(*SHELLS, "room"))
+
+    @cached_property
+    def centre_m(self) -> Float[np.ndarray, "n 2"]:
+        """Centres, east and north."""
+        return self.arrays.centre_enu_m[:, :2]
+
+    @cached_property
+    def forward(self) -> Float[np.ndarray, "n 2"]:
+        """Unit vectors along each box's x axis: the side that a thing shows to its user."""
+        yaw_rad = self.arrays.yaw_rad
+        return np.stack([np.cos(yaw_rad), np.sin(yaw_rad)], axis=1)
+
+    @cached_property
+    def leftward(self) -> Float[np.ndarray, "n 2"]:
+        """Unit vectors along each box's y axis."""
+        return np.stack([-self.forward[:, 1], self.forward[:, 0]], axis=1)
+
+    @cached_property
+    def outline(self) -> np.ndarray:
+        """Outlines as polygons, n of them."""
+        arrays = self.arrays
+        corners = box_corners(arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m)[..., :2]
+        return np.asarray(shapely.convex_hull(shapely.linestrings(corners)))
+
+    @cached_property
+    def base_m(self) -> Float[np.ndarray, " n"]:
+        """Heights of the undersides."""
+        return self.arrays.centre_enu_m[:, 2] - self._half_height_m
+
+    @cached_property
+    def top_m(self) -> Float[np.ndarray, " n"]:
+        """Heights of the upper sides."""
+        return self.arrays.centre_enu_m[:, 2] + self._half_height_m
+
+    @cached_property
+    def _half_height_m(self) -> Float[np.ndarray, " n"]:
+        upward = np.abs(rotation_matrix(self.arrays.quat_wxyz)[:, 2])
+        return (upward * self.arrays.size_m).sum(axis=1) / 2
+
+    def shared_height_m(
+        self, first: Int[np.ndarray, "*k"], second: Int[np.ndarray, "*k"]
+    ) -> Float[np.ndarray, "*k"]:
+        """Height that pairs of objects have in common; negative where one is above the other."""
+        top_m = np.minimum(self.top_m[first], self.top_m[second])
+        return top_m - np.maximum(self.base_m[first], self.base_m[second])
+
+    def face(self, rows: Int[np.ndarray, " k"], axis: int, sign: int) -> Float[np.ndarray, "k 2 2"]:
+        """Both ends, seen from above, of the upright face towards +x, -x, +y or -y of boxes."""
+        own = (self.forward[rows], self.leftward[rows])
+        half_m = self.arrays.size_m[rows] / 2
+        middle_m = self.centre_m[rows] + sign * half_m[:, axis, None] * own[axis]
+        reach_m = half_m[:, 1 - axis, None] * own[1 - axis]
+        return np.stack([middle_m - reach_m, middle_m + reach_m], axis=1)
+
+
+def near_pairs(
+    first: shapely.Geometry | np.ndarray, second: shapely.Geometry | np.ndarray, apart_m: float
+) -> tuple[Int[np.ndarray, " k"], Int[np.ndarray, " k"]]:
+    """Which of two lists of geometries lie at most so far apart, as indices into both."""
+    index, other = shapely.STRtree(np.asarray(second)).query(
+        first, predicate="dwithin", distance=apart_m
+    )
+    return index, other
+
+
+def union(outlines: np.ndarray) -> shapely.Geometry:
+    """One geometry of all, prepared for many questions."""
+    whole = shapely.union_all(outlines)
+    shapely.prepare(whole)
+    return whole

@@ -1,0 +1,83 @@
+"""Frames: rectangles on the ground with a heading, and the boxes over them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from aeroscene.scene.box import OrientedBox, quat_from_yaw
+
+Point2 = tuple[float, float]
+Bounds = tuple[float, float, float, float]
+"""x0, y0, x1, y1, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A rectangle with a heading; its own coordinates are m from its south-western corner."""
+
+    x_enu_m: float
+    """Its middle."""
+    y_enu_m: float
+    yaw_rad: float
+    length_m: float
+    """Along its own x axis."""
+    width_m: float
+    """Along its own y axis."""
+
+    def point(self, u: float, v: float) -> Point2:
+        """World position of own coordinates."""
+        c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        du, dv = u - self.length_m / 2, v - self.width_m / 2
+        return (self.x_enu_m + c * du - s * dv, self.y_enu_m + s * du + c * dv)
+
+    def local(self, x: float, y: float) -> Point2:
+        """Own coordinates of a world position."""
+        c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        dx, dy = x - self.x_enu_m, y - self.y_enu_m
+        return (c * dx + s * dy + self.length_m / 2, c * dy - s * dx + self.width_m / 2)
+
+    def inner(self, bounds: Bounds, turn_rad: float = 0.0) -> Frame:
+        """The frame over own coordinates, turned about its own middle."""
+        x0, y0, x1, y1 = bounds
+        x, y = self.point((x0 + x1) / 2, (y0 + y1) / 2)
+        return Frame(x, y, self.yaw_rad + turn_rad, x1 - x0, y1 - y0)
+
+    def bounds_of(self, other: Frame) -> Bounds:
+        """Own coordinates of an aligned frame."""
+        quarter, _ = nearest_quarter(other.yaw_rad - self.yaw_rad)
+        du, dv = other.length_m / 2, other.width_m / 2
+        du, dv = (du, dv) if quarter % 2 == 0 else (dv, du)
+        u, v = self.local(other.x_enu_m, other.y_enu_m)
+        return (u - du, v - dv, u + du, v + dv)
+
+    def box(self, quarter: int, base_m: float, top_m: float) -> OrientedBox:
+        """The box over all of the frame, its x axis turned by quarters."""
+        size = (self.length_m, self.width_m) if quarter % 2 == 0 else (self.width_m, self.length_m)
+        return OrientedBox(
+            p=(self.x_enu_m, self.y_enu_m, (base_m + top_m) / 2),
+            q=quat_from_yaw(self.yaw_rad + quarter * math.pi / 2),
+            s=(*size, top_m - base_m),
+        )
+
+
+def frame_of(box: OrientedBox, yaw_rad: float | None = None) -> Frame:
+    """The frame over a box, or over an aligned one in another heading."""
+    found = Frame(box.p[0], box.p[1], box.yaw_rad, box.s[0], box.s[1])
+    if yaw_rad is None:
+        return found
+    plane = Frame(0.0, 0.0, yaw_rad, 0.0, 0.0)
+    return plane.inner(plane.bounds_of(found))
+
+
+def nearest_quarter(angle_rad: float) -> tuple[int, float]:
+    """The nearest number of quarter turns, 0 to 3, and what is left, rad."""
+    quarter = round(angle_rad / (math.pi / 2))
+    return quarter % 4, angle_rad - quarter * math.pi / 2
+
+
+def hull_of(all_bounds: Iterable[Bounds]) -> Bounds:
+    """The least rectangle about others."""
+    x0, y0, x1, y1 = zip(*all_bounds, strict=True)
+    return (min(x0), min(y0), max(x1), max(y1))

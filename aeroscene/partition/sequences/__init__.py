@@ -1,0 +1,1 @@
+"""Partitions as flat lists of small records, and back without loss."""

@@ -1,0 +1,1 @@
+"""The ground of a site as a partition."""

@@ -1,0 +1,43 @@
+"""What a site's partition is, and the covers that it makes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from aeroscene.partition.cells import cells_of, merged
+from aeroscene.partition.frames import Frame
+from aeroscene.partition.tree import Node
+from aeroscene.scene import OrientedBox
+
+STRIPS = frozenset(("road", "sidewalk"))
+"""Covers whose width is in metres, not a share of the site."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SitePartition:
+    """How the ground of a site is divided."""
+
+    frame: Frame
+    tree: Node
+    base_m: float = 0.0
+    """Height of the bare ground."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cover:
+    """A cover of the ground to place."""
+
+    kind: str
+    box: OrientedBox
+
+
+def build_site(site: SitePartition) -> list[Cover]:
+    """The covers of a site in pre-order: side by side, or stacked where one lies on another.
+
+    Raises:
+        PartitionError: If strips are wider than their frame.
+    """
+    cells = merged(list(cells_of(site.tree, site.frame, site.base_m)))
+    return [
+        Cover(kind=c.leaf.kind, box=c.frame.box(c.leaf.quarter, c.base_m, c.top_m)) for c in cells
+    ]

@@ -1,0 +1,193 @@
+"""Reads the partitions of storeys off the boxes of rooms and walls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from aeroscene.partition.cells import cells_of
+from aeroscene.partition.fit import Piece, fit, number_merges
+from aeroscene.partition.frames import Bounds, Frame, frame_of, hull_of, nearest_quarter
+from aeroscene.partition.storeys.borders import StandingWall, read_border, stands_on
+from aeroscene.partition.storeys.storey import (
+    NOBODY,
+    StoreyPartition,
+    find_lines,
+)
+from aeroscene.partition.tree import Leaf, PartitionError
+from aeroscene.scene import Scene, SceneObject
+
+_ALIGNED_RAD = 2e-3
+_SAME_LEVEL_M = 0.3
+_FACE_M = 0.008
+"""A room's side this near to a wall's face ends at it."""
+_OUTSIDE_M = 0.012
+
+Word = Callable[[SceneObject], str]
+
+
+def room_word(obj: SceneObject) -> str:
+    """The kind of a room's leaf: what it is used as, where the scene says so."""
+    attributes = obj.attributes
+    return str(attributes.get("use", attributes.get("room_type", "room")))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParsedBuilding:
+    """The storeys of a building, and which objects of the scene they stand for."""
+
+    host_id: int | None
+    """The shell; None for rooms that have none."""
+    storeys: tuple[StoreyPartition, ...]
+    """From the lowest up."""
+    object_ids: frozenset[int]
+    """Rooms, and walls on their borders."""
+    free_wall_ids: frozenset[int]
+    """Walls of the building that stand on no border."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Room:
+    obj: SceneObject
+    bounds: Bounds
+    base_m: float
+    top_m: float
+
+
+def building_partitions(scene: Scene, word: Word = room_word) -> list[ParsedBuilding]:
+    """The partitions of all buildings that have rooms, by boxes, categories and parents alone.
+
+    Rooms that carry one number in the attribute `room`, as rooms of mapped layouts do whose
+    outline is no rectangle, are one room.
+
+    Raises:
+        PartitionError: If a room is turned against its building or overlaps another.
+    """
+    hosts = dict.fromkeys(obj.parent_id for obj in scene.objects if obj.category == "room")
+    return [storey_partitions(scene, host, word) for host in hosts]
+
+
+def storey_partitions(scene: Scene, host_id: int | None, word: Word = room_word) -> ParsedBuilding:
+    """The partitions of the storeys of one building, or of rooms without; see the above."""
+    others = scene.children_by_id[host_id]
+    rooms = [obj for obj in others if obj.category == "room"]
+    head = rooms[0] if host_id is None else scene.object_by_id[host_id]
+    plane = Frame(0.0, 0.0, head.bbox.yaw_rad, 0.0, 0.0)
+    walls = [_standing(obj, plane) for obj in others if obj.category == "wall"]
+    placed = [_room(obj, plane) for obj in rooms]
+    walls = [
+        wall for wall in walls if wall and (host_id is not None or wall.obj.domain == "indoor")
+    ]
+    hull = hull_of(room.bounds for room in placed)
+    is_inset = not any(_reaches_out(wall.bounds, hull) for wall in walls)
+    zones = [_zone(room, walls) if is_inset else room.bounds for room in placed]
+    frame = plane.inner(hull_of(zones))
+    corner = plane.local(*frame.point(0.0, 0.0))
+    walls = [wall.moved(-corner[0], -corner[1]) for wall in walls]
+    levels: list[float] = []
+    for base in sorted(room.base_m for room in placed):
+        if not levels or base - levels[-1] > _SAME_LEVEL_M:
+            levels.append(base)
+    used: set[int] = set()
+    storeys: list[StoreyPartition] = []
+    for level in levels:
+        pieces = [
+            _piece(room, zone, corner, frame, word)
+            for room, zone in zip(placed, zones, strict=True)
+            if abs(room.base_m - level) <= _SAME_LEVEL_M
+        ]
+        near = [w for w in walls if min(levels, key=lambda at: abs(at - w.base_m)) == level]
+        storey, found = _storey(pieces, frame, level, near, is_inset=is_inset)
+        storeys.append(storey)
+        used |= found
+    return ParsedBuilding(
+        host_id=host_id,
+        storeys=tuple(storeys),
+        object_ids=frozenset(used | {obj.id for obj in rooms}),
+        free_wall_ids=frozenset(wall.obj.id for wall in walls if wall.obj.id not in used),
+    )
+
+
+def _room(obj: SceneObject, plane: Frame) -> _Room:
+    if abs(nearest_quarter(obj.bbox.yaw_rad - plane.yaw_rad)[1]) > _ALIGNED_RAD:
+        raise PartitionError(f"room {obj.id} is turned against its building, valid: aligned")
+    half = obj.bbox.s[2] / 2
+    return _Room(
+        obj, plane.bounds_of(frame_of(obj.bbox)), obj.bbox.p[2] - half, obj.bbox.p[2] + half
+    )
+
+
+def _standing(obj: SceneObject, plane: Frame) -> StandingWall | None:
+    quarter, rest = nearest_quarter(obj.bbox.yaw_rad - plane.yaw_rad)
+    if abs(rest) > _ALIGNED_RAD:
+        return None
+    return StandingWall(obj, plane.bounds_of(frame_of(obj.bbox)), quarter)
+
+
+def _reaches_out(bounds: Bounds, hull: Bounds) -> bool:
+    """Whether a wall stands outside all rooms: then they end at lines, not at faces of walls."""
+    low = min(bounds[i] - hull[i] for i in (0, 1))
+    high = max(bounds[i] - hull[i] for i in (2, 3))
+    return low < -_OUTSIDE_M or high > _OUTSIDE_M
+
+
+def _zone(room: _Room, walls: Sequence[StandingWall]) -> Bounds:
+    """A room as far as the middles of the walls about it."""
+    sides = list(room.bounds)
+    for wall in walls:
+        if wall.base_m > room.top_m - 0.1 or wall.top_m < room.base_m + 0.1:
+            continue
+        across = 1 if wall.axis == "x" else 0
+        low, high = wall.bounds[1 - across], wall.bounds[3 - across]
+        if min(high, room.bounds[3 - across]) - max(low, room.bounds[1 - across]) < 0.05:
+            continue
+        for side, face in ((across, across + 2), (across + 2, across)):
+            if abs(wall.bounds[face] - room.bounds[side]) < _FACE_M:
+                sides[side] = wall.middle
+    return (sides[0], sides[1], sides[2], sides[3])
+
+
+def _piece(
+    room: _Room, zone: Bounds, corner: tuple[float, float], frame: Frame, word: Word
+) -> Piece:
+    quarter, _ = nearest_quarter(room.obj.bbox.yaw_rad - frame.yaw_rad)
+    number = room.obj.attributes.get("room")
+    key = number + 1 if isinstance(number, int) else room.obj.id + 1
+    x, y = corner
+    bounds = (zone[0] - x, zone[1] - y, zone[2] - x, zone[3] - y)
+    return Piece(bounds, Leaf(word(room.obj), room.top_m - room.base_m, quarter), key)
+
+
+def _storey(
+    pieces: Sequence[Piece],
+    frame: Frame,
+    level: float,
+    walls: Sequence[StandingWall],
+    *,
+    is_inset: bool,
+) -> tuple[StoreyPartition, set[int]]:
+    tree = number_merges(fit(pieces, hull=(0.0, 0.0, frame.length_m, frame.width_m)))
+    cells = list(cells_of(tree, frame, level))
+    lines = find_lines(cells, frame, has_outside=not is_inset)
+    on_line = [[w for w in walls if stands_on(w, line, is_inset=is_inset)] for line in lines]
+    inner: list[float] = []
+    outer: list[float] = []
+    drops: list[float] = []
+    for line, standing in zip(lines, on_line, strict=True):
+        is_edge = NOBODY in line.rooms
+        for wall in standing:
+            (outer if is_edge and not is_inset else inner).append(wall.thickness_m)
+            if is_edge and is_inset:
+                drops.append(level - wall.base_m)
+    storey = StoreyPartition(
+        frame=frame,
+        level_m=level,
+        tree=tree,
+        borders=tuple(read_border(n, each) for n, each in zip(lines, on_line, strict=True)),
+        wall_m=median(inner) if inner else 0.12,
+        outer_m=0.0 if is_inset else (median(outer) if outer else 0.15),
+        drop_m=median(drops) if drops else 0.0,
+        is_inset=is_inset,
+    )
+    return storey, {wall.obj.id for standing in on_line for wall in standing}

@@ -1,0 +1,263 @@
+"""The partition tree: how a rectangle of ground, or of a storey, is divided without a rest.
+
+Every node fills the frame that it is given: an upright rectangle with a heading of its own. What
+runs along a frame is measured in shares of it, but for strips such as carriageways, whose width is
+in metres. Lists along x or y begin at the low end.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+Axis = Literal["x", "y"]
+
+VOID = "void"
+"""Kind of a leaf that nothing fills."""
+SHARES_TOLERANCE = 1e-6
+
+
+class PartitionError(ValueError):
+    """A tree that does not divide its frame; one line that names node, field and value."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One stretch of a frame's side."""
+
+    value: float
+    """Width in m of a strip; else the share of what the strips beside it leave."""
+    is_width: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """What one kind of cover or room fills, or nothing."""
+
+    kind: str
+    """Word for it, the category unless the parser was given another; `VOID` for nothing."""
+    height_m: float = 0.0
+    """From its underside to its upper face."""
+    quarter: int = 0
+    """Quarter turns of its own x axis, counter-clockwise from the frame's: 0 to 3."""
+    merge: int = 0
+    """Leaves of one number above 0 are one room or one ground object; 0 is one by itself."""
+
+    def __post_init__(self) -> None:
+        if self.quarter not in range(4):
+            raise PartitionError(f"leaf.quarter is {self.quarter!r}, valid: 0 to 3")
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """Children side by side along an axis."""
+
+    axis: Axis
+    parts: tuple[Part, ...]
+    children: tuple[Node, ...]
+
+    def __post_init__(self) -> None:
+        _check_parts("slice.parts", self.parts)
+        _check_count("slice.children", self.children, len(self.parts))
+
+
+@dataclass(frozen=True, slots=True)
+class Cross:
+    """Columns times rows of cells, row by row; leaves of one merge number bridge cells."""
+
+    columns: tuple[Part, ...]
+    rows: tuple[Part, ...]
+    cells: tuple[Node, ...]
+    is_fallback: bool = False
+    """Whether this is a grid for what nothing else fits."""
+
+    def __post_init__(self) -> None:
+        _check_parts("cross.columns", self.columns)
+        _check_parts("cross.rows", self.rows)
+        _check_count("cross.cells", self.cells, len(self.columns) * len(self.rows))
+
+
+@dataclass(frozen=True, slots=True)
+class Pinwheel:
+    """Four arms about a middle, each ending on the next."""
+
+    is_mirrored: bool
+    """Whether the southern arm ends at the eastern side; else it begins at the western one."""
+    cuts: tuple[float, float, float, float]
+    """Sides of the middle as shares of the frame: west, east, south, north."""
+    arms: tuple[Node, Node, Node, Node]
+    """South, east, north, west."""
+    middle: Node
+
+    def __post_init__(self) -> None:
+        west, east, south, north = self.cuts
+        if not (0 < west < east < 1 and 0 < south < north < 1):
+            raise PartitionError(f"pinwheel.cuts is {self.cuts}, valid: 0 < low < high < 1")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A rectangle anywhere in a frame."""
+
+    x_share: float
+    """Middle, in shares of the frame from its south-western corner."""
+    y_share: float
+    yaw_rad: float
+    """Heading to the frame's."""
+    size_m: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """What lies on a leaf: a tree over all of it, or at a place."""
+
+    tree: Node
+    place: Place | None = None
+    """None where the tree fills the leaf."""
+
+
+@dataclass(frozen=True, slots=True)
+class Overlay:
+    """A leaf and what lies on top of it."""
+
+    base: Leaf
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """A strip along all pieces of a bend."""
+
+    kind: str
+    width_m: float
+    heights_m: tuple[float, ...]
+    """For each piece."""
+    quarter: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Bank:
+    """A frame beside a piece of a bend, with a tree of its own."""
+
+    low_share: float
+    high_share: float
+    """From where to where along the piece, in shares of its middle line; may reach beyond."""
+    depth_m: float
+    tree: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Bend:
+    """A chain of straight pieces with lanes; wedges in the bends beyond the lanes stay empty."""
+
+    start: tuple[float, float]
+    """Begin of the middle line, in shares of the frame from its south-western corner."""
+    heading_rad: float
+    """Of the first piece, to the frame."""
+    lengths_m: tuple[float, ...]
+    turns_rad: tuple[float, ...]
+    """Left turns between pieces: one less than these."""
+    lanes: tuple[Lane, ...]
+    """From the right edge to the left."""
+    banks: tuple[Bank | None, ...]
+    """Right and left of each piece; x of their frames is the piece's direction."""
+
+    def __post_init__(self) -> None:
+        n = len(self.lengths_m)
+        _check_count("bend.turns_rad", self.turns_rad, n - 1)
+        _check_count("bend.banks", self.banks, 2 * n)
+        for lane in self.lanes:
+            _check_count("bend.lanes.heights_m", lane.heights_m, n)
+
+    @property
+    def width_m(self) -> float:
+        """Of all lanes together."""
+        return sum(lane.width_m for lane in self.lanes)
+
+
+Node = Leaf | Slice | Cross | Pinwheel | Overlay | Bend
+
+
+def children(node: Node) -> tuple[Node, ...]:
+    """The nodes right below a node, in order; an overlay's leaf is its first."""
+    match node:
+        case Leaf():
+            return ()
+        case Slice():
+            return node.children
+        case Cross():
+            return node.cells
+        case Pinwheel():
+            return (*node.arms, node.middle)
+        case Overlay():
+            return (node.base, *(item.tree for item in node.items))
+        case Bend():
+            return tuple(bank.tree for bank in node.banks if bank)
+
+
+def with_children(node: Node, nodes: tuple[Node, ...]) -> Node:
+    """A node with others in place of its `children`."""
+    match node:
+        case Leaf():
+            return node
+        case Slice():
+            return replace(node, children=nodes)
+        case Cross():
+            return replace(node, cells=nodes)
+        case Pinwheel():
+            south, east, north, west, middle = nodes
+            return replace(node, arms=(south, east, north, west), middle=middle)
+        case Overlay():
+            base, *trees = nodes
+            items = zip(node.items, trees, strict=True)
+            if not isinstance(base, Leaf):
+                raise PartitionError(f"overlay.base is {base}, valid: a leaf")
+            return Overlay(base, tuple(replace(item, tree=tree) for item, tree in items))
+        case Bend():
+            trees = iter(nodes)
+            banks = tuple(bank and replace(bank, tree=next(trees)) for bank in node.banks)
+            return replace(node, banks=banks)
+
+
+def walk(node: Node) -> Iterator[Node]:
+    """A node and everything below it, in pre-order."""
+    yield node
+    for child in children(node):
+        yield from walk(child)
+
+
+def part_lengths(parts: tuple[Part, ...], length_m: float) -> list[float]:
+    """Lengths in m that fill a side.
+
+    Raises:
+        PartitionError: If the strips alone are as long as the side.
+    """
+    fixed = sum(part.value for part in parts if part.is_width)
+    if fixed >= length_m:
+        raise PartitionError(f"strips are {fixed:.3f} m wide, valid: below {length_m:.3f} m")
+    return [part.value if part.is_width else part.value * (length_m - fixed) for part in parts]
+
+
+def parts_of(lengths_m: Sequence[float], is_width: Sequence[bool]) -> tuple[Part, ...]:
+    """Parts of a side; the longest is a share where all would be widths."""
+    widths = list(is_width)
+    if all(widths):
+        widths[max(range(len(lengths_m)), key=lengths_m.__getitem__)] = False
+    pairs = list(zip(lengths_m, widths, strict=True))
+    rest = sum(length for length, is_fixed in pairs if not is_fixed)
+    return tuple(Part(v, is_fixed) if is_fixed else Part(v / rest) for v, is_fixed in pairs)
+
+
+def _check_parts(name: str, parts: tuple[Part, ...]) -> None:
+    shares = [part.value for part in parts if not part.is_width]
+    if min((part.value for part in parts), default=0.0) <= 0.0:
+        raise PartitionError(f"{name} is {parts}, valid: values above 0")
+    if not math.isclose(sum(shares), 1.0, abs_tol=SHARES_TOLERANCE):
+        raise PartitionError(f"{name} has shares {shares}, valid: shares that sum to 1")
+
+
+def _check_count(name: str, values: tuple[object, ...], count: int) -> None:
+    if len(values) != count:
+        raise PartitionError(f"{name} has {len(values)} entries, valid: {count}")

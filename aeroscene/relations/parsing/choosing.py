@@ -1,0 +1,113 @@
+"""Which of the relations that hold is an object's: one fixed priority."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from aeroscene.relations.hosts import AT_ROADS, ROUND, SEATS, VEHICLES, Standing, is_furniture
+from aeroscene.relations.parsing import fits
+from aeroscene.relations.placing import foot_m
+from aeroscene.relations.plane import WORLD, Rectangle, footprint
+from aeroscene.relations.relation import Kind, Relation
+from aeroscene.scene import Scene, SceneObject
+
+Choice = tuple[Relation, int | None]
+"""A relation and the id of its host."""
+
+
+class Ground:
+    """What relations are read from: outlines, categories, and what stands already."""
+
+    def __init__(self, scene: Scene, standing: Standing) -> None:
+        """Look at every box from above once."""
+        self.scene = scene
+        self.standing = standing
+        self._outlines = {obj.id: footprint(obj.bbox) for obj in scene.objects}
+
+    def outline(self, object_id: int | None) -> Rectangle:
+        """An object seen from above; None is the bare world."""
+        return WORLD if object_id is None else self._outlines[object_id]
+
+    def foot(self, obj: SceneObject) -> Rectangle:
+        """What of an object its place is read from."""
+        return Rectangle(self.outline(obj.id).place, foot_m(obj.category_id, obj.bbox.s))
+
+    def is_top(self, object_id: int | None) -> bool:
+        """Whether an object is furniture, which bears things on top."""
+        if object_id is None:
+            return False
+        return is_furniture(self.scene.object_by_id[object_id].category_id)
+
+    def category(self, object_id: int | None) -> str:
+        """The category of an object; nothing for the bare world."""
+        return "" if object_id is None else self.scene.object_by_id[object_id].category
+
+
+def best_relation(ground: Ground, obj: SceneObject, outline: Rectangle) -> Choice:
+    """The relation of an object, or of a group of its kind with some outline.
+
+    The one that pins most; of those that pin as much the first of `Kind`, and its likeliest host.
+    What stands beside roads does so before all.
+    """
+    choices = list(_choices(ground, obj, outline))
+    if obj.category in AT_ROADS:
+        choices = [choice for choice in choices if choice[0].kind == Kind.SIDE] or choices
+    return max(choices, key=_preference)
+
+
+def _preference(choice: Choice) -> tuple[int, int, bool, int]:
+    relation, _ = choice
+    is_u, is_v, is_yaw = relation.pinned
+    return is_u + is_v, -relation.kind, is_yaw, -relation.host
+
+
+def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[Choice]:
+    """Relations that hold."""
+    parent_id = obj.parent_id
+    parent, is_top = ground.outline(parent_id), ground.is_top(parent_id)
+    yield fits.scatter(parent, outline, Kind.ON if is_top else Kind.SCATTER), parent_id
+    if parent_id is not None:
+        is_walled = ground.category(parent_id) == "room"
+        is_round = obj.category in ROUND
+        for relation in fits.inside(
+            parent, outline, is_round=is_round, is_top=is_top, is_walled=is_walled
+        ):
+            yield relation, parent_id
+    for kind in _kinds(obj, is_top=is_top):
+        hosts = ground.standing.possible_hosts(kind, obj.category_id, parent_id)
+        for rank, host_id in enumerate(hosts):
+            for relation in _fits(ground, kind, host_id, obj, outline):
+                yield replace(relation, host=rank), host_id
+
+
+def _kinds(obj: SceneObject, *, is_top: bool) -> list[Kind]:
+    """Relations that an object may have to what is not its parent."""
+    if is_top or obj.category in AT_ROADS:
+        return [Kind.SIDE]
+    return [Kind.SIDE, Kind.OVER, Kind.FACING] + [Kind.LANE] * (obj.category in VEHICLES)
+
+
+def _fits(
+    ground: Ground, kind: Kind, host_id: int | None, obj: SceneObject, outline: Rectangle
+) -> Iterator[Relation]:
+    host = ground.outline(host_id)
+    match kind:
+        case Kind.LANE:
+            return fits.lane(host, outline)
+        case Kind.OVER:
+            return fits.over(host, outline)
+        case Kind.FACING:
+            return fits.facing(host, outline)
+        case _:
+            return fits.beside(
+                host, outline, _manner(ground, host_id, obj), is_round=obj.category in ROUND
+            )
+
+
+def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.Manner:
+    if obj.category in AT_ROADS:
+        return "road"
+    if ground.is_top(obj.parent_id):
+        return "thing" if ground.category(host_id) in SEATS else "small"
+    return "thing" if ground.is_top(host_id) else "way"

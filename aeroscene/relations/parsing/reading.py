@@ -1,0 +1,153 @@
+"""Reads the relations of a scene off its boxes, categories and parents."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from aeroscene.relations.hosts import SEATS, Standing
+from aeroscene.relations.parsing.choosing import Ground, best_relation
+from aeroscene.relations.parsing.rows import find_lattices
+from aeroscene.relations.parsing.seating import find_seats
+from aeroscene.relations.placing import array_half_m, cell_places, levels_m, residual_of
+from aeroscene.relations.plane import Rectangle
+from aeroscene.relations.relation import Array, Kind, Member, Relation, Residual, Unit
+from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.box import quat_from_yaw, quat_product
+
+
+def scene_relations(scene: Scene) -> tuple[Unit, ...]:
+    """What the fine objects of a scene are to their hosts, in drawing order.
+
+    Parents come before what stands on them, and of what has one parent the larger first, chairs
+    last, so that a host always comes before what refers to it. Only boxes, categories and parents
+    are read. `aeroscene.relations.placing.place` gives the boxes back.
+    """
+    return tuple(_Reader(scene).units())
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """What is drawn at once, before its relation is known."""
+
+    objects: Sequence[SceneObject]
+    array: Array | None
+    outline: Rectangle
+
+    @property
+    def order(self) -> tuple[float, int, int]:
+        """Larger ones first."""
+        first = self.objects[0]
+        area_m2 = first.bbox.s[0] * first.bbox.s[1]
+        return -round(area_m2, 3), first.category_id, first.id
+
+
+class _Reader:
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        coarse = tuple(obj for obj in scene.objects if obj.is_coarse)
+        self._ground = Ground(scene, Standing(coarse))
+        self._queue: list[int | None] = [None, *(obj.id for obj in coarse)]
+
+    def units(self) -> Iterator[Unit]:
+        """Units parent by parent; what they bear follows later."""
+        for parent_id in self._queue:
+            children = self._scene.children_by_id.get(parent_id, ())
+            fine = [child for child in children if not child.is_coarse]
+            for unit in self._units_on(parent_id, fine):
+                self._let_stand(unit)
+                yield unit
+
+    def _let_stand(self, unit: Unit) -> None:
+        table = unit.host_id if unit.relation.kind == Kind.SEAT else None
+        for member in unit.members:
+            self._ground.standing.add(member.id, member.category_id, unit.parent_id, table)
+            self._queue.append(member.id)
+
+    def _units_on(self, parent_id: int | None, fine: list[SceneObject]) -> Iterator[Unit]:
+        """Units of one parent: rows and grids and single things by size, then chairs."""
+        yield from self._related([obj for obj in fine if obj.category not in SEATS], parent_id)
+        chairs = {obj.id: obj for obj in fine if obj.category in SEATS}
+        if not chairs:
+            return
+        category_id = next(iter(chairs.values())).category_id
+        hosts = self._ground.standing.possible_hosts(Kind.SEAT, category_id, parent_id)
+        tables = {host: self._ground.outline(host) for host in hosts if host is not None}
+        outlines = {chair: self._ground.outline(chair) for chair in chairs}
+        for seating in find_seats(tables, outlines):
+            objects = [chairs.pop(member) for member in seating.members]
+            group = _Group(objects, seating.array, outlines[objects[0].id])
+            relation = replace(seating.relation, host=hosts.index(seating.table_id))
+            yield self._unit(group, relation, seating.table_id, seating.residual)
+        yield from self._related(list(chairs.values()), parent_id)
+
+    def _related(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[Unit]:
+        """Units by the relation that their outlines have."""
+        for group in sorted(self._groups(objects, parent_id), key=lambda group: group.order):
+            relation, host_id = best_relation(self._ground, group.objects[0], group.outline)
+            residual = residual_of(relation, self._ground.outline(host_id), group.outline)
+            yield self._unit(group, relation, host_id, residual)
+
+    def _groups(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[_Group]:
+        """Rows and grids of one kind, and what is in none."""
+        kinds: defaultdict[int, list[SceneObject]] = defaultdict(list)
+        for obj in objects:
+            kinds[obj.category_id].append(obj)
+        for alike in kinds.values():
+            feet = [self._ground.foot(obj) for obj in alike]
+            left = set(range(len(alike)))
+            # What lies on furniture is laid by seats, or strewn.
+            is_top = self._ground.is_top(parent_id)
+            for lattice in [] if is_top else find_lattices(feet):
+                members = [alike[index] for index in lattice.members]
+                half_m = array_half_m(lattice.array, [feet[i].half_m for i in lattice.members])
+                yield _Group(members, lattice.array, Rectangle(lattice.middle, half_m))
+                left -= set(lattice.members)
+            for index in sorted(left):
+                yield _Group([alike[index]], None, feet[index])
+
+    def _unit(
+        self, group: _Group, relation: Relation, host_id: int | None, residual: Residual
+    ) -> Unit:
+        """The unit, with what each member's place adds to it."""
+        parent_id = group.objects[0].parent_id
+        parent = None if parent_id is None else self._scene.object_by_id[parent_id].bbox
+        unit = Unit(
+            parent_id=parent_id,
+            host_id=host_id,
+            relation=relation,
+            members=tuple(_member(obj, parent) for obj in group.objects),
+            array=group.array,
+            residual=residual,
+        )
+        if unit.array is None:
+            return unit
+        cells = cell_places(unit, self._ground.outline(host_id))
+        places = [self._ground.outline(member.id).place for member in unit.members]
+        members = tuple(
+            replace(member, residual=Residual(*cell.local(place)))
+            for member, cell, place in zip(unit.members, cells, places, strict=True)
+        )
+        return replace(unit, members=members)
+
+
+def _member(obj: SceneObject, parent: OrientedBox | None) -> Member:
+    """An object by itself, its height from the nearer of its parent's top and underside."""
+    box = obj.bbox
+    low_m, top_m = levels_m(parent)
+    base_m, _ = levels_m(box)
+    is_on_top = abs(base_m - top_m) <= abs(base_m - low_m)
+    tilt = None
+    if not box.is_upright:
+        w, _, _, z = quat_from_yaw(box.yaw_rad)
+        a, b, c, d = quat_product((w, 0.0, 0.0, -z), box.q)
+        tilt = (a, b, c, d)
+    return Member(
+        id=obj.id,
+        category_id=obj.category_id,
+        size_m=box.s,
+        is_on_top=is_on_top,
+        rise_m=base_m - (top_m if is_on_top else low_m),
+        tilt_wxyz=tilt,
+    )

@@ -1,0 +1,133 @@
+"""How well partition trees fit a corpus, and how exactly they build it again.
+
+    python tools/measure_partitions.py corpus --scenes 0:400
+    python tools/measure_partitions.py corpus --scenes 0:100 --jitter-m 0.3   # the null
+
+Prints JSON: shares of sites by the nodes that they take, round trip errors in mm, lengths of the
+sequences and how many symbols they have.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from aeroscene.corpus.dataset import open_dataset
+from aeroscene.partition import (
+    PartitionError,
+    build_site,
+    build_storeys,
+    building_partitions,
+    from_sequence,
+    site_partition,
+    to_sequence,
+)
+from aeroscene.partition.sites.parse import COVERS
+from aeroscene.partition.tree import Bend, Cross, Node, Overlay, Pinwheel, walk
+from aeroscene.scene import OrientedBox, Scene
+from aeroscene.sources import open_scene
+
+
+def hardest(tree: Node) -> str:
+    """The node that a tree needs and simpler ones cannot replace."""
+    nodes = list(walk(tree))
+    if any(isinstance(n, Cross) and n.is_fallback for n in nodes):
+        return "grid"
+    for kind in (Bend, Pinwheel, Overlay):
+        if any(isinstance(n, kind) for n in nodes):
+            return kind.__name__.lower()
+    return "slice"
+
+
+def errors_mm(wanted: list[OrientedBox], found: list[OrientedBox]) -> list[float]:
+    """Farthest that a corner of each box lies from the nearest box's."""
+    if not wanted:
+        return []
+    nearest = np.atleast_1d(KDTree([b.p for b in found]).query([b.p for b in wanted])[1])
+    pairs = [(a.corners(), found[i].corners()) for a, i in zip(wanted, nearest, strict=True)]
+    return [1e3 * np.abs(a[:, None] - b[None]).max(axis=2).min(axis=1).max() for a, b in pairs]
+
+
+def jittered(scene: Scene, jitter_m: float) -> Scene:
+    """The same scene with each cover moved by up to a length along both axes."""
+    rng = np.random.default_rng(scene.seed)
+    objects = []
+    for obj in scene.objects:
+        dx, dy = rng.uniform(-jitter_m, jitter_m, 2)
+        if obj.category in COVERS:
+            x, y, z = obj.bbox.p
+            obj = replace(obj, bbox=replace(obj.bbox, p=(x + dx, y + dy, z)))  # noqa: PLW2901
+        objects.append(obj)
+    return replace(scene, objects=tuple(objects))
+
+
+def measure(scenes: list[Scene]) -> dict[str, object]:
+    """All figures."""
+    counts: Counter[str] = Counter()
+    symbols: set[object] = set()
+    errors: dict[str, list[float]] = {"covers": [], "rooms_walls": []}
+    lengths: dict[str, list[int]] = {"site": [], "storey": []}
+    for scene in scenes:
+        boxes = {obj.id: obj.bbox for obj in scene.objects}
+        try:
+            parsed = site_partition(scene)
+        except PartitionError:
+            counts["site none fits"] += 1
+            parsed = None
+        buildings = building_partitions(scene)
+        partitions = [storey for building in buildings for storey in building.storeys]
+        counts["storeys"] += len(partitions)
+        counts["walls on no border"] += sum(len(b.free_wall_ids) for b in buildings)
+        for storey in partitions:
+            counts[f"storey {hardest(storey.tree)}"] += 1
+        if parsed:
+            counts[f"site {hardest(parsed.site.tree)}"] += 1
+            built = [cover.box for cover in build_site(parsed.site)]
+            errors["covers"] += errors_mm([boxes[i] for i in parsed.object_ids], built)
+        for b in buildings:
+            built = [part.box for part in build_storeys(b.storeys)]
+            errors["rooms_walls"] += errors_mm([boxes[i] for i in b.object_ids], built)
+        for partition in [*partitions, *([parsed.site] if parsed else [])]:
+            records = to_sequence(partition)
+            counts["sequences not exact"] += from_sequence(records) != partition
+            lengths["storey" if partition in partitions else "site"].append(len(records))
+            symbols |= {record.symbol for record in records}
+    return {
+        "counts": dict(sorted(counts.items())),
+        "error_mm": {
+            k: np.percentile(v, (50, 95, 100)).round(3).tolist() for k, v in errors.items() if v
+        },
+        "length": {k: np.percentile(v, (50, 95, 100)).tolist() for k, v in lengths.items() if v},
+        "symbols": len(symbols),
+    }
+
+
+def _percentiles(values: list[float] | list[int]) -> list[float]:
+    """The 50th, 95th and 100th."""
+    return np.percentile(values, (50, 95, 100)).round(3).tolist()
+
+
+def main() -> None:
+    """Read the arguments, print the figures."""
+    parser = argparse.ArgumentParser(description="how well partition trees fit a corpus")
+    parser.add_argument("data", help="folder of a corpus, or the word corpus for corpus:N")
+    parser.add_argument("--scenes", default="0:100", help="A up to and without B")
+    parser.add_argument("--jitter-m", type=float, default=0.0)
+    args = parser.parse_args()
+    low, high = map(int, args.scenes.split(":"))
+    if args.data == "corpus":
+        scenes = [open_scene(f"corpus:{index}") for index in range(low, high)]
+    else:
+        scenes = list(open_dataset(args.data).scenes())[low:high]
+    if args.jitter_m:
+        scenes = [jittered(scene, args.jitter_m) for scene in scenes]
+    print(json.dumps(measure(scenes), indent=2))
+
+
+if __name__ == "__main__":
+    main()
