@@ -1,4 +1,4 @@
-"""Any folder of scene files, without a manifest: what `aeroscene generate` writes, or a user keeps."""
+"""Any folder of scene files, without a manifest: what `aeroscene generate` writes, say."""
 
 from __future__ import annotations
 

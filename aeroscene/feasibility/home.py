@@ -48,7 +48,9 @@ def settle_home(layout: Layout, row: int) -> None:
     host = int(layout.host[row])
     is_open_air = host >= 0 and layout.scene.domain != "indoor"
     is_level = host >= 0 and _is_level(layout, host)
-    if is_open_air and not (is_level and _openness_m(layout, row, host, spot[None])[0] >= _WANTED_M):
+    if is_open_air and not (
+        is_level and _openness_m(layout, row, host, spot[None])[0] >= _WANTED_M
+    ):
         best = (
             _best_spot(layout, row, [host] if is_level else [])
             or _best_spot(layout, row, _grounds(layout, _GROUNDS))

@@ -48,7 +48,8 @@ class Feasible:
 def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     """Project a scene: coarse objects first, then fine ones upon what bears them.
 
-    A scene without a start pad starts on free ground from which there is somewhere to fly to. As sampled, boxes may overlap, hang in the air or lie outside the extent; areas are ignored.
+    As sampled, boxes may overlap, hang in the air or lie outside the extent; areas are ignored. A
+    scene without a start pad starts on free ground from which there is somewhere to fly to.
     """
     cfg = cfg or FeasibilityCfg()
     layout = layout_of(scene)
@@ -65,7 +66,8 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
 def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]]:
     """A scene with the areas of its geometry, and what is wrong with it.
 
-    A scene without a start pad gets a start as well. Areas that fail to be what they claim are left out, and so are their findings.
+    A scene without a start pad gets a start as well. Areas that fail to be what they claim are left
+    out, and so are their findings.
     """
     primitives = scene_primitives(scene)
     field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)

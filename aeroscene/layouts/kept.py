@@ -1,9 +1,9 @@
 """Layouts of a file as scenes, kept once they have been mapped.
 
 Mapping takes a tenth of a second a room, and a file has a thousand. Scenes are kept under a hash of
-the file and of all sources that mapping follows from; a kept file that is damaged, or is not ours, is
-as good as none. They are in the folder `layouts` of the user's cache (or of `AEROSCENE_CACHE_DIR`);
-`AEROSCENE_CACHE=off` reads and writes no file. The last few files are kept.
+the file and of all sources that mapping follows from; a kept file that is damaged, or is not ours,
+is as good as none. They are in the folder `layouts` of the user's cache (or of
+`AEROSCENE_CACHE_DIR`); `AEROSCENE_CACHE=off` reads and writes no file. The last few files are kept.
 """
 
 from __future__ import annotations

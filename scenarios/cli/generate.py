@@ -123,6 +123,7 @@ def _run(cfg: GenerateCfg) -> int:
         import torch  # noqa: PLC0415
 
         torch.set_num_threads(cfg.threads)
+    generator.check(requests[0])
     cfg.out.mkdir(parents=True, exist_ok=True)
     tally = _Tally()
     with progress_bar("generating", len(requests)) as advance:

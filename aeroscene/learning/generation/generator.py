@@ -83,6 +83,14 @@ class Generator:
         proposer, seen = load_proposer(checkpoint, preset, where, n_steps)
         return Generator(proposer, str(where), seen)
 
+    def check(self, request: Request) -> None:
+        """Refuse what the model cannot be asked for, before anything is made.
+
+        Raises:
+            RequestError: If it was trained on no scene of this domain.
+        """
+        request.alike(self._seen)
+
     def generate(
         self,
         requests: Sequence[Request],

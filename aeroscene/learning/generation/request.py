@@ -101,17 +101,26 @@ class Request:
         n_areas = limits.small + limits.medium + limits.large
         return Wish(self.domain or domain, n_coarse, n_fine, n_areas), limits
 
-    def _drawn_from(
-        self, seen: Sequence[Wish], rng: np.random.Generator
-    ) -> tuple[Wish, AreaLimits | None]:
-        """The contents of one of the scenes seen, with what is asked for in their place."""
+    def alike(self, seen: Sequence[Wish]) -> list[Wish]:
+        """Those of the scenes seen that are of the domain that is asked for.
+
+        Raises:
+            RequestError: If some were seen, but none of this domain.
+        """
         domain = self.domain if self.complete is None else self.complete.domain
-        alike = [wish for wish in seen if domain in {None, wish.domain}]
-        if not alike:
+        found = [wish for wish in seen if domain in {None, wish.domain}]
+        if seen and not found:
             valid = ", ".join(sorted({wish.domain for wish in seen}))
             raise RequestError(
                 f"domain is {domain!r}, valid: {valid}; the model was trained on no other"
             )
+        return found
+
+    def _drawn_from(
+        self, seen: Sequence[Wish], rng: np.random.Generator
+    ) -> tuple[Wish, AreaLimits | None]:
+        """The contents of one of the scenes seen, with what is asked for in their place."""
+        alike = self.alike(seen)
         limits = self._limits(draw_budget(rng))
         wish = alike[int(rng.integers(len(alike)))]
         n_coarse, n_fine = wish.n_coarse, wish.n_fine

@@ -58,8 +58,8 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
     """Digest of everything that was trained on, hexadecimal."""
     n_scenes: int
     wishes: tuple[Wish, ...] = ()
-    """Contents of scenes trained on, a sample of them, where those are not the corpus': what is left
-    open in a request is drawn from these."""
+    """Contents of scenes trained on, a sample of them, where those are not the corpus': what is
+    left open in a request is drawn from these."""
 
 
 class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):

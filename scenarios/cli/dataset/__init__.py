@@ -50,8 +50,8 @@ def run(cfg: DatasetCfg) -> int:
         status = _RUN[type(action)](action)
         if isinstance(action, stats.StatsCfg | validate.ValidateCfg | show.ShowCfg):
             mention_part(action.data, action.scenes)
-        return status
     except (SceneError, SceneNumbersError, WorkerDiedError) as error:
         fail(prog, str(error))
     except OSError as error:
         fail_on_file(prog, error)
+    return status

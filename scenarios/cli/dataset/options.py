@@ -41,7 +41,8 @@ def open_scenes(data: str, scenes: str) -> SceneSet[Any]:
     """Open the scenes of a dataset that a user names, or all of them for an empty text.
 
     Args:
-        data: A folder of a dataset or of scene files, or `shipped`; where it is empty, ./corpus if that is there, else shipped.
+        data: A folder of a dataset or of scene files, or `shipped`; where it is empty, ./corpus if
+            that is there, else shipped.
         scenes: Numbers as `scene_numbers` reads them.
 
     Raises:
