@@ -6,6 +6,7 @@ import math
 import cv2
 import msgspec
 import pytest
+import torch
 from safetensors.torch import load_file, safe_open, save_file
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
@@ -207,5 +208,7 @@ def test_a_model_of_other_layouts_gives_scenes_that_fly(tmp_path, capsys, monkey
         assert not validate(scene)
         x, y, _ = scene.start_position_enu_m
         assert any(math.dist((x, y), area.centroid[:2]) > 2 for area in scene.landing_areas)
+    torch.set_num_threads(2)
     errors = refused(capsys, tmp_path / "none", *model, "--domain", "outdoor")
+    assert torch.get_num_threads() == 1  # one scene at a time
     assert "domain is 'outdoor', valid: indoor; the model was trained on no other" in errors
