@@ -131,7 +131,7 @@ def shortfall(dataset: Dataset) -> str | None:
     """What a folder lacks of the corpus, in one line; None where it holds all of it."""
     n_listed = len(dataset.entries)
     n_there = sum(dataset.path(entry).is_file() for entry in dataset.entries)
-    if n_there == CORPUS_SIZE:
+    if n_there == n_listed and n_there >= CORPUS_SIZE:
         return None
     said = f"folder {str(dataset.folder)!r} holds {n_there:,} of the {CORPUS_SIZE:,} scenes"
     if n_there < n_listed:
