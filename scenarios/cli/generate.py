@@ -75,7 +75,7 @@ class GenerateCfg:
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
     threads: Annotated[int | None, default_hint("1, with --batch all cores")] = None
-    """Number of CPU threads. For one scene at a time a second one costs more than it brings."""
+    """Number of CPU threads. For one scene at a time a second one brings little."""
     progress: Annotated[Path | None, default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
