@@ -39,11 +39,11 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
 
     Args:
         spec: A number from 0 to 1015 for a scene of the AeroScene dataset; `corpus:N` for one of
-            the training corpus; `gen:SEED` for one that the model makes anew; the path of a
-            `.json` or `.json.gz` file that holds a scene of ours, the AeroScene authors' JSON or a
-            3D-FRONT house; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral
-            layouts, where ID is its scene_id, what follows the last slash of that, or its number
-            in the file from 0.
+            the training corpus, which has no last; `gen:SEED` for one that the model makes anew;
+            the path of a `.json` or `.json.gz` file that holds a scene of ours, the AeroScene
+            authors' JSON or a 3D-FRONT house; or `FILE.jsonl#ID`, also gzip, for a scene of a
+            file of neutral layouts, where ID is its scene_id, what follows the last slash of that,
+            or its number in the file from 0.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
@@ -53,7 +53,7 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     if file:
         return _open_file(file["path"], file["scene_id"], skip_invalid=skip_invalid)
     named = _NUMBER.fullmatch(spec)
-    if named is None or (named["source"] != "gen" and int(named["number"]) >= CORPUS_SIZE):
+    if named is None or (named["source"] is None and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
             f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
             "gen:SEED, FILE.json or FILE.jsonl#ID, also with .gz"

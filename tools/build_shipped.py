@@ -25,11 +25,11 @@ from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.dataset import Dataset, SceneEntry, open_dataset
 from aeroscene.corpus.shipped import SHIPPED
 from aeroscene.metrics.paper_table import Row, paper_table
+from aeroscene.processes import WorkerDiedError, default_jobs
 from aeroscene.scene import SceneError
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
 from scenarios.dataset.build import build
-from scenarios.dataset.pool import WorkerDiedError, default_jobs
 from scenarios.dataset.shipping import CorpusMaker, Maker, ModelMaker, pack_shipped, plan_shipped
 
 TOLERANCE = 0.10

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_INTERRUPTED,
@@ -46,6 +47,12 @@ class TrainCfg:
     """TOML file that changes fields of the preset; see docs/model.md."""
     data: Path = Path("corpus")
     """Folder that `aeroscene dataset build` has made, or a file of neutral layouts."""
+    stream: bool = False
+    """Go on beyond the folder's last scene: processes make scene after scene while the network
+    learns. The folder's training scenes fix vocabulary and statistics, its test scenes are held
+    out."""
+    workers: Annotated[int | None, default_hint("cores less one with --stream, at least 1")] = None
+    """Number of processes that make scenes for --stream; the weights do not depend on it."""
     out: Path = Path("training")
     """Folder to write to; it is made where there is none."""
     steps: Annotated[int | None, default_hint("no limit")] = None
@@ -151,9 +158,11 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     from aeroscene.learning.training.config import Budget, require  # noqa: PLC0415
     from aeroscene.learning.training.devices import choose_device  # noqa: PLC0415
     from aeroscene.learning.training.presets import PARTS, fitted  # noqa: PLC0415
-    from aeroscene.learning.training.procedure import Plan, taken_parts  # noqa: PLC0415
+    from aeroscene.learning.training.procedure import Plan  # noqa: PLC0415
+    from aeroscene.learning.training.same_data import taken_parts  # noqa: PLC0415
 
     device = choose_device(cfg.device)
+    n_workers = _n_workers(cfg)
     if cfg.threads is not None:
         require(ok=1 <= cfg.threads <= 1024, name="threads", value=cfg.threads, valid="1 to 1024")
         torch.set_num_threads(cfg.threads)
@@ -163,7 +172,8 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     budget = Budget(cfg.steps, None if minutes is None else 60.0 * minutes)
     # Refuse bad options before reading the scenes, which takes time.
     preset, sections = _sections(cfg, state)
-    data = _read_data(cfg.data, sections)
+    is_streamed = cfg.stream or (state is not None and state.facts.data.stream != "")
+    data = _read_data(cfg.data, sections, is_streamed=is_streamed)
     if state is None:
         sections = fitted(sections, data.vocabulary)
     parts = cfg.parts or PARTS[preset]
@@ -179,8 +189,20 @@ def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
         device=device,
         save_seconds=60.0 * cfg.save_minutes,
         parts=parts,
+        n_workers=n_workers,
         taken={} if cfg.take is None else taken_parts(cfg.take, data, parts),
     )
+
+
+def _n_workers(cfg: TrainCfg) -> int:
+    from aeroscene.learning.training.config import TrainingError, require  # noqa: PLC0415 - PyTorch
+
+    if cfg.workers is None:
+        return max(1, default_jobs() - 1)
+    require(ok=1 <= cfg.workers <= 512, name="workers", value=cfg.workers, valid="1 to 512")
+    if not (cfg.stream or cfg.resume):
+        raise TrainingError(f"workers is {cfg.workers} without --stream, valid: with it, or none")
+    return cfg.workers
 
 
 def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Any, dict[str, Any]]:
@@ -223,7 +245,7 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
         )
 
 
-def _read_data(path: Path, sections: Mapping[str, Any]) -> TrainingData:
+def _read_data(path: Path, sections: Mapping[str, Any], *, is_streamed: bool) -> TrainingData:
     from aeroscene.learning.training.data import (  # noqa: PLC0415 - PyTorch
         count_scenes,
         is_layouts,
@@ -234,7 +256,11 @@ def _read_data(path: Path, sections: Mapping[str, Any]) -> TrainingData:
     title = "mapping layouts" if is_layouts(path) else "reading scenes"
     with progress_bar(title, count_scenes(path)) as advance:
         return open_training_data(
-            path, is_flat=is_flat(sections), codec=codec_of(sections), on_scene=advance
+            path,
+            is_flat=is_flat(sections),
+            codec=codec_of(sections),
+            is_streamed=is_streamed,
+            on_scene=advance,
         )
 
 
@@ -266,6 +292,9 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
         names = [name for name in ("loss", "held_out_loss") if name in figures]
         losses = ", ".join(f"{name.replace('_', ' ')} {figures[name]:.4f}" for name in names)
         said = f"{figures['steps']:,} steps in {figures['seconds'] / 60:.1f} min, {losses}"
+        if "held_out_least" in figures:
+            least, step = figures["held_out_least"], figures["held_out_least_step"]
+            said += f" (least {least:.4f} at step {step:,})"
     print(f"{path}: {said}")
     if not is_done:
         sys.stderr.write(f"{_PROG}: stopped and saved; --resume goes on from here\n")

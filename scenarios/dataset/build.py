@@ -22,7 +22,7 @@ from aeroscene.corpus.dataset import (
     write_manifest,
 )
 from aeroscene.corpus.provenance import curation_digest
-from scenarios.dataset.pool import run_all
+from aeroscene.processes import run_all
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -19,8 +19,8 @@ import numpy as np
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import Entry, SceneSet
+from aeroscene.processes import run_all
 from aeroscene.scene import InteractionArea
-from scenarios.dataset.pool import run_all
 
 if TYPE_CHECKING:
     from scenarios.dataset.falling import Fall

@@ -14,13 +14,13 @@ from PIL import Image
 
 from aeroscene.corpus.summary import Entry, SceneSet, SceneSummary
 from aeroscene.files import replacing
+from aeroscene.processes import run_all
 from aeroscene.scene import Scene
 from flightsim.looks.cutting import cut_at
 from flightsim.looks.framing import frame_points
 from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
-from scenarios.dataset.pool import run_all
 from scenarios.pictures.lettering import INK_RGB, PALE_RGB, PAPER_RGB, Picture, write
 
 ASPECT = 4 / 3

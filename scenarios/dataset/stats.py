@@ -22,8 +22,8 @@ from aeroscene.metrics.diversity import (
     nearest,
 )
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row, missing_categories, paper_table
+from aeroscene.processes import run_all
 from aeroscene.scene.catalogue import CATALOGUE
-from scenarios.dataset.pool import run_all
 
 Bar = Callable[[str, int, str], AbstractContextManager[Callable[[], object]]]
 """Opens a progress bar from title, count and unit; returns the function to call after each item."""

@@ -8,8 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from aeroscene.corpus.summary import Entry, SceneSet
+from aeroscene.processes import run_all
 from aeroscene.scene.io import write_scene
-from scenarios.dataset.pool import run_all
 
 
 def unpack_all(

@@ -10,9 +10,9 @@ from functools import partial
 from typing import Any, get_args
 
 from aeroscene.corpus.summary import Entry, SceneSet
+from aeroscene.processes import run_all
 from aeroscene.scene import SceneError
 from aeroscene.validation import Finding, FindingKind, validate
-from scenarios.dataset.pool import run_all
 
 KINDS: tuple[FindingKind, ...] = get_args(FindingKind)
 """Kinds of findings, in the order of the report."""

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from scenarios.dataset.pool import default_jobs
+from aeroscene.processes import default_jobs
 from scenarios.doctor.check import REINSTALL, Check, judged
 
 SUPPORTED_PYTHONS = ((3, 11), (3, 12), (3, 13))

@@ -77,7 +77,16 @@ def test_a_file_is_opened_by_its_path(tmp_path, scene_42):
     "spec",
     [
         *("1016", "-1", "4.2", "x", "", "٤٢", "+1", "9" * 5000, "a.jsonx", "#0"),
-        *("corpus:1016", "corpus:", "gen:", "gen:x", "gen:-3", "gen:3 ", "shipped:3", "Gen:3"),
+        *(
+            "corpus:1234567890",
+            "corpus:",
+            "gen:",
+            "gen:x",
+            "gen:-3",
+            "gen:3 ",
+            "shipped:3",
+            "Gen:3",
+        ),
     ],
 )
 def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):
@@ -133,3 +142,9 @@ def test_damaged_files_are_refused_by_the_reader_they_are_for(tmp_path):
     packed.write_bytes(b"\x1f\x8b damaged")
     with pytest.raises(SceneError, match=r"b\.json\.gz"):
         open_scene(str(packed))
+
+
+def test_the_corpus_goes_on_beyond_the_scenes_that_the_paper_counts(cache_folder):
+    scene = open_scene("corpus:1016")
+    assert (scene.scene_id, scene.seed, scene.domain) == ("corpus-1016", 1016, "indoor")
+    assert open_scene("corpus:1016") == scene

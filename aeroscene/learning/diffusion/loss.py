@@ -49,6 +49,10 @@ class LossCfg:
     """Cap of min-SNR weighting; None weighs all times alike, as the paper."""
     is_stratified: bool = True
     """Whether a batch's times are spread evenly; the paper draws each on its own."""
+    small_noise_share: float = 0.0
+    """Share of the times at which log sigma is uniform, see `Schedule.draw_time`: a place is
+    learned to centimetres where there is little noise, of which uniform times have little; the
+    paper: 0."""
     coarse_weight: float = 1.0
     """How many times more than a fine token's a coarse token's error counts: everything stands on
     or in coarse objects, so their errors move all that they carry."""
@@ -65,6 +69,10 @@ class LossCfg:
         for name in ("coarse_weight", "guide_weight", "gate_weight"):
             if not 0 <= getattr(self, name) < float("inf"):
                 raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0")
+        if not 0 <= self.small_noise_share <= 1:
+            raise DiffusionError(
+                f"small_noise_share is {self.small_noise_share:g}, valid: from 0 to 1"
+            )
         if self.min_snr_gamma is not None and not self.min_snr_gamma > 0:
             raise DiffusionError(
                 f"min_snr_gamma is {self.min_snr_gamma:g}, valid: above 0, or left out"
@@ -113,7 +121,12 @@ def diffusion_loss(
     weight = channel_weight(batch)
     is_free = weight > 0
     x0 = batch.x0 * is_free
-    time = schedule.draw_time(len(x0), generator, stratified=cfg.is_stratified).to(x0)
+    time = schedule.draw_time(
+        len(x0),
+        generator,
+        stratified=cfg.is_stratified,
+        small_noise_share=cfg.small_noise_share,
+    ).to(x0)
     eps = normal_like(x0, generator) * is_free
     x_t = schedule.forward_noise(x0, time, eps)
     alpha, sigma = schedule.signal_and_noise(time)

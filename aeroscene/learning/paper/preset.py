@@ -25,6 +25,7 @@ PAPER_TRAINING = TrainCfg(
     warmup_steps=0,
     clip_norm=0.0,
     average_decay=0.0,
+    keep="last",
 )
 """Section 4.1, "Implementation Details": Adam at 2e-4, batches of 64, cosine schedule."""
 

@@ -12,8 +12,9 @@ Source: the paper's section "Initial Layout and Hierarchy Embedding", x_t.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import torch
@@ -105,6 +106,15 @@ class FlatTrainingSet:
 
     statistics: FlatStatistics
     examples: tuple[FlatExample, ...]
+
+    @property
+    def encoder(self) -> Callable[[Scene], FlatExample]:
+        """From other scenes to examples like these, without these."""
+        return partial(encode_flat, statistics=self.statistics)
+
+    def with_examples(self, examples: Sequence[FlatExample]) -> FlatTrainingSet:
+        """Other scenes, standardised as these are."""
+        return replace(self, examples=tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
         """Scenes drawn with replacement, each turned and mirrored at random."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from weakref import finalize
 
 import numpy as np
 import torch
@@ -52,9 +53,13 @@ class TokenBatch:
         """Scenes in the batch."""
         return self.kind.shape[0]
 
-    def to(self, device: torch.device | str) -> TokenBatch:
+    def to(self, device: torch.device | str, *, non_blocking: bool = False) -> TokenBatch:
         """The same batch on another device."""
-        return self._with_each(lambda value: value.to(device))
+        return self._with_each(lambda value: value.to(device, non_blocking=non_blocking))
+
+    def pinned(self) -> TokenBatch:
+        """The same batch in memory that a GPU reads while the processor goes on."""
+        return self._with_each(lambda value: value.pin_memory())
 
     def scenes(self, some: slice) -> TokenBatch:
         """Some of the batch's scenes."""
@@ -80,7 +85,7 @@ class Collator:
     def __init__(self, vocabulary: Vocabulary, statistics: Statistics) -> None:
         self._vocabulary = vocabulary
         self._is_free = statistics.is_free
-        self._heights: dict[int, tuple[Skeleton, tuple[np.ndarray, np.ndarray]]] = {}
+        self._heights: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def examples(self, examples: Sequence[Example]) -> TokenBatch:
         """Batch for training."""
@@ -132,13 +137,14 @@ class Collator:
         )
 
     def _attachments(self, skeleton: Skeleton) -> tuple[np.ndarray, np.ndarray]:
-        # Training asks for the same skeletons again and again; the skeleton is kept with its
-        # answer, so that its identity stays its own.
+        # Training asks for the same skeletons again and again; answers go with their skeletons,
+        # whose identity may be another's then.
         known = self._heights.get(id(skeleton))
         if known is None:
-            known = (skeleton, attachment_heights(skeleton, self._vocabulary))
+            known = attachment_heights(skeleton, self._vocabulary)
             self._heights[id(skeleton)] = known
-        return known[1]
+            finalize(skeleton, self._heights.pop, id(skeleton)).atexit = False
+        return known
 
 
 def slots_of(skeleton: Skeleton, batch: TokenBatch) -> Int[np.ndarray, " n"]:

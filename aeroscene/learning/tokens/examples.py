@@ -16,6 +16,10 @@ from aeroscene.learning.tokens.statistics import Statistics, measure, standardis
 from aeroscene.scene import Scene
 
 
+class UnencodableError(ValueError):
+    """A scene that a vocabulary and its statistics have no example for; one line that says why."""
+
+
 @dataclass(frozen=True)
 class Example:
     """A scene as a skeleton, the standardised channels of its tokens, and what it has."""
@@ -46,6 +50,27 @@ def encode(
     skeleton = skeleton_of(scene, vocabulary, allow_nearest=allow_nearest)
     channels = channels_of(skeleton, geometry_of(scene), statistics.codec)
     return Example(skeleton, Wish.of(scene), standardise(skeleton, *channels, statistics))
+
+
+@dataclass(frozen=True)
+class TreeEncoder:
+    """From scenes to examples of one vocabulary and its statistics, in whichever process."""
+
+    vocabulary: Vocabulary
+    statistics: Statistics
+
+    def __call__(self, scene: Scene) -> Example:
+        """The scene as tokens.
+
+        Raises:
+            UnencodableError: If an object is of no kind of the vocabulary.
+        """
+        try:
+            return encode(scene, self.vocabulary, self.statistics)
+        except KeyError as error:
+            kind = error.args[0]
+            category = getattr(kind, "category", kind)
+            raise UnencodableError(f"kind {category} is unknown: {kind}") from None
 
 
 def mirrored(example: Example) -> Example:

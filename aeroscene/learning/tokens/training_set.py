@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,12 @@ from jaxtyping import Int
 
 from aeroscene.learning.tokens.batch import Collator, TokenBatch
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
-from aeroscene.learning.tokens.examples import Example, encode_corpus, random_symmetry
+from aeroscene.learning.tokens.examples import (
+    Example,
+    TreeEncoder,
+    encode_corpus,
+    random_symmetry,
+)
 from aeroscene.learning.tokens.kinds import Vocabulary, count_kinds
 from aeroscene.learning.tokens.statistics import Statistics
 from aeroscene.scene import Scene
@@ -33,6 +38,17 @@ class TrainingSet:
     def collator(self) -> Collator:
         """Makes batches of these scenes."""
         return Collator(self.vocabulary, self.statistics)
+
+    @property
+    def encoder(self) -> TreeEncoder:
+        """From other scenes to examples like these, without these."""
+        return TreeEncoder(self.vocabulary, self.statistics)
+
+    def with_examples(self, examples: Sequence[Example]) -> TrainingSet:
+        """Other scenes, standardised as these are; the collator stays, with what it knows."""
+        other = replace(self, examples=tuple(examples))
+        other.__dict__["collator"] = self.collator
+        return other
 
     @cached_property
     def digest(self) -> str:

@@ -60,6 +60,8 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
     wishes: tuple[Wish, ...] = ()
     """Contents of scenes trained on, a sample of them, where those are not the corpus': what is
     left open in a request is drawn from these."""
+    stream: str = ""
+    """What goes on after those scenes, where the grammar does: its sources and first number."""
 
 
 class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):

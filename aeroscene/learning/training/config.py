@@ -48,11 +48,19 @@ class TrainCfg:
     precision: Literal["auto", "single", "mixed"] = "auto"
     """`mixed` multiplies matrices in bfloat16; `auto` does so on a GPU only, since processors
     without units for it take longer."""
+    keep: Literal["best", "last"] = "best"
+    """Weights that the checkpoint has: those with the least held-out loss, or the last."""
+    look_steps: int = 250
+    """Steps between two looks at held-out scenes; a look takes as long as a step or two."""
+    scene_uses: int = 32
+    """How often a scene of the stream is used, on average, before another takes its place. A
+    batch of 16 asks for a new scene every two steps then; a worker makes two a second."""
     seed: int = 0
     """Decides initial weights, batches, times and noise."""
 
     def __post_init__(self) -> None:
         least_by_name = {"batch_size": 1, "warmup_steps": 0, "prior_steps": 1, "seed": 0}
+        least_by_name |= {"look_steps": 1, "scene_uses": 1}
         for name, least in least_by_name.items():
             value = getattr(self, name)
             ok = least <= value < 2**31

@@ -27,7 +27,9 @@ _OVER = 2
 _PAPER, _INK, _PALE, _RULE = "#fafaf8", "#1c2026", "#70767e", "#e2e2de"
 _COLOURS = ("#1f77b4", "#d1495b", "#2e8b57", "#b8860b", "#6a4c93", "#3d5a80", "#888888")
 _STAGES = ("skeleton", "denoiser", "prior")
-_NOT_CURVES = frozenset({"stage", "step", "seconds", "gradient_norm", "learning_rate"})
+_NOT_CURVES = frozenset({"stage", "step", "seconds", "gradient_norm", "learning_rate", "is_best"})
+_MARKED = "held_out"
+"""Curve whose least point is marked: those weights are kept."""
 _LADDER = (1.0, 2.0, 5.0)
 """Marked values of a decade."""
 _FINE_DECADES = 3
@@ -135,6 +137,19 @@ def _draw_panel(picture, top_px: int, stage: str, curves: Mapping[str, Points]) 
         draw.rectangle(_scaled(_WIDTH - _RIGHT + 20, y, 16, 4), fill=colour)
         text = f"{name.replace('_', ' ')} {points[-1][1]:.3g}"
         _write(draw, _WIDTH - _RIGHT + 44, y - 7, text, 13, _INK)
+        if name == _MARKED:
+            _mark_least(draw, axes, points, colour)
+
+
+def _mark_least(draw: ImageDraw.ImageDraw, axes: _Axes, points: Points, colour: str) -> None:
+    """A ring where a curve is least, with its step."""
+    step, value = min(points, key=lambda point: point[1])
+    x, y, radius = axes.x(step), axes.y(value), 5 * _OVER
+    box = (x - radius, y - radius, x + radius, y + radius)
+    draw.ellipse(box, outline=colour, width=2 * _OVER)
+    text = f"least {value:.3g} at {step:,.0f}"
+    left_px = min(x / _OVER, _WIDTH - _RIGHT - 6.5 * len(text))
+    _write(draw, left_px, y / _OVER + 8, text, 13, colour)
 
 
 def _smooth(points: Points) -> list[tuple[float, float]]:

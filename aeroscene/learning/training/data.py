@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from aeroscene.corpus.dataset import open_dataset
+import msgspec
+
+from aeroscene.corpus.dataset import DatasetError, open_dataset
+from aeroscene.corpus.provenance import curation_digest
 from aeroscene.layouts.kept import count_layouts, mapped_scenes
-from aeroscene.learning.paper.tokens import FlatTrainingSet, encode_flat, flat_training_set
+from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
-from aeroscene.learning.tokens.examples import encode
+from aeroscene.learning.tokens.examples import UnencodableError
 from aeroscene.learning.tokens.kinds import Vocabulary, count_kinds
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish, skeleton_of
 from aeroscene.learning.tokens.training_set import TrainingSet, training_set
+from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint import DataSource
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.scene import Scene
@@ -37,7 +43,11 @@ class TrainingData:
     """Skeletons of the scenes to train on, with what each has."""
     train: Set
     held_out: Set
-    """Scenes that are not trained on, those of them whose kinds occur in training."""
+    """Scenes that are not trained on, those of them that can be encoded."""
+    n_skipped: int = 0
+    """Scenes that are not trained on either and cannot be encoded."""
+    last_number: int | None = None
+    """Number after which the grammar goes on with scenes to train on; None where it does not."""
 
 
 def open_training_data(
@@ -45,6 +55,7 @@ def open_training_data(
     *,
     is_flat: bool = False,
     codec: CodecCfg = DEFAULT_CODEC,
+    is_streamed: bool = False,
     on_scene: OnScene = lambda: None,
 ) -> TrainingData:
     """Read what a user names.
@@ -54,11 +65,15 @@ def open_training_data(
         is_flat: As the paper has scenes, objects beside each other in the scene's frame; otherwise
             as trees, each object in the frame of its parent.
         codec: Codec of a tree's channels.
+        is_streamed: Whether the grammar goes on where the dataset ends. What is in the folder then
+            is the first stretch: it fixes vocabulary and statistics, and its test split is held
+            out.
         on_scene: Called after each scene.
 
     Raises:
         SceneError: If there is no such data, or it is not valid.
     """
+    last = _last_number(path) if is_streamed else None
     train, held_out = _scenes(path, on_scene)
     if len(train) < _LEAST_SCENES:
         raise TrainingError(
@@ -66,7 +81,11 @@ def open_training_data(
             f"valid: {_LEAST_SCENES} or more"
         )
     wishes = [Wish.of(scene) for scene in train] if is_layouts(path) else []
-    return prepared(path.name, train, held_out, is_flat=is_flat, codec=codec, wishes=wishes)
+    data = prepared(path.name, train, held_out, is_flat=is_flat, codec=codec, wishes=wishes)
+    if last is None:
+        return data
+    source = msgspec.structs.replace(data.source, stream=f"{curation_digest()} from {last + 1}")
+    return replace(data, source=source, last_number=last)
 
 
 def prepared(
@@ -78,10 +97,11 @@ def prepared(
     codec: CodecCfg = DEFAULT_CODEC,
     wishes: Sequence[Wish] = (),
 ) -> TrainingData:
-    """Scenes as tokens, to train on and to watch by.
+    """Scenes as examples, to train on and to watch by.
 
     A checkpoint names them as `name`, and draws what it is asked for from `wishes` where there are
-    any.
+    any. The set of the scenes to train on fixes how scenes are encoded: its `encoder` makes those
+    that are held out here, and those of a stream in the worker processes.
     """
     tree = training_set(train, codec)
     vocabulary = count_kinds(train)
@@ -89,7 +109,29 @@ def prepared(
     source = DataSource(name=name, digest=tree.digest, n_scenes=len(train), wishes=sample)
     skeletons = tuple((skeleton_of(scene, vocabulary), Wish.of(scene)) for scene in train)
     known = flat_training_set(train) if is_flat else tree
-    return TrainingData(source, vocabulary, skeletons, known, _encoded(held_out, known))
+    examples = _encoded(held_out, known.encoder)
+    n_skipped = len(held_out) - len(examples)
+    return TrainingData(
+        source, vocabulary, skeletons, known, known.with_examples(examples), n_skipped
+    )
+
+
+def _last_number(path: Path) -> int:
+    """Number of the last scene in a folder whose scenes the grammar made as it makes them now."""
+    if is_layouts(path):
+        raise TrainingError(
+            f"data {str(path)!r} is a file of layouts, of which no grammar makes more, valid with "
+            "--stream: a folder that aeroscene dataset build has made"
+        )
+    entries = open_dataset(path).entries
+    n_foreign = sum(entry.sources != curation_digest() for entry in entries)
+    if n_foreign:
+        raise DatasetError(
+            f"{n_foreign} of {len(entries)} scenes in {str(path)!r} were made by other sources "
+            "than those that would follow, valid with --stream: scenes of this very code; "
+            "aeroscene dataset build makes them again"
+        )
+    return entries[-1].index
 
 
 def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
@@ -125,14 +167,9 @@ def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Sce
     return train, held_out
 
 
-def _encoded(scenes: Sequence[Scene], known: Set) -> Set:
-    if isinstance(known, FlatTrainingSet):
-        examples = tuple(encode_flat(scene, known.statistics) for scene in scenes)
-        return FlatTrainingSet(known.statistics, examples)
-    found = []
+def _encoded(scenes: Sequence[Scene], encode: Encoder) -> list[Any]:
+    found: list[Any] = []
     for scene in scenes:
-        try:
-            found.append(encode(scene, known.vocabulary, known.statistics))
-        except KeyError:
-            continue  # An object of a kind that no scene of the training split has.
-    return TrainingSet(known.vocabulary, known.statistics, tuple(found))
+        with suppress(UnencodableError):
+            found.append(encode(scene))
+    return found

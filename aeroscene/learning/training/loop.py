@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 import torch
@@ -19,6 +18,8 @@ from torch import Tensor, nn
 from aeroscene.learning.diffusion.loss import Denoiser
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.average import MovingAverage
+from aeroscene.learning.training.batches.source import Batches, StoppedError
+from aeroscene.learning.training.best import Best
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.rates import rate_factor
 
@@ -27,14 +28,6 @@ LossTerms = Mapping[str, Tensor]
 LossFunction = Callable[[Denoiser, TokenBatch, torch.Generator], LossTerms]
 
 TOTAL = "total"
-
-
-class TrainingSet(Protocol):
-    """Scenes to train on, varied at random."""
-
-    def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
-        """Scenes drawn from the set, on the processor."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,11 +58,13 @@ class DenoiserTraining:
     seconds: float = 0.0
     """Spent on them."""
     average: MovingAverage = field(init=False)
+    best: Best = field(init=False)
     optimiser: torch.optim.Optimizer = field(init=False)
 
     def __post_init__(self) -> None:
         self.model.to(self.device).train()
         self.average = MovingAverage(self.model, self.cfg.average_decay)
+        self.best = Best(keeps_weights=self.cfg.keep == "best")
         kind = torch.optim.AdamW if self.cfg.optimiser == "adamw" else torch.optim.Adam
         self.optimiser = kind(
             self.model.parameters(),
@@ -78,10 +73,11 @@ class DenoiserTraining:
             fused=True,
         )
 
-    def advance(self, data: TrainingSet, loss: LossFunction, budget: Budget) -> StepReport:
+    def advance(self, batches: Batches, loss: LossFunction, budget: Budget) -> StepReport:
         """Take one step.
 
         Raises:
+            StoppedError: If the user wants the training to end before there is a batch.
             TrainingError: If the loss is not finite any more.
         """
         share = budget.share(self.step, self.seconds)
@@ -94,7 +90,7 @@ class DenoiserTraining:
         )
         for group in self.optimiser.param_groups:
             group["lr"] = rate
-        terms = self._terms(data, loss)
+        terms = self._terms(batches(self.step), loss)
         self.optimiser.zero_grad(set_to_none=True)
         terms[TOTAL].backward()
         longest = self.cfg.clip_norm or math.inf
@@ -112,8 +108,12 @@ class DenoiserTraining:
             learning_rate=rate,
         )
 
-    def _terms(self, data: TrainingSet, loss: LossFunction) -> LossTerms:
-        batch = data.sample_batch(self.cfg.batch_size, batch_generator(self.cfg.seed, self.step))
+    @property
+    def kept(self) -> Mapping[str, Tensor]:
+        """The weights that generate: the best ones, or the last average where none are kept."""
+        return self.best.weights or self.average.weights
+
+    def _terms(self, batch: TokenBatch, loss: LossFunction) -> LossTerms:
         generator = noise_generator(self.cfg.seed, self.step, self.device)
         precision = self.cfg.precision
         is_mixed = precision == "mixed" or (precision == "auto" and self.device.type == "cuda")
@@ -131,11 +131,6 @@ class DenoiserTraining:
             )
 
 
-def batch_generator(seed: int, step: int) -> np.random.Generator:
-    """Random generator of the batch of a step."""
-    return np.random.default_rng([seed, step, 0])
-
-
 def noise_generator(seed: int, step: int, device: torch.device) -> torch.Generator:
     """Random generator of times and noise of a step."""
     number = int(np.random.SeedSequence([seed, step, 1]).generate_state(1, np.uint64)[0])
@@ -144,7 +139,7 @@ def noise_generator(seed: int, step: int, device: torch.device) -> torch.Generat
 
 def train_denoiser(
     training: DenoiserTraining,
-    data: TrainingSet,
+    batches: Batches,
     loss: LossFunction,
     budget: Budget,
     on_step: Callable[[StepReport], bool],
@@ -159,7 +154,10 @@ def train_denoiser(
     """
     before_s = clock()
     while budget.share(training.step, training.seconds) < 1.0:
-        report = training.advance(data, loss, budget)
+        try:
+            report = training.advance(batches, loss, budget)
+        except StoppedError:
+            return
         now_s = clock()
         training.seconds += now_s - before_s
         before_s = now_s

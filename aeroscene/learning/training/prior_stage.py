@@ -16,13 +16,13 @@ from aeroscene.learning.paper.guidance.semantic import SemanticPrior, train_sema
 from aeroscene.learning.paper.tokens import FlatStatistics
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.decode import TreeDecoder
+from aeroscene.learning.training.batches.source import drawn_from
 from aeroscene.learning.training.checkpoint import Weights
 from aeroscene.learning.training.data import TrainingData
 from aeroscene.learning.training.journal import append_line, forget_after
 from aeroscene.learning.training.loop import (
     LossFunction,
     LossTerms,
-    batch_generator,
     noise_generator,
 )
 from aeroscene.learning.training.presets import Sections
@@ -58,7 +58,7 @@ def train_prior_part(
 
     def layouts(size: int) -> Layout:
         nonlocal n_drawn
-        batch = data.train.sample_batch(size, batch_generator(cfg.seed, _STREAM + n_drawn))
+        batch = drawn_from(data.train, size, cfg.seed)(_STREAM + n_drawn)
         n_drawn += 1
         batch = batch.to(device)
         assert batch.x0 is not None

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -20,16 +20,17 @@ from torch import Tensor
 
 from aeroscene.learning.model.network import HierarchicalDenoiser
 from aeroscene.learning.tokens.training_set import TrainingSet
+from aeroscene.learning.training.batches.opened import open_batches
+from aeroscene.learning.training.batches.stream import STAGE, StreamedBatches
 from aeroscene.learning.training.checkpoint import (
     CheckpointFacts,
     Part,
     Weights,
     category_names,
-    read_checkpoint,
     write_checkpoint,
 )
 from aeroscene.learning.training.code_version import code_version
-from aeroscene.learning.training.config import Budget, Preset, TrainingError
+from aeroscene.learning.training.config import Budget, Preset, TrainCfg, TrainingError
 from aeroscene.learning.training.curves import draw_curves
 from aeroscene.learning.training.data import TrainingData
 from aeroscene.learning.training.devices import naming_memory
@@ -44,6 +45,7 @@ from aeroscene.learning.training.loop import (
 )
 from aeroscene.learning.training.presets import Sections, sections_to_plain
 from aeroscene.learning.training.prior_stage import loss_function, train_prior_part
+from aeroscene.learning.training.same_data import check_same_data
 from aeroscene.learning.training.skeleton_stage import train_skeleton_part
 from aeroscene.learning.training.state import STATE, TrainingState, write_state
 
@@ -85,6 +87,8 @@ class Plan:
     """Parts to train, see `presets.PARTS`."""
     taken: Mapping[Part, Weights] = field(default_factory=dict)
     """Parts that another training has made."""
+    n_workers: int = 1
+    """Processes that make the scenes of a stream."""
 
 
 @dataclass
@@ -98,6 +102,7 @@ class Training:
     figures: dict[str, Any] = field(default_factory=dict)
     """Figures of the training for the checkpoint."""
     _denoiser: DenoiserTraining | None = None
+    _stream: StreamedBatches | None = None
     _pending: list[StepReport] = field(default_factory=list)
     _saved_s: float = 0.0
 
@@ -114,8 +119,9 @@ class Training:
         """
         self.plan.folder.mkdir(parents=True, exist_ok=True)
         self.parts = dict(self.plan.taken)
+        self.figures["held_out_skipped"] = self.plan.data.n_skipped
         if state is not None:
-            _check_data(self.plan, state)
+            check_same_data(self.plan.folder, state.facts, self.plan.data.source)
             self.parts |= state.parts
             self.figures = dict(state.facts.training)
         with naming_memory(self.plan.device, "a smaller training.batch_size (--config)"):
@@ -152,15 +158,18 @@ class Training:
             state.restore(training)
             forget_after(self.plan.folder, "denoiser", training.step)
         self._saved_s = time.perf_counter()
-        budget = self.plan.budget
-        train_denoiser(
-            training, self.plan.data.train, self._loss, budget, self._after_step, time.perf_counter
-        )
+        plan, budget, clock = self.plan, self.plan.budget, time.perf_counter
+        stop = self.watcher.wants_stop
+        with open_batches(
+            plan.data, training.cfg, plan.device, plan.folder, training.step, plan.n_workers, stop
+        ) as opened:
+            self._stream = opened.stream
+            train_denoiser(training, opened.batches, self._loss, budget, self._after_step, clock)
         return budget.share(training.step, training.seconds) >= 1.0
 
     def _new_denoiser(self) -> DenoiserTraining:
         """A denoiser with its first weights, which the seed decides."""
-        cfg = self.plan.sections["training"]
+        cfg = self._cfg
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(cfg.seed)
             model = HierarchicalDenoiser(self.plan.sections["model"])
@@ -168,6 +177,10 @@ class Training:
         if isinstance(known, TrainingSet):
             model.use_statistics(known.vocabulary, known.statistics)
         return DenoiserTraining(model, cfg, self.plan.device)
+
+    @property
+    def _cfg(self) -> TrainCfg:
+        return self.plan.sections["training"]
 
     @cached_property
     def _loss(self) -> LossFunction:
@@ -179,6 +192,8 @@ class Training:
         figures: dict[str, float] = {}
         if report.step % self.plan.log_steps == 0:
             figures = self._log()
+        if report.step % self._cfg.look_steps == 0 or report.share >= 1.0:
+            figures |= self._look()
         self.watcher.on_progress("denoiser", report.share, figures)
         if self.watcher.wants_stop():
             return False
@@ -197,7 +212,28 @@ class Training:
         line = {"stage": "denoiser", "step": last.step, "seconds": round(last.seconds, 2)}
         append_line(self.plan.folder, line | {k: float(f"{v:.6g}") for k, v in figures.items()})
         self.figures["loss"] = figures[TOTAL]
+        if self._stream is not None:
+            streamed = self._stream.figures(last.step)
+            append_line(self.plan.folder, {"stage": STAGE, "step": last.step} | streamed)
+            self.figures["scenes"] = streamed["scenes"]
         return figures
+
+    def _look(self) -> dict[str, float]:
+        """Measure the averaged weights on held-out scenes, and keep them where they are best."""
+        training = self._denoiser
+        assert training is not None
+        _check_finite(training)
+        loss = held_out_loss(training, self.plan.data.held_out, self._loss)
+        if loss is None:
+            return {}
+        best, step = training.best, training.step
+        is_best = best.offer(step, loss, training.average.weights)
+        line = {"stage": "denoiser", "step": step, "held_out": round(loss, 6), "is_best": is_best}
+        append_line(self.plan.folder, line)
+        kept = best.loss if best.keeps_weights else loss
+        self.figures |= {"held_out_loss": kept, "held_out_least_step": best.step}
+        self.figures["held_out_least"] = best.loss
+        return {"held_out": loss}
 
     def save(self) -> None:
         """Write state, checkpoint and curves.
@@ -208,8 +244,12 @@ class Training:
         """
         parts = dict(self.parts)
         if self._denoiser is not None:
-            parts["denoiser"] = self._denoiser.average.weights
-            self._measure(self._denoiser)
+            _check_finite(self._denoiser)
+            if self._pending:
+                self._log()
+            training = self._denoiser
+            self.figures |= {"steps": training.step, "seconds": round(training.seconds, 1)}
+            parts["denoiser"] = training.kept
         self.figures |= {"device": str(self.plan.device), "torch": str(torch.__version__)}
         facts = self._facts()
         folder = self.plan.folder
@@ -217,18 +257,6 @@ class Training:
         write_checkpoint(folder / CHECKPOINT, facts, parts, self.plan.data.train.statistics)
         draw_curves(folder)
         self._saved_s = time.perf_counter()
-
-    def _measure(self, training: DenoiserTraining) -> None:
-        """Bring figures and log to where the denoiser is."""
-        _check_finite(training)
-        if self._pending:
-            self._log()
-        self.figures |= {"steps": training.step, "seconds": round(training.seconds, 1)}
-        held_out = held_out_loss(training, self.plan.data.held_out, self._loss)
-        if held_out is not None:
-            line = {"stage": "denoiser", "step": training.step, "held_out": round(held_out, 6)}
-            append_line(self.plan.folder, line)
-            self.figures["held_out_loss"] = held_out
 
     def _facts(self) -> CheckpointFacts:
         plan = self.plan
@@ -240,33 +268,6 @@ class Training:
             data=plan.data.source,
             code=code_version(),
             training=self.figures,
-        )
-
-
-def taken_parts(path: Path, data: TrainingData, trained: Collection[Part]) -> dict[Part, Weights]:
-    """Parts of a checkpoint of the same data, without those that are trained here.
-
-    Raises:
-        CheckpointError: If the checkpoint cannot be used.
-        TrainingError: If the checkpoint is of other data.
-    """
-    checkpoint = read_checkpoint(path)
-    theirs, ours = checkpoint.facts.data, data.source
-    if theirs.digest != ours.digest:
-        raise TrainingError(
-            f"checkpoint {str(path)!r} is of other data: {theirs.name!r} ({theirs.n_scenes} "
-            f"scenes), not {ours.name!r} ({ours.n_scenes}), valid: one that was trained on the same"
-        )
-    return {part: checkpoint.parts[part] for part in checkpoint.parts if part not in trained}
-
-
-def _check_data(plan: Plan, state: TrainingState) -> None:
-    begun, now = state.facts.data, plan.data.source
-    if begun.digest != now.digest:
-        raise TrainingError(
-            f"data {now.name!r} ({now.n_scenes} scenes, digest {now.digest}) is not what the "
-            f"training in {str(plan.folder)!r} was begun on ({begun.n_scenes} scenes, digest "
-            f"{begun.digest}), valid: the same data, or another folder"
         )
 
 

@@ -27,6 +27,7 @@ VERSION = 1
 
 _KEY = "aeroscene-training"
 _MODEL, _AVERAGE, _MOMENTS, _PARTS = "model.", "average.", "moments.", "parts."
+_BEST = "best."
 
 
 class _Head(msgspec.Struct):
@@ -34,6 +35,8 @@ class _Head(msgspec.Struct):
     step: int
     seconds: float
     facts: CheckpointFacts
+    best_step: int = 0
+    best_loss: float | None = None
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,9 @@ class TrainingState:
     step: int
     seconds: float
     tensors: Mapping[str, Tensor]
+    best_step: int = 0
+    best_loss: float | None = None
+    """Least held-out loss so far; None where no step was looked at."""
 
     @property
     def parts(self) -> dict[Part, Weights]:
@@ -83,6 +89,10 @@ class TrainingState:
                     key: value.to(training.device) for key, value in kept.items()
                 }
         training.step, training.seconds = self.step, self.seconds
+        if self.best_loss is not None:
+            kept = under(self.tensors, _BEST)
+            weights = {name: value.to(training.device) for name, value in kept.items()}
+            training.best.offer(self.best_step, self.best_loss, weights)
 
 
 def write_state(
@@ -104,13 +114,16 @@ def write_state(
     if training is not None:
         tensors |= {f"{_MODEL}{k}": v for k, v in training.model.state_dict().items()}
         tensors |= {f"{_AVERAGE}{k}": v for k, v in training.average.weights.items()}
+        tensors |= {f"{_BEST}{k}": v for k, v in training.best.weights.items()}
         for name, parameter in training.model.named_parameters():
             state = training.optimiser.state.get(parameter, {})
             tensors |= {f"{_MOMENTS}{name}|{key}": value for key, value in state.items()}
     step, seconds = (0, 0.0) if training is None else (training.step, training.seconds)
-    head = msgspec.json.encode(_Head(VERSION, step, seconds, facts)).decode()
+    head = _Head(VERSION, step, seconds, facts)
+    if training is not None and training.best.step:
+        head.best_step, head.best_loss = training.best.step, training.best.loss
     plain = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
-    data = save(plain, metadata={_KEY: head})
+    data = save(plain, metadata={_KEY: msgspec.json.encode(head).decode()})
     with replacing(path) as file:
         file.write(data)
 
@@ -138,4 +151,6 @@ def read_state(path: Path) -> TrainingState | None:
             f"state {str(path)!r} is of version {head.version}, valid: {VERSION}; "
             "delete it to train anew"
         )
-    return TrainingState(path, head.facts, head.step, head.seconds, tensors)
+    return TrainingState(
+        path, head.facts, head.step, head.seconds, tensors, head.best_step, head.best_loss
+    )

@@ -8,12 +8,12 @@ from typing import Annotated, Any
 
 import tyro
 
+from aeroscene.processes import WorkerDiedError
 from aeroscene.scene import SceneError
 from scenarios.cli.command_line import fail, fail_on_file
 from scenarios.cli.dataset import build, show, stats, unpack, validate
 from scenarios.cli.dataset.options import mention_part
 from scenarios.cli.scene_numbers import SceneNumbersError
-from scenarios.dataset.pool import WorkerDiedError
 
 Action = (
     Annotated[build.BuildCfg, tyro.conf.subcommand("build", prefix_name=False)]

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.provenance import curation_digest
+from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, print_json
 from scenarios.cli.dataset.options import check_jobs
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import scene_numbers
 from scenarios.dataset.build import BuildPlan, build, plan_build
-from scenarios.dataset.pool import default_jobs
 
 _PROG = "aeroscene dataset build"
 
@@ -31,7 +31,8 @@ class BuildCfg:
     out: Path = Path("corpus")
     """Folder to build in; it is made where there is none."""
     scenes: str = f"0:{CORPUS_SIZE}"
-    """Numbers of scenes: A:B without B, single ones, joined by commas."""
+    """Numbers of scenes, from 0 up: A:B without B, single ones, joined by commas. Beyond the 1,016
+    of the corpus there is no last; every fifth is of the test split."""
     jobs: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
@@ -66,7 +67,8 @@ def _announce(plan: BuildPlan) -> None:
     if plan.foreign:
         sys.stderr.write(
             f"{_PROG}: {len(plan.foreign)} scenes in {plan.folder} that were not asked for were "
-            "made by other sources: they stay; a build without --scenes makes them again\n"
+            "made by other sources: they stay; a build that names them in --scenes makes them "
+            "again\n"
         )
 
 

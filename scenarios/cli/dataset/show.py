@@ -9,11 +9,11 @@ from typing import Any, Literal
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
+from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE
 from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.replay import show
-from scenarios.dataset.pool import default_jobs
 
 _LARGEST_SHEET = 200
 _SAMPLE = 12

@@ -15,10 +15,10 @@ from rich.table import Table
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
+from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, default_hint, print_json
 from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
-from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.stats import Diversity, Statistics, statistics
 
 _CATEGORY_COLUMNS = 4

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, print_json
 from scenarios.cli.dataset.options import SHIPPED_NAME, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
-from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.unpack import unpack_all
 
 

@@ -11,11 +11,11 @@ from rich.table import Table
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
+from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
-from scenarios.dataset.pool import default_jobs
 from scenarios.dataset.validate import Report, first_of_each_kind, validate_all
 
 _EXAMPLES = 5

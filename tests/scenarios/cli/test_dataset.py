@@ -110,6 +110,14 @@ def test_build_gives_the_same_bytes_with_one_process_and_step_by_step(built, tmp
     assert contents(folder) == contents(built[0])
 
 
+def test_build_goes_on_beyond_the_corpus_and_keeps_the_split_by_number(corpus, capsys):
+    assert run(capsys, "build", "--out", corpus, "--scenes", "1020:1022", "--jobs", 1)[0] == 0
+    entries = open_dataset(corpus).entries
+    assert [e.index for e in entries] == [0, 1, 2, 1020, 1021]
+    assert [e.split for e in entries] == ["test", "train", "train", "test", "train"]
+    assert entries[-1].scene_id == "corpus-1021"
+
+
 def test_build_keeps_what_is_whole_and_makes_again_what_is_not(corpus, capsys):
     before = contents(corpus)
     (corpus / "scenes" / "corpus-0001.json.gz").write_bytes(b"cut")
@@ -192,7 +200,7 @@ def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
     ("args", "says"),
     [
         (["build", "--scenes", "5:2"], "scenes '5:2' is no range of scenes, valid: A:B"),
-        (["build", "--scenes", "0:1017"], "from 0 to 1015"),
+        (["build", "--scenes", "0:1000001"], "from 0 to 999999"),
         (["build", "--scenes", "one"], "scenes 'one'"),
         (["build", "--jobs", "0"], "jobs 0 is out of range, valid: 1 to 512 processes"),
         (["build", "--jobs", "many"], "jobs 'many' is not valid; valid: a whole number"),

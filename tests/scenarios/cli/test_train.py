@@ -1,17 +1,23 @@
 """`aeroscene train` as a user meets it."""
 
 import json
+import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 import torch
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.learning.training.batches.curation import scene_file
 from aeroscene.learning.training.checkpoint import read_checkpoint
+from aeroscene.learning.training.state import read_state
+from aeroscene.scene.io import write_scene
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import cached_scene
 from tests.scenarios.in_process import in_process
@@ -61,6 +67,13 @@ def corpus(tmp_path_factory):
 def config(tmp_path_factory):
     path = tmp_path_factory.mktemp("config") / "tiny.toml"
     path.write_text(TINY)
+    return path
+
+
+@pytest.fixture(scope="module")
+def streaming(tmp_path_factory):
+    path = tmp_path_factory.mktemp("config") / "streaming.toml"
+    path.write_text(TINY.replace("[skeleton]", "scene_uses = 2\n[skeleton]", 1))
     return path
 
 
@@ -150,6 +163,95 @@ def test_ctrl_c_saves_and_a_resume_goes_on(corpus, config, tmp_path):
     assert main(command(corpus, config, out, "--steps", n_steps + 2, "--resume")) == 0
     found = read_checkpoint(out / "checkpoint.safetensors")
     assert found.facts.training["steps"] == n_steps + 2
+
+
+def with_scenes(out, last):
+    """A folder to train in, where scenes of the stream lie already: known kinds, no waiting."""
+    path = scene_file(out, 51)
+    path.parent.mkdir(parents=True)
+    for number in range(51, last):
+        write_scene(replace(cached_scene(7), seed=number), scene_file(out, number))
+    return out
+
+
+def test_streamed_training_is_the_same_with_any_workers_and_after_a_resume(
+    corpus, streaming, tmp_path, capsys
+):
+    weights = []
+    for name, runs in {
+        "one": (("--steps", 6, "--stream", "--workers", 1),),
+        "resumed": (
+            ("--steps", 6, "--minutes", 1e-6, "--stream", "--workers", 2),
+            ("--steps", 6, "--resume"),
+        ),
+    }.items():
+        out = with_scenes(tmp_path / name, 64)
+        for more in runs:
+            status, _, errors = run(capsys, command(corpus, streaming, out, *more))
+            assert (status, errors) == (0, "")
+        found = read_checkpoint(out / "checkpoint.safetensors")
+        assert found.facts.training["steps"] == 6
+        assert found.facts.data.stream.endswith("from 50")
+        weights.append(found.facts.digest)
+        lines = [json.loads(line) for line in (out / "log.jsonl").read_text().splitlines()]
+        told = [line for line in lines if "uses" in line][-1]
+        assert (told["scenes"], told["skipped"]) == (3 + 5, 0)
+        assert told["uses"] == pytest.approx(6 * 2 / 8)
+    assert weights[0] == weights[1]
+
+
+def is_there(group):
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_sigterm_to_all_processes_saves_and_leaves_none(corpus, config, tmp_path):
+    out = with_scenes(tmp_path / "out", 200)
+    args = command(corpus, config, out, "--steps", 1_000_000, "--stream", "--workers", 2)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "scenarios.cli.main", *args],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    log = out / "log.jsonl"
+    deadline_s = time.monotonic() + 90.0
+    while not (log.exists() and '"uses"' in log.read_text()):
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < deadline_s
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGTERM)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "stopped and saved; --resume goes on from here" in errors
+    assert "Traceback" not in errors
+    deadline_s = time.monotonic() + 20.0
+    while is_there(process.pid):
+        assert time.monotonic() < deadline_s
+        time.sleep(0.05)
+    assert read_state(out / "state.safetensors").step > 0
+
+
+def test_stream_that_cannot_be_is_refused(corpus, streaming, trained, tmp_path, capsys):
+    def says(data, *more):
+        return refused(capsys, command(data, streaming, tmp_path / "out", "--steps", 2, *more))
+
+    assert "workers is 2 without --stream, valid: with it" in says(corpus, "--workers", 2)
+    assert "workers is 0, valid: 1 to 512" in says(corpus, "--stream", "--workers", 0)
+    rooms = tmp_path / "rooms.jsonl"
+    rooms.write_text("")
+    assert "is a file of layouts, of which no grammar makes more" in says(rooms, "--stream")
+    foreign = tmp_path / "foreign"
+    shutil.copytree(corpus, foreign)
+    manifest = foreign / "manifest.json"
+    manifest.write_text(re.sub('"sources":"[0-9a-f]+"', '"sources":"0"', manifest.read_text()))
+    assert "3 of 3 scenes in" in says(foreign, "--stream")
+    out = copied(trained, tmp_path / "begun")
+    args = ["train", "--data", corpus, "--out", out, "--steps", 9, "--resume", "--stream"]
+    assert "valid: none, with which the training" in refused(capsys, list(map(str, args)))
 
 
 def refused(capsys, args):

@@ -130,6 +130,7 @@ def test_guidance_on_some_scenes_is_its_mean_over_them():
         ("guide_weight", float("nan")),
         ("min_snr_gamma", 0.0),
         ("guide_scenes", 0),
+        ("small_noise_share", 1.5),
     ],
 )
 def test_what_is_minimised_stays_in_range(field, value):
@@ -151,6 +152,21 @@ def test_gradients_reach_the_network_through_every_term():
     for term in (terms.reconstruction, terms.guide, terms.gate):
         (slope,) = torch.autograd.grad(term, gain, retain_graph=True)
         assert slope != 0
+
+
+def test_network_meets_small_noise_as_often_as_is_asked():
+    seen = []
+
+    def model(x_t, time, _):
+        seen.append(float((time < 0.1).double().mean()))
+        return Prediction(torch.zeros_like(x_t))
+
+    batch = _batch(n_scenes=200)
+    for share in (0.0, 0.5):
+        diffusion_loss(model, batch, Schedule(), LossCfg(small_noise_share=share), _generator())
+    assert seen[0] == pytest.approx(0.1, abs=0.01)
+    # Log sigma from 0.0064 to 1: about two thirds are below the sigma at t = 0.1, 0.16.
+    assert seen[1] == pytest.approx(0.5 * 0.1 + 0.5 * 0.68, abs=0.05)
 
 
 def test_same_seed_same_loss():

@@ -72,6 +72,41 @@ def test_stratified_times_fall_one_into_each_part():
     assert float(free.mean()) == pytest.approx(0.5, abs=0.02)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("share", [0.25, 1.0])
+def test_small_noise_has_its_share_of_the_times(kind, share):
+    """Each doubling of sigma has as many times as another, beside those that are uniform."""
+    schedule = Schedule(ScheduleCfg(kind=kind, n_steps=10_000))
+    n = 40_000
+    generator = torch.Generator().manual_seed(0)
+    time = schedule.draw_time(n, generator, stratified=True, small_noise_share=share)
+    assert time.min() >= 1 / 10_000
+    assert time.max() <= 1
+    _, sigma = schedule.signal_and_noise(time.double())
+    every = torch.arange(1, 10_001, dtype=torch.float64) / 10_000
+    _, known = schedule.signal_and_noise(every)
+    edges = torch.tensor([0.04, 0.08, 0.16, 0.32, 0.64], dtype=torch.float64)
+    found = torch.histogram(sigma, edges).hist / n
+    uniform = torch.histogram(known, edges).hist / len(known)
+    beside = (found - (1 - share) * uniform) / share
+    assert beside.max() - beside.min() < 0.004
+    assert beside.min() > 0.08
+
+
+def test_small_noise_is_drawn_from_equal_parts_too():
+    schedule = Schedule()
+    draws = [
+        schedule.draw_time(
+            100, torch.Generator().manual_seed(seed), stratified=True, small_noise_share=0.4
+        ).sort()[0]
+        for seed in range(2)
+    ]
+    # The same parts of the distribution, so the k-th of each are neighbours.
+    _, sigma = schedule.signal_and_noise(torch.stack(draws).double())
+    assert (sigma[0, 1:] >= sigma[1, :-1] - 1e-9).all()
+    assert (sigma[1, 1:] >= sigma[0, :-1] - 1e-9).all()
+
+
 @pytest.mark.parametrize(
     ("setting", "message"),
     [

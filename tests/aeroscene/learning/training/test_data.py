@@ -1,14 +1,20 @@
 import gzip
 import json
+import pickle
+import subprocess
+import sys
 
+import numpy as np
 import pytest
 
 from aeroscene.corpus.dataset import DatasetError, store_scene, write_manifest
 from aeroscene.layouts.document import LayoutError
 from aeroscene.learning.paper.tokens import FlatTrainingSet
+from aeroscene.learning.tokens.examples import UnencodableError
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import count_scenes, open_training_data, prepared
 from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.learning.training.conftest import ten_objects
 
 SCENES = (7, 42, 45)
 
@@ -64,6 +70,31 @@ def test_papers_layouts_have_categories_as_channels(small_scenes):
     assert isinstance(data.train, FlatTrainingSet)
     assert data.train.in_order(0, 2).x0.shape[-1] == 80
     assert len(data.held_out.examples) == 1
+
+
+@pytest.mark.parametrize("is_flat", [False, True])
+def test_encoder_makes_the_same_examples_in_another_process(small_scenes, is_flat):
+    known = prepared("small", small_scenes, [], is_flat=is_flat).train
+    text = pickle.dumps(known.encoder)
+    other = pickle.loads(text)
+    for scene, example in zip(small_scenes, known.examples, strict=True):
+        assert np.array_equal(other(scene).x0, example.x0)
+    assert pickle.dumps(known.with_examples(known.examples * 9).encoder) == text
+
+
+def test_processes_that_make_scenes_load_no_pytorch():
+    modules = "aeroscene.learning.training.batches.curation, aeroscene.learning.tokens.examples"
+    code = f"import sys, {modules}; sys.exit('torch' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_held_out_scenes_that_cannot_be_encoded_are_counted(small_scenes):
+    outdoor = ten_objects(cached_scene(7))
+    indoor = [ten_objects(cached_scene(index)) for index in (2, 5)]
+    data = prepared("small", indoor, [indoor[0], outdoor])
+    assert (len(data.held_out.examples), data.n_skipped) == (1, 1)
+    with pytest.raises(UnencodableError, match=r"^kind \w+ is unknown: "):
+        data.train.encoder(outdoor)
 
 
 def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):

@@ -8,10 +8,10 @@ from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.network import HierarchicalDenoiser
 from aeroscene.learning.paper.preset import PAPER_TRAINING
+from aeroscene.learning.training.batches.source import batch_generator, drawn_from
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.loop import (
     DenoiserTraining,
-    batch_generator,
     noise_generator,
     train_denoiser,
 )
@@ -29,6 +29,10 @@ def loss(model, batch, generator):
     return vars(diffusion_loss(model, batch, Schedule(), LossCfg(), generator))
 
 
+def batches(training, data):
+    return drawn_from(data.train, training.cfg.batch_size, training.cfg.seed)
+
+
 @dataclass
 class Clock:
     now_s: float = 0.0
@@ -44,7 +48,7 @@ def test_minutes_end_a_training_by_the_clock(data):
     shares = []
     budget = Budget(seconds=5.0)
     on_step = lambda report: shares.append(report.share) is None  # noqa: E731
-    train_denoiser(training, data.train, loss, budget, on_step, Clock())
+    train_denoiser(training, batches(training, data), loss, budget, on_step, Clock())
     assert training.step == 5
     assert training.seconds == 5.0
     assert shares == sorted(shares)
@@ -53,7 +57,7 @@ def test_minutes_end_a_training_by_the_clock(data):
 def test_steps_and_minutes_end_with_what_is_first(data):
     training = new_training(data, TrainCfg(batch_size=2))
     budget = Budget(steps=3, seconds=100.0)
-    train_denoiser(training, data.train, loss, budget, lambda _: True, Clock())
+    train_denoiser(training, batches(training, data), loss, budget, lambda _: True, Clock())
     assert training.step == 3
 
 
@@ -68,7 +72,9 @@ def test_paper_trains_with_plain_adam_and_its_own_last_weights(data):
     assert type(training.optimiser) is torch.optim.Adam
     assert training.optimiser.defaults["lr"] == 2e-4
     assert training.optimiser.defaults["weight_decay"] == 0
-    train_denoiser(training, data.train, loss, Budget(steps=2), lambda _: True, Clock())
+    train_denoiser(
+        training, batches(training, data), loss, Budget(steps=2), lambda _: True, Clock()
+    )
     for name, value in training.model.state_dict().items():
         torch.testing.assert_close(training.average.weights[name], value)
 
@@ -76,7 +82,7 @@ def test_paper_trains_with_plain_adam_and_its_own_last_weights(data):
 def test_gradient_longer_than_the_limit_is_cut(data):
     cfg = TrainCfg(batch_size=2, clip_norm=1e-3)
     training = new_training(data, cfg)
-    training.advance(data.train, loss, Budget(steps=1))
+    training.advance(batches(training, data), loss, Budget(steps=1))
     gradients = [p.grad for p in training.model.parameters() if p.grad is not None]
     norm = torch.stack([g.norm() for g in gradients]).norm()
     torch.testing.assert_close(float(norm), 1e-3, rtol=1e-3, atol=0)
@@ -91,7 +97,7 @@ def test_loss_that_is_not_finite_ends_in_one_line_and_changes_no_weight(data):
         return terms | {"total": terms["total"] * torch.nan}
 
     with pytest.raises(TrainingError, match=r"gradient is nan in step 1 .*lower learning_rate"):
-        training.advance(data.train, broken, Budget(steps=1))
+        training.advance(batches(training, data), broken, Budget(steps=1))
     after = training.model.state_dict()
     assert all(torch.equal(after[name], value) for name, value in before.items())
 
@@ -106,7 +112,7 @@ def test_every_step_has_batch_and_noise_of_its_own():
 
 def test_mixed_precision_trains_on_the_processor_too(data):
     training = new_training(data, TrainCfg(batch_size=2, precision="mixed"))
-    report = training.advance(data.train, loss, Budget(steps=1))
+    report = training.advance(batches(training, data), loss, Budget(steps=1))
     assert torch.isfinite(report.losses["total"])
     assert all(p.dtype == torch.float32 for p in training.model.parameters())
 
@@ -116,6 +122,6 @@ def test_model_is_its_own_from_the_start(data):
     kept = training.average.weights
     assert all(isinstance(value, torch.Tensor) for value in kept.values())
     assert isinstance(training.model, nn.Module)
-    training.advance(data.train, loss, Budget(steps=1))
+    training.advance(batches(training, data), loss, Budget(steps=1))
     name = next(n for n, p in training.model.named_parameters() if p.grad is not None)
     assert kept[name].data_ptr() != training.model.state_dict()[name].data_ptr()

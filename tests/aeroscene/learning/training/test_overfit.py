@@ -9,6 +9,7 @@ from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.network import HierarchicalDenoiser
 from aeroscene.learning.tokens.decode import TreeDecoder
+from aeroscene.learning.training.batches.source import drawn_from
 from aeroscene.learning.training.config import Budget, TrainCfg
 from aeroscene.learning.training.loop import DenoiserTraining, train_denoiser
 
@@ -44,7 +45,7 @@ def test_few_ten_object_scenes_are_reconstructed_from_noise(data):
     seen = []
     train_denoiser(
         training,
-        AsTheyAre(known),
+        drawn_from(AsTheyAre(known), cfg.batch_size, cfg.seed),
         loss,
         Budget(steps=250),
         lambda report: seen.append(float(report.losses["total"])) is None,

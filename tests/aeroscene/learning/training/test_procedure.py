@@ -3,11 +3,14 @@ from dataclasses import replace
 import pytest
 import torch
 
-from aeroscene.learning.training.checkpoint import read_checkpoint
+from aeroscene.learning.paper.preset import PAPER_TRAINING
+from aeroscene.learning.training import procedure
+from aeroscene.learning.training.checkpoint import read_checkpoint, under
 from aeroscene.learning.training.config import Budget, TrainingError
 from aeroscene.learning.training.data import prepared
 from aeroscene.learning.training.journal import read_log
-from aeroscene.learning.training.procedure import CHECKPOINT, Training, taken_parts
+from aeroscene.learning.training.procedure import CHECKPOINT, Training
+from aeroscene.learning.training.same_data import taken_parts
 from aeroscene.learning.training.state import STATE, read_state
 from tests.aeroscene.learning.training.conftest import Watcher, small_sections
 
@@ -84,6 +87,7 @@ def test_checkpoint_says_what_it_was_trained_on_and_by_what(plan):
     assert facts.code.startswith("0.")
     assert facts.training["steps"] == 8
     assert facts.training["held_out_loss"] > 0
+    assert facts.training["held_out_skipped"] == 0
 
 
 def test_progress_reaches_one_in_every_stage(plan):
@@ -125,3 +129,70 @@ def test_weights_that_are_not_finite_leave_the_last_save_as_it_was(plan):
     with pytest.raises(TrainingError, match="not finite after step 2"):
         training.save()
     assert ((plan.folder / CHECKPOINT).read_bytes(), (plan.folder / STATE).read_bytes()) == before
+
+
+def losses_of(monkeypatch, *losses):
+    """Held-out losses as they are found, one a look."""
+    found = iter(losses)
+    monkeypatch.setattr(procedure, "held_out_loss", lambda *_: next(found))
+
+
+def average_after(plan, step):
+    """The average after so many steps, as another training of the same has it."""
+    folder = plan.folder.with_name(f"until-{step}")
+    plan = replace(plan, folder=folder, sections=looking(plan, 1000))
+    Training(plan, Watcher(stop_after=step)).run()
+    return last_average(plan)
+
+
+def last_average(plan):
+    average = under(read_state(plan.folder / STATE).tensors, "average.")
+    return {name: v.half().float() if v.is_floating_point() else v for name, v in average.items()}
+
+
+def looking(plan, steps, **more):
+    training = replace(plan.sections["training"], look_steps=steps, **more)
+    return {**plan.sections, "training": training}
+
+
+def test_checkpoint_has_the_weights_with_the_least_held_out_loss(plan, monkeypatch):
+    losses_of(monkeypatch, 0.9, 0.5, 0.7, 0.6)
+    Training(replace(plan, sections=looking(plan, 2)), Watcher()).run()
+    found = read_checkpoint(plan.folder / CHECKPOINT)
+    wanted = average_after(plan, 4)
+    assert_equal({"denoiser": found.parts["denoiser"]}, {"denoiser": wanted})
+    facts = found.facts.training
+    assert (facts["held_out_loss"], facts["held_out_least"]) == (0.5, 0.5)
+    assert (facts["steps"], facts["held_out_least_step"]) == (8, 4)
+    marked = [line["step"] for line in read_log(plan.folder) if line.get("is_best")]
+    assert marked == [2, 4]
+
+
+def test_best_weights_outlive_a_stop_and_training_goes_on_from_the_last(
+    plan, tmp_path, monkeypatch
+):
+    plan = replace(plan, sections=looking(plan, 2))
+    losses = (0.9, 0.5, 0.7, 0.6)
+    losses_of(monkeypatch, *losses)
+    Training(plan, Watcher()).run()
+    broken = replace(plan, folder=tmp_path / "broken")
+    losses_of(monkeypatch, *losses)
+    assert not Training(broken, Watcher(stop_after=5)).run()
+    state = read_state(broken.folder / STATE)
+    assert (state.best_step, state.best_loss, state.step) == (4, 0.5, 5)
+    assert Training(broken, Watcher()).run(state)
+    assert_equal(weights(plan), weights(broken))
+    left, right = (read_state(each.folder / STATE).tensors for each in (plan, broken))
+    assert all(torch.equal(value, right[name]) for name, value in left.items())
+
+
+def test_papers_preset_ships_its_last_weights_and_says_where_they_were_best(plan, monkeypatch):
+    assert PAPER_TRAINING.keep == "last"
+    losses_of(monkeypatch, 0.9, 0.5, 0.7, 0.6)
+    Training(replace(plan, sections=looking(plan, 2, keep="last")), Watcher()).run()
+    found = read_checkpoint(plan.folder / CHECKPOINT)
+    wanted = last_average(plan)
+    assert_equal({"denoiser": found.parts["denoiser"]}, {"denoiser": wanted})
+    facts = found.facts.training
+    assert (facts["held_out_loss"], facts["held_out_least"]) == (0.6, 0.5)
+    assert facts["held_out_least_step"] == 4

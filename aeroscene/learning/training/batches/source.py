@@ -1,0 +1,38 @@
+"""Batches by the number of their step, and those of fixed scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from aeroscene.learning.tokens.batch import TokenBatch
+
+Batches = Callable[[int], TokenBatch]
+"""Batch of a step, counted from 0, on the processor; steps are asked for in ascending order.
+
+Raises `StoppedError` where the user wants the training to end before the batch is made.
+"""
+
+
+class StoppedError(Exception):
+    """The user wants the training to end while it waits for scenes."""
+
+
+class Scenes(Protocol):
+    """Scenes to train on, varied at random."""
+
+    def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
+        """Scenes drawn from the set, on the processor."""
+        ...
+
+
+def batch_generator(seed: int, step: int) -> np.random.Generator:
+    """Random generator of the batch of a step."""
+    return np.random.default_rng([seed, step, 0])
+
+
+def drawn_from(scenes: Scenes, size: int, seed: int) -> Batches:
+    """Batches of so many of these scenes."""
+    return lambda step: scenes.sample_batch(size, batch_generator(seed, step))

@@ -1,0 +1,182 @@
+"""Parallel work on scenes in a number of processes, results in order.
+
+Processes are spawned, which behaves alike on Linux and macOS and shares no state; each costs about
+half a second of imports. They ignore Ctrl-C and SIGTERM, which are the parent's to handle, and end
+with the parent however it ends.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from types import TracebackType
+from typing import Any, Generic, Self, TypeVar
+
+_T = TypeVar("_T")
+_R = TypeVar("_R")
+
+_PATIENCE_S = 0.5
+"""Time for what a process is at, when it is to end."""
+_AHEAD_PER_JOB = 3
+"""Tasks queued per process ahead of the results."""
+
+
+class WorkerDiedError(RuntimeError):
+    """A process was killed."""
+
+
+def default_jobs() -> int:
+    """Number of cores available to this process."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def run_all(
+    function: Callable[[_T], _R], items: Sequence[_T], jobs: int
+) -> Generator[_R, None, None]:
+    """Results of a function for each item, in order; leaving the iterator ends the processes.
+
+    Args:
+        function: Function at the top level of a module, so that another process finds it.
+        items: Arguments, one per call.
+        jobs: Number of processes; 1 works in the present one.
+
+    Raises:
+        WorkerDiedError: If a process was killed, for example for lack of memory.
+    """
+    jobs = min(jobs, len(items))
+    if jobs <= 1:
+        yield from map(function, items)
+        return
+    with Workers(function, items, jobs, _AHEAD_PER_JOB * jobs) as results:
+        yield from results
+
+
+class Workers(Generic[_T, _R]):
+    """Processes that work ahead of whoever takes their results, which come in order.
+
+    The work begins at once. It keeps `ahead` results made or in the making, so items may be
+    without end.
+    """
+
+    def __init__(
+        self, function: Callable[[_T], _R], items: Iterable[_T], jobs: int, ahead: int
+    ) -> None:
+        """Start.
+
+        Args:
+            function: Function at the top level of a module, so that another process finds it.
+            items: Arguments, one per call.
+            jobs: Number of processes.
+            ahead: Calls begun or queued before their results are taken.
+        """
+        self._items = iter(items)
+        self._not_ours = set(multiprocessing.active_children())
+        # The function goes with the process, not with each item: a queue of large items cannot be
+        # closed once nobody reads it.
+        self._executor = ProcessPoolExecutor(
+            jobs, multiprocessing.get_context("spawn"), initializer=_begin, initargs=(function,)
+        )
+        self._pending: deque[Future[_R]] = deque()
+        try:
+            for _ in range(ahead):
+                self._submit()
+        except BaseException:
+            self.close()
+            raise
+
+    def __iter__(self) -> Self:
+        """The results themselves."""
+        return self
+
+    def __next__(self) -> _R:
+        """The next result; it waits where there is none yet.
+
+        Raises:
+            WorkerDiedError: If a process was killed, for example for lack of memory.
+        """
+        if not self._pending:
+            raise StopIteration
+        try:
+            result = self._pending.popleft().result()
+            self._submit()
+        except BrokenProcessPool:
+            raise WorkerDiedError(
+                "a worker process was ended from outside (too little memory?); valid: fewer --jobs"
+            ) from None
+        return result
+
+    def __enter__(self) -> Self:
+        """The results themselves."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End the processes."""
+        self.close()
+
+    def close(self) -> None:
+        """End the processes, in half a second at most; results that were not taken are lost."""
+        # Not at once: a process that is killed while it hands over a result leaves half of it.
+        patience = threading.Timer(_PATIENCE_S, self._kill)
+        patience.start()
+        self._executor.shutdown(wait=True, cancel_futures=True)
+        patience.cancel()
+
+    def _kill(self) -> None:
+        for process in set(multiprocessing.active_children()) - self._not_ours:
+            # Not terminate: what they are asked by SIGTERM they leave to the parent.
+            process.kill()
+
+    def _submit(self) -> None:
+        for item in self._items:
+            with _without_interrupts():
+                self._pending.append(self._executor.submit(_call, item))
+            return
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Block Ctrl-C and SIGTERM; processes started meanwhile inherit that."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+_function: Callable[[Any], Any]
+"""Function of this worker process."""
+
+
+def _begin(function: Callable[[Any], Any]) -> None:
+    global _function  # noqa: PLW0603 - a process has no other place for it
+    _function = function
+    _end_with_parent()
+
+
+def _call(item: Any) -> Any:
+    return _function(item)
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
