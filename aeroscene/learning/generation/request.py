@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,11 +71,23 @@ class Request:
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
         return replace(self.complete, objects=coarse, interaction_areas=())
 
-    def drawn(self, rng: np.random.Generator) -> tuple[Wish, AreaLimits]:
-        """The wish with nothing left open, and how many areas of each size are kept.
+    def drawn(
+        self, rng: np.random.Generator, seen: Sequence[Wish] = ()
+    ) -> tuple[Wish, AreaLimits | None]:
+        """The wish with nothing left open, and how many areas of each size are kept at most.
 
         The same numbers are drawn whatever is open.
+
+        Args:
+            rng: Draws what is open.
+            seen: Contents of the scenes that the model was trained on, from which to draw; the
+                budget of the corpus where there are none.
+
+        Raises:
+            RequestError: If the model has seen no scene of the domain that is asked for.
         """
+        if seen:
+            return self._drawn_from(seen, rng)
         domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
         budget = draw_budget(rng)
         n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
@@ -87,6 +100,40 @@ class Request:
         limits = self._limits(budget)
         n_areas = limits.small + limits.medium + limits.large
         return Wish(self.domain or domain, n_coarse, n_fine, n_areas), limits
+
+    def alike(self, seen: Sequence[Wish]) -> list[Wish]:
+        """Those of the scenes seen that are of the domain that is asked for.
+
+        Raises:
+            RequestError: If some were seen, but none of this domain.
+        """
+        domain = self.domain if self.complete is None else self.complete.domain
+        found = [wish for wish in seen if domain in {None, wish.domain}]
+        if seen and not found:
+            valid = ", ".join(sorted({wish.domain for wish in seen}))
+            raise RequestError(
+                f"domain is {domain!r}, valid: {valid}; the model was trained on no other"
+            )
+        return found
+
+    def _drawn_from(
+        self, seen: Sequence[Wish], rng: np.random.Generator
+    ) -> tuple[Wish, AreaLimits | None]:
+        """The contents of one of the scenes seen, with what is asked for in their place."""
+        alike = self.alike(seen)
+        limits = self._limits(draw_budget(rng))
+        wish = alike[int(rng.integers(len(alike)))]
+        n_coarse, n_fine = wish.n_coarse, wish.n_fine
+        if self.n_objects is not None:
+            n_coarse = round(self.n_objects * n_coarse / (n_coarse + n_fine))
+            n_fine = self.n_objects - n_coarse
+        if self.complete is not None:
+            n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
+        n_areas = wish.n_areas if self.n_areas is None else self.n_areas
+        return (
+            Wish(wish.domain, n_coarse, n_fine, n_areas),
+            None if self.n_areas is None else limits,
+        )
 
     def _limits(self, budget: Budget) -> AreaLimits:
         """Areas by size in the proportions of the budget."""
