@@ -179,9 +179,7 @@ class Growth:
                 return allowed & ~syntax.fits_record
             return allowed & syntax.fits(required[len(above.children)])
         if above.children:
-            counts = np.bincount(
-                syntax.class_of[above.children], minlength=len(syntax.most)
-            )
+            counts = np.bincount(syntax.class_of[above.children], minlength=len(syntax.most))
             allowed &= counts[syntax.class_of] < cap
         if len(above.children) >= syntax.most_children[own]:
             missing = self._missing(above)

@@ -16,7 +16,7 @@ from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.units import member_boxes, read_unit
-from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, Word
+from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, Word, theme_of
 from aeroscene.learning.program.measures import site_rectangle
 from aeroscene.learning.program.nesting import cells
 from aeroscene.learning.program.program import OPENING, Program
@@ -63,6 +63,7 @@ def decode(program: Program, scene_id: str = "program", seed: int = 0) -> Decode
         longitude_deg=LONGITUDE_DEG,
         altitude_m=ALTITUDE_M,
         objects=objects,
+        theme=theme_of(program.kinds[0]),
     )
     return DecodedProgram(scene=scene, object_ids=tuple(map(tuple, builder.made)))
 
