@@ -10,8 +10,8 @@ from torch.nn import functional
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import TokenEmbedding
-from aeroscene.learning.model.program_embedding import ProgramEmbedding
 from aeroscene.learning.model.hierarchy import HierarchyBlock
+from aeroscene.learning.model.program_embedding import ProgramEmbedding
 from aeroscene.learning.model.relations import Relations, relations_of
 from aeroscene.learning.tokens.batch import TokenBatch
 

@@ -50,7 +50,7 @@ def draw_program(
 
 
 def _scene_kind(syntax: Syntax, wish: Wish, theme: str | None, rng: np.random.Generator) -> int:
-    """The root of a program: of the theme that is asked for, or one as often as the corpus has it."""
+    """The root of a program: of the theme asked for, or one as often as the corpus has it."""
     vocabulary = syntax.vocabulary
     roots = [i for i, kind in enumerate(vocabulary.kinds) if kind.node == "scene"]
     fitting = [i for i in roots if vocabulary.kinds[i].domain == wish.domain]
