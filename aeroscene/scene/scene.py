@@ -158,6 +158,8 @@ class Scene:
     objects: tuple[SceneObject, ...]
     """Parents come before their children."""
     interaction_areas: tuple[InteractionArea, ...] = ()
+    theme: str = ""
+    """What the place is, as `park` or `office`; empty where nobody has said so."""
 
     def __post_init__(self) -> None:
         try:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 
-from aeroscene.corpus.dataset import MANIFEST, DatasetError, open_dataset
+from aeroscene.corpus.dataset import DatasetError
+from aeroscene.corpus.scene_files import open_folder
 from aeroscene.corpus.shipped import open_shipped
 from aeroscene.metrics.classifier import N_FOLDS
 from aeroscene.scene import Scene
-from aeroscene.scene.io import read_scene
 from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import FEASIBLE, LEAST_SOUND, comparison, statistics_rows
 from scenarios.bench.reference import Splits, group_figures, open_corpus
@@ -65,11 +64,7 @@ def _readers(name: str) -> list[Callable[[], Scene]]:
     if name == SHIPPED:
         shipped = open_shipped()
         return [lambda entry=entry: shipped.read(entry) for entry in shipped.entries]
-    folder = Path(name)
-    paths = sorted(path for path in folder.glob("*.json*") if path.name != MANIFEST)
-    if paths and not (folder / MANIFEST).exists():
-        return [lambda path=path: read_scene(path) for path in paths]
-    dataset = open_dataset(folder)
+    dataset = open_folder(name)
     return [lambda entry=entry: dataset.read(entry) for entry in dataset.entries]
 
 

@@ -32,6 +32,8 @@ class Place(Protocol):
 class Composition:
     """What a composer has laid out."""
 
+    theme: str
+    """Name of what the scene is."""
     places: list[Place]
     extent_min_enu_m: Vector3
     """Lower corner of the flight volume."""

@@ -27,7 +27,7 @@ _COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": comp
 _N_COARSE = (31.0, 4.0)
 _N_FINE = (108.5, 12.0)
 """Mean and spread of the numbers of objects at which a scene is full."""
-_N_AREAS = ((45.2, 8.0), (12.1, 2.5), (6.0, 1.2), (20.0, 5.0))
+_N_AREAS = ((44.9, 8.0), (12.0, 2.5), (5.8, 1.2), (20.0, 5.0))
 """Mean and spread of the most areas that a scene keeps: small, medium, large, perching.
 
 Scenes that have less to offer keep all; the averages come out at the paper's.
@@ -89,4 +89,5 @@ def _finish(builder: Builder, composition: Composition, pad: Placed, index: int)
         longitude_deg=LONGITUDE_DEG,
         altitude_m=ALTITUDE_M,
         objects=tuple(builder.objects),
+        theme=composition.theme,
     )

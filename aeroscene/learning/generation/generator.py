@@ -18,6 +18,7 @@ from aeroscene.feasibility import FeasibilityCfg, FeasibilityReport, make_feasib
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
+from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.devices import choose_device, naming_memory
 from aeroscene.scene import Scene
 
@@ -52,8 +53,19 @@ class Generated:
 class Generator:
     """Scenes from seeds."""
 
-    def __init__(self, proposer: Proposer, device: str) -> None:
+    def __init__(
+        self, proposer: Proposer, device: str, seen: Sequence[Wish] = (), *, is_corpus: bool = True
+    ) -> None:
+        """Set up the model.
+
+        Args:
+            proposer: The model.
+            device: Where it computes.
+            seen: Contents of its training scenes, from which requests are drawn.
+            is_corpus: Whether scenes have at most as many areas as the corpus draws for each.
+        """
         self._proposer = proposer
+        self._seen, self._is_corpus = tuple(seen), is_corpus
         self.device = device
 
     @staticmethod
@@ -76,7 +88,16 @@ class Generator:
             SceneError: If checkpoint or device cannot be used.
         """
         where = choose_device(device)
-        return Generator(load_proposer(checkpoint, preset, where, n_steps), str(where))
+        proposer, data = load_proposer(checkpoint, preset, where, n_steps)
+        return Generator(proposer, str(where), data.wishes, is_corpus=data.is_corpus)
+
+    def check(self, request: Request) -> None:
+        """Refuse what the model cannot be asked for, before anything is made.
+
+        Raises:
+            RequestError: If it was trained on no scene of this domain.
+        """
+        request.alike(self._seen)
 
     def generate(
         self,
@@ -101,8 +122,10 @@ class Generator:
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
             streams = [_streams(request.seed, attempt) for request in chunk]
-            seen = self._proposer.wishes
-            drawn = [r.drawn(rngs[0], seen) for r, rngs in zip(chunk, streams, strict=True)]
+            drawn = [
+                r.drawn(rngs[0], self._seen, is_corpus=self._is_corpus)
+                for r, rngs in zip(chunk, streams, strict=True)
+            ]
             with naming_memory(choose_device(self.device), f"fewer than {len(chunk)} at once"):
                 proposals = self._proposer.propose(
                     chunk, [wish for wish, _ in drawn], [rngs[1] for rngs in streams], on_step
@@ -134,7 +157,7 @@ class Generator:
         request: Request,
         attempt: int,
         proposal: Proposal,
-        limits: AreaLimits,
+        limits: AreaLimits | None,
         rng: np.random.Generator,
     ) -> Generated:
         raw = proposal.scene(f"aeroscene-{request.seed:04d}", request.seed, rng)

@@ -24,6 +24,7 @@ from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.training.checkpoint import (
     Checkpoint,
     CheckpointError,
+    DataSource,
     Part,
     read_checkpoint,
 )
@@ -41,8 +42,11 @@ DEFAULT_SAMPLER = SamplerCfg(kind="ddim", n_steps=30)
 
 def load_proposer(
     checkpoint: Path | None, preset: str, device: torch.device, n_steps: int | None
-) -> Proposer:
+) -> tuple[Proposer, DataSource]:
     """The model in a checkpoint, or the one that ships with a preset.
+
+    Returns:
+        The model, and what it was trained on.
 
     Raises:
         CheckpointError: If it cannot be used.
@@ -52,7 +56,8 @@ def load_proposer(
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
-    return _Loader(read_checkpoint(checkpoint), device, n_steps).proposer()
+    found = read_checkpoint(checkpoint)
+    return _Loader(found, device, n_steps).proposer(), found.facts.data
 
 
 class _Loader:

@@ -79,11 +79,6 @@ class ProgramProposer:
             for each in (statistics.low, statistics.high)
         )
 
-    @property
-    def wishes(self) -> Sequence[Wish]:
-        """What the scenes have that it learned from."""
-        return self._language.wishes
-
     def propose(
         self,
         requests: Sequence[Request],

@@ -33,11 +33,6 @@ OnStep = Callable[[Moment, Sequence[Proposal]], None]
 class Proposer(Protocol):
     """A trained model that makes scenes."""
 
-    @property
-    def wishes(self) -> Sequence[Wish]:
-        """What the scenes have that it learned from, where it knows."""
-        ...
-
     def propose(
         self,
         requests: Sequence[Request],

@@ -67,50 +67,67 @@ class Request:
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
         return replace(self.complete, objects=coarse, interaction_areas=())
 
-    def drawn(self, rng: np.random.Generator, seen: Sequence[Wish] = ()) -> tuple[Wish, AreaLimits]:
-        """The wish with nothing left open, and how many areas of each size are kept.
+    def drawn(
+        self, rng: np.random.Generator, seen: Sequence[Wish] = (), *, is_corpus: bool = False
+    ) -> tuple[Wish, AreaLimits | None]:
+        """The wish with nothing left open, and how many areas of each size are kept at most.
 
         The same numbers are drawn whatever is open.
 
         Args:
             rng: Draws what is open.
-            seen: What the scenes that the model learned from have: one of the domain is taken.
-                Without any, the budget of the corpus.
+            seen: Contents of the scenes that the model was trained on, from which to draw; the
+                budget of the corpus where there are none.
+            is_corpus: Whether those have as many areas at most as the corpus draws for each.
 
         Raises:
-            RequestError: If the model never saw a scene of the domain.
+            RequestError: If the model has seen no scene of the domain that is asked for.
         """
-        domains = [each for each in DOMAINS if not seen or any(w.domain == each for w in seen)]
-        drawn = domains[int(rng.integers(len(domains)))]
-        domain: SceneDomain = self.domain or drawn
-        if self.complete is not None:
-            domain = self.complete.domain
-        if domain not in domains:
-            raise RequestError(
-                f"domain is {domain!r}, which the model never saw, valid: {', '.join(domains)}"
-            )
+        if seen:
+            return self._drawn_from(seen, rng, is_corpus=is_corpus)
+        domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
         budget = draw_budget(rng)
         limits = self._limits(budget)
         n_areas = limits.small + limits.medium + limits.large
-        wish = Wish(domain, budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE, n_areas)
-        known = [each for each in seen if each.domain == domain]
-        number = rng.random()
-        if known:
-            wish = known[int(number * len(known))]
-            wish = wish if self.n_areas is None else replace(wish, n_areas=n_areas)
-        return self._with_objects(wish), limits
+        n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
+        domain = self.domain or (domain if self.complete is None else self.complete.domain)
+        return self._with_objects(Wish(domain, n_coarse, n_fine, n_areas)), limits
 
     def _with_objects(self, wish: Wish) -> Wish:
         """The wish with as many objects as asked for, or coarse ones as given."""
+        n_coarse, n_fine = wish.n_coarse, wish.n_fine
         if self.n_objects is not None:
-            share = wish.n_coarse / max(1, wish.n_coarse + wish.n_fine)
-            n_coarse = round(share * self.n_objects)
-            wish = replace(wish, n_coarse=n_coarse, n_fine=self.n_objects - n_coarse)
+            n_coarse = round(self.n_objects * n_coarse / max(1, n_coarse + n_fine))
+            n_fine = self.n_objects - n_coarse
         if self.complete is not None:
             n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
-            n_fine = wish.n_fine if self.n_objects is None else self.n_objects - n_coarse
-            wish = replace(wish, n_coarse=n_coarse, n_fine=max(0, n_fine))
-        return wish
+        return replace(wish, n_coarse=n_coarse, n_fine=n_fine)
+
+    def alike(self, seen: Sequence[Wish]) -> list[Wish]:
+        """Those of the scenes seen that are of the domain that is asked for.
+
+        Raises:
+            RequestError: If some were seen, but none of this domain.
+        """
+        domain = self.domain if self.complete is None else self.complete.domain
+        found = [wish for wish in seen if domain in {None, wish.domain}]
+        if seen and not found:
+            valid = ", ".join(sorted({wish.domain for wish in seen}))
+            raise RequestError(
+                f"domain is {domain!r}, valid: {valid}; the model was trained on no other"
+            )
+        return found
+
+    def _drawn_from(
+        self, seen: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
+    ) -> tuple[Wish, AreaLimits | None]:
+        """The contents of one of the scenes seen, with what is asked for in their place."""
+        alike = self.alike(seen)
+        limits = self._limits(draw_budget(rng))
+        wish = self._with_objects(alike[int(rng.integers(len(alike)))])
+        if self.n_areas is not None:
+            return replace(wish, n_areas=self.n_areas), limits
+        return wish, limits if is_corpus else None
 
     def _limits(self, budget: Budget) -> AreaLimits:
         """Areas by size in the proportions of the budget."""

@@ -44,9 +44,6 @@ class FlatProposal:
 class FlatProposer:
     """The paper's algorithm 2, to the letter."""
 
-    wishes: Sequence[Wish] = ()
-    """How many objects there are is drawn as the corpus draws them."""
-
     def __init__(
         self,
         model: Denoiser,

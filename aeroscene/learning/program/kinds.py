@@ -103,6 +103,16 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
         )
 
 
+def scene_kind(domain: str, theme: str = "") -> Kind:
+    """The kind of a program's root; its theme is empty where a scene has none."""
+    return Kind("scene", domain=domain, attributes=(("theme", theme),) if theme else ())
+
+
+def theme_of(kind: Kind) -> str:
+    """The theme of a program's root, empty where it has none."""
+    return str(dict(kind.attributes).get("theme", ""))
+
+
 CATEGORY_IDS = {category.name: category.id for category in CATALOGUE.values()}
 CATEGORY_IS_COARSE = {c.name: c.level == "coarse" for c in CATALOGUE.values()}
 

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.relations.hosts import level_m
 from aeroscene.relations.plane import Half, Place, Rectangle, turned_reach_m
 from aeroscene.relations.relation import Kind, Relation
 from aeroscene.scene import OrientedBox, Vector3
@@ -96,6 +97,14 @@ class Surroundings:
 
 def _levels(box: OrientedBox | None) -> tuple[float, float]:
     return (0.0, 0.0) if box is None else (box.p[2] - box.s[2] / 2, box.p[2] + box.s[2] / 2)
+
+
+def up_to_level(category: str, box: OrientedBox | None) -> OrientedBox | None:
+    """A host's box without what is above the level that one walks on."""
+    if box is None:
+        return None
+    low_m, level = _levels(box)[0], level_m(category, box)
+    return OrientedBox((*box.p[:2], (low_m + level) / 2), box.q, (*box.s[:2], level - low_m))
 
 
 def choices_of(

@@ -23,7 +23,7 @@ from aeroscene.scene import SceneDomain
 
 _PRIOR = 4.0
 """What is known of a kind's group counts as so many of its tokens."""
-_LEAST_SPREAD = 1e-3
+_LEAST_SPREAD = 3e-4
 """Channels that vary by less are constant."""
 _PLAIN_SPREAD, _LEAST_WEIGHT = 0.1, 0.1
 """Channels that vary by at least so much, in m or shares, count whole, others down to a tenth."""
@@ -38,8 +38,9 @@ class ProgramStatistics:
     mean: Float[np.ndarray, "kinds channels"]
     spread: Float[np.ndarray, "kinds channels"]
     low: Float[np.ndarray, "kinds channels"]
-    """Least value in training, standardised."""
+    """Least value in training of a kind's group, standardised."""
     high: Float[np.ndarray, "kinds channels"]
+    """Greatest value likewise: beyond it a boat would leave its water."""
     is_free: Bool[np.ndarray, "kinds channels"]
     """Which channels a kind has, and vary."""
     has: Bool[np.ndarray, "kinds channels"]
@@ -93,7 +94,7 @@ def measure_programs(
             spread[number] = np.sqrt(var)
             has[number] = n > 0
             _let_turn(mean[number], spread[number])
-            scaled = (own - mean[number]) / np.maximum(spread[number], _LEAST_SPREAD)
+            scaled = (common - mean[number]) / np.maximum(spread[number], _LEAST_SPREAD)
             scaled = np.nan_to_num(scaled)
             low[number], high[number] = scaled.min(axis=0), scaled.max(axis=0)
     is_free = has & (spread > _LEAST_SPREAD)
@@ -146,10 +147,14 @@ def to_example(
 def from_example(
     example: ProgramExample, vocabulary: ProgramVocabulary, statistics: ProgramStatistics
 ) -> Program:
-    """The program that arrays are: constant channels at their means, no looks yet."""
+    """The program that arrays are: within what training has, constant channels at their means.
+
+    It has no looks yet.
+    """
     kind, s = example.skeleton.kind_id, statistics
     kinds = tuple(vocabulary.kinds[number] for number in kind.tolist())
-    values = s.mean[kind] + np.where(s.is_free[kind], example.x0, 0.0) * s.spread[kind]
+    x0 = np.where(s.is_free[kind], example.x0.clip(s.low[kind], s.high[kind]), 0.0)
+    values = s.mean[kind] + x0 * s.spread[kind]
     return Program(
         kinds=kinds,
         parent=example.skeleton.parent,

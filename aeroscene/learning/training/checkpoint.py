@@ -26,6 +26,7 @@ from torch import Tensor, nn
 
 from aeroscene.files import replacing
 from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.language import Language
 from aeroscene.scene import SceneError
 from aeroscene.scene.catalogue import CATALOGUE
@@ -60,6 +61,11 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
     digest: str
     """Digest of everything that was trained on, hexadecimal."""
     n_scenes: int
+    wishes: tuple[Wish, ...] = ()
+    """Contents of scenes trained on, a sample of them: what is left open in a request is drawn from
+    these, and without them as the corpus draws it."""
+    is_corpus: bool = True
+    """Whether scenes have as many landing areas at most as the corpus draws for each."""
     stream: str = ""
     """What goes on after those scenes, where the grammar does: its sources and first number."""
 

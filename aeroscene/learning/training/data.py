@@ -12,9 +12,9 @@ import msgspec
 
 from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.kept import count_layouts, mapped_scenes
 from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
-from aeroscene.learning.tokens.skeleton import UnencodableError
+from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint import DataSource
 from aeroscene.learning.training.config import TrainingError
@@ -26,6 +26,7 @@ from aeroscene.scene import Scene
 _HELD_OUT_EVERY = 10
 """Every so many scenes of a layout file, which has no splits, one is held out."""
 _LEAST_SCENES = 2
+_MOST_WISHES = 256
 
 OnScene = Callable[[], None]
 Set = ProgramSet | FlatTrainingSet
@@ -73,7 +74,10 @@ def open_training_data(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
             f"valid: {_LEAST_SCENES} or more"
         )
-    data = prepared(path.name, train, held_out, is_flat=is_flat)
+    is_corpus = not is_layouts(path)
+    # The paper draws how many objects there are.
+    wishes = [] if is_flat and is_corpus else [Wish.of(scene) for scene in train]
+    data = prepared(path.name, train, held_out, is_flat=is_flat, wishes=wishes, is_corpus=is_corpus)
     if last is None:
         return data
     source = msgspec.structs.replace(data.source, stream=f"{curation_digest()} from {last + 1}")
@@ -81,12 +85,20 @@ def open_training_data(
 
 
 def prepared(
-    name: str, train: Sequence[Scene], held_out: Sequence[Scene], *, is_flat: bool = False
+    name: str,
+    train: Sequence[Scene],
+    held_out: Sequence[Scene],
+    *,
+    is_flat: bool = False,
+    wishes: Sequence[Wish] = (),
+    is_corpus: bool = True,
 ) -> TrainingData:
-    """Scenes as examples, to train on and to watch by; a checkpoint names them as `name`.
+    """Scenes as examples, to train on and to watch by.
 
-    The set of the scenes to train on fixes how scenes are encoded: its `encoder` makes those that
-    are held out here, and those of a stream in the worker processes.
+    A checkpoint names them as `name`, and draws what it is asked for from `wishes` where there are
+    any, and areas as the corpus does where `is_corpus`. The set of the scenes to train on fixes how
+    scenes are encoded: its `encoder` makes those that are held out here, and those of a stream in
+    the worker processes.
 
     Raises:
         TrainingError: If too few scenes have a program.
@@ -99,7 +111,13 @@ def prepared(
         )
     examples = _encoded(held_out, known.encoder)
     return TrainingData(
-        source=DataSource(name=name, digest=known.digest, n_scenes=len(known.examples)),
+        source=DataSource(
+            name=name,
+            digest=known.digest,
+            n_scenes=len(known.examples),
+            wishes=tuple(wishes[:: 1 + len(wishes) // _MOST_WISHES]),
+            is_corpus=is_corpus,
+        ),
         train=known,
         held_out=known.with_examples(examples),
         n_skipped=len(held_out) - len(examples),
@@ -113,14 +131,14 @@ def _program_set(scenes: Sequence[Scene]) -> ProgramSet:
             "none of the scenes has a program, valid: scenes whose floors, walls "
             "and covers do not overlap"
         )
-    language = learn_language(encoded, wishes)
+    language = learn_language(encoded)
     pairs = zip(encoded, wishes, strict=True)
     return ProgramSet(language, tuple(written(each, wish, language) for each, wish in pairs))
 
 
 def _last_number(path: Path) -> int:
     """Number of the last scene in a folder whose scenes the grammar made as it makes them now."""
-    if _is_layout(path):
+    if is_layouts(path):
         raise TrainingError(
             f"data {str(path)!r} is a file of layouts, of which no grammar makes more, valid with "
             "--stream: a folder that aeroscene dataset build has made"
@@ -136,12 +154,8 @@ def _last_number(path: Path) -> int:
     return entries[-1].index
 
 
-def _is_layout(path: Path) -> bool:
-    return path.is_file() or ".jsonl" in path.name
-
-
 def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    if _is_layout(path):
+    if is_layouts(path):
         return _layout_scenes(path, on_scene)
     dataset = open_dataset(path)
     train: list[Scene] = []
@@ -152,13 +166,22 @@ def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
     return train, held_out
 
 
-def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - shapely, only for layouts
+def count_scenes(path: Path) -> int:
+    """Number of the scenes that `open_training_data` reads.
 
-    scenes: list[Scene] = []
-    for layout in read_neutral(path):
-        scenes.append(make_flyable(layout)[0])
-        on_scene()
+    Raises:
+        SceneError: If there is no such data.
+    """
+    return count_layouts(path) if is_layouts(path) else len(open_dataset(path).entries)
+
+
+def is_layouts(path: Path) -> bool:
+    """Whether a user names a file of layouts, not the folder of a dataset."""
+    return path.is_file() or ".jsonl" in path.name
+
+
+def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
+    scenes = mapped_scenes(path, on_scene)
     held_out = scenes[_HELD_OUT_EVERY - 1 :: _HELD_OUT_EVERY]
     train = [scene for i, scene in enumerate(scenes) if (i + 1) % _HELD_OUT_EVERY]
     return train, held_out

@@ -7,7 +7,7 @@ import torch
 from jaxtyping import Bool
 from torch import Tensor
 
-from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.program.kinds import theme_of
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.bucket import bucket
 from aeroscene.learning.writer.config import WriterError
@@ -24,6 +24,7 @@ def draw_program(
     wish: Wish,
     rng: np.random.Generator,
     kept: Growth | None = None,
+    theme: str | None = None,
 ) -> Growth:
     """A program as wished for.
 
@@ -33,11 +34,12 @@ def draw_program(
         wish: Domain and numbers of objects, about.
         rng: Draws all of it.
         kept: A growth with a coarse part, which is furnished; None where the writer draws one.
+        theme: What the place is; None for any.
 
     Raises:
-        WriterError: If it never saw a scene of the domain.
+        WriterError: If it never saw a scene of the domain, or of the theme.
     """
-    growth = kept or Growth(syntax, _scene_kind(syntax, wish), wish)
+    growth = kept or Growth(syntax, _scene_kind(syntax, wish, theme, rng), wish)
     draw = _Draw(writer, syntax, wish, rng)
     if kept is not None:
         draw.read(growth)
@@ -47,15 +49,26 @@ def draw_program(
     return growth
 
 
-def _scene_kind(syntax: Syntax, wish: Wish) -> int:
+def _scene_kind(syntax: Syntax, wish: Wish, theme: str | None, rng: np.random.Generator) -> int:
+    """The root of a program: of the theme asked for, or one as often as the corpus has it."""
     vocabulary = syntax.vocabulary
-    kind = Kind("scene", domain=wish.domain)
-    if kind not in vocabulary.number:
-        known = [each.domain for each in vocabulary.kinds if each.node == "scene"]
+    roots = [i for i, kind in enumerate(vocabulary.kinds) if kind.node == "scene"]
+    fitting = [i for i in roots if vocabulary.kinds[i].domain == wish.domain]
+    if not fitting:
+        known = sorted({vocabulary.kinds[i].domain for i in roots})
         raise WriterError(
             f"domain is {wish.domain!r}, which the model never saw, valid: {', '.join(known)}"
         )
-    return vocabulary.number[kind]
+    if theme is not None:
+        themes = {theme_of(vocabulary.kinds[i]): i for i in fitting}
+        if theme not in themes:
+            valid = (
+                ", ".join(sorted(filter(None, themes))) or "none, since the model knows no themes"
+            )
+            raise WriterError(f"theme is {theme!r} for domain {wish.domain!r}, valid: {valid}")
+        return themes[theme]
+    counts = np.array([vocabulary.counts[i] for i in fitting], dtype=float)
+    return fitting[int(rng.choice(len(fitting), p=counts / counts.sum()))]
 
 
 class _Draw:

@@ -14,8 +14,6 @@ from aeroscene.learning.program.program import Shape
 from aeroscene.learning.program.references import References, group_of
 from aeroscene.learning.program.statistics import ProgramStatistics, measure_programs
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
-from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.syntax import Syntax, classes_of, learn_syntax
 from aeroscene.scene import AttributeValue
 
@@ -44,8 +42,6 @@ class Language:
     vocabulary: ProgramVocabulary
     statistics: ProgramStatistics
     syntax: Syntax
-    wishes: tuple[Wish, ...]
-    """What each of the scenes has that it was learned from."""
 
     def to_json(self) -> str:
         """The vocabulary as text."""
@@ -62,7 +58,6 @@ class Language:
         references = [statistics.references.of(kind) for kind in self.vocabulary.kinds]
         return arrays | {
             "references": np.array(references, dtype=np.int8),
-            "wishes": np.array([_numbers(wish) for wish in self.wishes], dtype=np.int16),
             "most": syntax.most.astype(np.int16),
             "always": syntax.always,
             "bears_fine": syntax.bears_fine,
@@ -94,16 +89,11 @@ class Language:
             bears_fine=arrays["bears_fine"],
             most_children=arrays["most_children"].astype(np.int64),
         )
-        wishes = (Wish(DOMAINS[number], *counts) for number, *counts in arrays["wishes"].tolist())
-        return Language(vocabulary, statistics, syntax, tuple(wishes))
+        return Language(vocabulary, statistics, syntax)
 
 
-def learn_language(encoded: Sequence[EncodedProgram], wishes: Sequence[Wish]) -> Language:
-    """The language of a corpus, with what each of its scenes has; equal ones of equal corpora."""
+def learn_language(encoded: Sequence[EncodedProgram]) -> Language:
+    """The language of a corpus; equal corpora give equal ones."""
     vocabulary, statistics = measure_programs(encoded)
     syntax = learn_syntax(vocabulary, [each.program for each in encoded])
-    return Language(vocabulary, statistics, syntax, tuple(wishes))
-
-
-def _numbers(wish: Wish) -> tuple[int, int, int, int]:
-    return DOMAINS.index(wish.domain), wish.n_coarse, wish.n_fine, wish.n_areas
+    return Language(vocabulary, statistics, syntax)

@@ -5,13 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from aeroscene.relations.hosts import AT_ROADS, ROUND, SEATS, VEHICLES, Standing, is_furniture
+from aeroscene.relations.hosts import (
+    AT_LEVELS,
+    AT_ROADS,
+    ROUND,
+    SEATS,
+    VEHICLES,
+    Standing,
+    is_furniture,
+    level_m,
+)
 from aeroscene.relations.parsing import fits
 from aeroscene.relations.placing import foot_m
 from aeroscene.relations.plane import WORLD, Rectangle, footprint
-from aeroscene.relations.relation import Kind, Relation
+from aeroscene.relations.relation import HEADED, Kind, Relation
 from aeroscene.scene import Scene, SceneObject
 
+STEP_M = 0.25
+"""Largest step between the top of stairs and the level that they lead up to."""
 Choice = tuple[Relation, int | None]
 """A relation and the id of its host."""
 
@@ -39,6 +50,14 @@ class Ground:
             return False
         return is_furniture(self.scene.object_by_id[object_id].category_id)
 
+    def is_step(self, obj: SceneObject, object_id: int | None) -> bool:
+        """Whether the top of something is as high as another object's level."""
+        if object_id is None:
+            return False
+        other = self.scene.object_by_id[object_id]
+        top_m = obj.bbox.p[2] + obj.bbox.s[2] / 2
+        return abs(top_m - level_m(other.category, other.bbox)) <= STEP_M
+
     def category(self, object_id: int | None) -> str:
         """The category of an object; nothing for the bare world."""
         return "" if object_id is None else self.scene.object_by_id[object_id].category
@@ -48,10 +67,10 @@ def best_relation(ground: Ground, obj: SceneObject, outline: Rectangle) -> Choic
     """The relation of an object, or of a group of its kind with some outline.
 
     The one that pins most; of those that pin as much the first of `Kind`, and its likeliest host.
-    What stands beside roads does so before all.
+    What stands beside roads, or leads up to levels, does so before all.
     """
     choices = list(_choices(ground, obj, outline))
-    if obj.category in AT_ROADS:
+    if obj.category in AT_ROADS | AT_LEVELS:
         choices = [choice for choice in choices if choice[0].kind == Kind.SIDE] or choices
     return max(choices, key=_preference)
 
@@ -77,13 +96,15 @@ def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[C
     for kind in _kinds(obj, is_top=is_top):
         hosts = ground.standing.possible_hosts(kind, obj.category_id, parent_id)
         for rank, host_id in enumerate(hosts):
+            if obj.category in AT_LEVELS and not ground.is_step(obj, host_id):
+                continue
             for relation in _fits(ground, kind, host_id, obj, outline):
                 yield replace(relation, host=rank), host_id
 
 
 def _kinds(obj: SceneObject, *, is_top: bool) -> list[Kind]:
     """Relations that an object may have to what is not its parent."""
-    if is_top or obj.category in AT_ROADS:
+    if is_top or obj.category in AT_ROADS | AT_LEVELS:
         return [Kind.SIDE]
     return [Kind.SIDE, Kind.OVER, Kind.FACING] + [Kind.LANE] * (obj.category in VEHICLES)
 
@@ -100,14 +121,18 @@ def _fits(
         case Kind.FACING:
             return fits.facing(host, outline)
         case _:
-            return fits.beside(
-                host, outline, _manner(ground, host_id, obj), is_round=obj.category in ROUND
-            )
+            manner = _manner(ground, host_id, obj)
+            found = fits.beside(host, outline, manner, is_round=obj.category in ROUND)
+            if obj.category in AT_LEVELS:
+                return (relation for relation in found if relation.quadrant == HEADED[Kind.FACING])
+            return found
 
 
 def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.Manner:
     if obj.category in AT_ROADS:
         return "road"
+    if obj.category in AT_LEVELS:
+        return "way"
     if ground.is_top(obj.parent_id):
         return "thing" if ground.category(host_id) in SEATS else "small"
     return "thing" if ground.is_top(host_id) else "way"

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from aeroscene.relations.hosts import SEATS, Standing
+from aeroscene.relations.hosts import N_TURNS, SEATS, Standing, turn_of
 from aeroscene.relations.parsing.choosing import Ground, best_relation
 from aeroscene.relations.parsing.rows import find_lattices
 from aeroscene.relations.parsing.seating import find_seats
@@ -28,9 +28,10 @@ def scene_relations(
 ) -> tuple[Unit, ...]:
     """What the objects of a scene are to their hosts, in drawing order.
 
-    Parents come before what stands on them, and of what has one parent the larger first, chairs
-    last, so that a host always comes before what refers to it. Only boxes, categories and parents
-    are read. `aeroscene.relations.placing.place` gives the boxes back.
+    Coarse objects come first, then stairs, then fine ones. Parents come before what stands on them,
+    and of what has one parent the larger first, chairs last, so that a host always comes before
+    what refers to it. Only boxes, categories and parents are read.
+    `aeroscene.relations.placing.place` gives the boxes back.
 
     Args:
         scene: Any scene.
@@ -61,25 +62,38 @@ class _Group:
 
 class _Reader:
     def __init__(self, scene: Scene, given: Sequence[int], alike: Alike) -> None:
-        self._scene, self._given, self._alike = scene, frozenset(given), alike
+        self._scene, self._alike = scene, alike
         standing = Standing(tuple(scene.object_by_id[each] for each in given))
         self._ground = Ground(scene, standing)
-        self._queue: list[int | None] = [None, *given]
+        self._rank = {object_id: rank for rank, object_id in enumerate(given)}
+        self._drawn = set(given)
+        self._queue: list[int | None] = []
 
     def units(self) -> Iterator[Unit]:
-        """Units parent by parent; what they bear follows later."""
-        for parent_id in self._queue:
-            children = self._scene.children_by_id.get(parent_id, ())
-            others = [child for child in children if child.id not in self._given]
-            for unit in self._units_on(parent_id, others):
-                self._let_stand(unit)
-                yield unit
+        """Units turn by turn and parent by parent; what they bear follows later."""
+        self._queue.append(None)
+        n_reached = 0
+        for turn in range(N_TURNS):
+            for number, parent_id in enumerate(self._queue):
+                children = self._scene.children_by_id.get(parent_id, ())
+                if number >= n_reached:
+                    given = (child.id for child in children if child.id in self._rank)
+                    self._queue += sorted(given, key=self._rank.__getitem__)
+                    n_reached += 1
+                due = [child for child in children if self._is_due(child, turn)]
+                for unit in self._units_on(parent_id, due) if due else ():
+                    self._let_stand(unit)
+                    yield unit
+
+    def _is_due(self, obj: SceneObject, turn: int) -> bool:
+        return obj.id not in self._drawn and turn_of(obj.category_id) <= turn
 
     def _let_stand(self, unit: Unit) -> None:
         table = unit.host_id if unit.relation.kind == Kind.SEAT else None
         for member in unit.members:
             self._ground.standing.add(member.id, member.category_id, unit.parent_id, table)
             self._queue.append(member.id)
+            self._drawn.add(member.id)
 
     def _units_on(self, parent_id: int | None, objects: list[SceneObject]) -> Iterator[Unit]:
         """Units of one parent: rows and grids and single things by size, then chairs."""

@@ -3,6 +3,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +109,16 @@ def test_file_follows_the_papers_schema(scene_42):
     assert np.allclose(first["bbox_corners"], box_corners(box["p"], box["q"], box["s"]), atol=1e-4)
     area = document["interaction_areas"][0]
     assert {"polygon", "centroid", "radius", "drone_class"} <= set(area)
+
+
+def test_a_theme_is_kept_and_left_out_where_there_is_none(scene_42):
+    named = replace(scene_42, theme="park")
+    assert json.loads(scene_to_json(named))["theme"] == "park"
+    assert scene_from_json(scene_to_json(named)).theme == "park"
+    bare = replace(scene_42, theme="")
+    assert "theme" not in json.loads(scene_to_json(bare))
+    assert scene_from_json(scene_to_json(bare)) == bare
+    assert scene_42.theme == "waterfront"
 
 
 @settings(max_examples=80, deadline=None)

@@ -108,11 +108,13 @@ def compose_theme(
     builder: Builder, rng: np.random.Generator, themes: Mapping[str, Theme]
 ) -> Composition:
     """Draw a theme, lay its streets and give every parcel a place."""
-    theme = themes[draw_one(rng, {name: theme.weight for name, theme in themes.items()})]
+    name = draw_one(rng, {name: theme.weight for name, theme in themes.items()})
+    theme = themes[name]
     plan, choice, start, streets = rng.spawn(4)
     site = _lay_fitting_site(builder, plan, theme)
     east, north = site.half_extent
     return Composition(
+        theme=name,
         places=[
             *choose_places(builder, site, theme, choice),
             *grow_nature(builder, site, choice),

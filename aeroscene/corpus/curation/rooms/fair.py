@@ -23,12 +23,11 @@ def furnish_booths(room: Interior) -> Iterator[None]:
     rims = (deep + 0.3, wide / 2 + 0.2)
     for u, v in room.spots(*pitch, rims if along_y else rims[::-1], is_tight=True):
         for turn in (0.0, pi) if along_y else (pi / 2, -pi / 2):
-            _booth(room, u, v, turn)
-            yield
+            yield from _booth(room, u, v, turn)
     yield from room.line_walls(("plant", "planter", "bench", "bin"), 6)
 
 
-def _booth(room: Interior, u: float, v: float, turn: float) -> None:
+def _booth(room: Interior, u: float, v: float, turn: float) -> Iterator[None]:
     """Boards behind a desk with somebody's chair, a table for guests, a plant; the aisle ahead."""
     draw = room.draw
     origin = Frame(u, v, turn)
@@ -38,8 +37,10 @@ def _booth(room: Interior, u: float, v: float, turn: float) -> None:
     desk = room.put("desk", *origin.point(1.9, -0.6), (0.8, 1.6, 0.75), turn)
     room.behind(desk, "chair")
     room.on(desk, "laptop", 0.0, 0.7)
+    yield
     table = room.put("table", *origin.point(1.6, 0.95), (0.8, 0.9, 0.76), turn)
     seats(room, table, 2)
     if draw.chance(0.5):
         room.on(table, "book", 0.2, 0.6)
     room.put("plant", *origin.point(0.6, -1.3), (0.6, 0.6, 1.4), turn)
+    yield

@@ -47,12 +47,7 @@ class Interior:
     ) -> None:
         """Begin with an empty room that has walls on some of its sides.
 
-        Args:
-            builder: Builder to add to.
-            draw: Chance.
-            space: The room.
-            sides: Sides with a wall.
-            clear_end_m: How much of the room's longer side rows leave free, at its positive end.
+        Rows leave `clear_end_m` of its longer side free, at the positive end.
         """
         self._builder = builder
         self.draw = draw
@@ -65,7 +60,6 @@ class Interior:
         """Furniture on which small things can lie."""
         # One room, one taste: furniture shares its wood and upholstery its colour.
         self._style = {"wood": draw.one_of(WOODS), "colour": draw.one_of(FABRIC_COLOURS)}
-
         # Corners bear things too, so no table is round.
         self._forms = {
             "table": draw.one_of(("legs", "trestle", "pedestal")),
@@ -175,7 +169,7 @@ class Interior:
     def in_ranks(
         self, side: str, name: str, size: Vector3, ranks: int, pitch: float = 1.0, gap: float = 0.1
     ) -> Iterator[None]:
-        """Stand ranks of equal things parallel to a wall, facing into the room, one rank a step."""
+        """Stand ranks of equal things parallel to a wall, facing into the room, six a step."""
         frame, length = self.wall(side)
         count = max(0, int((length - 1.0) // (size[1] + gap)))
         for rank in range(ranks):
@@ -183,6 +177,8 @@ class Interior:
                 u = (index - (count - 1) / 2) * (size[1] + gap)
                 v = size[0] / 2 + _GAP_M + rank * pitch
                 self._stand(name, frame.moved(u, v, QUARTER), size)
+                if index % 6 == 5:
+                    yield
             yield
 
     def line_walls(self, names: Sequence[str], count: int) -> Iterator[None]:

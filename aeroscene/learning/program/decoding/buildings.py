@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, replace
 
 from aeroscene.learning.program.decoding.growing import Grower
@@ -110,7 +110,7 @@ class _Storey:
         )
 
     def _borders(self, lines: Sequence[Line], rooms: Sequence[int], wall_m: float) -> list[Border]:
-        """A border for each line: what was drawn between the two rooms, else a wall."""
+        """A border for each line: what was drawn between the two rooms, else what closes rooms."""
         children = self._grower.children
         kinds = self._program.kinds
         known: defaultdict[tuple[int, int, int], list[int]] = defaultdict(list)
@@ -118,17 +118,30 @@ class _Storey:
             for each in [] if token is None else children[token]:
                 if kinds[each].node == "border":
                     known[leaf, kinds[each].side, int(self._program.host[each])].append(each)
-        has_walls = any(kinds[i].category != "open" for each in known.values() for i in each)
-        default = WALL if has_walls else OPEN
+        is_closed = self._closed(known)
         first = first_leaves(rooms)
         found: list[Border] = []
         for line in lines:
-            drawn = known[owner_of(line, first, len(rooms))]
+            leaf, side, beyond = owner_of(line, first, len(rooms))
+            drawn = known[leaf, side, beyond]
             place = drawn.pop(0) if drawn else None
             self.border_places.append(place)
+            default = (
+                WALL if any(is_closed[i] for i in (leaf, (leaf + beyond) % len(rooms))) else OPEN
+            )
             border = default if place is None else self._border(place)
             found.append(_with_room(border, line.high - line.low, wall_m))
         return found
+
+    def _closed(self, known: Mapping[tuple[int, int, int], Sequence[int]]) -> list[bool]:
+        """Whether all borders that were drawn of each leaf's room have walls."""
+        found: list[set[bool]] = [set() for _ in self.leaves]
+        for (leaf, _, beyond), places in known.items():
+            for place in places:
+                has_wall = self._program.kinds[place].category != "open"
+                found[leaf].add(has_wall)
+                found[(leaf + beyond) % len(found)].add(has_wall)
+        return [each == {True} for each in found]
 
     def _border(self, place: int) -> Border:
         kind = self._program.kinds[place]

@@ -7,7 +7,6 @@ It gives a scene for any program, so that a draw of a model needs no luck: see `
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,14 +16,14 @@ from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.units import member_boxes, read_unit
-from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, Word
+from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, Word, theme_of
 from aeroscene.learning.program.measures import site_rectangle
 from aeroscene.learning.program.nesting import cells
 from aeroscene.learning.program.program import OPENING, Program
 from aeroscene.partition import SitePartition, build_site, from_sequence
 from aeroscene.partition.tree import VOID
 from aeroscene.relations import Kind as RelationKind
-from aeroscene.relations.hosts import Standing
+from aeroscene.relations.hosts import N_TURNS, Standing, turn_of
 from aeroscene.relations.plane import Rectangle, footprint
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
@@ -64,6 +63,7 @@ def decode(program: Program, scene_id: str = "program", seed: int = 0) -> Decode
         longitude_deg=LONGITUDE_DEG,
         altitude_m=ALTITUDE_M,
         objects=objects,
+        theme=theme_of(program.kinds[0]),
     )
     return DecodedProgram(scene=scene, object_ids=tuple(map(tuple, builder.made)))
 
@@ -78,48 +78,47 @@ class _Builder:
         self.children = self.program.children()
         self.grower = Grower(self.program, self.children)
         self.made: list[list[int]] = [[] for _ in self.program.kinds]
-        self.bearer_of: dict[int, int | None] = {}
-        """What each object stands on, which need not be its parent in the scene."""
+        self.place_of: list[tuple[int | None, int]] = []
+        """The token of each object, and which of the token's objects it is."""
         heads = [i for i in self.children[0] if self.program.kinds[i].node == "site"]
         self.site = site_rectangle(self.program.channels[heads[0]] if heads else None)
 
     def build(self) -> None:
-        """Everything, from the ground up."""
-        kinds = self.program.kinds
+        """Everything, from the ground up: turn by turn, and object by object as it was read."""
         for place in self.children[0]:
-            if kinds[place].node == "site":
+            if self.program.kinds[place].node == "site":
                 self._add_site(place)
-        queue = deque(range(len(kinds)))
-        queue = deque([0, *(i for i in queue if self.made[i])])
-        while queue:
-            place = queue.popleft()
-            queue += self._build_on(place)
+        n_built = 0
+        queue: list[int | None] = [None, *range(len(self.objects))]
+        for turn in range(N_TURNS):
+            for number, bearer in enumerate(queue):
+                before = len(self.objects)
+                if number >= n_built:
+                    self._add_storeys(bearer)
+                    n_built += 1
+                for place in self._below(bearer, "unit"):
+                    if not self.made[place] and self._turn_of(place) <= turn:
+                        self._add_unit(place, bearer)
+                queue += range(before, len(self.objects))
 
-    def _build_on(self, place: int) -> list[int]:
-        """The storeys in what a token stands for, and the units on it; tokens to go on with."""
-        kinds = self.program.kinds
-        below = self.children[place]
-        storeys = [each for each in below if kinds[each].node == "storey"]
-        found = self._add_storeys(place, storeys) if storeys else []
-        units = [each for each in below if kinds[each].node == "unit"]
-        for each in units:
-            self._add_unit(each)
-        return found + units
+    def _turn_of(self, place: int) -> int:
+        return turn_of(CATEGORY_IDS[self.program.kinds[place].category])
+
+    def _below(self, bearer: int | None, node: str) -> list[int]:
+        """Tokens of a node on an object; on the last of its token those of objects not there."""
+        place, number = (0, 0) if bearer is None else self.place_of[bearer]
+        if place is None:
+            return []
+        is_last = place == 0 or number == len(self.made[place]) - 1
+        found = (i for i in self.children[place] if self.program.kinds[i].node == node)
+        members = ((i, int(self.program.member[i])) for i in found)
+        return [i for i, member in members if member == number or (is_last and member > number)]
 
     def _box(self, object_id: int | None) -> OrientedBox | None:
         return None if object_id is None else self.objects[object_id].bbox
 
     def _outline(self, object_id: int | None) -> Rectangle:
         return self.site if object_id is None else footprint(self.objects[object_id].bbox)
-
-    def _bearer(self, place: int) -> int | None:
-        """The object that bears a token: of the nearest token above that stands for any."""
-        member = int(self.program.member[place])
-        while place:
-            place = int(self.program.parent[place])
-            if self.made[place]:
-                return self.made[place][min(member, len(self.made[place]) - 1)]
-        return None
 
     def _add_site(self, place: int) -> None:
         grown, widths = self.grower.head(place)
@@ -153,34 +152,28 @@ class _Builder:
             found = obj.id if obj.category == word.category else found
         return found
 
-    def _add_storeys(self, place: int, storeys: list[int]) -> list[int]:
-        """Rooms and walls in each of the objects of a token; tokens of the rooms."""
-        found: list[int] = []
-        for member in sorted({int(self.program.member[each]) for each in storeys}):
-            own = [each for each in storeys if self.program.member[each] == member]
-            ids = self.made[place]
-            host = ids[min(member, len(ids) - 1)] if ids else None
-            box = self._box(host)
-            base_m = 0.0 if box is None else box.p[2] - box.s[2] / 2
-            parts = build_building(self.program, self.grower, own, self._outline(host), base_m)
-            for part, token in parts:
-                kind = Kind("leaf") if token is None else self.program.kinds[token]
-                attributes = dict(kind.attributes) | part.openings
-                if token is not None and part.category == "room":
-                    found.append(token)
-                made = self._add(token, part.category, "indoor", attributes, part.box)
-                self._set_parent(made, host, bearer=host)
-        return list(dict.fromkeys(found))
+    def _add_storeys(self, host: int | None) -> None:
+        """Rooms and walls of the storeys in an object."""
+        storeys = self._below(host, "storey")
+        if not storeys:
+            return
+        box = self._box(host)
+        base_m = 0.0 if box is None else box.p[2] - box.s[2] / 2
+        parts = build_building(self.program, self.grower, storeys, self._outline(host), base_m)
+        for part, token in parts:
+            kind = Kind("leaf") if token is None else self.program.kinds[token]
+            openings = {name: round(value, 4) for name, value in part.openings.items()}
+            attributes = dict(kind.attributes) | openings
+            made = self._add(token, part.category, "indoor", attributes, part.box)
+            self._set_parent(made, host, bearer=host)
 
-    def _add_unit(self, place: int) -> None:
+    def _add_unit(self, place: int, bearer: int | None) -> None:
         program = self.program
-        bearer = self._bearer(place)
         members = [i for i in self.children[place] if program.kinds[i].node == "member"]
         unit = read_unit(program, place, members, bearer, self.standing, self._outline, self._box)
         kind = program.kinds[place]
-        boxes = member_boxes(unit, self._box)
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
-        for box in boxes:
+        for box in member_boxes(unit, self._box):
             attributes = dict(kind.attributes) | _openings(program, place, box)
             made = self._add(place, kind.category, kind.domain, attributes, box)
             self._set_parent(made, None if kind.is_root else bearer, bearer=bearer, table=table)
@@ -200,6 +193,7 @@ class _Builder:
             drawn = self.program.looks[place] if self.program.looks else ()
             looks = drawn[min(len(self.made[place]), len(drawn) - 1)] if drawn else {}
             self.made[place].append(number)
+        self.place_of.append((place, 0 if place is None else len(self.made[place]) - 1))
         own: ObjectDomain = "indoor" if domain == "indoor" else "outdoor"
         self.objects.append(
             SceneObject(

@@ -16,7 +16,7 @@ _OPEN_SKY_M = 22.0
 
 def extent_of(objects: Sequence[SceneObject], domain: str) -> tuple[Vector3, Vector3]:
     """Corners of the flight volume: up to the roof indoors, some way above everything outdoors."""
-    corners = np.array([obj.bbox.corners() for obj in objects] or [np.zeros((8, 3))])
+    corners = np.array([obj.bbox.corners() for obj in objects] or [[(-1, -1, 0), (1, 1, 0)]])
     low_m, high_m = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     top_m = max(float(high_m[2]), 1.0)
     if domain != "indoor":

@@ -15,7 +15,13 @@ from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
 from aeroscene.learning.program.kinds import CATEGORY_IDS
-from aeroscene.learning.program.measures import Surroundings, reach_of, scales, size_and_base
+from aeroscene.learning.program.measures import (
+    Surroundings,
+    reach_of,
+    scales,
+    size_and_base,
+    up_to_level,
+)
 from aeroscene.learning.program.program import (
     COS,
     PITCH,
@@ -29,7 +35,7 @@ from aeroscene.learning.program.program import (
     V,
 )
 from aeroscene.relations import Array, Member, Relation, Residual, Unit, place
-from aeroscene.relations.hosts import Standing
+from aeroscene.relations.hosts import AT_LEVELS, Standing, level_m
 from aeroscene.relations.placing import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle
 from aeroscene.relations.relation import ANY_TURN, Kind
@@ -40,6 +46,8 @@ Outline = Callable[[int | None], Rectangle]
 BoxOf = Callable[[int | None], OrientedBox | None]
 _MOST_PITCH_M = 30.0
 _LEAST_PITCH_M = 0.05
+LEAST_RISE_M = 0.15
+"""Lowest level above the ground that stairs lead up to."""
 
 
 def read_unit(
@@ -64,13 +72,13 @@ def read_unit(
     """
     kind = program.kinds[token]
     c = np.nan_to_num(program.channels[token])
-    relation, host = _related(program, token, bearer, standing)
+    relation, host = _related(program, token, bearer, standing, box_of)
     residual_rad = math.atan2(c[SIN], c[COS])
     turn = 0 if relation.quadrant == ANY_TURN else relation.quadrant
     host_box = box_of(host)
     host_rad = 0.0 if host_box is None else host_box.yaw_rad
     yaw_rad = host_rad + (relation.side + turn) * QUARTER + residual_rad
-    around = Surroundings(box_of(bearer), host_box)
+    around = Surroundings(box_of(bearer), up_to_level(standing.category(host), host_box))
     size_m, base_m = size_and_base(
         around,
         [c[RISE], *c[SIZE]],
@@ -83,10 +91,13 @@ def read_unit(
     own_m = base_m - _low_m(around.bearer)
     made = _members(program, token, members, size_m, own_m, n_members)
     halves_m = [foot_m(member.category_id, member.size_m) for member in made]
-    array = _array(program, token, shape, relation.kind, halves_m) if kind.is_group else None
+    host_outline = outline(host)
+    array = None
+    if kind.is_group:
+        array = _array(program, token, shape, relation.kind, halves_m, host_outline)
     is_seat = relation.kind == Kind.SEAT
     half_m = halves_m[0] if is_seat else array_half_m(array, halves_m)
-    (u0, u1), (v0, v1) = scales(relation, outline(host), reach_of(relation, residual_rad, half_m))
+    (u0, u1), (v0, v1) = scales(relation, host_outline, reach_of(relation, residual_rad, half_m))
     return Unit(
         parent_id=bearer,
         host_id=host,
@@ -107,16 +118,32 @@ def member_boxes(unit: Unit, box_of: BoxOf) -> list[OrientedBox]:
 
 
 def _related(
-    program: Program, token: int, bearer: int | None, standing: Standing
+    program: Program, token: int, bearer: int | None, standing: Standing, box_of: BoxOf
 ) -> tuple[Relation, int | None]:
-    """The relation of a unit and its host: of the rank that was drawn, or the last before it."""
+    """The relation of a unit and its host: of the rank that was drawn, or the last before it.
+
+    Of stairs it is the next of those that are higher than what bears them.
+    """
     kind = program.kinds[token]
     relation = kind.to_relation(0)
     hosts = standing.possible_hosts(relation.kind, CATEGORY_IDS[kind.category], bearer)
     if not hosts:
         return Relation(kind=Kind.SCATTER, quadrant=relation.quadrant), bearer
     rank = min(max(int(program.host[token]), 0), len(hosts) - 1)
+    if kind.category in AT_LEVELS and relation.kind == Kind.SIDE:
+        higher = [i for i, host in enumerate(hosts) if _is_higher(host, bearer, standing, box_of)]
+        rank = next((i for i in higher if i >= rank), higher[0] if higher else rank)
     return replace(relation, host=rank), hosts[rank]
+
+
+def _is_higher(host: int | None, bearer: int | None, standing: Standing, box_of: BoxOf) -> bool:
+    """Whether the level of a host is above the ground that something stands on."""
+    box, ground = box_of(host), box_of(bearer)
+    if box is None or ground is None:
+        return box is not None
+    is_inside = standing.category(bearer) == "room"
+    ground_m = underside_m(ground) if is_inside else level_m(standing.category(bearer), ground)
+    return level_m(standing.category(host), box) > ground_m + LEAST_RISE_M
 
 
 def _shape(program: Program, token: int, kind: Kind) -> Shape:
@@ -158,7 +185,12 @@ def _members(
 
 
 def _array(
-    program: Program, token: int, shape: Shape, kind: Kind, halves_m: Sequence[Half]
+    program: Program,
+    token: int,
+    shape: Shape,
+    kind: Kind,
+    halves_m: Sequence[Half],
+    outline: Rectangle,
 ) -> Array:
     gaps_m = np.nan_to_num(program.channels[token, PITCH]).tolist()
     extents_m = pitch_base_m(kind, halves_m)
@@ -166,6 +198,14 @@ def _array(
         min(max(gap_m + extent_m, _LEAST_PITCH_M), _MOST_PITCH_M) if count > 1 else 0.0
         for gap_m, extent_m, count in zip(gaps_m, extents_m, shape[:2], strict=True)
     ]
+    if kind == Kind.SEAT:
+        # Every chair has the table before it.
+        sides_m = reversed(outline.half_m)
+        most_m = [
+            2 * half_m / (count - 1) if count > 1 else 0.0
+            for half_m, count in zip(sides_m, shape[:2], strict=True)
+        ]
+        pitch_m = [min(pair) for pair in zip(pitch_m, most_m, strict=True)]
     turned = tuple(index for index in shape.turned if index < len(halves_m))
     return shape._replace(turned=turned).array((pitch_m[0], pitch_m[1]))
 

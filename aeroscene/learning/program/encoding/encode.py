@@ -12,7 +12,7 @@ from jaxtyping import Float
 from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
 from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
 from aeroscene.learning.program.encoding.units import underside_m, unit_node
-from aeroscene.learning.program.kinds import Kind, Word, looks, openings, shaping
+from aeroscene.learning.program.kinds import Word, looks, openings, scene_kind, shaping
 from aeroscene.learning.program.measures import site_rectangle
 from aeroscene.learning.program.program import Node, Program, in_order, to_program
 from aeroscene.partition import (
@@ -45,7 +45,7 @@ def encode(scene: Scene) -> EncodedProgram:
         PartitionError: If covers, rooms or walls overlap in a way that no partition has.
         ProgramError: If an object is not built again from the partition that it was read into.
     """
-    root = Node(Kind("scene", domain=scene.domain))
+    root = Node(scene_kind(scene.domain, scene.theme))
     encoder = _Encoder(scene, root)
     encoder.add_site()
     buildings = building_partitions(scene, Word.of)

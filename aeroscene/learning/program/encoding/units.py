@@ -9,7 +9,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.kinds import OPENINGS, Kind, looks, openings, shaping
-from aeroscene.learning.program.measures import Surroundings, choices_of, reach_of, scales
+from aeroscene.learning.program.measures import (
+    Surroundings,
+    choices_of,
+    reach_of,
+    scales,
+    up_to_level,
+)
 from aeroscene.learning.program.program import (
     COS,
     OPENING,
@@ -58,7 +64,9 @@ def unit_node(
     halves_m = [foot_m(member.category_id, member.size_m) for member in unit.members]
     _put_place(node, unit, halves_m, objects, site)
     yaw_rad = unit_yaw_rad(unit, objects)
-    around = Surroundings(_box(unit.parent_id, objects), _box(unit.host_id, objects))
+    host_category = "" if unit.host_id is None else objects[unit.host_id].category
+    host_box = up_to_level(host_category, _box(unit.host_id, objects))
+    around = Surroundings(_box(unit.parent_id, objects), host_box)
     base_m = underside_m(first.bbox)
     node.choices = choices_of(
         around, (x_m, y_m, z_m), yaw_rad, base_m, is_on_top=node.kind.is_on_top
