@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.scene_files import open_folder
 from aeroscene.corpus.shipped import open_shipped
+from aeroscene.corpus.summary import SceneSet
 from aeroscene.metrics.classifier import N_FOLDS
 from aeroscene.scene import Scene
 from scenarios.bench.configs import GenerateBenchCfg
@@ -62,10 +65,12 @@ def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
 def _readers(name: str) -> list[Callable[[], Scene]]:
     """Readers of all scenes, in order."""
     if name == SHIPPED:
-        shipped = open_shipped()
-        return [lambda entry=entry: shipped.read(entry) for entry in shipped.entries]
-    dataset = open_folder(name)
-    return [lambda entry=entry: dataset.read(entry) for entry in dataset.entries]
+        return _readers_of(open_shipped())
+    return _readers_of(open_folder(name))
+
+
+def _readers_of(scenes: SceneSet[Any]) -> list[Callable[[], Scene]]:
+    return [partial(scenes.read, entry) for entry in scenes.entries]
 
 
 def _soundness_rows(scenes: Sequence[Scene], on_progress: OnProgress) -> Iterator[Row]:

@@ -20,8 +20,9 @@ def furnish_booths(room: Interior) -> Iterator[None]:
     along_y = y >= x
     deep, wide = _BOOTH_M
     pitch = (2 * deep + _AISLE_M, wide) if along_y else (wide, 2 * deep + _AISLE_M)
-    rims = (deep + 0.3, wide / 2 + 0.2)
-    for u, v in room.spots(*pitch, rims if along_y else rims[::-1], is_tight=True):
+    across, along = deep + 0.3, wide / 2 + 0.2
+    rims = (across, along) if along_y else (along, across)
+    for u, v in room.spots(*pitch, rims, is_tight=True):
         for turn in (0.0, pi) if along_y else (pi / 2, -pi / 2):
             yield from _booth(room, u, v, turn)
     yield from room.line_walls(("plant", "planter", "bench", "bin"), 6)
