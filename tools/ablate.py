@@ -2,11 +2,11 @@
 
 python tools/ablate.py --data corpus --out ablation                      # all rows: hours
 python tools/ablate.py --data corpus --out ablation --no-train           # of what is trained
-python tools/ablate.py --data corpus --out ablation --rows default no_borders ddim_20
+python tools/ablate.py --data corpus --out ablation --rows default no_fourier ddim_20
 
 Each choice in training has a small denoiser of its own, trained for equally many steps into
 OUT/ROW; `aeroscene train --config --parts denoiser --out OUT/ROW` makes the same. Choices in
-sampling are switched on the weights that ship. All rows lay out the same skeletons of the test
+sampling are switched on the weights that ship. All rows place the same programs of the test
 split with the same noise. What is trained or measured already is not done again. Written to
 OUT/ablation.json and OUT/ablation.md.
 """
@@ -33,7 +33,6 @@ from rich.console import Console
 from aeroscene.corpus.dataset import open_dataset
 from aeroscene.files import replacing
 from aeroscene.learning.generation.loading import SHIPPED
-from aeroscene.learning.guidance.config import NO_GUIDANCE, GuidanceCfg
 from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.learning.training.config import require
 from aeroscene.scene import SceneError
@@ -86,17 +85,14 @@ class Ablation:
         model = Model.of(checkpoint)
         cases = model.cases(self._dataset, self._cfg.scenes)
         path = self._cfg.out / row.name / "outcome.json"
-        key = outcome_key(model.digest, cases, row.is_guided)
+        key = outcome_key(model.digest, cases, "default")
         known = read_outcome(path, key)
         if known is not None:
             return known
-        with progress_bar(row.name, len(cases) * (1 + row.is_guided)) as advance:
+        with progress_bar(row.name, len(cases)) as advance:
             outcome = Outcome(
                 key=key,
-                unguided=measure(model, model.sampler(NO_GUIDANCE), cases, 0, advance),
-                guided=measure(model, model.sampler(GuidanceCfg()), cases, 0, advance)
-                if row.is_guided
-                else [],
+                scenes=measure(model.denoising(), cases, 0, advance),
                 step_cpu_s=model.step_cpu_s(cases),
             )
         write_outcome(path, outcome)
@@ -105,16 +101,14 @@ class Ablation:
     def sampled(self, row: SampledRow) -> Outcome:
         """Outcome of a row of the sampling."""
         model, cases = self._shipped
-        sampler = model.sampler(row.guidance, **row.sampler)
+        denoising = model.denoising(**row.sampler)
         path = self._cfg.out / "sampling" / f"{row.name}.json"
-        key = outcome_key(
-            model.digest, cases, (sorted(row.sampler.items()), row.guidance, row.noise)
-        )
+        key = outcome_key(model.digest, cases, (sorted(row.sampler.items()), row.noise))
         known = read_outcome(path, key)
         if known is not None:
             return known
         with progress_bar(row.name, len(cases)) as advance:
-            outcome = Outcome(key=key, guided=measure(model, sampler, cases, row.noise, advance))
+            outcome = Outcome(key=key, scenes=measure(denoising, cases, row.noise, advance))
         write_outcome(path, outcome)
         return outcome
 

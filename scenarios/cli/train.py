@@ -25,6 +25,7 @@ from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar
 
 if TYPE_CHECKING:
+    from aeroscene.learning.training.checkpoint import Part
     from aeroscene.learning.training.data import TrainingData
     from aeroscene.learning.training.procedure import Plan, Training
     from aeroscene.learning.training.state import TrainingState
@@ -294,7 +295,7 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
         sys.stderr.write(f"{_PROG}: stopped and saved; --resume goes on from here\n")
 
 
-def _said(part: str, figures: Mapping[str, Any]) -> str:
+def _said(part: Part, figures: Mapping[str, Any]) -> str:
     """How long a part was trained, and to which losses."""
     from aeroscene.learning.training.course import figure_prefix  # noqa: PLC0415 - PyTorch
 

@@ -1,9 +1,10 @@
-"""Measurement of a row: layouts for skeletons of the test split, judged and projected."""
+"""Measurement of a row: programs of the test split placed, judged and projected."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,6 +12,7 @@ import msgspec
 import numpy as np
 import torch
 from shapely.errors import ShapelyError
+from torch import nn
 
 from aeroscene.corpus.dataset import Dataset
 from aeroscene.feasibility import validity
@@ -19,22 +21,20 @@ from aeroscene.feasibility.report import report_of
 from aeroscene.feasibility.stages import project
 from aeroscene.learning.diffusion.sampling import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.generation.denoising import Denoising, Draft
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
-from aeroscene.learning.generation.raw import GeometrySampler
-from aeroscene.learning.guidance.config import GuidanceCfg
-from aeroscene.learning.model.network import HierarchicalDenoiser
-from aeroscene.learning.tokens.assembly import assemble
-from aeroscene.learning.tokens.examples import Example, encode
-from aeroscene.learning.tokens.kinds import Vocabulary
-from aeroscene.learning.tokens.statistics import Statistics
-from aeroscene.learning.tokens.training_set import TrainingSet
+from aeroscene.learning.model.network import new_denoiser
+from aeroscene.learning.tokens.skeleton import UnencodableError
 from aeroscene.learning.training.batches.source import drawn_from
 from aeroscene.learning.training.checkpoint import Checkpoint, CheckpointError, DataSource
 from aeroscene.learning.training.config import Budget
 from aeroscene.learning.training.data import TrainingData
-from aeroscene.learning.training.loop import DenoiserTraining
+from aeroscene.learning.training.loop import PartTraining
 from aeroscene.learning.training.presets import sections_from_plain
 from aeroscene.learning.training.prior_stage import loss_function
+from aeroscene.learning.writer.examples import ProgramEncoder, Written
+from aeroscene.learning.writer.language import Language
+from aeroscene.learning.writer.training_set import ProgramSet
 from aeroscene.scene import Scene, SceneError
 
 _DEVICE = torch.device("cpu")
@@ -63,22 +63,20 @@ class SceneOutcome(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True)
 class Case:
-    """A real scene, whose skeleton is to be sampled."""
+    """A real scene, whose program is to be placed."""
 
-    example: Example
+    written: Written
     number: int
     """Number of the scene; it decides the noise."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """A checkpoint's denoiser with what turns its channels into boxes."""
+    """A checkpoint's denoiser with the language of what it places."""
 
-    network: HierarchicalDenoiser
-    vocabulary: Vocabulary
-    statistics: Statistics
+    network: nn.Module
+    language: Language
     sections: dict[str, Any]
-    source: DataSource
     digest: str
     """Digest of the weights."""
 
@@ -87,51 +85,45 @@ class Model:
         """The denoiser in a checkpoint.
 
         Raises:
-            CheckpointError: If it is of the paper's preset, which has no skeletons to sample for.
+            CheckpointError: If it is of the paper's preset, which knows no programs.
         """
-        statistics = checkpoint.statistics
-        if not isinstance(statistics, Statistics):
+        language = checkpoint.known
+        if not isinstance(language, Language):
             raise CheckpointError("checkpoint is of preset 'paper', valid: preset 'default'")
         sections = sections_from_plain(checkpoint.facts.configs)
-        vocabulary = Vocabulary.from_json(checkpoint.facts.vocabulary)
-        network = HierarchicalDenoiser(sections["model"])
+        network = new_denoiser(sections["model"], language)
         checkpoint.load_into(network, "denoiser")
-        # Its weights are stored in half precision, and what scales channels with them.
-        network.use_statistics(vocabulary, statistics)
-        facts = checkpoint.facts
-        return Model(network.eval(), vocabulary, statistics, sections, facts.data, facts.digest)
+        return Model(network.eval(), language, sections, checkpoint.facts.digest)
 
     def cases(self, dataset: Dataset, count: int) -> list[Case]:
         """Scenes of the test split, evenly spread over it.
 
-        Those with an object of a kind that the model never saw are left out.
+        Those that have no program in the model's language are left out.
         """
         found: list[Case] = []
         entries = dataset.of_split("test").entries
+        encode = ProgramEncoder(self.language)
         picked = np.linspace(0, len(entries), count, endpoint=False).astype(int)
         for index in np.unique(picked).tolist():
-            try:
-                example = encode(dataset.read(entries[index]), self.vocabulary, self.statistics)
-            except KeyError:
-                continue
-            found.append(Case(example, entries[index].index))
+            with suppress(UnencodableError):
+                written = encode(dataset.read(entries[index]))
+                found.append(Case(written, entries[index].index))
         return found
 
-    def sampler(self, guidance: GuidanceCfg, **fields: Any) -> GeometrySampler:
-        """Sampling as `aeroscene generate` does it, but for some fields of `SamplerCfg`."""
+    def denoising(self, **fields: Any) -> Denoising:
+        """Denoising as `aeroscene generate` does it, but for some fields of `SamplerCfg`."""
         parameterisation = self.sections["loss"].parameterisation
         cfg: SamplerCfg = replace(DEFAULT_SAMPLER, parameterisation=parameterisation, **fields)
         schedule = Schedule(self.sections["schedule"])
-        parts = (self.network, self.vocabulary, self.statistics, schedule)
-        return GeometrySampler(*parts, cfg, guidance, _DEVICE)
+        return Denoising(self.language, self.network, schedule, cfg, _DEVICE)
 
     def step_cpu_s(self, cases: Sequence[Case]) -> float:
         """CPU seconds of a training step, the least of some."""
-        known = TrainingSet(self.vocabulary, self.statistics, tuple(case.example for case in cases))
-        data = TrainingData(self.source, self.vocabulary, (), known, known)
-        network = HierarchicalDenoiser(self.sections["model"])
-        network.use_statistics(self.vocabulary, self.statistics)
-        training = DenoiserTraining(network, self.sections["training"], _DEVICE)
+        known = ProgramSet(self.language, tuple(case.written for case in cases))
+        source = DataSource(name="cases", digest=known.digest, n_scenes=len(cases))
+        data = TrainingData(source, known, known)
+        network = new_denoiser(self.sections["model"], self.language)
+        training = PartTraining(network, self.sections["training"], _DEVICE)
         batches = drawn_from(known, training.cfg.batch_size, training.cfg.seed)
         loss = loss_function(self.sections, data, _DEVICE, None)
         spent_s: list[float] = []
@@ -143,28 +135,18 @@ class Model:
 
 
 def measure(
-    model: Model,
-    sampler: GeometrySampler,
-    cases: Sequence[Case],
-    noise: int,
-    on_scene: Callable[[], object],
+    denoising: Denoising, cases: Sequence[Case], noise: int, on_scene: Callable[[], object]
 ) -> list[SceneOutcome]:
-    """Sample every case once, each with noise of its own in one of several draws."""
+    """Place every case once, each with noise of its own in one of several draws."""
     outcomes: list[SceneOutcome] = []
     for case in cases:
-        example = case.example
+        draft = Draft(case.written.example, case.written.wish)
         generator = torch.Generator(_DEVICE).manual_seed(case.number + _NOISE_STRIDE * noise)
         start_s = time.process_time()
-        geometry = sampler.sample([example.skeleton], [example.wish], generator)[0]
+        proposal = denoising.denoise([draft], generator)[0]
         cpu_s = time.process_time() - start_s
-        scene = assemble(
-            example.skeleton,
-            geometry,
-            model.vocabulary,
-            scene_id=f"ablation-{case.number:04d}",
-            seed=case.number,
-            rng=np.random.default_rng(case.number),
-        )
+        rng = np.random.default_rng(case.number)
+        scene = proposal.scene(f"ablation-{case.number:04d}", case.number, rng)
         outcomes.append(_judged(scene, cpu_s))
         on_scene()
     return outcomes

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
-from aeroscene.learning.guidance.borders import BordersCfg
-from aeroscene.learning.guidance.config import NO_GUIDANCE, GuidanceCfg
-from aeroscene.learning.guidance.separation import SeparationCfg
-from aeroscene.learning.paper.guidance.objectives import ObjectivesCfg
 
 Changes = Mapping[str, Mapping[str, Any]]
 """Fields of the configuration by section, as in a file for `aeroscene train --config`."""
@@ -34,8 +30,6 @@ class TrainedRow(Row):
 
     changes: Changes = field(default_factory=dict)
     against: str = "default"
-    is_guided: bool = True
-    """Whether guidance knows these channels; without, the row is measured unguided alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,32 +38,13 @@ class SampledRow(Row):
 
     sampler: Mapping[str, Any] = field(default_factory=dict)
     """Fields of `SamplerCfg`."""
-    guidance: GuidanceCfg = field(default_factory=GuidanceCfg)
     noise: int = 0
     """Number of the draw of the noise."""
     against: str = "shipped"
 
 
-_PAPERS_PARTS = {
-    "denoiser": "unet",
-    "routing": "learned",
-    "coarse_branch": "cnn",
-    "fine_branch": "radius_gnn",
-}
-_UNET = _PAPERS_PARTS | {
-    "routing": "given",
-    "coarse_branch": "attention",
-    "fine_branch": "siblings",
-}
-
-
 def _trained(name: str, what: str, **changes: Mapping[str, Any]) -> TrainedRow:
     return TrainedRow(name=name, what=what, changes=changes)
-
-
-def _recoded(name: str, what: str, **codec: str) -> TrainedRow:
-    changes = {"codec": codec, "model": {"has_borders": False}}
-    return TrainedRow(name=name, what=what, changes=changes, against="no_borders", is_guided=False)
 
 
 TRAINED: tuple[TrainedRow, ...] = (
@@ -77,14 +52,10 @@ TRAINED: tuple[TrainedRow, ...] = (
     _trained("default_seed_1", "the default, another seed", training={"seed": 1}),
     _trained("predicts_eps", "predicts the noise (paper)", loss={"parameterisation": "eps"}),
     _trained("predicts_x0", "predicts the clean layout", loss={"parameterisation": "x0"}),
-    _trained("no_borders", "does not see borders", model={"has_borders": False}),
-    _trained("coarse_weight_1", "coarse errors count once", loss={"coarse_weight": 1.0}),
+    _trained("coarse_weight_3", "coarse errors count thrice", loss={"coarse_weight": 3.0}),
     _trained("no_narrow_heads", "no heads for close kin", model={"has_narrow_heads": False}),
-    _trained("paper_network", "3D CNN, radius GNN, gate, UNet (paper)", model=_PAPERS_PARTS),
-    _trained("unet_given", "UNet for the head on tokens", model=_UNET),
-    _trained("unet_given_cnn", "UNet and 3D CNN", model=_UNET | {"coarse_branch": "cnn"}),
-    _trained("unet_given_gnn", "UNet and GNN", model=_UNET | {"fine_branch": "radius_gnn"}),
     _trained("min_snr_5", "errors weighted by min-SNR 5", loss={"min_snr_gamma": 5.0}),
+    _trained("small_noise", "half of the times at small noise", loss={"small_noise_share": 0.5}),
     _trained("no_fourier", "no Fourier features", model={"fourier_bands": 0}),
     _trained("blocks_2", "two blocks", model={"blocks": 2}),
     _trained("blocks_6", "six blocks", model={"blocks": 6}),
@@ -97,50 +68,17 @@ TRAINED: tuple[TrainedRow, ...] = (
         "Adam at 2e-4 (paper)",
         training={"optimiser": "adam", "learning_rate": 2e-4, "weight_decay": 0.0},
     ),
-    _recoded("codec_parent", "places over half the parent's extents", frame="parent"),
-    _recoded("codec_scene", "places in the frame of the scene", frame="scene"),
-    _recoded("codec_angle", "yaw as an angle", yaw="angle"),
-    _recoded("codec_linear", "sizes as they are, not as logarithms", size="linear"),
 )
-"""Trained at equal steps. Those of another codec are held against `no_borders`: guidance and
-borders read the default's channels."""
+"""Trained at equal steps."""
 
 
 def _sampled(name: str, what: str, **fields: Any) -> SampledRow:
     return SampledRow(name=name, what=what, sampler=fields)
 
 
-def _guided(name: str, what: str, guidance: GuidanceCfg) -> SampledRow:
-    return SampledRow(name=name, what=what, guidance=guidance)
-
-
-_PAPERS_GUIDANCE = replace(NO_GUIDANCE, objectives=ObjectivesCfg())
-_UNALIGNED = GuidanceCfg(alignment=None)
-_BORDERLESS = replace(_UNALIGNED, borders=None)
-_WITHIN_ONLY = replace(_UNALIGNED, borders=BordersCfg(n_steps=0, last_n_steps=0))
-_BORDERS_ALWAYS = GuidanceCfg(borders=BordersCfg(late_share=1.0))
-_WITHOUT_HOPS = SeparationCfg(n_hops=0)
-_SEPARATION = replace(_BORDERLESS, separation=_WITHOUT_HOPS)
-
-
-def _late(share: float) -> GuidanceCfg:
-    return GuidanceCfg(separation=SeparationCfg(late_share=share))
-
-
 SAMPLED: tuple[SampledRow, ...] = (
-    _sampled("shipped", f"DDIM, {DEFAULT_SAMPLER.n_steps} steps, all guidance"),
+    _sampled("shipped", f"DDIM, {DEFAULT_SAMPLER.n_steps} steps"),
     SampledRow(name="other_noise", what="the same, other noise", noise=1),
-    _guided("unguided", "no guidance", NO_GUIDANCE),
-    _guided("papers_guidance", "L_guide on x_t (paper)", _PAPERS_GUIDANCE),
-    _guided("separation", "separation alone, no hops", _SEPARATION),
-    _guided("separation_hops", "separation with hops", _BORDERLESS),
-    _guided("separation_within", "and parts within their building", _WITHIN_ONLY),
-    _guided("no_alignment", "all but alignment", _UNALIGNED),
-    _guided("no_hops", "all but hops", GuidanceCfg(separation=_WITHOUT_HOPS)),
-    _guided("at_last", "separation at the last step alone", _late(0.0)),
-    _guided("late_0.3", "separation in the last 30% of the steps", _late(0.3)),
-    _guided("late_1", "separation in all steps", _late(1.0)),
-    _guided("borders_always", "borders in all steps", _BORDERS_ALWAYS),
     _sampled("ddim_10", "DDIM, 10 steps", n_steps=10),
     _sampled("ddim_20", "DDIM, 20 steps", n_steps=20),
     _sampled("ddim_50", "DDIM, 50 steps", n_steps=50),

@@ -18,11 +18,9 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     """Outcome of a row."""
 
     key: str
-    """Differs where weights, skeletons or the way of sampling do."""
-    unguided: list[SceneOutcome] = []
-    """Scenes without guidance, of rows that are trained."""
-    guided: list[SceneOutcome] = []
-    """Scenes as the row samples them."""
+    """Differs where weights, programs or the way of sampling do."""
+    scenes: list[SceneOutcome] = []
+    """As the row samples them."""
     step_cpu_s: float | None = None
     """CPU time of a training step."""
 

@@ -16,8 +16,6 @@ Figures = Mapping[str, float]
 """Figures by name; what a row has no part of is not there."""
 
 _COLUMNS = {
-    "valid_unguided": ("unguided, %", 1),
-    "gain_unguided": ("change", 1),
     "valid": ("valid, %", 1),
     "gain": ("change", 1),
     "free": ("free, %", 1),
@@ -27,7 +25,7 @@ _COLUMNS = {
     "step_cpu_s": ("CPU s a step", 2),
     "scene_cpu_s": ("CPU s a scene", 2),
 }
-_GAINS = {"gain": "gain_noise", "gain_unguided": "gain_unguided_noise"}
+_GAINS = {"gain": "gain_noise"}
 """Differences with their standard errors over the scenes."""
 
 
@@ -41,28 +39,20 @@ class Line:
 
 def line(row: Row, outcome: Outcome, base: Outcome | None) -> Line:
     """Figures of a row, and its gain on the row that it is held against; None for a base line."""
-    figures: dict[str, float] = {}
-    if outcome.unguided:
-        figures["valid_unguided"] = float(valid_shares(outcome.unguided).mean())
-        if base is not None:
-            figures |= _gain(outcome.unguided, base.unguided, "gain_unguided")
-    if outcome.guided:
-        figures["valid"] = float(valid_shares(outcome.guided).mean())
-        if base is not None:
-            figures |= _gain(outcome.guided, base.guided, "gain")
-    figures |= _shares(outcome.guided or outcome.unguided)
+    figures = {"valid": float(valid_shares(outcome.scenes).mean())}
+    if base is not None:
+        figures |= _gain(outcome.scenes, base.scenes)
+    figures |= _shares(outcome.scenes)
     if outcome.step_cpu_s is not None:
         figures["step_cpu_s"] = outcome.step_cpu_s
     return Line(row, figures)
 
 
-def _gain(
-    scenes: Sequence[SceneOutcome], base: Sequence[SceneOutcome], name: str
-) -> dict[str, float]:
+def _gain(scenes: Sequence[SceneOutcome], base: Sequence[SceneOutcome]) -> dict[str, float]:
     """Mean difference in percent of a scene's objects, and its standard error."""
     gain = valid_shares(scenes) - valid_shares(base)
     noise = float(gain.std(ddof=1) / len(gain) ** 0.5) if len(gain) > 1 else 0.0
-    return {name: float(gain.mean()), _GAINS[name]: noise}
+    return {"gain": float(gain.mean()), _GAINS["gain"]: noise}
 
 
 def _shares(scenes: Sequence[SceneOutcome]) -> dict[str, float]:

@@ -17,7 +17,6 @@ from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.data import TrainingData, prepared
 from aeroscene.learning.training.presets import (
-    codec_of,
     fitted,
     preset_sections,
     sections_from_plain,
@@ -29,7 +28,7 @@ from aeroscene.scene import Scene
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar
 
-_NOT_COMPARED = ("skeleton", "skeleton_training")
+_NOT_COMPARED = ("writer", "writer_training")
 """Sections of another part of the model."""
 
 
@@ -70,15 +69,15 @@ class Trainer:
         """
         folder = self.out / row.name
         state = read_state(folder / STATE)
-        data = self._prepared(row)
+        data = self._prepared
         asked = changed(_sections(row), {"training": {"precision": self.precision}})
         begun = None if state is None else sections_from_plain(state.facts.configs)
         plan = Plan(
             folder=folder,
             preset="default",
-            sections=begun or fitted(asked, data.vocabulary),
+            sections=begun or fitted(asked, data.train.known),
             data=data,
-            budget=Budget(steps=self.steps),
+            budgets={"denoiser": Budget(steps=self.steps)},
             device=torch.device("cpu"),
             parts=("denoiser",),
         )
@@ -86,11 +85,8 @@ class Trainer:
             Training(plan, _Watcher(bar, row.name)).run(state)
         return read_checkpoint(folder / CHECKPOINT)
 
-    def _prepared(self, row: TrainedRow) -> TrainingData:
-        return prepared(self.data.name, *self._scenes, codec=codec_of(_sections(row)))
-
     @cached_property
-    def _scenes(self) -> tuple[list[Scene], list[Scene]]:
+    def _prepared(self) -> TrainingData:
         """Scenes to train on and to watch by."""
         dataset = open_dataset(self.data)
         train: list[Scene] = []
@@ -99,7 +95,7 @@ class Trainer:
             for entry in dataset.entries:
                 (train if entry.split == "train" else held_out).append(dataset.read(entry))
                 advance()
-        return train, held_out
+        return prepared(self.data.name, train, held_out)
 
 
 @dataclass(frozen=True)

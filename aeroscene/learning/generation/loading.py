@@ -11,6 +11,7 @@ from torch import nn
 
 from aeroscene.learning.diffusion.sampling import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.generation.denoising import Denoising
 from aeroscene.learning.generation.programs import ProgramProposer
 from aeroscene.learning.generation.proposal import Proposer
 from aeroscene.learning.model.network import new_denoiser
@@ -80,10 +81,13 @@ class _Loader:
         return ProgramProposer(
             language,
             self._loaded(writer, "writer"),
-            self._loaded(new_denoiser(self._sections["model"], language), "denoiser"),
-            self._schedule,
-            self._sampler(DEFAULT_SAMPLER),
-            self._device,
+            Denoising(
+                language,
+                self._loaded(new_denoiser(self._sections["model"], language), "denoiser"),
+                self._schedule,
+                self._sampler(DEFAULT_SAMPLER),
+                self._device,
+            ),
         )
 
     def _flat(self, statistics: FlatStatistics) -> FlatProposer:

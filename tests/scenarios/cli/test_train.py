@@ -31,13 +31,13 @@ heads = 2
 [training]
 batch_size = 2
 warmup_steps = 2
-[skeleton]
+[writer]
 width = 8
 kind_width = 4
 layers = 1
-[skeleton_training]
-steps = 2
-batch = 2
+[writer_training]
+batch_size = 2
+warmup_steps = 2
 """
 
 
@@ -73,7 +73,7 @@ def config(tmp_path_factory):
 @pytest.fixture(scope="module")
 def streaming(tmp_path_factory):
     path = tmp_path_factory.mktemp("config") / "streaming.toml"
-    path.write_text(TINY.replace("[skeleton]", "scene_uses = 2\n[skeleton]", 1))
+    path.write_text(TINY.replace("[writer]", "scene_uses = 2\n[writer]", 1))
     return path
 
 
@@ -113,7 +113,7 @@ def test_training_leaves_checkpoint_state_log_and_curves(corpus, config, tmp_pat
     assert facts["checkpoint"] == str(out / "checkpoint.safetensors")
     names = {path.name for path in out.iterdir()}
     assert {"checkpoint.safetensors", "state.safetensors", "log.jsonl", "curves.png"} >= names
-    assert set(read_checkpoint(out / "checkpoint.safetensors").parts) == {"skeleton", "denoiser"}
+    assert set(read_checkpoint(out / "checkpoint.safetensors").parts) == {"writer", "denoiser"}
 
 
 def test_resume_takes_the_steps_that_are_left(trained, corpus, config, tmp_path, capsys):
@@ -276,7 +276,7 @@ def refused(capsys, args):
         (("--save-minutes", 0), "save_minutes is 0.0, valid: more than 0"),
         (("--resume",), "holds no training to resume (state.safetensors is missing)"),
         (("--preset", "best"), "preset 'best' is not valid; valid: "),
-        (("--parts", "prior"), "parts is 'prior', valid: skeleton, denoiser with preset default"),
+        (("--parts", "prior"), "parts is 'prior', valid: writer, denoiser with preset default"),
         (("--take", "none.safetensors"), "checkpoint 'none.safetensors' cannot be read"),
     ],
 )

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import torch
 from torch import Tensor
 
 from aeroscene.learning.paper.guidance.layout import Layout
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.boxes import Boxes
-from tests.aeroscene.learning.diffusion.layouts import blank_batch
 
 
 def random_layout(
@@ -31,44 +26,3 @@ def random_layout(
         mask=torch.arange(n).expand(n_scenes, n) != n - 1,
         is_coarse=torch.arange(n) < n_coarse,
     )
-
-
-def world_batch(parent: list[int], n_coarse: int) -> TokenBatch:
-    """One scene below a site by hand: every channel of the place but the height is free."""
-    n = len(parent)
-    depth = [0]
-    for place in parent[1:]:
-        depth.append(depth[place] + 1)
-    batch = blank_batch(1, n, 3, n_coarse=n_coarse)
-    weight = torch.ones(1, n, 3)
-    weight[..., 2] = 0
-    weight[:, 0] = 0
-    return replace(batch, parent=torch.tensor([parent]), depth=torch.tensor([depth]), weight=weight)
-
-
-def decode_metres(size_m: Tensor, heading: Tensor, low_m: Tensor):
-    """A decoder whose channels are metres in the axes of the parents."""
-
-    def decode(x0: Tensor, batch: TokenBatch) -> Boxes:
-        center = torch.zeros_like(x0)
-        for slot, place in enumerate(batch.parent[0].tolist()):
-            offset = x0[:, slot].clone()
-            if slot:
-                c, s = heading[:, place].unbind(-1)
-                x, y = offset[:, 0], offset[:, 1]
-                offset = torch.stack([c * x - s * y, s * x + c * y, offset[:, 2]], dim=-1)
-                offset = offset + center[:, place]
-            center = torch.cat([center[:, :slot], offset[:, None], center[:, slot + 1 :]], dim=1)
-        up = torch.zeros_like(center)
-        up[..., 2] = low_m + size_m[..., 2] / 2
-        return Boxes(
-            center_enu_m=center + up,
-            heading=heading,
-            size_m=size_m,
-            play_m=torch.ones_like(x0[..., :2]),
-            rise_m=torch.ones_like(x0[..., 0]),
-            openings_m=torch.zeros(*x0.shape[:2], 7),
-            mask=batch.mask,
-        )
-
-    return decode

@@ -9,8 +9,9 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aeroscene.learning.model import HierarchicalDenoiser, ModelCfg
+from aeroscene.learning.model import ModelCfg
 from aeroscene.learning.paper.network.attention import ScaleAttention
+from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.paper.preset import paper_cfg
 from aeroscene.learning.tokens.batch import TokenBatch
 from tests.aeroscene.learning.model.trees import N_KINDS, tree_batch
@@ -25,15 +26,15 @@ CFG = replace(
 )
 
 
-def denoiser(cfg: ModelCfg = CFG) -> HierarchicalDenoiser:
+def denoiser(cfg: ModelCfg = CFG) -> LayoutDenoiser:
     torch.manual_seed(0)
-    network = HierarchicalDenoiser(cfg)
+    network = LayoutDenoiser(cfg)
     for parameter in network.parameters():
         parameter.data += 0.1 * torch.randn_like(parameter)
     return network
 
 
-def predict(network: HierarchicalDenoiser, batch: TokenBatch) -> torch.Tensor:
+def predict(network: LayoutDenoiser, batch: TokenBatch) -> torch.Tensor:
     with torch.no_grad():
         return network(batch.x0, torch.full((batch.n_scenes,), 0.4), batch).output
 
@@ -103,6 +104,6 @@ def test_parts_can_be_exchanged_one_by_one(
 
 
 def test_paper_preset_has_at_most_seven_million_parameters() -> None:
-    network = HierarchicalDenoiser(paper_cfg(70))
+    network = LayoutDenoiser(paper_cfg(70))
     assert network.cfg.channels == 80
     assert sum(parameter.numel() for parameter in network.parameters()) < 7e6

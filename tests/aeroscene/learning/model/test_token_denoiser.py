@@ -9,30 +9,38 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeroscene.learning.model import HierarchicalDenoiser, ModelCfg
+from aeroscene.learning.model.config import ModelCfg
+from aeroscene.learning.model.embedding import ProgramEmbedding
+from aeroscene.learning.model.token_denoiser import TokenDenoiser
 from aeroscene.learning.tokens.batch import TokenBatch
-from tests.aeroscene.learning.model.trees import N_KINDS, permuted, tree_batch
+from tests.aeroscene.learning.model.trees import N_KINDS, N_SHAPES, permuted, tree_batch
 
 CFG = ModelCfg(n_kinds=N_KINDS, width=32, blocks=4)
 
 
-def denoiser(cfg: ModelCfg = CFG, seed: int = 0) -> HierarchicalDenoiser:
+def untrained(cfg: ModelCfg = CFG) -> TokenDenoiser:
+    """A network of kinds that share some traits."""
+    traits = torch.arange(cfg.n_kinds)[:, None] % torch.tensor([2, 3, 5]) == 0
+    return TokenDenoiser(cfg, ProgramEmbedding(cfg, traits, N_SHAPES))
+
+
+def denoiser(cfg: ModelCfg = CFG, seed: int = 0) -> TokenDenoiser:
     """A network whose zero-initialised parts were moved off zero, as training does."""
     torch.manual_seed(seed)
-    network = HierarchicalDenoiser(cfg)
+    network = untrained(cfg)
     for parameter in network.parameters():
         parameter.data += 0.1 * torch.randn_like(parameter)
     return network
 
 
-def predict(network: HierarchicalDenoiser, batch: TokenBatch, t: float = 0.4) -> torch.Tensor:
+def predict(network: TokenDenoiser, batch: TokenBatch, t: float = 0.4) -> torch.Tensor:
     with torch.no_grad():
         return network(batch.x0, torch.full((batch.n_scenes,), t), batch).output
 
 
 def test_untrained_network_predicts_zero() -> None:
     batch = tree_batch([(3, 4)], (3, 4))
-    assert (predict(HierarchicalDenoiser(CFG), batch) == 0).all()
+    assert (predict(untrained(), batch) == 0).all()
 
 
 @given(
@@ -74,7 +82,9 @@ def test_order_of_the_tokens_within_a_scale_is_immaterial(
     )
 
 
-@pytest.mark.parametrize("name", ["kind", "parent", "depth", "ordinal", "twin", "domain", "wish"])
+@pytest.mark.parametrize(
+    "name", ["kind", "parent", "depth", "ordinal", "twin", "extra", "domain", "wish"]
+)
 def test_every_part_of_the_skeleton_is_read(name: str) -> None:
     batch, network = tree_batch([(4, 5)], (4, 5), seed=2), denoiser()
     before = predict(network, batch)
@@ -101,9 +111,7 @@ def test_every_parameter_gets_a_gradient() -> None:
         assert parameter.grad.abs().sum() > 0, name
 
 
-@pytest.mark.parametrize(
-    "ablation", [{"fourier_bands": 0}, {"has_narrow_heads": False}, {"has_borders": False}]
-)
+@pytest.mark.parametrize("ablation", [{"fourier_bands": 0}, {"has_narrow_heads": False}])
 def test_features_can_be_left_out(ablation: dict) -> None:
     batch = tree_batch([(5, 9)], (5, 9))
     without = predict(denoiser(replace(CFG, **ablation)), batch)
@@ -121,5 +129,5 @@ def test_bfloat16_on_a_cpu_agrees_with_single_precision() -> None:
 
 
 def test_default_has_one_and_a_half_to_three_million_parameters() -> None:
-    n = sum(p.numel() for p in HierarchicalDenoiser(ModelCfg(n_kinds=330)).parameters())
+    n = sum(p.numel() for p in untrained(ModelCfg(n_kinds=330)).parameters())
     assert 1.5e6 < n < 3e6

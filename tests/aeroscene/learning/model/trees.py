@@ -10,11 +10,11 @@ from torch import Tensor
 
 from aeroscene.learning.tokens.batch import TokenBatch
 
-N_KINDS = 12
+N_KINDS, N_SHAPES = 12, 6
 
 
 def tree_batch(
-    counts: Sequence[tuple[int, int]], slots: tuple[int, int], seed: int = 0, channels: int = 15
+    counts: Sequence[tuple[int, int]], slots: tuple[int, int], seed: int = 0, channels: int = 19
 ) -> TokenBatch:
     """Scenes with random trees.
 
@@ -31,8 +31,6 @@ def tree_batch(
     n = len(counts)
     return TokenBatch(
         **whole,
-        stands_on_top=torch.zeros_like(whole["mask"]),
-        lift_m=torch.zeros_like(whole["mask"], dtype=torch.float32),
         domain=torch.randint(0, 3, (n,), generator=generator),
         wish=torch.randn(n, 3, generator=generator),
         n_coarse_slots=slots[0],
@@ -45,7 +43,7 @@ def permuted(batch: TokenBatch, order: Tensor) -> TokenBatch:
     place[order] = torch.arange(len(order))
     moved = {
         name: getattr(batch, name)[:, order]
-        for name in ("kind", "depth", "ordinal", "twin", "mask", "x0", "weight")
+        for name in ("kind", "depth", "ordinal", "twin", "mask", "x0", "weight", "extra")
     }
     return replace(batch, **moved, parent=place[batch.parent[:, order]])
 
@@ -67,6 +65,7 @@ def _scene(n_coarse: int, n_fine: int, seed: int, channels: int) -> dict[str, Te
         "mask": torch.ones(n, dtype=torch.bool),
         "x0": torch.randn(n, channels, generator=generator),
         "weight": torch.ones(n, channels),
+        "extra": torch.randint(0, N_SHAPES, (n, 3), generator=generator),
     }
 
 

@@ -12,36 +12,35 @@ from aeroscene.learning.paper.tokens import (
 )
 from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.tokens.skeleton import Wish, token_order
-from aeroscene.learning.tokens.training_set import TrainingSet
 from aeroscene.scene import Scene
 from aeroscene.scene.catalogue import COARSE_COUNT
 
 
-def test_flat_layout_keeps_boxes_and_categories(known: TrainingSet, scenes: list[Scene]) -> None:
+def test_flat_layout_keeps_boxes_and_categories(scenes: list[Scene]) -> None:
     flat = flat_training_set(scenes)
     for scene, example in zip(scenes, flat.examples, strict=True):
         skeleton, geometry = read_flat(
             example.x0,
             Wish.of(scene),
             flat.statistics,
-            known.vocabulary,
+            flat.vocabulary,
             np.random.default_rng(0),
         )
         order = token_order(scene)
         centers = np.array([obj.bbox.p for obj in order])
         np.testing.assert_allclose(geometry.center_enu_m[1:], centers, atol=1e-6)
         np.testing.assert_allclose(geometry.size_m[1:], [obj.bbox.s for obj in order], atol=0.02)
-        found = known.vocabulary.category_id[skeleton.kind_id[1:]]
+        found = flat.vocabulary.category_id[skeleton.kind_id[1:]]
         assert found.tolist() == [obj.category_id for obj in order]
 
 
-def test_fine_objects_belong_to_the_nearest_coarse_one(known: TrainingSet, scene_42: Scene) -> None:
+def test_fine_objects_belong_to_the_nearest_coarse_one(scene_42: Scene) -> None:
     flat = flat_training_set([scene_42])
     skeleton, geometry = read_flat(
         flat.examples[0].x0,
         Wish.of(scene_42),
         flat.statistics,
-        known.vocabulary,
+        flat.vocabulary,
         np.random.default_rng(0),
     )
     n = skeleton.n_coarse
@@ -62,13 +61,13 @@ def test_statistics_bound_every_layout_however_it_is_turned(scenes: list[Scene])
     assert known.high[2] == pytest.approx(max(e.x0[:, 2].max() for e in flat.examples))
 
 
-def test_sampled_noise_still_makes_a_document(known: TrainingSet, scene_42: Scene) -> None:
+def test_sampled_noise_still_makes_a_document(scene_42: Scene) -> None:
     flat = flat_training_set([scene_42])
     rng = np.random.default_rng(1)
     noise = rng.standard_normal((30, N_FLAT_CHANNELS))
     wish = Wish("outdoor", 10, 20, 5)
-    skeleton, geometry = read_flat(noise, wish, flat.statistics, known.vocabulary, rng)
-    scene = assemble(skeleton, geometry, known.vocabulary, scene_id="noise", seed=0, rng=rng)
+    skeleton, geometry = read_flat(noise, wish, flat.statistics, flat.vocabulary, rng)
+    scene = assemble(skeleton, geometry, flat.vocabulary, scene_id="noise", seed=0, rng=rng)
     assert len(scene.objects) == 30
     n_coarse = sum(obj.category_id <= COARSE_COUNT for obj in scene.objects)
     assert n_coarse == skeleton.n_coarse - 1

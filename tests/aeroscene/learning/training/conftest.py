@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.skeleton.config import SkeletonCfg, SkeletonTrainingCfg
 from aeroscene.learning.training.config import Budget, TrainCfg
 from aeroscene.learning.training.data import TrainingData, prepared
 from aeroscene.learning.training.presets import fitted, preset_sections
 from aeroscene.learning.training.procedure import Plan
+from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.scene import Scene
 from tests.aeroscene.conftest import cached_scene
 
@@ -39,10 +39,10 @@ def small_sections(data: TrainingData, **training):
     sections = preset_sections("default") | {
         "model": ModelCfg(width=16, blocks=2, heads=2),
         "training": TrainCfg(batch_size=4, warmup_steps=3, **training),
-        "skeleton": SkeletonCfg(width=8, kind_width=4, layers=1),
-        "skeleton_training": SkeletonTrainingCfg(steps=3, seconds=None, batch=2),
+        "writer": WriterCfg(width=16, kind_width=4, layers=1),
+        "writer_training": TrainCfg(batch_size=2, warmup_steps=2),
     }
-    return fitted(sections, data.vocabulary)
+    return fitted(sections, data.train.known)
 
 
 @pytest.fixture
@@ -52,10 +52,10 @@ def plan(data, tmp_path) -> Plan:
         preset="default",
         sections=small_sections(data),
         data=data,
-        budget=Budget(steps=8),
+        budgets={"writer": Budget(steps=3), "denoiser": Budget(steps=8)},
         device=torch.device("cpu"),
         log_steps=2,
-        parts=("skeleton", "denoiser"),
+        parts=("writer", "denoiser"),
     )
 
 

@@ -7,7 +7,8 @@ import torch
 from safetensors.torch import load_file, safe_open, save_file
 from torch import nn
 
-from aeroscene.learning.tokens.kinds import Vocabulary
+from aeroscene.learning.generation.loading import SHIPPED
+from aeroscene.learning.paper.tokens import FlatStatistics
 from aeroscene.learning.training.checkpoint import (
     CheckpointError,
     CheckpointFacts,
@@ -16,6 +17,7 @@ from aeroscene.learning.training.checkpoint import (
     read_checkpoint,
     write_checkpoint,
 )
+from aeroscene.learning.writer.language import Language
 
 
 @pytest.fixture
@@ -29,7 +31,7 @@ def facts(data):
     return CheckpointFacts(
         preset="default",
         configs={"model": {"width": 128}},
-        vocabulary=data.vocabulary.to_json(),
+        vocabulary=data.train.kinds_json,
         categories=category_names(),
         data=DataSource(name="corpus", digest="0123", n_scenes=812),
         code="0.1.0+abc",
@@ -40,7 +42,7 @@ def facts(data):
 @pytest.fixture
 def path(facts, network, data, tmp_path):
     path = tmp_path / "model.safetensors"
-    write_checkpoint(path, facts, {"denoiser": network.state_dict()}, data.train.statistics)
+    write_checkpoint(path, facts, {"denoiser": network.state_dict()}, data.train.known)
     return path
 
 
@@ -64,20 +66,25 @@ def refusal(path):
 def test_everything_comes_back_weights_to_half_precision(path, network, facts, data):
     checkpoint = read_checkpoint(path)
     assert msgspec.structs.replace(checkpoint.facts, digest="") == facts
-    assert Vocabulary.from_json(checkpoint.facts.vocabulary) == data.vocabulary
     for name, value in network.state_dict().items():
         kept = checkpoint.parts["denoiser"][name]
         assert kept.dtype == value.dtype
         torch.testing.assert_close(kept, value, rtol=1e-3, atol=1e-4)
-    mine, kept = data.train.statistics, checkpoint.statistics
-    for name in ("mean", "spread", "low", "high", "is_free", "is_relative"):
-        np.testing.assert_array_equal(getattr(kept, name), getattr(mine, name))
+    mine, kept = data.train.known, checkpoint.known
+    assert isinstance(kept, Language)
+    assert kept.vocabulary == mine.vocabulary
+    assert kept.statistics.references == mine.statistics.references
+    for name in ("mean", "spread", "low", "high", "is_free", "has"):
+        own, other = getattr(mine.statistics, name), getattr(kept.statistics, name)
+        np.testing.assert_allclose(other, own, rtol=1e-6)
+    for name in ("class_of", "most", "always", "bears_fine", "most_children"):
+        np.testing.assert_array_equal(getattr(kept.syntax, name), getattr(mine.syntax, name))
 
 
 def test_single_precision_is_kept_exactly_where_asked_for(path, facts, network, data):
     half_bytes = path.stat().st_size
     parts = {"denoiser": network.state_dict()}
-    write_checkpoint(path, facts, parts, data.train.statistics, is_half=False)
+    write_checkpoint(path, facts, parts, data.train.known, is_half=False)
     assert path.stat().st_size > half_bytes
     kept = read_checkpoint(path).parts["denoiser"]
     assert all(torch.equal(kept[name], value) for name, value in parts["denoiser"].items())
@@ -85,7 +92,7 @@ def test_single_precision_is_kept_exactly_where_asked_for(path, facts, network, 
 
 def test_equal_training_gives_equal_bytes(path, facts, network, data, tmp_path):
     other = tmp_path / "other.safetensors"
-    write_checkpoint(other, facts, {"denoiser": network.state_dict()}, data.train.statistics)
+    write_checkpoint(other, facts, {"denoiser": network.state_dict()}, data.train.known)
     assert other.read_bytes() == path.read_bytes()
 
 
@@ -117,8 +124,16 @@ def test_flipped_bit_in_a_weight_is_noticed(path):
 def test_other_version_names_the_one_that_made_it(path):
     with_facts(path, version=7, code="3.2.1+fff")
     message = refusal(path)
-    assert "is of version 7, valid: 1" in message
+    assert "is of version 7, valid: 2" in message
     assert "3.2.1+fff" in message
+
+
+def test_old_default_is_refused_and_the_papers_old_file_is_read(path):
+    with_facts(path, version=1, code="0.9.0+abc")
+    assert "is of version 1, valid: 2" in refusal(path)
+    paper = read_checkpoint(SHIPPED["paper"])
+    assert isinstance(paper.known, FlatStatistics)
+    assert set(paper.parts) == {"prior", "denoiser"}
 
 
 def test_other_categories_are_refused_and_one_is_named(path):
@@ -135,8 +150,8 @@ def test_missing_field_is_named(path):
 
 def test_part_that_is_missing_or_does_not_fit_is_named(path):
     checkpoint = read_checkpoint(path)
-    with pytest.raises(CheckpointError, match="has no skeleton, only denoiser, valid: a training"):
-        checkpoint.load_into(nn.Linear(3, 5), "skeleton")
+    with pytest.raises(CheckpointError, match="has no writer, only denoiser, valid: a training"):
+        checkpoint.load_into(nn.Linear(3, 5), "writer")
     with pytest.raises(CheckpointError, match="denoiser does not fit the configuration"):
         checkpoint.load_into(nn.Linear(3, 5), "denoiser")
 
@@ -145,6 +160,6 @@ def test_failed_write_leaves_the_old_file(path, facts, network, data):
     before = path.read_bytes()
     parts = {"denoiser": dict(network.state_dict()) | {"strange": "no tensor"}}
     with pytest.raises(AttributeError):
-        write_checkpoint(path, facts, parts, data.train.statistics)
+        write_checkpoint(path, facts, parts, data.train.known)
     assert path.read_bytes() == before
     assert [p.name for p in path.parent.iterdir()] == [path.name]

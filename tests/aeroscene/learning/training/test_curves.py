@@ -45,7 +45,7 @@ def test_falling_loss_falls_in_the_picture(tmp_path):
 
 
 def test_each_stage_has_a_panel_of_its_own(tmp_path):
-    write(tmp_path, [3.0, 2.0, 1.0], "skeleton")
+    write(tmp_path, [3.0, 2.0, 1.0], "writer")
     draw_curves(tmp_path)
     one = height_of(tmp_path)
     write(tmp_path, [3.0, 2.0, 1.0])

@@ -10,7 +10,7 @@ import pytest
 from aeroscene.corpus.dataset import DatasetError, store_scene, write_manifest
 from aeroscene.layouts.document import LayoutError
 from aeroscene.learning.paper.tokens import FlatTrainingSet
-from aeroscene.learning.tokens.examples import UnencodableError
+from aeroscene.learning.tokens.skeleton import UnencodableError
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import count_scenes, open_training_data, prepared
 from tests.aeroscene.conftest import cached_scene
@@ -53,7 +53,7 @@ def test_corpus_is_split_as_its_manifest_says(corpus):
     seen = []
     data = open_training_data(corpus, on_scene=lambda: seen.append(None))
     # Every fifth scene is of the test split: 45.
-    assert data.source.n_scenes == len(data.train.examples) == len(data.skeletons) == 2
+    assert data.source.n_scenes == len(data.train.examples) == 2
     assert len(data.held_out.examples) <= 1
     assert len(seen) == 3
     assert data.source.name == corpus.name
@@ -78,12 +78,17 @@ def test_encoder_makes_the_same_examples_in_another_process(small_scenes, is_fla
     text = pickle.dumps(known.encoder)
     other = pickle.loads(text)
     for scene, example in zip(small_scenes, known.examples, strict=True):
-        assert np.array_equal(other(scene).x0, example.x0)
+        made = other(scene)
+        if is_flat:
+            assert np.array_equal(made.x0, example.x0)
+        else:
+            assert np.array_equal(made.example.x0, example.example.x0)
+            assert np.array_equal(made.lesson.kind, example.lesson.kind)
     assert pickle.dumps(known.with_examples(known.examples * 9).encoder) == text
 
 
 def test_processes_that_make_scenes_load_no_pytorch():
-    modules = "aeroscene.learning.training.batches.curation, aeroscene.learning.tokens.examples"
+    modules = "aeroscene.learning.training.batches.curation, aeroscene.learning.writer.examples"
     code = f"import sys, {modules}; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
@@ -93,7 +98,7 @@ def test_held_out_scenes_that_cannot_be_encoded_are_counted(small_scenes):
     indoor = [ten_objects(cached_scene(index)) for index in (2, 5)]
     data = prepared("small", indoor, [indoor[0], outdoor])
     assert (len(data.held_out.examples), data.n_skipped) == (1, 1)
-    with pytest.raises(UnencodableError, match=r"^kind \w+ is unknown: "):
+    with pytest.raises(UnencodableError, match=r"^kind unit \w+ is unknown"):
         data.train.encoder(outdoor)
 
 
@@ -101,7 +106,7 @@ def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):
     data = open_training_data(layouts(tmp_path / "rooms.jsonl.gz", 20))
     assert data.source.n_scenes == 18
     assert len(data.held_out.examples) == 2
-    categories = {kind.category for kind in data.vocabulary.kinds}
+    categories = {kind.category for kind in data.train.language.vocabulary.kinds}
     assert {"table", "chair"} <= categories
     # What is generated has as much as what was trained on: table, chairs, walls, ground.
     assert {wish.domain for wish in data.source.wishes} == {"indoor"}
@@ -109,8 +114,10 @@ def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):
     assert len(data.source.wishes) == count_scenes(tmp_path / "rooms.jsonl.gz") - 2
 
 
-def test_wishes_of_the_corpus_are_its_budget(corpus):
-    assert open_training_data(corpus).source.wishes == ()
+def test_wishes_of_the_corpus_are_kept_and_the_papers_are_its_budget(corpus):
+    source = open_training_data(corpus).source
+    assert (len(source.wishes), source.is_corpus) == (2, True)
+    assert open_training_data(corpus, is_flat=True).source.wishes == ()
     assert count_scenes(corpus) == 3
 
 

@@ -6,12 +6,12 @@ from torch import nn
 
 from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.model.network import HierarchicalDenoiser
+from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.preset import PAPER_TRAINING
 from aeroscene.learning.training.batches.source import batch_generator, drawn_from
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.loop import (
-    DenoiserTraining,
+    PartTraining,
     noise_generator,
     train_denoiser,
 )
@@ -22,7 +22,7 @@ CPU = torch.device("cpu")
 
 def new_training(data, cfg):
     torch.manual_seed(0)
-    return DenoiserTraining(HierarchicalDenoiser(small_sections(data)["model"]), cfg, CPU)
+    return PartTraining(new_denoiser(small_sections(data)["model"], data.train.language), cfg, CPU)
 
 
 def loss(model, batch, generator):

@@ -56,7 +56,7 @@ def test_file_changes_what_it_names_and_nothing_else(tmp_path):
         ("[training]\noptimiser = 'sgd'", "optimiser: Invalid enum value 'sgd'"),
         ("[schedule]\nn_steps = 0", "n_steps is 0, valid: 2 to"),
         ("[model]\nwidth = -1", "width is -1, valid:"),
-        ("[skeleton]\nlayers = 99", "layers is 99, valid: 1 to 8"),
+        ("[writer]\nlayers = 99", "layers is 99, valid: 1 to 16"),
         ("training = 3", r"training is 3, valid: a section \[training\]"),
         ("[training", "is no TOML"),
     ],
@@ -99,4 +99,4 @@ def test_documented_example_is_read(tmp_path):
     changed = settings(tmp_path, example)
     assert changed["training"].precision == "mixed"
     assert changed["model"].blocks == 4
-    assert changed["skeleton_training"].seconds == 300.0
+    assert changed["writer_training"].learning_rate == 1e-3

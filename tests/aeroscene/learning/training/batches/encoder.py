@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from aeroscene.learning.tokens.examples import UnencodableError
+from aeroscene.learning.tokens.skeleton import UnencodableError
 
 
 class OneKind:

@@ -1,0 +1,153 @@
+"""The channels of programs, by diffusion, with those given that are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from aeroscene.learning.diffusion.loss import Denoiser
+from aeroscene.learning.diffusion.sampling import Fixed, Moment, SamplerCfg, sample
+from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.generation.given import GivenPart
+from aeroscene.learning.generation.proposal import OnStep
+from aeroscene.learning.program import Program, decode
+from aeroscene.learning.program.batch import channels_in, program_batch, slots_of
+from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, SIZE, U, V
+from aeroscene.learning.program.statistics import ProgramExample, from_example
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.writer.language import Language
+from aeroscene.scene import Scene
+
+_SITE_FRAME: tuple[int, ...] = (1, 2, 3, 4, 5, 6)
+_UNIT_FRAME: tuple[int, ...] = (U, V, COS, SIN, SIZE.start, SIZE.start + 1)
+"""Channels of middle, heading and log sides: of a site's record, and of a unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A program that is to be placed."""
+
+    example: ProgramExample
+    wish: Wish
+    given: GivenPart | None = None
+    """Its first tokens, where they are given."""
+    outline_m: tuple[float, float] | None = None
+    """Sides of its site, where they are given."""
+
+
+@dataclass(frozen=True, eq=False)
+class ProgramProposal:
+    """A program with its channels."""
+
+    example: ProgramExample
+    language: Language
+    given: GivenPart | None = None
+
+    @property
+    def program(self) -> Program:
+        """The program, given tokens as they were given."""
+        known = self.language
+        program = from_example(self.example, known.vocabulary, known.statistics)
+        return program if self.given is None else self.given.imposed_on(program)
+
+    def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
+        """The scene as decoded, without areas; `rng` draws the looks."""
+        program = self.language.vocabulary.with_looks(self.program, rng)
+        decoded = decode(program, scene_id, seed)
+        return decoded.scene if self.given is None else self.given.restored_in(decoded)
+
+
+class Denoising:
+    """A trained denoiser with all that its channels are read by."""
+
+    def __init__(
+        self,
+        language: Language,
+        denoiser: Denoiser,
+        schedule: Schedule,
+        sampler: SamplerCfg,
+        device: torch.device,
+    ) -> None:
+        self._language = language
+        self._denoiser = denoiser
+        self._schedule = schedule
+        self._sampler = sampler
+        self.device = device
+        statistics = language.statistics
+        self._range = tuple(
+            torch.as_tensor(each, dtype=torch.float32, device=device)
+            for each in (statistics.low, statistics.high)
+        )
+
+    def denoise(
+        self, drafts: Sequence[Draft], noise: torch.Generator, on_step: OnStep | None = None
+    ) -> list[ProgramProposal]:
+        """The programs with channels, all at once, from the noise of a generator on the device."""
+        examples = [draft.example for draft in drafts]
+        wishes = [draft.wish for draft in drafts]
+        batch = program_batch(examples, wishes, self._language.statistics).to(self.device)
+
+        def proposed(x: Tensor) -> list[ProgramProposal]:
+            placed = (
+                channels_in(x, each, row, batch.n_coarse_slots) for row, each in enumerate(examples)
+            )
+            pairs = zip(placed, drafts, strict=True)
+            return [ProgramProposal(each, self._language, draft.given) for each, draft in pairs]
+
+        watch: Callable[[Moment, Tensor, Tensor], None] | None = None
+        if on_step is not None:
+            watch = lambda at, x_t, _: on_step(at, proposed(x_t))  # noqa: E731
+        low, high = (each[batch.kind] for each in self._range)
+        x0 = sample(
+            self._denoiser,
+            batch,
+            self._schedule,
+            self._sampler,
+            noise,
+            fixed=self._fixed(drafts, batch),
+            x0_range=(low, high),
+            on_step=watch,
+        )
+        return proposed(x0)
+
+    def _fixed(self, drafts: Sequence[Draft], batch: TokenBatch) -> Fixed | None:
+        """Channels of given coarse parts, and those that outlines decide."""
+        mask = np.zeros((*batch.mask.shape, N_CHANNELS), dtype=bool)
+        x0 = np.zeros(mask.shape, dtype=np.float32)
+        for row, draft in enumerate(drafts):
+            slots, part = slots_of(draft.example.skeleton, batch.n_coarse_slots), draft.given
+            if part is not None:
+                mask[row, slots[: part.n_tokens]] = True
+                x0[row, slots[: part.n_tokens]] = part.example.x0[: part.n_tokens]
+            elif draft.outline_m is not None:
+                place, channels, values = self._frame(draft.example, draft.outline_m)
+                mask[row, slots[place], channels] = True
+                x0[row, slots[place], channels] = values
+        if not mask.any():
+            return None
+        return Fixed(*(torch.from_numpy(array).to(self.device) for array in (mask, x0)))
+
+    def _frame(
+        self, example: ProgramExample, outline_m: tuple[float, float]
+    ) -> tuple[int, list[int], Float[np.ndarray, " 6"]]:
+        """Token and channels that have an outline: of the site, or of the building without one."""
+        kinds = self._language.vocabulary.kinds
+        numbers = example.skeleton.kind_id.tolist()
+        nodes = [kinds[number].node for number in numbers]
+        if "site" in nodes:
+            place, channels = nodes.index("site"), list(_SITE_FRAME)
+        else:
+            bearers = [
+                int(example.skeleton.parent[i]) for i, node in enumerate(nodes) if node == "storey"
+            ]
+            place, channels = next((i for i in bearers if nodes[i] == "unit"), 0), list(_UNIT_FRAME)
+        statistics, number = self._language.statistics, numbers[place]
+        values = np.array([0.0, 0.0, 1.0, 0.0, *np.log(outline_m)])
+        scaled = (values - statistics.mean[number, channels]) / statistics.spread[number, channels]
+        return place, channels, np.where(statistics.is_free[number, channels], scaled, 0.0)

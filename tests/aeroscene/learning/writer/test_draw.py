@@ -1,0 +1,74 @@
+"""Drawing from the writer: what training sees, what is kept, what is the same again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from aeroscene.learning.writer.batch import lesson_batch
+from aeroscene.learning.writer.config import WriterError
+from aeroscene.learning.writer.draw import _Draw, draw_program
+from aeroscene.learning.writer.examples import written
+from aeroscene.learning.writer.growth import coarse_growth, replay
+from aeroscene.learning.writer.lesson import lesson_of
+
+
+def test_reading_token_by_token_is_reading_at_once(corpus, language, writer, rng):
+    encoded, wish = corpus[0][1], corpus[1][1]
+    growth, said = replay(language.syntax, encoded.program, wish)
+    draw = _Draw(writer, language.syntax, wish, rng)
+    with torch.inference_mode():
+        draw.read(growth)
+        lesson = lesson_batch([lesson_of(growth, said, wish)])
+        n = len(growth.elements)
+        before = torch.ones(n, n, dtype=torch.bool).tril()
+        mask = torch.stack([before[None], lesson.kin & before], dim=1)
+        known, _ = writer.read(lesson.seen, lesson.wish, mask, writer.embedding())
+    one_by_one = torch.cat(draw._known)
+    torch.testing.assert_close(one_by_one, known[0], rtol=1e-4, atol=1e-4)
+
+
+def test_padding_changes_no_loss(corpus, language, writer):
+    lessons = [written(*each, language).lesson for each in zip(*corpus, strict=True)]
+    with torch.no_grad():
+        alone = [writer(lesson_batch([lesson])) for lesson in lessons]
+        whole = writer(lesson_batch(lessons))
+    for name, value in whole.items():
+        expected = sum(float(each[name]) for each in alone)
+        assert float(value) == pytest.approx(expected, rel=1e-4)
+
+
+def test_draws_keep_the_syntax_and_are_the_same_again(language, writer, wish):
+    first, again, other = (
+        draw_program(writer, language.syntax, wish, np.random.default_rng(seed))
+        for seed in (1, 1, 2)
+    )
+    assert (first.kinds, first.parents) == (again.kinds, again.parents)
+    assert first.kinds != other.kinds
+    kinds = language.vocabulary.kinds
+    assert kinds[first.kinds[0]].domain == wish.domain
+    for place, parent in enumerate(first.parents[1:], 1):
+        own, above = language.syntax.class_of[[first.kinds[place], first.kinds[parent]]]
+        assert language.syntax.most[above, own] > 0
+
+
+def test_what_is_kept_comes_first_and_is_furnished(corpus, language, writer, rng):
+    program, wish = corpus[0][2].program, corpus[1][2]
+    kept = coarse_growth(language.syntax, program, wish)
+    before = list(kept.kinds)
+    grown = draw_program(writer, language.syntax, wish, rng, kept)
+    assert grown.n_coarse == len(before)
+    assert grown.kinds[: len(before)] == before
+    assert len(grown.kinds) > len(before)
+
+
+def test_a_domain_that_was_never_seen_is_refused(corpus, writer, rng):
+    from aeroscene.learning.writer.language import learn_language  # noqa: PLC0415
+
+    one = learn_language(corpus[0][:1])
+    strange = next(each for each in corpus[1] if each.domain != corpus[1][0].domain)
+    with pytest.raises(WriterError, match=r"which the model never saw, valid: \w+$"):
+        draw_program(writer, one.syntax, replace(strange), rng)
