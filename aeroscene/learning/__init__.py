@@ -1,4 +1,4 @@
-"""The AeroScene model: tokens, skeleton, diffusion, guidance, training, generation."""
+"""The AeroScene model: programs, writer, diffusion, training, generation."""
 
 import importlib
 import os

@@ -47,20 +47,28 @@ class ProgramProposal:
 
     example: ProgramExample
     language: Language
-    given: GivenPart | None = None
+    draft: Draft
 
     @property
     def program(self) -> Program:
-        """The program, given tokens as they were given."""
-        known = self.language
+        """The program, what is given as it was given, in or out of the range of training."""
+        known, draft = self.language, self.draft
         program = from_example(self.example, known.vocabulary, known.statistics)
-        return program if self.given is None else self.given.imposed_on(program)
+        if draft.given is not None:
+            return draft.given.imposed_on(program)
+        if draft.outline_m is not None:
+            place, numbers = frame_of(self.example, known)
+            channels = program.channels.copy()
+            channels[place, numbers] = frame_values(draft.outline_m)
+            return program.with_channels(channels)
+        return program
 
     def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
         """The scene as decoded, without areas; `rng` draws the looks."""
         program = self.language.vocabulary.with_looks(self.program, rng)
         decoded = decode(program, scene_id, seed)
-        return decoded.scene if self.given is None else self.given.restored_in(decoded)
+        given = self.draft.given
+        return decoded.scene if given is None else given.restored_in(decoded)
 
 
 class Denoising:
@@ -98,7 +106,7 @@ class Denoising:
                 channels_in(x, each, row, batch.n_coarse_slots) for row, each in enumerate(examples)
             )
             pairs = zip(placed, drafts, strict=True)
-            return [ProgramProposal(each, self._language, draft.given) for each, draft in pairs]
+            return [ProgramProposal(each, self._language, draft) for each, draft in pairs]
 
         watch: Callable[[Moment, Tensor, Tensor], None] | None = None
         if on_step is not None:
@@ -126,28 +134,26 @@ class Denoising:
                 mask[row, slots[: part.n_tokens]] = True
                 x0[row, slots[: part.n_tokens]] = part.example.x0[: part.n_tokens]
             elif draft.outline_m is not None:
-                place, channels, values = self._frame(draft.example, draft.outline_m)
-                mask[row, slots[place], channels] = True
-                x0[row, slots[place], channels] = values
+                place, channels = frame_of(draft.example, self._language)
+                number, known = draft.example.skeleton.kind_id[place], self._language.statistics
+                values = frame_values(draft.outline_m) - known.mean[number, channels]
+                mask[row, slots[place], channels] = known.is_free[number, channels]
+                x0[row, slots[place], channels] = values / known.spread[number, channels]
         if not mask.any():
             return None
         return Fixed(*(torch.from_numpy(array).to(self.device) for array in (mask, x0)))
 
-    def _frame(
-        self, example: ProgramExample, outline_m: tuple[float, float]
-    ) -> tuple[int, list[int], Float[np.ndarray, " 6"]]:
-        """Token and channels that have an outline: of the site, or of the building without one."""
-        kinds = self._language.vocabulary.kinds
-        numbers = example.skeleton.kind_id.tolist()
-        nodes = [kinds[number].node for number in numbers]
-        if "site" in nodes:
-            place, channels = nodes.index("site"), list(_SITE_FRAME)
-        else:
-            bearers = [
-                int(example.skeleton.parent[i]) for i, node in enumerate(nodes) if node == "storey"
-            ]
-            place, channels = next((i for i in bearers if nodes[i] == "unit"), 0), list(_UNIT_FRAME)
-        statistics, number = self._language.statistics, numbers[place]
-        values = np.array([0.0, 0.0, 1.0, 0.0, *np.log(outline_m)])
-        scaled = (values - statistics.mean[number, channels]) / statistics.spread[number, channels]
-        return place, channels, np.where(statistics.is_free[number, channels], scaled, 0.0)
+
+def frame_of(example: ProgramExample, language: Language) -> tuple[int, list[int]]:
+    """Token and channels that have an outline: of the site, or of the building without one."""
+    kinds = language.vocabulary.kinds
+    nodes = [kinds[number].node for number in example.skeleton.kind_id.tolist()]
+    if "site" in nodes:
+        return nodes.index("site"), list(_SITE_FRAME)
+    bearers = [int(example.skeleton.parent[i]) for i, node in enumerate(nodes) if node == "storey"]
+    return next((i for i in bearers if nodes[i] == "unit"), 0), list(_UNIT_FRAME)
+
+
+def frame_values(outline_m: tuple[float, float]) -> Float[np.ndarray, " 6"]:
+    """Channels of an outline about the origin, along the axes of the world."""
+    return np.array([0.0, 0.0, 1.0, 0.0, *np.log(outline_m)])

@@ -71,7 +71,7 @@ def read_unit(
         box_of: An object's box by its id.
     """
     kind = program.kinds[token]
-    c = np.nan_to_num(program.channels[token])
+    c = np.nan_to_num(program.channels[token]).tolist()
     relation, host = _related(program, token, bearer, standing, box_of)
     residual_rad = math.atan2(c[SIN], c[COS])
     turn = 0 if relation.quadrant == ANY_TURN else relation.quadrant
@@ -104,7 +104,7 @@ def read_unit(
         relation=relation,
         members=tuple(made),
         array=array,
-        residual=Residual(u0 + u1 * float(c[U]), v0 + v1 * float(c[V]), residual_rad),
+        residual=Residual(u0 + u1 * c[U], v0 + v1 * c[V], residual_rad),
     )
 
 

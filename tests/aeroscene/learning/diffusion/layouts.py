@@ -25,8 +25,6 @@ def blank_batch(n_scenes: int, n: int, channels: int, *, n_coarse: int = 1) -> T
         ordinal=zero,
         twin=zero,
         mask=torch.ones(n_scenes, n, dtype=torch.bool),
-        stands_on_top=torch.zeros(n_scenes, n, dtype=torch.bool),
-        lift_m=torch.zeros(n_scenes, n),
         domain=torch.zeros(n_scenes, dtype=torch.long),
         wish=torch.zeros(n_scenes, 3),
         n_coarse_slots=n_coarse,

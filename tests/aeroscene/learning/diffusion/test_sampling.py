@@ -59,11 +59,12 @@ def test_same_seed_same_layouts(kind):
 
 
 @pytest.mark.parametrize("kind", ALL)
-def test_fixed_tokens_come_out_exactly_and_are_noised_truth_on_the_way(kind):
+def test_fixed_channels_come_out_exactly_and_are_noised_truth_on_the_way(kind):
     schedule, batch = Schedule(), blank_batch(3, 8, 2)
     truth = torch.rand(3, 8, 2, dtype=torch.float64, generator=_generator()) * 7 - 3
-    mask = torch.zeros(3, 8, dtype=torch.bool)
+    mask = torch.zeros(3, 8, 2, dtype=torch.bool)
     mask[:, :4] = True
+    mask[:, 4, 0] = True
     noises = []
 
     def look(at: Moment, x_t: torch.Tensor, x0: torch.Tensor) -> None:

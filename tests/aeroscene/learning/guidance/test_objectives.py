@@ -98,8 +98,8 @@ def test_guidance_works_while_gradients_are_off():
     assert not moved.requires_grad
 
 
-def test_fixed_tokens_feel_no_guidance():
-    fixed = torch.zeros(2, 12, dtype=torch.bool)
+def test_fixed_channels_feel_no_guidance():
+    fixed = torch.zeros(2, 12, 4, dtype=torch.bool)
     fixed[:, :6] = True
     objectives = Objectives(_read, ObjectivesCfg())
     at = replace(MIDWAY, fixed=fixed)

@@ -14,7 +14,7 @@ from aeroscene.learning.paper.network.attention import ScaleAttention
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.paper.preset import paper_cfg
 from aeroscene.learning.tokens.batch import TokenBatch
-from tests.aeroscene.learning.model.trees import N_KINDS, tree_batch
+from tests.aeroscene.learning.model.trees import tree_batch
 
 CFG = replace(
     paper_cfg(6),
@@ -58,9 +58,9 @@ def test_padding_changes_nothing(
 def test_every_parameter_learns_the_threshold_too() -> None:
     batch, network = tree_batch([(5, 9), (4, 7)], (5, 9), channels=16), denoiser()
     with torch.no_grad():
-        feature = network.network.embedding(batch.x0, batch).feature
-        tau = network.network.routing(feature, batch.mask).tokenizability
-        network.network.routing.gamma.fill_(tau[batch.mask].median())
+        feature = network.embedding(batch.x0, batch).feature
+        tau = network.routing(feature, batch.mask).tokenizability
+        network.routing.gamma.fill_(tau[batch.mask].median())
     network(batch.x0, torch.tensor([0.2, 0.7]), batch).output.square().sum().backward()
     for name, parameter in network.named_parameters():
         assert parameter.grad is not None, name
@@ -90,17 +90,14 @@ def test_parts_can_be_exchanged_one_by_one(
         routing=routing,
         coarse_branch=coarse_branch,
         fine_branch=fine_branch,
-        channels=15,
-        n_categories=0,
-        n_kinds=N_KINDS,
     )
-    batch, network = tree_batch([(4, 6)], (4, 6)), denoiser(cfg)
+    batch, network = tree_batch([(4, 6)], (4, 6), channels=16), denoiser(cfg)
     prediction = network(batch.x0, torch.tensor([0.5]), batch)
     assert prediction.output.isfinite().all()
     assert prediction.output.shape == batch.x0.shape
     assert (prediction.tokenizability is None) == (routing == "given")
-    assert isinstance(network.network.coarse, ScaleAttention) == (coarse_branch == "attention")
-    assert isinstance(network.network.fine, ScaleAttention) == (fine_branch == "siblings")
+    assert isinstance(network.coarse, ScaleAttention) == (coarse_branch == "attention")
+    assert isinstance(network.fine, ScaleAttention) == (fine_branch == "siblings")
 
 
 def test_paper_preset_has_at_most_seven_million_parameters() -> None:

@@ -13,7 +13,7 @@ from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.loop import (
     PartTraining,
     noise_generator,
-    train_denoiser,
+    train_steps,
 )
 from tests.aeroscene.learning.training.conftest import small_sections
 
@@ -48,7 +48,7 @@ def test_minutes_end_a_training_by_the_clock(data):
     shares = []
     budget = Budget(seconds=5.0)
     on_step = lambda report: shares.append(report.share) is None  # noqa: E731
-    train_denoiser(training, batches(training, data), loss, budget, on_step, Clock())
+    train_steps(training, batches(training, data), loss, budget, on_step, Clock())
     assert training.step == 5
     assert training.seconds == 5.0
     assert shares == sorted(shares)
@@ -57,7 +57,7 @@ def test_minutes_end_a_training_by_the_clock(data):
 def test_steps_and_minutes_end_with_what_is_first(data):
     training = new_training(data, TrainCfg(batch_size=2))
     budget = Budget(steps=3, seconds=100.0)
-    train_denoiser(training, batches(training, data), loss, budget, lambda _: True, Clock())
+    train_steps(training, batches(training, data), loss, budget, lambda _: True, Clock())
     assert training.step == 3
 
 
@@ -72,9 +72,7 @@ def test_paper_trains_with_plain_adam_and_its_own_last_weights(data):
     assert type(training.optimiser) is torch.optim.Adam
     assert training.optimiser.defaults["lr"] == 2e-4
     assert training.optimiser.defaults["weight_decay"] == 0
-    train_denoiser(
-        training, batches(training, data), loss, Budget(steps=2), lambda _: True, Clock()
-    )
+    train_steps(training, batches(training, data), loss, Budget(steps=2), lambda _: True, Clock())
     for name, value in training.model.state_dict().items():
         torch.testing.assert_close(training.average.weights[name], value)
 

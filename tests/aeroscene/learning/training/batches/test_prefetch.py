@@ -5,7 +5,7 @@ import threading
 import pytest
 import torch
 
-from aeroscene.learning.training.batches.opened import open_batches
+from aeroscene.learning.training.batches.opened import Supply, open_batches
 from aeroscene.learning.training.batches.prefetch import Prefetched
 from aeroscene.learning.training.batches.source import drawn_from
 from aeroscene.learning.training.config import TrainCfg
@@ -61,6 +61,15 @@ def test_error_reaches_the_step_that_it_belongs_to(data):
 @pytest.mark.parametrize(("name", "is_ahead"), [("cpu", False), ("meta", True)])
 def test_thread_works_ahead_where_another_device_computes(data, tmp_path, name, is_ahead):
     device = torch.device(name)
-    with open_batches(data, TrainCfg(), device, tmp_path, 0, 1, lambda: False) as opened:
+    supply = Supply(
+        scenes=data.train,
+        encode=data.train.encoder,
+        last_number=None,
+        folder=tmp_path,
+        n_workers=1,
+        stage="denoiser",
+        is_last=True,
+    )
+    with open_batches(supply, TrainCfg(), device, 0, lambda: False) as opened:
         assert isinstance(opened.batches, Prefetched) == is_ahead
         assert opened.batches(0).x0.device == (device if is_ahead else CPU)

@@ -9,13 +9,12 @@ import pytest
 import torch
 
 from aeroscene.corpus.curation import curate_scene
-from aeroscene.learning.tokens.training_set import training_set
 from aeroscene.learning.training.batches.curation import (
     fresh_example,
     numbers_after,
     scene_file,
 )
-from aeroscene.learning.training.batches.opened import open_batches
+from aeroscene.learning.training.batches.opened import Supply, open_batches
 from aeroscene.learning.training.batches.source import StoppedError
 from aeroscene.learning.training.batches.stream import StreamedBatches
 from aeroscene.learning.training.config import TrainCfg, TrainingError
@@ -169,12 +168,12 @@ def test_wish_to_stop_is_heard_while_it_waits_for_scenes(opened):
 def test_scene_from_its_file_is_the_one_that_was_made(tmp_path):
     """What a resume reads back is what was trained on, to the last bit."""
     number = next(numbers_after(311))
-    encode = training_set([curate_scene(number)]).encoder
+    encode = prepared("one", [curate_scene(number)] * 2, []).train.encoder
     made = fresh_example(encode, tmp_path, number)
     assert scene_file(tmp_path, number).exists()
     read = fresh_example(encode, tmp_path, number)
-    assert (made.example.x0 == read.example.x0).all()
-    assert (made.example.skeleton.kind_id == read.example.skeleton.kind_id).all()
+    assert (made.example.example.x0 == read.example.example.x0).all()
+    assert (made.example.lesson.kind == read.example.lesson.kind).all()
 
 
 def test_scene_of_a_new_kind_is_skipped_with_its_reason(known, tmp_path):
@@ -190,7 +189,16 @@ def test_workers_end_with_the_batches(known, tmp_path):
     data = prepared("small", [ten_objects(cached_scene(index)) for index in FIRST], [])
     data = replace(data, last_number=LAST)
     cpu = torch.device("cpu")
-    with open_batches(data, CFG, cpu, tmp_path, 0, 2, lambda: False) as batches:
+    supply = Supply(
+        scenes=data.train,
+        encode=data.train.encoder,
+        last_number=data.last_number,
+        folder=tmp_path,
+        n_workers=2,
+        stage="denoiser",
+        is_last=True,
+    )
+    with open_batches(supply, CFG, cpu, 0, lambda: False) as batches:
         batches.batches(0)
         assert len(multiprocessing.active_children()) == 2
     assert multiprocessing.active_children() == []
