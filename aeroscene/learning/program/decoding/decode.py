@@ -21,8 +21,6 @@ from aeroscene.learning.program.decoding.mending import (
     AFLOAT,
     mended,
     room_for_seats,
-    with_chairs,
-    with_ways_to_lots,
 )
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.units import member_boxes, read_unit
@@ -33,7 +31,7 @@ from aeroscene.learning.program.program import OPENING, Program
 from aeroscene.partition import SitePartition, build_site, from_sequence
 from aeroscene.partition.tree import VOID
 from aeroscene.relations import Kind as RelationKind
-from aeroscene.relations.hosts import N_TURNS, SEATS, Standing, turn_of
+from aeroscene.relations.hosts import N_TURNS, Standing, turn_of
 from aeroscene.relations.plane import Rectangle, footprint
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
@@ -142,13 +140,11 @@ class _Builder:
         assert isinstance(plain, SitePartition)
         frame = plain.frame
         tree = settled(plain.tree, frame.length_m, frame.width_m, LEAST_COVER_M)
-        covers = [cover for cover in build_site(replace(plain, tree=tree)) if cover.kind != VOID]
-        words = [Word.read(cover.kind) for cover in covers]
-        paved = with_ways_to_lots(words, [cover.box for cover in covers])
-        for cover, word in zip(covers, paved, strict=True):
+        for cover in build_site(replace(plain, tree=tree)):
             token, _ = tokens[cover.leaf]
-            if token is None:
+            if token is None or cover.kind == VOID:
                 continue
+            word = Word.read(cover.kind)
             kind = self.program.kinds[token]
             parent = self.made[token][-1] if self.made[token] else None
             if parent is None and not kind.is_root:
@@ -195,8 +191,6 @@ class _Builder:
         boxes = mended(kind.category, member_boxes(unit, self._box), self.objects)
         if table is not None:
             boxes = self._drawn_up(boxes, table)
-        if kind.category == "plate" and unit.relation.kind == RelationKind.SIDE:
-            boxes = with_chairs(boxes, [obj.bbox for obj in self.objects if obj.category in SEATS])
         for box in boxes:
             attributes = dict(kind.attributes) | _openings(program, place, box)
             made = self._add(place, kind.category, kind.domain, attributes, box)

@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from aeroscene.learning.program.kinds import Word
 from aeroscene.relations.hosts import SEATED_AT, VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle, footprint, turned_reach_m
 from aeroscene.scene import OrientedBox, SceneObject
@@ -24,11 +23,6 @@ BRIDGES = frozenset({"bridge"})
 CROSSED = frozenset({"water", "road"})
 _LEAST_AFLOAT, _LEAST_OVER = 0.95, 0.1
 """Least shares of the outlines of a boat on water, of a bridge over what it crosses."""
-_WAYS = frozenset({"road", "sidewalk", "plaza"})
-_TO_WAY_M = 1.5
-"""Farthest that a parking lot lies from a way that leads to it."""
-_TO_CHAIR_M = 0.9
-"""Farthest that the middle of a plate is from the middle of a chair."""
 _ACROSS_RAD = math.radians(45.0)
 _IN_THE_WAY_M = 0.02
 """Deepest that a chair reaches into what it does not belong to."""
@@ -49,22 +43,6 @@ def mended(
         roads = _footprints(objects, frozenset({"road"}))
         return [_on_its_side(box, roads) for box in boxes]
     return list(boxes)
-
-
-def with_ways_to_lots(words: Sequence[Word], boxes: Sequence[OrientedBox]) -> list[Word]:
-    """Words of covers; parking lots to which no way leads are plazas."""
-    found = list(words)
-    ways = [
-        _polygon(footprint(box))
-        for word, box in zip(words, boxes, strict=True)
-        if word.category in _WAYS
-    ]
-    whole = shapely.union_all(ways)
-    for number, (word, box) in enumerate(zip(words, boxes, strict=True)):
-        is_lot = word.category == "parking_lot"
-        if is_lot and not shapely.dwithin(_polygon(footprint(box)), whole, _TO_WAY_M):
-            found[number] = Word("plaza", word.domain, ())
-    return found
 
 
 def _footprints(objects: Sequence[SceneObject], categories: frozenset[str]) -> list[Rectangle]:
@@ -151,15 +129,6 @@ def _on_its_side(box: OrientedBox, roads: Sequence[Rectangle]) -> OrientedBox:
 def _put(box: OrientedBox, at: Place) -> OrientedBox:
     """A box at a place, upright."""
     return OrientedBox((at.x_m, at.y_m, box.p[2]), quat_from_yaw(at.yaw_rad), box.s)
-
-
-def with_chairs(plates: Sequence[OrientedBox], chairs: Sequence[OrientedBox]) -> list[OrientedBox]:
-    """Those plates before which a chair stands."""
-    return [
-        box
-        for box in plates
-        if any(math.dist(box.p[:2], other.p[:2]) <= _TO_CHAIR_M for other in chairs)
-    ]
 
 
 def room_for_seats(
