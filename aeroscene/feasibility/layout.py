@@ -17,6 +17,7 @@ from aeroscene.feasibility.boxes import (
     joined,
     kinship,
 )
+from aeroscene.feasibility.seats import tables_of
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 
@@ -42,6 +43,8 @@ class Layout:
     """Whether an object (row) moves with another (column)."""
     is_coarse: Bool[np.ndarray, " n"]
     """Whether an object is coarse; it stays so."""
+    table: Int[np.ndarray, " n"]
+    """Row of the table that a chair is drawn up to, with which it moves too; -1 of all others."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
     """New attributes of the objects whose attributes have changed."""
 
@@ -74,6 +77,10 @@ class Layout:
         self.moves_with = np.eye(len(self.host), dtype=bool)
         for row in range(len(self.host)):
             self.moves_with[row, self.chain(row)] = True
+        seated = np.flatnonzero((self.table >= 0) & self.is_left & self.is_left[self.table])
+        for row in seated.tolist():
+            if self.host[row] == self.host[self.table[row]]:
+                self.moves_with[row, self.table[row]] = True
 
     def carried(self, row: int) -> Int[np.ndarray, " k"]:
         """An object and all that moves with it, in order."""
@@ -163,6 +170,10 @@ def layout_of(scene: Scene) -> Layout:
     extent = np.array([scene.extent_min_enu_m, scene.extent_max_enu_m], dtype=float)
     moves_with = np.eye(len(boxes), dtype=bool)
     is_coarse = np.array([obj.is_coarse for obj in scene.objects], dtype=bool)
-    layout = Layout(scene, boxes, boxes.parent.copy(), is_left, extent, moves_with, is_coarse)
+    table = np.full(len(boxes), -1)
+    chairs, tables = tables_of(scene.objects, boxes, is_left)
+    table[chairs] = tables
+    host = boxes.parent.copy()
+    layout = Layout(scene, boxes, host, is_left, extent, moves_with, is_coarse, table)
     layout.relink()
     return layout

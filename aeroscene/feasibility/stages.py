@@ -20,6 +20,7 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.partitions import merge_walls
 from aeroscene.feasibility.plane import PlaneProblem
 from aeroscene.feasibility.roles import GROUND, is_chained
+from aeroscene.feasibility.seats import turns_to_tables
 from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_on_earth, settle
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
@@ -114,6 +115,7 @@ def _clear_up(layout: Layout) -> None:
     is_coarse = layout.is_coarse
     resettle(layout, is_coarse, _nothing())
     resettle(layout, ~is_coarse, _air(layout))
+    _face_tables(layout)
     _mend_floating(layout)
     hold_all(layout)
     rows = {obj.id: row for row, obj in enumerate(layout.objects)}
@@ -121,6 +123,13 @@ def _clear_up(layout: Layout) -> None:
         # What shares too much with its parent's line, which may overlap it otherwise.
         if finding.object_id is not None:
             layout.drop(rows[finding.object_id])
+
+
+def _face_tables(layout: Layout) -> None:
+    """Turn chairs that look away from the table that they are at now."""
+    for row, turn_rad in turns_to_tables(layout.objects, layout.boxes, layout.is_left):
+        layout.turn(row, turn_rad)
+    resettle(layout, ~layout.is_coarse, _air(layout))
 
 
 def _mend_floating(layout: Layout) -> None:
@@ -148,8 +157,9 @@ def _floating(layout: Layout) -> list[int]:
 
 
 def _downwards(layout: Layout) -> Int[np.ndarray, " n"]:
-    """All rows, each after what it stands on."""
-    return np.argsort([len(layout.chain(i)) for i in range(len(layout.host))], kind="stable")
+    """All rows, each after what it stands on, and a chair after its table."""
+    depth = np.array([len(layout.chain(i)) for i in range(len(layout.host))])
+    return np.lexsort((layout.table >= 0, depth))
 
 
 def _nothing() -> Boxes:

@@ -7,13 +7,21 @@ It gives a scene for any program, so that a draw of a model needs no luck: see `
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from aeroscene.feasibility.boxes import boxes_of
+from aeroscene.feasibility.seats import turns_to_tables
 from aeroscene.learning.program.decoding.buildings import build_building
 from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.growing import Grower
+from aeroscene.learning.program.decoding.mending import (
+    AFLOAT,
+    mended,
+    room_for_seats,
+)
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.units import member_boxes, read_unit
 from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, Word, theme_of
@@ -26,6 +34,7 @@ from aeroscene.relations import Kind as RelationKind
 from aeroscene.relations.hosts import N_TURNS, Standing, turn_of
 from aeroscene.relations.plane import Rectangle, footprint
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
+from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 LEAST_COVER_M = 0.05
@@ -100,6 +109,11 @@ class _Builder:
                     if not self.made[place] and self._turn_of(place) <= turn:
                         self._add_unit(place, bearer)
                 queue += range(before, len(self.objects))
+        are_there = np.ones(len(self.objects), dtype=bool)
+        for row, turn_rad in turns_to_tables(self.objects, boxes_of(self.objects), are_there):
+            own = self.objects[row]
+            quat = quat_from_yaw(own.bbox.yaw_rad + turn_rad)
+            self.objects[row] = replace(own, bbox=replace(own.bbox, q=quat))
 
     def _turn_of(self, place: int) -> int:
         return turn_of(CATEGORY_IDS[self.program.kinds[place].category])
@@ -169,14 +183,28 @@ class _Builder:
 
     def _add_unit(self, place: int, bearer: int | None) -> None:
         program = self.program
+        kind = program.kinds[place]
+        if kind.category in AFLOAT and self.standing.category(bearer) != "water":
+            bearer = next((obj.id for obj in self.objects if obj.category == "water"), bearer)
         members = [i for i in self.children[place] if program.kinds[i].node == "member"]
         unit = read_unit(program, place, members, bearer, self.standing, self._outline, self._box)
-        kind = program.kinds[place]
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
-        for box in member_boxes(unit, self._box):
+        boxes = mended(kind.category, member_boxes(unit, self._box), self.objects)
+        if table is not None:
+            boxes = self._drawn_up(boxes, table)
+        for box in boxes:
             attributes = dict(kind.attributes) | _openings(program, place, box)
             made = self._add(place, kind.category, kind.domain, attributes, box)
             self._set_parent(made, None if kind.is_root else bearer, bearer=bearer, table=table)
+
+    def _drawn_up(self, chairs: Sequence[OrientedBox], table: int) -> list[OrientedBox]:
+        """Chairs that have room, their table moved with them where that makes it."""
+        (x_m, y_m), has_room = room_for_seats(chairs, table, self.objects)
+        if x_m or y_m:
+            own = self.objects[table]
+            self.objects[table] = replace(own, bbox=_moved(own.bbox, x_m, y_m))
+        boxes = zip(chairs, has_room, strict=True)
+        return [_moved(box, x_m, y_m) for box, is_free in boxes if is_free]
 
     def _add(
         self,
@@ -213,6 +241,10 @@ class _Builder:
     ) -> None:
         self.objects[made] = replace(self.objects[made], parent_id=parent)
         self.standing.add(made, self.objects[made].category_id, bearer, table)
+
+
+def _moved(box: OrientedBox, x_m: float, y_m: float) -> OrientedBox:
+    return OrientedBox((box.p[0] + x_m, box.p[1] + y_m, box.p[2]), box.q, box.s)
 
 
 def _openings(program: Program, place: int, box: OrientedBox) -> dict[str, AttributeValue]:

@@ -1,0 +1,70 @@
+"""Chairs and their tables: which chair is drawn up to which table, and that it looks at it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.feasibility.boxes import Boxes, separation
+from aeroscene.relations.hosts import SEATS
+from aeroscene.scene import SceneObject
+
+TABLES = frozenset({"table", "desk"})
+AT_TABLE_M = 0.5
+"""Widest gap between a table and a chair that is drawn up to it."""
+OFF_RAD = math.radians(45.0)
+"""Largest angle between where a chair looks and where its table is."""
+_QUARTER = math.pi / 2
+
+
+def tables_of(
+    objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
+) -> tuple[Int[np.ndarray, " k"], Int[np.ndarray, " k"]]:
+    """Rows of the chairs that are drawn up to a table of the same parent, and of that table.
+
+    It is the nearest one that shares height with the chair.
+    """
+    left = np.flatnonzero(is_left).tolist()
+    chairs = [i for i in left if objects[i].category in SEATS]
+    tables = [i for i in left if objects[i].category in TABLES]
+    pairs = [(i, j) for i in chairs for j in tables if boxes.parent[i] == boxes.parent[j]]
+    if not pairs:
+        return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
+    chair, table = np.array(pairs).T
+    rise_m = np.minimum(boxes.top_m[chair], boxes.top_m[table])
+    rise_m = rise_m - np.maximum(boxes.base_m[chair], boxes.base_m[table])
+    apart_m = separation(boxes, chair, table)[0]
+    near = (rise_m > 0) & (apart_m <= AT_TABLE_M)
+    chair, table, apart_m = chair[near], table[near], apart_m[near]
+    best = np.lexsort((apart_m, chair))
+    best = best[np.unique(chair[best], return_index=True)[1]]
+    return chair[best], table[best]
+
+
+def turns_to_tables(
+    objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
+) -> list[tuple[int, float]]:
+    """Rows of chairs that look away from their table, and the quarter turns that mend it, rad."""
+    found: list[tuple[int, float]] = []
+    for chair, table in zip(
+        *(rows.tolist() for rows in tables_of(objects, boxes, is_left)), strict=True
+    ):
+        way = _way(boxes, chair, table)
+        if not way.any():
+            continue
+        off_rad = math.atan2(way[1], way[0]) - float(boxes.yaw_rad[chair])
+        off_rad = math.remainder(off_rad, math.tau)
+        if abs(off_rad) > OFF_RAD:
+            found.append((chair, round(off_rad / _QUARTER) * _QUARTER))
+    return found
+
+
+def _way(boxes: Boxes, chair: int, table: int) -> Float[np.ndarray, " 2"]:
+    """From the middle of a chair to the nearest point of a table; into it, to the table's own."""
+    frame, half_m = boxes.frame(table), boxes.half_m[table, :2]
+    offset = frame @ (boxes.centre_m[chair, :2] - boxes.centre_m[table, :2])
+    way = np.clip(offset, -half_m, half_m) - offset
+    return frame.T @ (way if np.abs(way).max() > 0 else -offset)
