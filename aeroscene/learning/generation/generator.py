@@ -14,7 +14,7 @@ import numpy as np
 
 from aeroscene.areas.landing import AreaLimits
 from aeroscene.corpus.corpus import scene_domain
-from aeroscene.feasibility import FeasibilityCfg, FeasibilityReport, make_feasible
+from aeroscene.feasibility import FeasibilityReport, make_feasible
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
@@ -146,7 +146,7 @@ class Generator:
             rng=rng,
             kept=request.kept,
         )
-        feasible = make_feasible(raw, FeasibilityCfg(limits=limits))
+        feasible = make_feasible(request.prepared(raw, rng), request.demands(limits))
         return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
 
 

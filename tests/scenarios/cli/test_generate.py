@@ -10,8 +10,8 @@ from safetensors.torch import load_file, safe_open, save_file
 from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.scene.io import read_scene, write_scene
-from scenarios.cli.generate import GenerateError, outline_sides_m
 from scenarios.cli.main import main
+from scenarios.generation.asked import GenerateError, outline_sides_m
 from tests.aeroscene.conftest import cached_scene
 from tests.scenarios.cli.test_train import TINY
 from tests.scenarios.in_process import in_process
