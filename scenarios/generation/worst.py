@@ -82,11 +82,15 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
     """Fly a scene with an Iris, seed 0 and no wind, as fast as it goes.
 
     A pilot that raises an error, and a scene in which the demo finds no mission, count as failed.
+
+    Raises:
+        INPUT_ERRORS: If the machine does not allow the flight: then it says nothing of the pilot.
     """
     # The whole simulator: only where somebody flies.
     from flightsim.testbench import TestbenchCfg  # noqa: PLC0415
+    from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
     from scenarios.run.cfg import SitlCfg  # noqa: PLC0415
-    from scenarios.run.sitl import Sitl  # noqa: PLC0415
+    from scenarios.run.sitl import INPUT_ERRORS, Sitl  # noqa: PLC0415
 
     cfg = SitlCfg(demo=make is None, bench=TestbenchCfg(vehicle="iris", speed="max"))
     try:
@@ -100,6 +104,10 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
                 sim_seconds=result.sim_seconds,
                 least_clearance_m=_least_clearance_m(sitl),
             )
+    except INPUT_ERRORS as error:
+        if not isinstance(error.__cause__, MissionError):
+            raise
+        return Flight(seed=scene.seed, success=False, reason=str(error))
     except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         return Flight(seed=scene.seed, success=False, reason=reason)

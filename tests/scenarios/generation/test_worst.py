@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from aeroscene.scene.io import read_scene, write_scene
+from flightsim.sensors.cameras import CameraError
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios import Verdict
 from scenarios.generation.asked import GenerateError, asked_areas
@@ -108,6 +109,18 @@ def test_a_flight_has_the_verdict_of_the_truth_and_an_error_of_the_pilot_is_a_fa
     crashed = fly(yard(), Crash)
     assert not crashed.success
     assert crashed.reason == "ZeroDivisionError: no wind at all"
+    lost = fly(yard(areas=()), None)
+    assert not lost.success
+    assert "no landing area suits class medium" in lost.reason
+
+
+def test_a_machine_that_cannot_fly_says_nothing_of_the_pilot():
+    class Blind(Stay):
+        def __init__(self, _):
+            raise CameraError("no renderer")
+
+    with pytest.raises(CameraError, match="no renderer"):
+        fly(yard(), Blind)
 
 
 def test_what_was_flown_is_not_flown_again_and_the_document_tells_of_it(tmp_path):
