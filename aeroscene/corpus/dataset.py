@@ -18,6 +18,7 @@ from typing import Annotated
 
 import msgspec
 
+from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.corpus.summary import SceneSummary, Split, summarise
 from aeroscene.files import replacing
@@ -121,9 +122,23 @@ def open_dataset(folder: str | Path) -> Dataset:
     if not entries:
         raise DatasetError(
             f"folder {str(folder)!r} holds no dataset ({MANIFEST} is missing), "
-            "valid: a folder that aeroscene dataset build has made"
+            "valid: a folder that aeroscene dataset build has made, or one of scene files"
         )
     return Dataset(folder, entries)
+
+
+def shortfall(dataset: Dataset) -> str | None:
+    """What a folder lacks of the corpus, in one line; None where it holds all of it."""
+    n_listed = len(dataset.entries)
+    n_there = sum(dataset.path(entry).is_file() for entry in dataset.entries)
+    if n_there == n_listed and n_there >= CORPUS_SIZE:
+        return None
+    said = f"folder {str(dataset.folder)!r} holds {n_there:,} of the {CORPUS_SIZE:,} scenes"
+    if n_there < n_listed:
+        said += f" ({n_listed - n_there:,} that its manifest lists are missing)"
+    elif (dataset.folder / JOURNAL).exists():
+        said += " (its build is under way, or was stopped)"
+    return f"{said}; aeroscene dataset build makes the others"
 
 
 def read_entries(folder: Path) -> tuple[SceneEntry, ...]:

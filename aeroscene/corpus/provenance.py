@@ -8,8 +8,10 @@ from functools import cache
 from pathlib import Path
 
 _NO_PART_OF_A_SCENE = (
+    "areas/start.py",
     "corpus/dataset.py",
     "corpus/provenance.py",
+    "corpus/scene_files.py",
     "corpus/shipped",
     "processes.py",
     "sources.py",

@@ -1,4 +1,4 @@
-"""The flight volume: it holds what lies a little beyond it, and indoors it is the building."""
+"""The flight volume: it holds what lies a little beyond it; indoors it is the building, if any."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from math import ceil
 import numpy as np
 
 from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.roles import BUILDINGS
 
 _MOST_GROWTH_M = 4.0
 """Greatest distance that each side of an open flight volume moves out for ground beyond it."""
@@ -18,19 +19,30 @@ _SAME_M = 1e-3
 
 def fit_extent(layout: Layout) -> None:
     """Move the sides of the flight volume, before anything is pushed back into it."""
-    if layout.scene.domain == "indoor":
-        _hug(layout)
-    else:
+    shell = _shell(layout)
+    if shell is None:
         _grow(layout)
+    else:
+        _hug(layout, shell)
 
 
-def _hug(layout: Layout) -> None:
-    """The largest building's outline, from the ground to the top of its roof."""
+def _shell(layout: Layout) -> int | None:
+    """The largest building of an indoor scene; None where the scene lies under open sky.
+
+    Rooms of other layouts stand side by side on the ground, with a yard about them.
+    """
+    if layout.scene.domain != "indoor":
+        return None
+    is_root = (layout.boxes.parent < 0) & layout.is_left
+    shells = [
+        i for i in np.flatnonzero(is_root).tolist() if layout.objects[i].category in BUILDINGS
+    ]
+    return max(shells, key=lambda i: layout.boxes.half_m[i].prod(), default=None)
+
+
+def _hug(layout: Layout, shell: int) -> None:
+    """A building's outline, from the ground to the top of its roof."""
     boxes = layout.boxes
-    roots = np.flatnonzero((boxes.parent < 0) & layout.is_left)
-    if not len(roots):
-        return
-    shell = int(roots[boxes.half_m[roots].prod(axis=1).argmax()])
     corners = boxes.corners()[shell]
     low, high = corners.min(axis=0), corners.max(axis=0)
     own = np.flatnonzero((boxes.parent == shell) & layout.is_left)
@@ -60,7 +72,7 @@ def hold_all(layout: Layout) -> None:
     top_m = float(boxes.top_m[layout.is_left].max())
     low[:2] = np.minimum(low[:2], corners.min(axis=0))
     high[:2] = np.maximum(high[:2], corners.max(axis=0))
-    is_open = layout.scene.domain != "indoor"
+    is_open = _shell(layout) is None
     high[2] = max(high[2], float(ceil(top_m + _HEADROOM_M)) if is_open else top_m)
     _widen(layout, low, high)
 

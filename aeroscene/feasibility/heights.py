@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -22,10 +23,14 @@ _PATH_M = 0.02
 """Height of the paving of a path above the slope that it climbs."""
 _UNDER_M = 0.05
 """Share of an outline over ground, in each direction, that lifts a bridge onto it."""
+_ROOFED = 0.5
+"""Share of a room's outline under a roof that carries it."""
 _SAME_M = 2e-4
 """Heights that differ by less are equal."""
 _SHAPED = frozenset({"roof", "terrain"})
 """Categories that do not bear at the upper face of their box."""
+_WALLED = frozenset({"room", "wall"})
+"""Categories on which a roof lies."""
 _INNER = 0.999
 _SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 
@@ -47,7 +52,9 @@ def _bearing_m(layout: Layout, row: int) -> float:
     if parent is not None:
         return _within_m(layout, row, parent)
     if obj.category == "bridge":
-        return _highest_below(layout, row)
+        return _highest_cover(layout, row)
+    if obj.category == "roof":
+        return _highest_room(layout, row)
     return 0.0 if host < 0 else surface_m(layout, host, row)
 
 
@@ -109,15 +116,35 @@ def _probes(layout: Layout, row: int) -> Float[np.ndarray, "5 2"]:
     return np.vstack([middle, middle + _INNER * corners])
 
 
-def _highest_below(layout: Layout, row: int) -> float:
+def _highest_cover(layout: Layout, row: int) -> float:
     """Top of the highest cover under an object's outline."""
-    boxes = layout.boxes
-    highest = 0.0
-    for ground, obj in enumerate(layout.objects):
-        is_cover = obj.category in COVERS and layout.is_left[ground]
-        if is_cover and covered(layout, row, ground) > _UNDER_M:
-            highest = max(highest, float(boxes.top_m[ground]))
-    return highest
+    return max(
+        (
+            float(layout.boxes.top_m[ground])
+            for ground in _left(layout, COVERS)
+            if covered(layout, row, ground) > _UNDER_M
+        ),
+        default=0.0,
+    )
+
+
+def _highest_room(layout: Layout, row: int) -> float:
+    """Top of the highest room or wall most of which lies under a roof that is no building's."""
+    return max(
+        (
+            float(layout.boxes.top_m[part])
+            for part in _left(layout, _WALLED)
+            if covered(layout, part, row) > _ROOFED
+        ),
+        default=0.0,
+    )
+
+
+def _left(layout: Layout, categories: frozenset[str]) -> Iterator[int]:
+    """Rows of the objects of some categories."""
+    for row, obj in enumerate(layout.objects):
+        if obj.category in categories and layout.is_left[row]:
+            yield row
 
 
 def post(layout: Layout, row: int) -> tuple[Float[np.ndarray, " 2"], float]:

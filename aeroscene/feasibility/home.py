@@ -22,6 +22,7 @@ _CEILING_M = 0.1
 """Height below a ceiling in which lights hang."""
 _KERB_M = 0.16
 """Height about the pad below which an object is no obstacle."""
+_TOUCH_M = 0.001
 _WANTED_M = 5.0
 _STEP_M = 0.75
 _RIM_M = 0.3
@@ -47,7 +48,9 @@ def settle_home(layout: Layout, row: int) -> None:
     host = int(layout.host[row])
     is_open_air = host >= 0 and layout.scene.domain != "indoor"
     is_level = host >= 0 and _is_level(layout, host)
-    if is_open_air and not (is_level and _openness_m(layout, row, host, spot) >= _WANTED_M):
+    if is_open_air and not (
+        is_level and _openness_m(layout, row, host, spot[None])[0] >= _WANTED_M
+    ):
         best = (
             _best_spot(layout, row, [host] if is_level else [])
             or _best_spot(layout, row, _grounds(layout, _GROUNDS))
@@ -87,13 +90,12 @@ def _best_spot(
     here = boxes.centre_m[row, :2]
     best, found = -math.inf, None
     for ground in grounds:
-        for spot in _spots(layout, row, ground):
-            far = _FAR * float(np.hypot(*(spot - here)))
-            if _OPEN_RADII_M[0] - far <= best:
-                continue
-            open_m = _openness_m(layout, row, ground, spot)
-            if open_m >= FREE_RADIUS_M and open_m - far > best:
-                best, found = open_m - far, (ground, spot)
+        spots = _spots(layout, row, ground)
+        open_m = _openness_m(layout, row, ground, spots)
+        score = open_m - _FAR * np.hypot(*(spots - here).T)
+        score[open_m < FREE_RADIUS_M] = -math.inf
+        if len(spots) and score.max() > best:
+            best, found = float(score.max()), (ground, spots[score.argmax()])
     return found
 
 
@@ -108,21 +110,25 @@ def _spots(layout: Layout, row: int, ground: int) -> Float[np.ndarray, "k 2"]:
     return boxes.centre_m[ground, :2] + grid @ boxes.frame(ground)
 
 
-def _openness_m(layout: Layout, row: int, ground: int, spot: Float[np.ndarray, " 2"]) -> float:
-    """Half the side of the widest free square of air above a spot, 0 where none is wide enough."""
+def _openness_m(
+    layout: Layout, row: int, ground: int, spots: Float[np.ndarray, "k 2"]
+) -> Float[np.ndarray, " k"]:
+    """Half the side of the widest free square of air above spots, 0 where none is wide enough."""
     boxes, top_m = layout.boxes, float(layout.boxes.top_m[ground])
     low, high = layout.extent_m[:, :2]
-    border_m = float(np.minimum(spot - low, high - spot).min())
+    border_m = np.minimum(spots - low, high - spots).min(axis=1)
     is_obstacle = _structures(layout, row)
     yaw = float(boxes.yaw_rad[ground])
-    if border_m < FREE_RADIUS_M or not _is_free(
-        boxes, is_obstacle, spot, yaw, FREE_RADIUS_M, top_m + _KERB_M
-    ):
-        return 0.0
+    open_m = np.zeros(len(spots))
+    left = np.flatnonzero(border_m >= FREE_RADIUS_M)
+    left = left[_are_free(boxes, is_obstacle, spots[left], yaw, FREE_RADIUS_M, top_m + _KERB_M)]
+    open_m[left] = FREE_RADIUS_M
     for radius_m in _OPEN_RADII_M:
-        if _is_free(boxes, is_obstacle, spot, yaw, radius_m, top_m + _OPEN_ABOVE_M):
-            return radius_m
-    return FREE_RADIUS_M
+        base_m = top_m + _OPEN_ABOVE_M
+        is_free = _are_free(boxes, is_obstacle, spots[left], yaw, radius_m, base_m)
+        open_m[left[is_free]] = radius_m
+        left = left[~is_free]
+    return open_m
 
 
 def _structures(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
@@ -130,32 +136,36 @@ def _structures(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
     return layout.is_coarse & layout.is_left & ~layout.moves_with[:, row]
 
 
-def _is_free(
+def _are_free(
     boxes: Boxes,
     is_obstacle: Bool[np.ndarray, " n"],
-    spot: Float[np.ndarray, " 2"],
+    spots: Float[np.ndarray, "k 2"],
     yaw_rad: float,
     radius_m: float,
     base_m: float,
-) -> bool:
-    near = np.flatnonzero(is_obstacle & (boxes.top_m > base_m))
-    reach = np.hypot(boxes.half_m[near, 0], boxes.half_m[near, 1]) + math.sqrt(2) * radius_m
-    near = near[np.hypot(*(boxes.centre_m[near, :2] - spot).T) < reach]
-    if not len(near):
-        return True
-    found = strangers(boxes.centre_m[near], boxes.half_m[near], boxes.yaw_rad[near])
-    square = _square(spot, yaw_rad, radius_m, base_m, base_m + _FREE_HEIGHT_M)
-    both, rows = joined(found, square), np.arange(len(near))
-    return bool((footprint_depth(both, rows, np.full(len(near), len(near))) <= 0.001).all())
+) -> Bool[np.ndarray, " k"]:
+    """Whether nothing reaches into the squares of air above spots."""
+    high = np.flatnonzero(is_obstacle & (boxes.top_m > base_m))
+    reach = np.hypot(boxes.half_m[high, 0], boxes.half_m[high, 1]) + math.sqrt(2) * radius_m
+    offset = boxes.centre_m[high, :2] - spots[:, None]
+    spot, near = np.nonzero(np.hypot(offset[..., 0], offset[..., 1]) < reach)
+    found = strangers(boxes.centre_m[high], boxes.half_m[high], boxes.yaw_rad[high])
+    squares = _squares(spots, yaw_rad, radius_m, base_m, base_m + _FREE_HEIGHT_M)
+    depth_m = footprint_depth(joined(found, squares), near, len(high) + spot)
+    is_free = np.ones(len(spots), dtype=bool)
+    is_free[spot[depth_m > _TOUCH_M]] = False
+    return is_free
 
 
-def _square(
-    spot: Float[np.ndarray, " 2"], yaw_rad: float, radius_m: float, base_m: float, top_m: float
+def _squares(
+    spots: Float[np.ndarray, "k 2"], yaw_rad: float, radius_m: float, base_m: float, top_m: float
 ) -> Boxes:
+    k = len(spots)
+    middle_m, half_m = (base_m + top_m) / 2, (top_m - base_m) / 2
     return strangers(
-        np.array([[spot[0], spot[1], (base_m + top_m) / 2]]),
-        np.array([[radius_m, radius_m, (top_m - base_m) / 2]]),
-        np.array([yaw_rad]),
+        np.column_stack([spots, np.full(k, middle_m)]),
+        np.tile([radius_m, radius_m, half_m], (k, 1)),
+        np.full(k, yaw_rad),
     )
 
 
@@ -166,10 +176,10 @@ def home_air(layout: Layout, row: int) -> Boxes:
     if layout.scene.domain == "indoor" and host >= 0:
         radius_m = min(_INDOOR_RADIUS_M, float(boxes.half_m[host, :2].min()))
         ceiling_m = float(boxes.top_m[host]) - _CEILING_M
-        return _square(spot, yaw, radius_m, top_m + 0.001, max(ceiling_m, top_m + 0.1))
-    near = _square(spot, yaw, FREE_RADIUS_M, top_m, top_m + _FREE_HEIGHT_M)
-    open_m = 0.0 if host < 0 else _openness_m(layout, row, host, spot)
+        return _squares(spot[None], yaw, radius_m, top_m + 0.001, max(ceiling_m, top_m + 0.1))
+    near = _squares(spot[None], yaw, FREE_RADIUS_M, top_m, top_m + _FREE_HEIGHT_M)
+    open_m = 0.0 if host < 0 else float(_openness_m(layout, row, host, spot[None])[0])
     if open_m <= FREE_RADIUS_M:
         return near
     above_m = top_m + _OPEN_ABOVE_M
-    return joined(near, _square(spot, yaw, open_m, above_m, above_m + _FREE_HEIGHT_M))
+    return joined(near, _squares(spot[None], yaw, open_m, above_m, above_m + _FREE_HEIGHT_M))

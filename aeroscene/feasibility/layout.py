@@ -40,6 +40,8 @@ class Layout:
     """Lower and upper corner of the flight volume, which may grow."""
     moves_with: Bool[np.ndarray, "n n"]
     """Whether an object (row) moves with another (column)."""
+    is_coarse: Bool[np.ndarray, " n"]
+    """Whether an object is coarse; it stays so."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
     """New attributes of the objects whose attributes have changed."""
 
@@ -47,11 +49,6 @@ class Layout:
     def objects(self) -> Sequence[SceneObject]:
         """The objects, as they came."""
         return self.scene.objects
-
-    @property
-    def is_coarse(self) -> Bool[np.ndarray, " n"]:
-        """Whether an object is coarse."""
-        return np.array([obj.is_coarse for obj in self.objects], dtype=bool)
 
     def overlaps(self, least_m: float, obstacles: Boxes | None = None) -> Overlaps:
         """Forbidden overlaps beyond `least_m` of what is left, and with obstacles behind it."""
@@ -165,6 +162,7 @@ def layout_of(scene: Scene) -> Layout:
     is_left = np.ones(len(boxes), dtype=bool)
     extent = np.array([scene.extent_min_enu_m, scene.extent_max_enu_m], dtype=float)
     moves_with = np.eye(len(boxes), dtype=bool)
-    layout = Layout(scene, boxes, boxes.parent.copy(), is_left, extent, moves_with)
+    is_coarse = np.array([obj.is_coarse for obj in scene.objects], dtype=bool)
+    layout = Layout(scene, boxes, boxes.parent.copy(), is_left, extent, moves_with, is_coarse)
     layout.relink()
     return layout

@@ -10,6 +10,7 @@ from shapely.errors import ShapelyError
 
 from aeroscene.areas.landing import AreaLimits, derive_interaction_areas
 from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.start import AWAY_M, NO_START, grounds_of, with_start
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, report_of
 from aeroscene.feasibility.stages import finished, project
@@ -20,9 +21,6 @@ from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding
 from aeroscene.validation import Finding, validate
 from aeroscene.validation.claims import unlandable
-
-AWAY_M = 2.0
-"""Landing nearer to the start than this is no flight."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +51,8 @@ class Feasible:
 def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     """Project a scene: coarse objects first, then fine ones upon what bears them.
 
-    As sampled, boxes may overlap, hang in the air or lie outside the extent; areas are ignored.
+    As sampled, boxes may overlap, hang in the air or lie outside the extent; areas are ignored. A
+    scene without a start pad starts on free ground from which there is somewhere to fly to.
     """
     cfg = cfg or FeasibilityCfg()
     layout = layout_of(scene)
@@ -70,19 +69,26 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
 def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]]:
     """A scene with the areas of its geometry, and what is wrong with it.
 
-    Areas that fail to be what they claim are left out, and so are their findings.
+    A scene without a start pad gets a start as well. Areas that fail to be what they claim are left
+    out, and so are their findings.
     """
     primitives = scene_primitives(scene)
     field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
-    areas = derive_interaction_areas(scene, primitives, field, cfg.limits)
-    scene = replace(scene, interaction_areas=areas)
+    if _has_home(scene):
+        areas = derive_interaction_areas(scene, primitives, field, cfg.limits)
+        scene = replace(scene, interaction_areas=areas)
+    else:
+        found = with_start(scene, grounds_of(scene), cfg.limits, primitives, field)
+        if found is None:
+            raise SceneError(f"the scene has {NO_START}")
+        scene = found
     findings = (
         validate(scene, primitives, field)
         if cfg.is_validated
         else tuple(unlandable(scene, colliding(primitives)))
     )
     wrong = {finding.area_id for finding in findings if finding.kind == "unlandable"}
-    sound = [area for area in areas if area.id not in wrong]
+    sound = [area for area in scene.interaction_areas if area.id not in wrong]
     numbered = (replace(area, id=number) for number, area in enumerate(sound))
     left = [f for f in findings if f.area_id is None or f.area_id not in wrong]
     return replace(scene, interaction_areas=tuple(numbered)) if wrong else scene, left

@@ -160,7 +160,7 @@ def finished(layout: Layout) -> Scene:
     """The scene as it is now, its start on its pad, its sky above the highest thing."""
     scene, boxes = layout.scene, layout.boxes
     low, high = layout.extent_m.tolist()
-    start, yaw = scene.start_position_enu_m, scene.start_yaw_rad
+    start, yaw = tuple(np.clip(scene.start_position_enu_m, low, high).tolist()), scene.start_yaw_rad
     row = home_row(layout)
     if row is not None:
         u, v = (round(value, 4) for value in boxes.centre_m[row, :2].tolist())

@@ -17,18 +17,14 @@ Nothing is moved: overlaps of the source stay. Tilted boxes stay tilted.
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
-
 import numpy as np
 
-from aeroscene.areas.landing import derive_interaction_areas
+from aeroscene.areas.start import NO_START, Ground, with_start
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.house import build_house, lay_ground
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.placing import place_objects
 from aeroscene.layouts.site import Grounds, Site, survey
-from aeroscene.layouts.start import start_places
 from aeroscene.scene import Scene, SceneDomain, Vector3
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
@@ -36,10 +32,6 @@ SKY_M = 6.0
 """Free height over the tallest thing outdoors."""
 MAX_TOP_M = 60.0
 """Top of the flight volume, whatever is taller."""
-AWAY_M = 2.0
-"""Landing nearer to the start than this is no flight."""
-ENOUGH_AREAS = 3
-"""Landing areas away from a start, for more than a small drone, that make it a good one."""
 _OVERHANG_M = 10.0
 """Reach of the flight volume beyond the ground where things stand out over its edge."""
 
@@ -76,35 +68,15 @@ def make_flyable(layout: NeutralLayout) -> tuple[Scene, MappingReport]:
 
 def _with_start(site: Site, grounds: Grounds, top_m: float) -> Scene:
     """The scene from the first start from which there is somewhere to fly to, else the best one."""
-    best: tuple[int, Scene] | None = None
-    for regions in grounds:
-        for place, yaw_rad in start_places(site.assembly.objects, regions, site.lift_m):
-            scene = _scene(site, place, yaw_rad, top_m)
-            scene = replace(scene, interaction_areas=derive_interaction_areas(scene))
-            n_away = _count_away(scene)
-            if best is None or n_away > best[0]:
-                best = n_away, scene
-            if n_away >= ENOUGH_AREAS:
-                return scene
-    if best is None:
-        raise LayoutError(
-            "floor has no free place to start from, valid: a disc of 0.5 m radius with nothing "
-            "on or above it"
-        )
-    return best[1]
+    ranks = [[Ground(region, site.lift_m) for region in regions] for regions in grounds]
+    found = with_start(_scene(site, top_m), ranks)
+    if found is None:
+        raise LayoutError(f"floor has {NO_START}")
+    return found
 
 
-def _count_away(scene: Scene) -> int:
-    """Areas to land on away from the start with more than a small drone."""
-    x, y, _ = scene.start_position_enu_m
-    return sum(
-        area.drone_class != "small"
-        and math.hypot(area.centroid[0] - x, area.centroid[1] - y) >= AWAY_M
-        for area in scene.landing_areas
-    )
-
-
-def _scene(site: Site, place: Vector3, yaw_rad: float, top_m: float) -> Scene:
+def _scene(site: Site, top_m: float) -> Scene:
+    """The scene as yet without a start and areas."""
     low, high = _extent(site, top_m)
     has_indoor = any(obj.domain == "indoor" for obj in site.assembly.objects)
     domain: SceneDomain = "indoor" if site.is_indoor else "mixed" if has_indoor else "outdoor"
@@ -114,8 +86,8 @@ def _scene(site: Site, place: Vector3, yaw_rad: float, top_m: float) -> Scene:
         seed=0,
         extent_min_enu_m=low,
         extent_max_enu_m=high,
-        start_position_enu_m=place,
-        start_yaw_rad=yaw_rad,
+        start_position_enu_m=low,
+        start_yaw_rad=0.0,
         latitude_deg=LATITUDE_DEG,
         longitude_deg=LONGITUDE_DEG,
         altitude_m=ALTITUDE_M,

@@ -108,6 +108,7 @@ class _Document(_Record):
     origin: _Origin
     objects: tuple[_Object, ...]
     interaction_areas: tuple[_Area, ...]
+    theme: str = ""
     wishes: dict[str, AttributeValue] = {}
     measured: dict[str, AttributeValue] = {}
 
@@ -119,6 +120,7 @@ def scene_to_json(scene: Scene) -> bytes:
         "version": VERSION,
         "scene_id": scene.scene_id,
         "domain": scene.domain,
+        **({"theme": scene.theme} if scene.theme else {}),
         "seed": scene.seed,
         "extent": _Extent(scene.extent_min_enu_m, scene.extent_max_enu_m),
         "start": _Start(scene.start_position_enu_m, scene.start_yaw_rad),
@@ -225,6 +227,7 @@ def _build(document: _Document) -> Scene:
         altitude_m=document.origin.altitude_m,
         objects=objects,
         interaction_areas=areas,
+        theme=document.theme,
         wishes=document.wishes,
         measured=document.measured,
     )
@@ -284,12 +287,7 @@ def read_scene(path: str | Path) -> Scene:
 
 
 def write_scene(scene: Scene, path: str | Path) -> None:
-    """Write a scene file whole or not at all: a temporary neighbour, then a rename.
-
-    Args:
-        scene: The scene.
-        path: `FILE.json`, or `FILE.json.gz` for a compressed one.
-    """
+    """Write a scene whole or not at all to `FILE.json`, or compressed to `FILE.json.gz`."""
     path, data = Path(path), scene_to_json(scene)
     with replacing(path) as file:
         if path.suffix == ".gz":

@@ -158,6 +158,8 @@ class Scene:
     objects: tuple[SceneObject, ...]
     """Parents come before their children."""
     interaction_areas: tuple[InteractionArea, ...] = ()
+    theme: str = ""
+    """What the place is, as `park` or `office`; empty where nobody has said so."""
     wishes: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
     """What was asked for when the scene was made, by the option's name; empty where nothing was."""
     measured: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)

@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
+from aeroscene.cache import cache_folder
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from aeroscene.solids import freespace, solids, voxels
@@ -68,7 +69,7 @@ def forget() -> None:
 def _from_disk_or_new(
     key: str, scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap_m: float
 ) -> VoxelField:
-    folder = _folder()
+    folder = cache_folder("fields")
     if folder is None:
         return build_distance_field(scene, resolution_m, primitives, cap_m)
     path = folder / f"{key}.field"
@@ -79,15 +80,6 @@ def _from_disk_or_new(
         field = build_distance_field(scene, resolution_m, primitives, cap_m)
         _save(path, _encode(field, cap_m))
     return field
-
-
-def _folder() -> Path | None:
-    """Where fields are kept; None where they are not."""
-    from platformdirs import user_cache_dir  # noqa: PLC0415 - only where the cache is used
-
-    if os.environ.get("AEROSCENE_CACHE", "").lower() == "off":
-        return None
-    return Path(os.environ.get("AEROSCENE_CACHE_DIR") or user_cache_dir("aeroscene")) / "fields"
 
 
 def _key(scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap_m: float) -> str:

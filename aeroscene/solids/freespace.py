@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import ceil
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -148,27 +147,13 @@ def reachable(
     Raises:
         NoFreeSpaceError: If no cell within 4 m above the start has that much space.
     """
+    # Start-up time: floods are rare.
+    from aeroscene.solids.flood import flooded  # noqa: PLC0415
+
     key = (start_cell(field, start_enu_m, radius_m), radius_m)
     if key not in field.reached:
-        field.reached[key] = _component(field.distance_m >= radius_m, key[0])
+        field.reached[key] = flooded(field.distance_m, np.float32(radius_m), *key[0])
     return field.reached[key]
-
-
-def _component(
-    free: Bool[np.ndarray, "nx ny nz"], seed: tuple[int, int, int]
-) -> Bool[np.ndarray, "nx ny nz"]:
-    """Free cells that hang together with one of them; the open sky counts as one layer."""
-    # Start-up time: floods are rare.
-    from scipy import ndimage  # noqa: PLC0415
-
-    blocked = np.flatnonzero(~free.all(axis=(0, 1)))
-    sky = int(blocked[-1]) + 1 if len(blocked) else 0
-    labelled: Any = ndimage.label(free[:, :, : sky + 1])
-    labels = labelled[0]
-    found = np.empty_like(free)
-    np.equal(labels, labels[(*seed[:2], min(seed[2], sky))], out=found[:, :, : sky + 1])
-    found[:, :, sky + 1 :] = found[:, :, sky : sky + 1]
-    return found
 
 
 def start_cell(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> tuple[int, int, int]:

@@ -23,6 +23,8 @@ _FOOT_M = 0.03
 """Solids that reach down to within this of the lowest one are feet."""
 _MIDDLE_M = 0.02
 """Distance that the middle of the feet may lie outside what bears them."""
+_SLACK_M = 1e-6
+"""Rounding of what lies within a box."""
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -36,9 +38,12 @@ def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
     row = {obj.id: number for number, obj in enumerate(scene.objects)}
     row_of_solid = np.array([row[i] for i in solids.object_id.tolist()], dtype=int)
     family = _family(scene, row)
+    is_borne = _on_one_box(solids, row_of_solid, family, np.array(bottoms_m))
     for number, obj in enumerate(scene.objects):
+        if bottoms_m[number] <= GAP_M or is_borne[number]:
+            continue
         own = np.flatnonzero(row_of_solid == number)
-        if bottoms_m[number] <= GAP_M or not len(own):
+        if not len(own):
             continue
         is_other = ~family[number, row_of_solid]
         detail = _Stand(solids, own, is_other, bottoms_m[number]).objection()
@@ -59,6 +64,39 @@ def _family(scene: Scene, row: Mapping[int, int]) -> Bool[np.ndarray, "n n"]:
         for ancestor in scene.ancestors(obj.id):
             family[row[ancestor], number] = True
     return family
+
+
+def _on_one_box(
+    solids: Solids,
+    owner: Int[np.ndarray, " s"],
+    family: Bool[np.ndarray, "n n"],
+    bottom_m: Float[np.ndarray, " n"],
+) -> Bool[np.ndarray, " n"]:
+    """Objects all of whose feet are on one upright box: most are, and need no polygons."""
+    n = len(family)
+    lowest_m = np.full(n, np.inf)
+    np.minimum.at(lowest_m, owner, solids.low_m[:, 2])
+    foot = np.flatnonzero(solids.low_m[:, 2] <= lowest_m[owner] + _FOOT_M)
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
+    np.minimum.at(low, owner[foot], solids.low_m[foot, :2])
+    np.maximum.at(high, owner[foot], solids.high_m[foot, :2])
+    box = np.flatnonzero(solids.is_box & solids.is_upright)
+    meets = ~family[:, owner[box]]
+    meets &= solids.low_m[box, 2] <= bottom_m[:, None] + GAP_M
+    meets &= solids.high_m[box, 2] >= bottom_m[:, None] - GAP_M
+    for axis in range(2):
+        meets &= solids.low_m[box, axis] <= high[:, axis, None]
+        meets &= solids.high_m[box, axis] >= low[:, axis, None]
+    obj, under = np.nonzero(meets)
+    under = box[under]
+    is_borne = np.ones(len(obj), dtype=bool)
+    for x, y in ((low, low), (low, high), (high, low), (high, high)):
+        offset = np.stack([x[obj, 0], y[obj, 1]], axis=1) - solids.centre_m[under, :2]
+        local = np.abs(np.einsum("ki,kia->ka", offset, solids.rotation[under, :2, :2]))
+        is_borne &= (local <= solids.half_m[under, :2] + _SLACK_M).all(axis=1)
+    found = np.zeros(n, dtype=bool)
+    found[obj[is_borne]] = True
+    return found
 
 
 def _may_hang(obj: SceneObject) -> bool:
@@ -96,7 +134,6 @@ class _Stand:
         self._feet = own[solids.low_m[own, 2] <= solids.low_m[own, 2].min() + _FOOT_M]
         low = solids.low_m[self._feet].min(axis=0)
         high = solids.high_m[self._feet].max(axis=0)
-        self._corners = np.array([(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])])
         low[2], high[2] = bottom_m - GAP_M, bottom_m + GAP_M
         near = solids.near(low, high)
         self._bearers = near[is_other[near]]
@@ -106,7 +143,7 @@ class _Stand:
 
     def objection(self) -> str | None:
         """Why the object does not stand, None if it does."""
-        if self._is_on_one_box() or self._is_balanced():
+        if self._is_balanced():
             return None
         feet = shapely.union_all([outline_of(self._solids.points(i)) for i in self._feet])
         borne = [self._bearing(i, feet) for i in self._bearers]
@@ -120,24 +157,15 @@ class _Stand:
             f"with their middle {off_m:.2f} m beside what bears them, valid: at most {_MIDDLE_M} m"
         )
 
-    def _is_on_one_box(self) -> bool:
-        """The common case, settled without polygons."""
-        return self._is_within_box(self._corners, 1e-6)
-
     def _is_balanced(self) -> bool:
         """Whether a box bears the middle of an only foot, which is then borne by its own."""
         s, foot = self._solids, self._feet[0]
         if len(self._feet) > 1 or s.is_mesh[foot] or not s.is_upright[foot]:
             return False
-        return self._is_within_box(s.centre_m[foot, None, :2], -1e-6)
-
-    def _is_within_box(self, points: Float[np.ndarray, "k 2"], slack_m: float) -> bool:
-        """Whether an upright box among what may bear the feet lies under all points."""
-        s, near = self._solids, self._bearers
-        near = near[s.is_box[near] & s.is_upright[near]]
-        offset = points[None] - s.centre_m[near, None, :2]
-        local = np.abs(offset @ s.rotation[near, :2, :2])
-        return bool((local <= s.half_m[near, None, :2] + slack_m).all(axis=(1, 2)).any())
+        near = self._bearers[s.is_box[self._bearers] & s.is_upright[self._bearers]]
+        offset = s.centre_m[foot, None, :2] - s.centre_m[near, None, :2]
+        local = np.abs(offset @ s.rotation[near, :2, :2])[:, 0]
+        return bool((local <= s.half_m[near, :2] - _SLACK_M).all(axis=1).any())
 
     def _bearing(self, index: int, feet: BaseGeometry) -> BaseGeometry:
         """Part of the feet that a solid meets at their height."""

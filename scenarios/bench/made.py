@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from functools import partial
+from typing import Any
 
-from aeroscene.corpus.dataset import MANIFEST, DatasetError, open_dataset
+from aeroscene.corpus.dataset import DatasetError
+from aeroscene.corpus.scene_files import open_folder
 from aeroscene.corpus.shipped import open_shipped
+from aeroscene.corpus.summary import SceneSet
 from aeroscene.metrics.classifier import N_FOLDS
 from aeroscene.scene import Scene
-from aeroscene.scene.io import read_scene
 from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import FEASIBLE, LEAST_SOUND, comparison, statistics_rows
 from scenarios.bench.reference import Splits, group_figures, open_corpus
@@ -63,14 +65,12 @@ def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
 def _readers(name: str) -> list[Callable[[], Scene]]:
     """Readers of all scenes, in order."""
     if name == SHIPPED:
-        shipped = open_shipped()
-        return [lambda entry=entry: shipped.read(entry) for entry in shipped.entries]
-    folder = Path(name)
-    paths = sorted(path for path in folder.glob("*.json*") if path.name != MANIFEST)
-    if paths and not (folder / MANIFEST).exists():
-        return [lambda path=path: read_scene(path) for path in paths]
-    dataset = open_dataset(folder)
-    return [lambda entry=entry: dataset.read(entry) for entry in dataset.entries]
+        return _readers_of(open_shipped())
+    return _readers_of(open_folder(name))
+
+
+def _readers_of(scenes: SceneSet[Any]) -> list[Callable[[], Scene]]:
+    return [partial(scenes.read, entry) for entry in scenes.entries]
 
 
 def _soundness_rows(scenes: Sequence[Scene], on_progress: OnProgress) -> Iterator[Row]:

@@ -73,6 +73,10 @@ def run(cfg: BenchCfg) -> int:
     try:
         with share_bar() as on_progress:
             rows = tuple(_module(cfg.bench).rows(cfg.bench, on_progress))
+        if isinstance(cfg.bench, GenerateBenchCfg):
+            from scenarios.cli.dataset.options import mention_shortfall  # noqa: PLC0415
+
+            mention_shortfall(_PROG, cfg.bench.data)
     except (SceneError, AirframeError, BenchError, LaunchError) as error:
         fail(_PROG, str(error))
     if cfg.bench.json:

@@ -87,8 +87,8 @@ class GenerateCfg:
     """Scenes that are denoised at once: faster on a GPU. Another number gives other scenes."""
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
-    threads: Annotated[int | None, default_hint("all cores")] = None
-    """Number of CPU threads."""
+    threads: Annotated[int | None, default_hint("1, with --batch all cores")] = None
+    """Number of CPU threads. For one scene at a time a second one brings little."""
     progress: Annotated[Path | None, default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
@@ -120,10 +120,8 @@ def _run(cfg: GenerateCfg) -> int:
     generator = Generator.load(
         cfg.checkpoint, preset=cfg.preset, device=cfg.device, n_steps=cfg.steps
     )
-    if cfg.threads is not None:
-        import torch  # noqa: PLC0415
-
-        torch.set_num_threads(cfg.threads)
+    _set_threads(cfg)
+    generator.check(requests[0])
     if cfg.worst_for:
         return _run_worst(cfg, generator, requests, pilot)
     cfg.out.mkdir(parents=True, exist_ok=True)
@@ -180,6 +178,15 @@ def _run_worst(
     kept = [{"scene": str(path), **asdict(f)} for path, f in zip(files, worst, strict=False)]
     _report(cfg, generator, tally, {"scenes": files, "order": ORDER, "worst": kept})
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
+
+
+def _set_threads(cfg: GenerateCfg) -> None:
+    import torch  # noqa: PLC0415
+
+    if cfg.threads is not None:
+        torch.set_num_threads(cfg.threads)
+    elif cfg.batch == 1:
+        torch.set_num_threads(1)
 
 
 def _check(cfg: GenerateCfg) -> None:

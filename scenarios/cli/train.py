@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from aeroscene.learning.training.state import TrainingState
 
 _PROG = "aeroscene train"
-_CORPUS_SIZE = 1016
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +95,7 @@ def run(cfg: TrainCfg) -> int:
         with _asked_to_stop() as stop:
             state = _open_state(cfg)
             plan = _plan(cfg, state)
+            _mention_shortfall(cfg.data)
             with training_bar() as bar:
                 training = Training(plan, _Watcher(bar, stop))
                 is_done = training.run(state)
@@ -246,10 +246,15 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
 
 
 def _read_data(path: Path, sections: Mapping[str, Any], *, is_streamed: bool) -> TrainingData:
-    from aeroscene.learning.training.data import open_training_data  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.data import (  # noqa: PLC0415 - PyTorch
+        count_scenes,
+        is_layouts,
+        open_training_data,
+    )
     from aeroscene.learning.training.presets import codec_of, is_flat  # noqa: PLC0415
 
-    with progress_bar("reading scenes", _CORPUS_SIZE) as advance:
+    title = "mapping layouts" if is_layouts(path) else "reading scenes"
+    with progress_bar(title, count_scenes(path)) as advance:
         return open_training_data(
             path,
             is_flat=is_flat(sections),
@@ -257,6 +262,14 @@ def _read_data(path: Path, sections: Mapping[str, Any], *, is_streamed: bool) ->
             is_streamed=is_streamed,
             on_scene=advance,
         )
+
+
+def _mention_shortfall(path: Path) -> None:
+    from aeroscene.learning.training.data import is_layouts  # noqa: PLC0415 - PyTorch
+    from scenarios.cli.dataset.options import mention_shortfall  # noqa: PLC0415 - heavy
+
+    if not is_layouts(path):
+        mention_shortfall(_PROG, path)
 
 
 def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> None:

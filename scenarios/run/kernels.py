@@ -99,14 +99,16 @@ def measure_once() -> None:
 
 
 def arrange_once() -> None:
-    """Part two boxes in every way that generated scenes are, so that nothing compiles there.
+    """Part two boxes in every way that generated scenes are, and flood free space.
 
-    Needs no torch: what the scene model has of kernels takes arrays.
+    Nothing compiles then when a scene is made. Needs no torch: what the scene model has of kernels
+    takes arrays.
     """
     # A flight imports this module, and makes no scene.
     from aeroscene.feasibility.least_change import least_change  # noqa: PLC0415
     from aeroscene.feasibility.place_search import nearest_free  # noqa: PLC0415
     from aeroscene.learning.guidance.push_loop import Freedom, Touching, iterate  # noqa: PLC0415
+    from aeroscene.solids.flood import flooded  # noqa: PLC0415
 
     least_change(np.eye(2), np.ones(2), np.ones(2), 1)
     box = np.array([[0.0, 0.0, 0.5, 0.5, 1.0, 0.0, 0.0, 1.0]])
@@ -129,6 +131,7 @@ def arrange_once() -> None:
         lightness=np.ones(2),
     )
     iterate(touching, freedom, 0.01, 2, 1)
+    flooded(np.ones((2, 2, 2), dtype=np.float32), np.float32(0.5), 0, 0, 0)
 
 
 def compile_everything(progress: Callable[[str, float], None]) -> None:

@@ -32,11 +32,15 @@ class Place(Protocol):
 class Composition:
     """What a composer has laid out."""
 
+    theme: str
+    """Name of what the scene is."""
     places: list[Place]
     extent_min_enu_m: Vector3
     """Lower corner of the flight volume."""
     extent_max_enu_m: Vector3
     """Upper corner of the flight volume; its height is raised over what stands higher."""
+    fulness: float = 1.0
+    """How many fine objects it should have, relative to the average scene."""
     place_start: Callable[[], Placed]
     """Puts the home pad down, once the structures stand and before the details."""
 

@@ -24,10 +24,10 @@ HEADROOM_M = 10.0
 _COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": compose_indoor}
 
 
-_N_COARSE = (32.8, 6.0)
-_N_FINE = (113.0, 22.0)
+_N_COARSE = (31.0, 4.0)
+_N_FINE = (108.5, 12.0)
 """Mean and spread of the numbers of objects at which a scene is full."""
-_N_AREAS = ((42.95, 8.0), (11.9, 2.5), (5.45, 1.2), (20.0, 5.0))
+_N_AREAS = ((44.9, 8.0), (12.0, 2.5), (5.8, 1.2), (20.0, 5.0))
 """Mean and spread of the most areas that a scene keeps: small, medium, large, perching.
 
 Scenes that have less to offer keep all; the averages come out at the paper's.
@@ -54,7 +54,8 @@ def curate_scene(index: int) -> Scene:
     places = composition.places
     fill([place.structures() for place in places], lambda: builder.n_coarse >= budget.n_coarse)
     pad = composition.place_start()
-    fill([place.details() for place in places], lambda: builder.n_fine >= budget.n_fine)
+    n_fine = round(composition.fulness * budget.n_fine)
+    fill([place.details() for place in places], lambda: builder.n_fine >= n_fine)
     scene = _finish(builder, composition, pad, index)
     return replace(scene, interaction_areas=derive_interaction_areas(scene, limits=budget.areas))
 
@@ -88,4 +89,5 @@ def _finish(builder: Builder, composition: Composition, pad: Placed, index: int)
         longitude_deg=LONGITUDE_DEG,
         altitude_m=ALTITUDE_M,
         objects=tuple(builder.objects),
+        theme=composition.theme,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from aeroscene.corpus.curation.rooms import home, public, storage, work
+from aeroscene.corpus.curation.rooms import fair, home, public, storage, work
 from aeroscene.corpus.curation.rooms.interior import Interior
 
 FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
@@ -35,7 +35,7 @@ FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
     "aisles": storage.furnish_aisles,
     "produce": storage.furnish_produce,
     "checkout": storage.furnish_checkout,
-    "booths": storage.furnish_booths,
+    "booths": fair.furnish_booths,
 }
 """What each kind of room contains: steps that each leave the room whole, most telling first."""
 

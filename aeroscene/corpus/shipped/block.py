@@ -45,6 +45,7 @@ class Block:
     frames: Float64[np.ndarray, "scenes 13"]
     objects: ObjectColumns
     areas: AreaColumns
+    themes: list[str]
 
     def scene(self, number: int) -> Scene:
         """One of the scenes, by its place in the block.
@@ -67,6 +68,7 @@ class Block:
             altitude_m=frame[12],
             objects=build_objects(self.objects, number, scene_id),
             interaction_areas=build_areas(self.areas, self.objects, number),
+            theme=self.themes[number],
         )
 
 
@@ -103,6 +105,9 @@ def encode_block(scenes: Sequence[Scene]) -> bytes:
     objects = gather_objects(scenes)
     write_objects(objects, writer)
     write_areas(gather_areas(scenes), objects, _ceilings(frames), writer)
+    themes = [scene.theme for scene in scenes]
+    if any(themes):
+        writer.add_plain(themes)
     return writer.to_bytes()
 
 
@@ -121,6 +126,7 @@ def decode_block(data: bytes) -> Block:
         frames=frames,
         objects=objects,
         areas=read_areas(reader, objects, _ceilings(frames)),
+        themes=[""] * len(scene_ids) if reader.is_at_end else reader.take_plain(list[str]),
     )
 
 

@@ -70,6 +70,11 @@ class ColumnReader:
         self._data = lzma.decompress(data, format=lzma.FORMAT_RAW, filters=_FILTERS)
         self._at = 0
 
+    @property
+    def is_at_end(self) -> bool:
+        """Whether all that was appended has been taken."""
+        return self._at == len(self._data)
+
     def take(self) -> Int64[np.ndarray, " n"]:
         """The next column of integers."""
         count, width, divisor = _HEAD.unpack_from(self._data, self._at)

@@ -19,6 +19,7 @@ from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
 from aeroscene.learning.tokens.assembly import assemble
+from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.devices import choose_device, naming_memory
 from aeroscene.scene import Scene
 
@@ -53,8 +54,10 @@ class Generated:
 class Generator:
     """Scenes from seeds."""
 
-    def __init__(self, proposer: Proposer, device: str) -> None:
+    def __init__(self, proposer: Proposer, device: str, seen: Sequence[Wish] = ()) -> None:
+        """Set up the model; with `seen`, requests are drawn from what its training scenes had."""
         self._proposer = proposer
+        self._seen = tuple(seen)
         self.device = device
 
     @staticmethod
@@ -77,7 +80,16 @@ class Generator:
             SceneError: If checkpoint or device cannot be used.
         """
         where = choose_device(device)
-        return Generator(load_proposer(checkpoint, preset, where, n_steps), str(where))
+        proposer, seen = load_proposer(checkpoint, preset, where, n_steps)
+        return Generator(proposer, str(where), seen)
+
+    def check(self, request: Request) -> None:
+        """Refuse what the model cannot be asked for, before anything is made.
+
+        Raises:
+            RequestError: If it was trained on no scene of this domain.
+        """
+        request.alike(self._seen)
 
     def generate(
         self,
@@ -102,7 +114,7 @@ class Generator:
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
             streams = [_streams(request.seed, attempt) for request in chunk]
-            drawn = [r.drawn(rngs[0]) for r, rngs in zip(chunk, streams, strict=True)]
+            drawn = [r.drawn(rngs[0], self._seen) for r, rngs in zip(chunk, streams, strict=True)]
             with naming_memory(choose_device(self.device), f"fewer than {len(chunk)} at once"):
                 proposals = self._proposer.propose(
                     chunk, [wish for wish, _ in drawn], [rngs[1] for rngs in streams], on_step
@@ -134,7 +146,7 @@ class Generator:
         request: Request,
         attempt: int,
         proposal: Proposal,
-        limits: AreaLimits,
+        limits: AreaLimits | None,
         rng: np.random.Generator,
     ) -> Generated:
         raw = assemble(

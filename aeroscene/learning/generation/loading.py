@@ -22,6 +22,7 @@ from aeroscene.learning.paper.tokens import FlatStatistics
 from aeroscene.learning.skeleton.config import SkeletonError
 from aeroscene.learning.skeleton.model import SkeletonModel
 from aeroscene.learning.tokens.kinds import Vocabulary
+from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.tokens.statistics import Statistics
 from aeroscene.learning.training.checkpoint import Checkpoint, CheckpointError, read_checkpoint
 from aeroscene.learning.training.presets import sections_from_plain
@@ -34,8 +35,11 @@ DEFAULT_SAMPLER = SamplerCfg(kind="ddim", n_steps=30)
 
 def load_proposer(
     checkpoint: Path | None, preset: str, device: torch.device, n_steps: int | None
-) -> Proposer:
+) -> tuple[Proposer, tuple[Wish, ...]]:
     """The model in a checkpoint, or the one that ships with a preset.
+
+    Returns:
+        The model, and contents of scenes that it was trained on; none where those are the corpus'.
 
     Raises:
         CheckpointError: If it cannot be used.
@@ -45,7 +49,8 @@ def load_proposer(
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
-    return _Loader(read_checkpoint(checkpoint), device, n_steps).proposer()
+    found = read_checkpoint(checkpoint)
+    return _Loader(found, device, n_steps).proposer(), found.facts.data.wishes
 
 
 class _Loader:

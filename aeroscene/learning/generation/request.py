@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
 
 import numpy as np
@@ -139,15 +140,27 @@ class Request:
             scene = widened(scene, self.min_passage_m)
         return scene if self.clutter is None else cluttered(scene, self.clutter, rng)
 
-    def demands(self, limits: AreaLimits) -> FeasibilityCfg:
+    def demands(self, limits: AreaLimits | None) -> FeasibilityCfg:
         """What the projected scene has to meet."""
         return FeasibilityCfg(limits=limits, least_passage_m=self.min_passage_m or 0.0)
 
-    def drawn(self, rng: np.random.Generator) -> tuple[Wish, AreaLimits]:
-        """The wish with nothing left open, and how many areas of each size are kept.
+    def drawn(
+        self, rng: np.random.Generator, seen: Sequence[Wish] = ()
+    ) -> tuple[Wish, AreaLimits | None]:
+        """The wish with nothing left open, and how many areas of each size are kept at most.
 
         The same numbers are drawn whatever is open.
+
+        Args:
+            rng: Draws what is open.
+            seen: Contents of the scenes that the model was trained on, from which to draw; the
+                budget of the corpus where there are none.
+
+        Raises:
+            RequestError: If the model has seen no scene of the domain that is asked for.
         """
+        if seen:
+            return self._drawn_from(seen, rng)
         domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
         budget = draw_budget(rng)
         n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
@@ -157,11 +170,48 @@ class Request:
         if self.complete is not None:
             domain = self.complete.domain
             n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
-        if self.density is not None:
-            n_fine = min(round(self.density * n_fine), max(0, OBJECTS[1] - n_coarse))
+        n_fine = self._dense(n_coarse, n_fine)
         limits = self._limits(budget)
-        n_areas = limits.small + limits.medium + limits.large
-        return Wish(self.domain or domain, n_coarse, n_fine, n_areas), limits
+        return Wish(self.domain or domain, n_coarse, n_fine, _in_all(limits)), limits
+
+    def _dense(self, n_coarse: int, n_fine: int) -> int:
+        """Number of fine objects at the density that is asked for."""
+        if self.density is None:
+            return n_fine
+        return min(round(self.density * n_fine), max(0, OBJECTS[1] - n_coarse))
+
+    def alike(self, seen: Sequence[Wish]) -> list[Wish]:
+        """Those of the scenes seen that are of the domain that is asked for.
+
+        Raises:
+            RequestError: If some were seen, but none of this domain.
+        """
+        domain = self.domain if self.complete is None else self.complete.domain
+        found = [wish for wish in seen if domain in {None, wish.domain}]
+        if seen and not found:
+            valid = ", ".join(sorted({wish.domain for wish in seen}))
+            raise RequestError(
+                f"domain is {domain!r}, valid: {valid}; the model was trained on no other"
+            )
+        return found
+
+    def _drawn_from(
+        self, seen: Sequence[Wish], rng: np.random.Generator
+    ) -> tuple[Wish, AreaLimits | None]:
+        """The contents of one of the scenes seen, with what is asked for in their place."""
+        alike = self.alike(seen)
+        limits = self._limits(draw_budget(rng))
+        wish = alike[int(rng.integers(len(alike)))]
+        n_coarse, n_fine = wish.n_coarse, wish.n_fine
+        if self.n_objects is not None:
+            n_coarse = round(self.n_objects * n_coarse / (n_coarse + n_fine))
+            n_fine = self.n_objects - n_coarse
+        if self.complete is not None:
+            n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
+        n_fine = self._dense(n_coarse, n_fine)
+        if self.n_areas is None:
+            return Wish(wish.domain, n_coarse, n_fine, wish.n_areas), None
+        return Wish(wish.domain, n_coarse, n_fine, _in_all(limits)), limits
 
     def _limits(self, budget: Budget) -> AreaLimits:
         """Areas by size in the proportions of the budget."""
@@ -182,6 +232,11 @@ class Request:
             large=large,
             perching=round(share * drawn.perching),
         )
+
+
+def _in_all(limits: AreaLimits) -> int:
+    """Landing areas of all classes."""
+    return limits.small + limits.medium + limits.large
 
 
 def _text(sides_m: tuple[float, float] | None) -> str | None:

@@ -27,6 +27,7 @@ from torch import Tensor, nn
 from aeroscene.files import replacing
 from aeroscene.learning.paper.tokens import FlatStatistics
 from aeroscene.learning.tokens.codec import CodecCfg
+from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.tokens.statistics import Statistics
 from aeroscene.learning.training.settings import section_from_plain
 from aeroscene.scene import SceneError
@@ -56,6 +57,9 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
     digest: str
     """Digest of everything that was trained on, hexadecimal."""
     n_scenes: int
+    wishes: tuple[Wish, ...] = ()
+    """Contents of scenes trained on, a sample of them, where those are not the corpus': what is
+    left open in a request is drawn from these."""
     stream: str = ""
     """What goes on after those scenes, where the grammar does: its sources and first number."""
 

@@ -12,7 +12,7 @@ import msgspec
 
 from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.kept import count_layouts, mapped_scenes
 from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
 from aeroscene.learning.tokens.codec import DEFAULT_CODEC, CodecCfg
 from aeroscene.learning.tokens.examples import UnencodableError
@@ -27,6 +27,7 @@ from aeroscene.scene import Scene
 _HELD_OUT_EVERY = 10
 """Every so many scenes of a layout file, which has no splits, one is held out."""
 _LEAST_SCENES = 2
+_MOST_WISHES = 256
 
 OnScene = Callable[[], None]
 Set = TrainingSet | FlatTrainingSet
@@ -79,7 +80,8 @@ def open_training_data(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
             f"valid: {_LEAST_SCENES} or more"
         )
-    data = prepared(path.name, train, held_out, is_flat=is_flat, codec=codec)
+    wishes = [Wish.of(scene) for scene in train] if is_layouts(path) else []
+    data = prepared(path.name, train, held_out, is_flat=is_flat, codec=codec, wishes=wishes)
     if last is None:
         return data
     source = msgspec.structs.replace(data.source, stream=f"{curation_digest()} from {last + 1}")
@@ -93,15 +95,18 @@ def prepared(
     *,
     is_flat: bool = False,
     codec: CodecCfg = DEFAULT_CODEC,
+    wishes: Sequence[Wish] = (),
 ) -> TrainingData:
-    """Scenes as examples, to train on and to watch by; a checkpoint names them as `name`.
+    """Scenes as examples, to train on and to watch by.
 
-    The set of the scenes to train on fixes how scenes are encoded: its `encoder` makes those that
-    are held out here, and those of a stream in the worker processes.
+    A checkpoint names them as `name`, and draws what it is asked for from `wishes` where there are
+    any. The set of the scenes to train on fixes how scenes are encoded: its `encoder` makes those
+    that are held out here, and those of a stream in the worker processes.
     """
     tree = training_set(train, codec)
     vocabulary = count_kinds(train)
-    source = DataSource(name=name, digest=tree.digest, n_scenes=len(train))
+    sample = tuple(wishes[:: 1 + len(wishes) // _MOST_WISHES])
+    source = DataSource(name=name, digest=tree.digest, n_scenes=len(train), wishes=sample)
     skeletons = tuple((skeleton_of(scene, vocabulary), Wish.of(scene)) for scene in train)
     known = flat_training_set(train) if is_flat else tree
     examples = _encoded(held_out, known.encoder)
@@ -113,7 +118,7 @@ def prepared(
 
 def _last_number(path: Path) -> int:
     """Number of the last scene in a folder whose scenes the grammar made as it makes them now."""
-    if _is_layout(path):
+    if is_layouts(path):
         raise TrainingError(
             f"data {str(path)!r} is a file of layouts, of which no grammar makes more, valid with "
             "--stream: a folder that aeroscene dataset build has made"
@@ -129,12 +134,8 @@ def _last_number(path: Path) -> int:
     return entries[-1].index
 
 
-def _is_layout(path: Path) -> bool:
-    return path.is_file() or ".jsonl" in path.name
-
-
 def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    if _is_layout(path):
+    if is_layouts(path):
         return _layout_scenes(path, on_scene)
     dataset = open_dataset(path)
     train: list[Scene] = []
@@ -145,13 +146,22 @@ def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
     return train, held_out
 
 
-def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
-    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - shapely, only for layouts
+def count_scenes(path: Path) -> int:
+    """Number of the scenes that `open_training_data` reads.
 
-    scenes: list[Scene] = []
-    for layout in read_neutral(path):
-        scenes.append(make_flyable(layout)[0])
-        on_scene()
+    Raises:
+        SceneError: If there is no such data.
+    """
+    return count_layouts(path) if is_layouts(path) else len(open_dataset(path).entries)
+
+
+def is_layouts(path: Path) -> bool:
+    """Whether a user names a file of layouts, not the folder of a dataset."""
+    return path.is_file() or ".jsonl" in path.name
+
+
+def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
+    scenes = mapped_scenes(path, on_scene)
     held_out = scenes[_HELD_OUT_EVERY - 1 :: _HELD_OUT_EVERY]
     train = [scene for i, scene in enumerate(scenes) if (i + 1) % _HELD_OUT_EVERY]
     return train, held_out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -106,6 +107,8 @@ SHAPES: Mapping[str, Shape] = {
 """The shape of every category."""
 
 
+_KEPT = 1024
+"""Objects whose primitives are kept: those of a few scenes."""
 _LEAST_M = 5e-4
 _SLACK_M = 0.02
 """Length by which a part may stand out of its box: paint on a road, a handle."""
@@ -135,8 +138,9 @@ def _is_sound(part: Part, size_m: Vector3) -> bool:
     )
 
 
+@lru_cache(maxsize=_KEPT)
 def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
-    """Primitives of one object in the world, ENU."""
+    """Primitives of one object in the world, ENU; kept, since a scene in the making asks again."""
     box = obj.bbox
     look = Look(box.s, obj.attributes, obj.id)
     rows = rotation_matrix(box.q).tolist()

@@ -12,6 +12,7 @@ from aeroscene.processes import WorkerDiedError
 from aeroscene.scene import SceneError
 from scenarios.cli.command_line import fail, fail_on_file
 from scenarios.cli.dataset import build, show, stats, unpack, validate
+from scenarios.cli.dataset.options import mention_part
 from scenarios.cli.scene_numbers import SceneNumbersError
 
 Action = (
@@ -44,9 +45,13 @@ class DatasetCfg:
 def run(cfg: DatasetCfg) -> int:
     """Run the command; exit status 2 with one line for bad input or an unusable folder."""
     prog = f"aeroscene dataset {type(cfg.action).__module__.rpartition('.')[2]}"
+    action = cfg.action
     try:
-        return _RUN[type(cfg.action)](cfg.action)
+        status = _RUN[type(action)](action)
+        if isinstance(action, stats.StatsCfg | validate.ValidateCfg | show.ShowCfg):
+            mention_part(action.data, action.scenes)
     except (SceneError, SceneNumbersError, WorkerDiedError) as error:
         fail(prog, str(error))
     except OSError as error:
         fail_on_file(prog, error)
+    return status

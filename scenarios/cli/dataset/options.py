@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 import tyro
 
-from aeroscene.corpus.dataset import Dataset, DatasetError, open_dataset
+from aeroscene.corpus.dataset import Dataset, DatasetError, open_dataset, shortfall
 from aeroscene.corpus.provenance import curation_digest
+from aeroscene.corpus.scene_files import is_dataset, open_folder
 from aeroscene.corpus.summary import SceneSet
 from scenarios.cli.scene_numbers import scene_numbers
 
@@ -20,6 +21,7 @@ Data = tyro.conf.Positional[
 SceneNumbers = Annotated[str, tyro.conf.arg(help_behavior_hint="")]
 """Numbers of scenes as `scene_numbers` reads them; empty for the default."""
 
+_PROG = "aeroscene dataset"
 MAX_JOBS = 512
 SHIPPED_NAME = "shipped"
 _USUAL_FOLDER = Path("corpus")
@@ -39,19 +41,21 @@ def open_scenes(data: str, scenes: str) -> SceneSet[Any]:
     """Open the scenes of a dataset that a user names, or all of them for an empty text.
 
     Args:
-        data: A folder, or `shipped`; where it is empty, ./corpus if that is there, else shipped.
+        data: A folder of a dataset or of scene files, or `shipped`; where it is empty, ./corpus if
+            that is there, else shipped.
         scenes: Numbers as `scene_numbers` reads them.
 
     Raises:
         SceneNumbersError: If the text names no scenes.
         SceneError: If there is no dataset, or a scene that is named is not in it.
     """
-    if data == SHIPPED_NAME or not (data or _USUAL_FOLDER.is_dir()):
+    if _is_shipped(data):
         from aeroscene.corpus.shipped import open_shipped  # noqa: PLC0415 - only for these
 
         return _select(open_shipped(), scenes)
-    dataset = _select(open_dataset(data or _USUAL_FOLDER), scenes)
-    _mention_foreign(dataset)
+    dataset = _select(open_folder(data or _USUAL_FOLDER), scenes)
+    if isinstance(dataset, Dataset):
+        _mention_foreign(dataset)
     return dataset
 
 
@@ -74,12 +78,39 @@ def _select(dataset: SceneSet[Any], scenes: str) -> SceneSet[Any]:
     return dataset.select(frozenset(wanted))
 
 
-def _mention_foreign(dataset: SceneSet[Any]) -> None:
+def mention_part(data: str, scenes: str) -> None:
+    """Say on standard error where a dataset that a user names without scenes is but a part.
+
+    Args:
+        data: As `open_scenes` takes it.
+        scenes: Who names scenes knows that there are others.
+    """
+    folder = Path(data or _USUAL_FOLDER)
+    if not (scenes or _is_shipped(data)) and is_dataset(folder):
+        mention_shortfall(_PROG, folder)
+
+
+def mention_shortfall(prog: str, folder: Path) -> None:
+    """Say on standard error where a folder holds but a part of the corpus.
+
+    Raises:
+        SceneError: If it holds no dataset.
+    """
+    said = shortfall(open_dataset(folder))
+    if said is not None:
+        sys.stderr.write(f"{prog}: {said}\n")
+
+
+def _is_shipped(data: str) -> bool:
+    return data == SHIPPED_NAME or not (data or _USUAL_FOLDER.is_dir())
+
+
+def _mention_foreign(dataset: Dataset) -> None:
     """Say on standard error when the present code would make other scenes than those."""
     curated = [entry for entry in dataset.entries if entry.scene_id.startswith("corpus-")]
     n_foreign = sum(entry.sources != curation_digest() for entry in curated)
     if n_foreign:
         sys.stderr.write(
-            f"aeroscene dataset: {n_foreign} of {len(dataset.entries)} scenes in {dataset.place} "
+            f"{_PROG}: {n_foreign} of {len(dataset.entries)} scenes in {dataset.place} "
             "were made by other sources than these; aeroscene dataset build makes them again\n"
         )

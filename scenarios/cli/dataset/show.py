@@ -27,8 +27,8 @@ class ShowCfg:
     """
 
     data: Data = ""
-    """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
-    folder corpus where there is one, and else shipped."""
+    """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
+    by default the folder corpus where there is one, and else shipped."""
     scenes: SceneNumbers = ""
     """Which scenes: A:B without B, single ones, joined by commas; by default twelve, spread."""
     out: Path = Path("sheet.png")

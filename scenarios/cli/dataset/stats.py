@@ -33,8 +33,8 @@ class StatsCfg:
     """
 
     data: Data = ""
-    """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
-    folder corpus where there is one, and else shipped."""
+    """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
+    by default the folder corpus where there is one, and else shipped."""
     beside: Annotated[tuple[Path, ...], default_hint("none")] = ()
     """Neutral layout files (.jsonl or .jsonl.gz) whose diversity is shown beside the dataset's."""
     scenes: SceneNumbers = ""

@@ -35,8 +35,8 @@ class ValidateCfg:
     """
 
     data: Data = ""
-    """Folder of a corpus, or "shipped" for the scenes that come with the package; by default the
-    folder corpus where there is one, and else shipped."""
+    """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
+    by default the folder corpus where there is one, and else shipped."""
     drops: int = 0
     """Also let an unpowered Iris fall from 0.3 m on this many random landing areas: it must come
     to rest on them, level within their slope and 2 degrees."""

@@ -179,7 +179,7 @@ def test_the_walls_and_the_roof_bound_the_volume(indoor):
     assert np.all(corners <= high + 1e-3)
     roof = next(obj for obj in indoor.objects if obj.category == "roof")
     assert roof.bbox.p[2] + roof.bbox.s[2] / 2 == pytest.approx(high[2])
-    assert min(high[:2] - low[:2]) >= 25
+    assert min(high[:2] - low[:2]) >= 22
     assert max(high[:2] - low[:2]) <= 45
 
 

@@ -29,7 +29,7 @@ TELLING = {
     "lounge": "coffee_table", "corridor": "plant", "garden": "planter", "gym": "landing_pad",
     "changing": "wardrobe", "court": "bench", "stand": "bench", "concourse": "bench",
     "store": "shelf", "racks": "shelf", "goods": "pallet", "storage": "shelf",
-    "aisles": "shelf", "produce": "crate", "checkout": "counter", "booths": "counter",
+    "aisles": "shelf", "produce": "crate", "checkout": "counter", "booths": "sign",
 }  # fmt: skip
 """By what a person recognises each kind of room."""
 

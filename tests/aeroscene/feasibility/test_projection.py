@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ from aeroscene.feasibility import FeasibilityCfg, make_feasible
 from aeroscene.feasibility.boxes import boxes_of, forbidden_overlaps
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.settling import cut_overlaps
+from aeroscene.layouts.flyable import make_flyable
+from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.scene import Scene
 from aeroscene.validation import validate
 from tests.aeroscene.conftest import cached_scene
@@ -21,6 +25,7 @@ from tests.aeroscene.feasibility.scenes import (
     thing,
     unsettled,
 )
+from tests.aeroscene.layouts.samples import house
 
 QUICK = FeasibilityCfg(is_validated=False)
 
@@ -122,3 +127,35 @@ def test_a_scene_without_anywhere_to_land_is_rejected():
     result = make_feasible(garden(), FeasibilityCfg(least_landing_areas=1000, is_validated=False))
     assert result.report.rejection is not None
     assert "valid: from 1000" in result.report.rejection
+
+
+def test_a_layout_of_others_keeps_its_place_and_can_be_flown():
+    scene, _ = make_flyable(neutral_layout(house()))
+    result = make_feasible(scene)
+    assert result.report.rejection is None
+    assert result.report.n_dropped == 0
+    assert result.report.median_moved_m < 0.01
+    # The rooms stand in a yard under open sky; no building is the flight volume.
+    assert result.scene.extent_min_enu_m == scene.extent_min_enu_m
+    assert result.scene.extent_max_enu_m[:2] == scene.extent_max_enu_m[:2]
+    assert result.scene.extent_max_enu_m[2] > scene.extent_max_enu_m[2]
+    assert not validate(result.scene)
+
+
+def test_a_scene_without_a_pad_gets_a_start_wherever_it_was_said_to_be():
+    scene = garden()
+    kept = tuple(obj for obj in scene.objects if obj.id != HOME)
+    bare = replace(scene, objects=kept, start_position_enu_m=(-6.0, 0.0, 0.0))
+    result = make_feasible(bare)
+    assert result.report.rejection is None
+    x, y, _ = result.scene.start_position_enu_m
+    assert np.hypot(x + 6.0, y) > 2
+    assert not validate(result.scene)
+
+
+def test_a_scene_with_no_free_place_says_so():
+    scene = garden(thing(9, "container", (0.0, 2.5, 1.5), (40.0, 60.0, 3.0)))
+    kept = tuple(obj for obj in scene.objects if obj.id in {LAWN, 9})
+    rejection = make_feasible(replace(scene, objects=kept), QUICK).report.rejection
+    assert rejection is not None
+    assert "no free place to start from" in rejection

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aeroscene.areas.start import LEAST_RADIUS_M
 from aeroscene.layouts import LayoutError
 from aeroscene.layouts.flyable import make_flyable, map_layout
 from aeroscene.layouts.house import build_house
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.layouts.site import FINISH_M, GROUND_M, our_box, survey
-from aeroscene.layouts.start import LEAST_RADIUS_M
 from aeroscene.scene.geometry import penetration_depth
 from aeroscene.scene.io import scene_from_json, scene_to_json
 from aeroscene.solids.freespace import build_distance_field, reachable

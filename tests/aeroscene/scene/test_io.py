@@ -127,6 +127,16 @@ def test_file_follows_the_papers_schema(scene_42):
     assert {"polygon", "centroid", "radius", "drone_class"} <= set(area)
 
 
+def test_a_theme_is_kept_and_left_out_where_there_is_none(scene_42):
+    named = replace(scene_42, theme="park")
+    assert json.loads(scene_to_json(named))["theme"] == "park"
+    assert scene_from_json(scene_to_json(named)).theme == "park"
+    bare = replace(scene_42, theme="")
+    assert "theme" not in json.loads(scene_to_json(bare))
+    assert scene_from_json(scene_to_json(bare)) == bare
+    assert scene_42.theme == "waterfront"
+
+
 @settings(max_examples=80, deadline=None)
 @given(data=st.data())
 def test_text_cut_anywhere_is_refused_in_one_line(scene_42, data):

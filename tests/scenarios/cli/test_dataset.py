@@ -22,6 +22,7 @@ from aeroscene.corpus.dataset import (
     store_scene,
     write_manifest,
 )
+from aeroscene.scene.io import write_scene
 from tests.scenarios.in_process import in_process
 
 SCENES = "0:3"
@@ -67,6 +68,14 @@ def corpus(built, tmp_path):
     """The built corpus, a copy to damage."""
     shutil.copytree(built[0], tmp_path / "corpus")
     return tmp_path / "corpus"
+
+
+def part(folder):
+    """What is said of the three scenes in a folder."""
+    return (
+        f"aeroscene dataset: folder {str(folder)!r} holds 3 of the 1,016 scenes; aeroscene dataset "
+        "build makes the others\n"
+    )
 
 
 def contents(folder):
@@ -135,7 +144,7 @@ def test_scenes_of_other_sources_are_made_again_and_said_so(corpus, capsys):
     status, _, err = run(capsys, "stats", corpus, "--jobs", 1)
     assert status == 0
     assert err.startswith("aeroscene dataset: 2 of 3 scenes in ")
-    assert err.count("\n") == 1
+    assert err.splitlines()[1:] == part(corpus).splitlines()
 
 
 def wait_for_a_scene(process, folder):
@@ -237,7 +246,7 @@ def test_stats_prints_the_papers_table_as_one_object(built, tmp_path, capsys):
     }
     beside.write_text("".join(json.dumps(layout | {"scene_id": name}) + "\n" for name in "ab"))
     status, out, err = run(capsys, "stats", built[0], "--jobs", 1, "--json", "--beside", beside)
-    assert (status, err) == (0, "")
+    assert (status, err) == (0, part(built[0]))
     found = json.loads(out)
     rows = {
         "scenes": 1016,
@@ -283,7 +292,7 @@ def test_validate_finds_nothing_in_a_good_corpus_and_drops_rest(built, capsys):
     args = ("validate", built[0], "--jobs", 1, "--drops", 12, "--json")
     status, out, err = run(capsys, *args)
     found = json.loads(out)
-    assert (status, err) == (0, ""), found["details"]
+    assert (status, err) == (0, part(built[0])), found["details"]
     assert found["scenes"] == 3
     assert found["findings"] == dict.fromkeys(
         ("overlap", "floating", "outside", "unreachable", "unlandable"), 0
@@ -369,6 +378,63 @@ def test_show_draws_every_scene_on_one_sheet(built, tmp_path, capsys):
     assert second.std() > 20
     assert np.abs(first - second).mean() > 5
     assert np.ptp(picture[margin + height :][:caption]) > 100  # something is written below
+
+
+def test_a_folder_with_files_missing_says_how_many(corpus, capsys):
+    (corpus / "scenes" / "corpus-0001.json.gz").unlink()
+    args = ("validate", corpus, "--jobs", 1, "--skip-invalid", "--json")
+    status, out, err = run(capsys, *args)
+    assert (status, json.loads(out)["scenes"]) == (0, 2)
+    assert "holds 2 of the 1,016 scenes (1 that its manifest lists are missing); " in err
+
+
+def test_a_build_that_was_stopped_is_named(corpus, capsys):
+    (corpus / JOURNAL).write_bytes(b"")
+    _, _, err = run(capsys, "stats", corpus, "--jobs", 1)
+    assert "holds 3 of the 1,016 scenes (its build is under way, or was stopped); " in err
+
+
+@pytest.fixture
+def loose(built, tmp_path):
+    """Two scenes in a folder without a manifest, one of them packed."""
+    folder = tmp_path / "loose"
+    folder.mkdir()
+    opened = open_dataset(built[0])
+    write_scene(opened.read(opened.entries[2]), folder / "a.json")
+    write_scene(opened.read(opened.entries[0]), folder / "b.json.gz")
+    (folder / "notes.txt").write_text("no scene")
+    return folder
+
+
+def test_show_draws_any_folder_of_scenes_by_name(loose, built, tmp_path, capsys):
+    size = ("--columns", 1, "--width", 160, "--jobs", 1)
+    sheets = [tmp_path / f"{name}.png" for name in ("loose", "first", "third")]
+    status, out, err = run(capsys, "show", loose, "--out", sheets[0], *size)
+    assert (status, err) == (0, "")
+    assert out == f"{sheets[0]}: 2 scenes\n"
+    for sheet, number in ((sheets[1], 0), (sheets[2], 2)):
+        assert run(capsys, "show", built[0], "--scenes", number, "--out", sheet, *size)[0] == 0
+    both, first, third = (cv2.imread(str(sheet)) for sheet in sheets)
+    # Margins of 10, pictures of 120, captions of 46.
+    assert np.array_equal(both[10:130], third[10:130])
+    assert np.array_equal(both[186:306], first[10:130])
+
+
+def test_stats_and_validate_take_any_folder_of_scenes(loose, built, capsys):
+    status, out, err = run(capsys, "stats", loose, "--jobs", 1, "--json")
+    assert (status, err) == (0, "")
+    entries = open_dataset(built[0]).entries
+    assert json.loads(out)["objects"]["value"] == entries[0].n_objects + entries[2].n_objects
+    status, out, err = run(capsys, "validate", loose, "--jobs", 1, "--scenes", "1", "--json")
+    assert (status, err, json.loads(out)["scenes"]) == (0, "", 1)
+
+
+def test_a_file_that_is_no_scene_is_named(loose, capsys):
+    (loose / "c.json").write_text("{}")
+    status, out, err = run(capsys, "show", loose)
+    assert (status, out) == (2, "")
+    (line,) = err.strip().splitlines()
+    assert str(loose / "c.json") in line
 
 
 def test_show_opens_a_scene_in_the_viewer(built):

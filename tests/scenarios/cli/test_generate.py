@@ -1,20 +1,26 @@
 """`aeroscene generate` as a user meets it."""
 
 import json
+import math
 
 import cv2
 import msgspec
 import pytest
+import torch
 from safetensors.torch import load_file, safe_open, save_file
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.scene.io import read_scene, write_scene
+from aeroscene.validation import validate
 from scenarios.cli.main import main
 from scenarios.generation.asked import GenerateError, outline_sides_m
 from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.learning.training.test_data import layouts
 from tests.scenarios.cli.test_train import TINY
 from tests.scenarios.in_process import in_process
+
+SKELETON = "[skeleton_training]\nsteps = 60"
 
 STAYS = """
 from scenarios import Verdict
@@ -27,7 +33,6 @@ class Stay:
     def update(self, time_us):
         pass
 """
-
 pytestmark = pytest.mark.usefixtures("one_torch_thread")
 
 
@@ -249,3 +254,28 @@ def test_file_that_is_no_polygon_is_refused(tmp_path, text):
     path.write_text(text)
     with pytest.raises(GenerateError, match="valid: EAST,NORTH"):
         outline_sides_m(str(path))
+
+
+def test_a_model_of_other_layouts_gives_scenes_that_fly(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "tiny.toml").write_text(TINY.replace("[skeleton_training]\nsteps = 2", SKELETON))
+    args = ["--data", layouts(tmp_path / "rooms.jsonl.gz", 20), "--config", tmp_path / "tiny.toml"]
+    args += ["--steps", 40, "--threads", 1, "--out", tmp_path / "out"]
+    assert in_process(capsys, "train", *args)[0] == 0
+    model = ("--checkpoint", tmp_path / "out" / "checkpoint.safetensors")
+    status, text, _ = run(capsys, *model, "--count", 3, "--out", tmp_path / "made", "--json")
+    facts = json.loads(text)
+    assert (status, len(facts["scenes"])) == (0, 3)
+    for path in facts["scenes"]:
+        scene = read_scene(path)
+        # As much as the rooms have, not as the corpus.
+        assert scene.domain == "indoor"
+        assert len(scene.objects) < 30
+        assert not any(obj.category == "landing_pad" for obj in scene.objects)
+        assert not validate(scene)
+        x, y, _ = scene.start_position_enu_m
+        assert any(math.dist((x, y), area.centroid[:2]) > 2 for area in scene.landing_areas)
+    torch.set_num_threads(2)
+    errors = refused(capsys, tmp_path / "none", *model, "--domain", "outdoor")
+    assert torch.get_num_threads() == 1  # one scene at a time
+    assert "domain is 'outdoor', valid: indoor; the model was trained on no other" in errors

@@ -29,9 +29,11 @@ def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
     place = IndoorPlace(builder, Draw(furniture), building, theme.features)
     x, y = plan.size if turn % 2 == 0 else plan.size[::-1]
     return Composition(
+        theme=theme.name,
         places=[place],
         extent_min_enu_m=(-x / 2, -y / 2, 0.0),
         extent_max_enu_m=(x / 2, y / 2, round(plan.height + ROOF_M, 4)),
+        fulness=theme.fulness,
         place_start=place.place_start,
     )
 

@@ -12,6 +12,7 @@ from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.composition import Composition, Place
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.parcels import Parcel
+from aeroscene.corpus.curation.places.bordered import Bordered, outer_sides
 from aeroscene.corpus.curation.places.construction import Construction
 from aeroscene.corpus.curation.places.depot import Depot
 from aeroscene.corpus.curation.places.flats import Flats
@@ -50,6 +51,8 @@ class Kind:
     depth: float
     is_lifted: bool = True
     """Whether it may stand on a terrace above the street; not where vehicles drive in."""
+    border: tuple[str, float] | None = None
+    """Form and height of the fences that it has where the site ends, m."""
 
     def fits(self, parcel: Parcel) -> bool:
         """Whether a parcel is large enough."""
@@ -57,21 +60,23 @@ class Kind:
 
 
 KINDS: Mapping[str, Kind] = {
-    "offices": Kind(Offices, 17, 18),
-    "houses": Kind(Houses, 16, 15),
-    "furnished_house": Kind(partial(Houses, is_furnished=True), 18, 15),
-    "flats": Kind(Flats, 14, 14),
-    "park": Kind(Park, 12, 12),
-    "market": Kind(Market, 12, 12),
-    "school": Kind(School, 20, 20),
-    "terraces": Kind(Terraces, 13, 20),
+    "offices": Kind(Offices, 17, 18, border=("hedge", 1.2)),
+    "houses": Kind(Houses, 16, 15, border=("boards", 1.5)),
+    "furnished_house": Kind(partial(Houses, is_furnished=True), 18, 15, border=("boards", 1.5)),
+    "flats": Kind(Flats, 14, 14, border=("hedge", 1.2)),
+    "park": Kind(Park, 12, 12, border=("hedge", 1.3)),
+    "market": Kind(Market, 12, 12, border=("rails", 1.1)),
+    "school": Kind(School, 20, 20, border=("rails", 1.4)),
+    "terraces": Kind(Terraces, 13, 20, border=("hedge", 1.1)),
     "waterfront": Kind(Waterfront, 18, 20, is_lifted=False),
-    "station": Kind(Station, 20, 15, is_lifted=False),
-    "parking": Kind(Parking, 12, 17, is_lifted=False),
-    "construction": Kind(Construction, 17, 17, is_lifted=False),
-    "yard": Kind(Yard, 18, 18, is_lifted=False),
-    "depot": Kind(Depot, 20, 20, is_lifted=False),
-    "warehouse": Kind(partial(Depot, is_furnished=True), 20, 20, is_lifted=False),
+    "station": Kind(Station, 20, 15, is_lifted=False, border=("rails", 1.1)),
+    "parking": Kind(Parking, 12, 17, is_lifted=False, border=("hedge", 1.1)),
+    "construction": Kind(Construction, 17, 17, is_lifted=False, border=("boards", 1.9)),
+    "yard": Kind(Yard, 18, 18, is_lifted=False, border=("mesh", 2.0)),
+    "depot": Kind(Depot, 20, 20, is_lifted=False, border=("mesh", 2.0)),
+    "warehouse": Kind(
+        partial(Depot, is_furnished=True), 20, 20, is_lifted=False, border=("mesh", 2.0)
+    ),
 }
 """Kinds of places under the names that themes use."""
 
@@ -93,6 +98,8 @@ class Theme:
     """Rows of which one kind each is certain, as far as parcels fit, the best for the first."""
     others: Mapping[str, float]
     """Kinds of the other parcels and their weights."""
+    fulness: float = 1.0
+    """How many fine objects it has, relative to the average scene."""
     terrace_chance: float = 0.1
     """How often a parcel is lifted above the street."""
 
@@ -101,11 +108,13 @@ def compose_theme(
     builder: Builder, rng: np.random.Generator, themes: Mapping[str, Theme]
 ) -> Composition:
     """Draw a theme, lay its streets and give every parcel a place."""
-    theme = themes[draw_one(rng, {name: theme.weight for name, theme in themes.items()})]
+    name = draw_one(rng, {name: theme.weight for name, theme in themes.items()})
+    theme = themes[name]
     plan, choice, start, streets = rng.spawn(4)
     site = _lay_fitting_site(builder, plan, theme)
     east, north = site.half_extent
     return Composition(
+        theme=name,
         places=[
             *choose_places(builder, site, theme, choice),
             *grow_nature(builder, site, choice),
@@ -113,6 +122,7 @@ def compose_theme(
         ],
         extent_min_enu_m=(-east, -north, 0.0),
         extent_max_enu_m=(east, north, _CEILING_M),
+        fulness=theme.fulness,
         place_start=partial(place_start, builder, Draw(start), (east, north)),
     )
 
@@ -158,7 +168,11 @@ def choose_places(
         lifted = parcel
         if KINDS[kind].is_lifted and lifts.chance(theme.terrace_chance):
             lifted = raise_terrace(builder, lifts, parcel)
-        places.append(KINDS[kind].make(Ground(builder, Draw(stream), lifted)))
+        ground = Ground(builder, Draw(stream), lifted)
+        place, border = KINDS[kind].make(ground), KINDS[kind].border
+        if border:
+            place = Bordered(place, ground, outer_sides(builder, parcel, parcels), *border)
+        places.append(place)
     return places
 
 

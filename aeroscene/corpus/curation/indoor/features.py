@@ -6,14 +6,12 @@ from collections.abc import Callable
 from math import pi
 
 from aeroscene.corpus.curation.builder import Attributes, Placed
-from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.corpus.curation.rooms.interior import SIDES, Interior
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 
-
-def _square(room: Interior) -> float:
-    """A turn by a multiple of a quarter."""
-    return room.draw.count(0, 3) * pi / 2
+_LANDING_M = (3.0, 0.9)
+"""Depth and height of the landing above seating steps."""
 
 
 def _painted(room: Interior) -> Attributes:
@@ -23,9 +21,8 @@ def _painted(room: Interior) -> Attributes:
 def _tucked(
     room: Interior, name: str, size: Vector3, look: Attributes | None = None
 ) -> Placed | None:
-    """Something along one of the walls, or where none has space, free in the room."""
-    placed = room.against(room.some_side(), name, size, look=look)
-    return placed or room.anywhere(name, size, 0.5, _square(room), look)
+    """Something along one of the walls."""
+    return room.against(room.some_side(), name, size, look=look)
 
 
 def _kiosk(room: Interior) -> Placed | None:
@@ -61,19 +58,41 @@ def _dock(room: Interior) -> Placed | None:
 
 
 def _bleachers(room: Interior) -> Placed | None:
-    size = (2.4, room.draw.between(4.0, 7.5), 1.2)
-    return room.against(room.some_side(), "stairs", size, turn=pi)
+    """Seating steps that climb to a landing along the wall."""
+    width, rise = room.draw.between(4.0, 7.5), _LANDING_M[1]
+    size = (_LANDING_M[0], width, rise)
+    landing = room.against(room.long_side(), "deck", size)
+    if landing:
+        run = 2 * rise
+        at = (landing.size[0] + run) / 2
+        room.beside(landing, "stairs", at, 0.0, pi, (run, width, rise))
+        count = int(width // 2.1)
+        for index in range(count):
+            v = (index - (count - 1) / 2) * 2.1
+            room.lie(landing, "bench", -0.9, v, (0.45, 1.9, 0.85))
+    return landing
 
 
 def _net(room: Interior) -> Placed | None:
+    """A net or a rail between this zone and the one into which it opens."""
     size = (0.1, room.draw.between(3.0, 7.0), room.draw.between(1.1, 2.0))
-    return room.anywhere("fence", size, 0.4, _square(room), {"form": "rails"})
+    for side in SIDES:
+        if side in room.sides:
+            continue
+        frame, _ = room.wall(side)
+        u, v = room.room.frame.local(*frame.point(0.0, 0.3))
+        turn = frame.yaw + pi / 2 - room.room.frame.yaw
+        net = room.put("fence", u, v, size, turn, look={"form": "rails"})
+        if net:
+            return net
+    return None
 
 
 def _screen(room: Interior) -> Placed | None:
+    """A low wall that stands out from a wall, as between places to sit."""
     size = (0.1, room.draw.between(2.0, 3.0), 1.5)
     colour = room.draw.one_of(("sky", "sage", "ochre", "slate"))
-    return room.anywhere("wall", size, 0.4, _square(room), {"colour": colour})
+    return room.against(room.some_side(), "wall", size, turn=pi / 2, look={"colour": colour})
 
 
 def _shelter(room: Interior) -> Placed | None:

@@ -11,6 +11,7 @@ from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.indoor.building import PAD_RISE_M
 from aeroscene.corpus.curation.indoor.features import FEATURES, suits
 from aeroscene.corpus.curation.indoor.floor_plan import Building
+from aeroscene.corpus.curation.indoor.plans import clear_end_m
 from aeroscene.corpus.curation.indoor.zones import Zone
 from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
 from aeroscene.corpus.curation.rooms.rest import furnish_rest
@@ -18,8 +19,8 @@ from aeroscene.corpus.curation.start import PAD_M, NoStartError
 
 _PAD_M = (1.8, 1.8, 0.06)
 """Size of the pads in halls and on galleries."""
-_WIDE_M2 = 70.0
-"""A zone of this area or more takes more than one step in each round."""
+_SHARE_EXPONENT = 0.7
+"""A zone's share of the furniture grows with this power of its area: small rooms are fuller."""
 _ROUNDS = 7
 """How often the list of features is gone through."""
 FEATURED_M2 = 48.0
@@ -69,42 +70,41 @@ class IndoorPlace:
                     break
 
     def details(self) -> Iterator[None]:
-        """Furniture of all zones in turn; a pad to land on in halls and on galleries."""
-        growing = [
-            (zone, _furnish(zone, interior))
-            for zone, interior in zip(self.building.plan.zones, self._all(), strict=True)
+        """Furniture of the zone that has least for its size; a pad in halls and on galleries."""
+        zones = self.building.plan.zones
+        growths = [
+            _furnish(zone, interior) for zone, interior in zip(zones, self._all(), strict=True)
         ]
-        while growing:
-            for item in tuple(growing):
-                zone, growth = item
-                for _ in range(_steps(zone)):
-                    if next(growth, self) is self:
-                        growing.remove(item)
-                        break
-                    yield
+        shares = [zone.area**_SHARE_EXPONENT for zone in zones]
+        filled = dict.fromkeys(range(len(zones)), 0.0)
+        while filled:
+            index = min(filled, key=lambda i: filled[i])
+            before = self.builder.n_fine
+            if next(growths[index], self) is self:
+                del filled[index]
+                continue
+            # A step that finds no space counts too, so that others come to their turn.
+            filled[index] += max(0.5, self.builder.n_fine - before) / shares[index]
+            yield
 
     def _all(self) -> list[Interior]:
         if not self._interiors:
             self._interiors += [
-                Interior(self.builder, self.draw, space, sides)
-                for space, sides in zip(self.building.spaces, self.building.sides, strict=True)
+                Interior(self.builder, self.draw, space, sides, clear_end_m(zone))
+                for zone, space, sides in zip(
+                    self.building.plan.zones,
+                    self.building.spaces,
+                    self.building.sides,
+                    strict=True,
+                )
             ]
         return self._interiors
 
 
-def _steps(zone: Zone) -> int:
-    """Steps of furnishing a round: halls tell most of what a building is."""
-    if zone.area < _WIDE_M2:
-        return 1
-    return 3 if zone.role == "hall" else 2
-
-
 def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:
     """What makes the kind, a pad where drones come and go, then whatever else fits."""
-    own = FURNISHINGS[zone.kind](interior)
-    yield from islice(own, 2)
+    yield from FURNISHINGS[zone.kind](interior)
     if zone.role in {"hall", "gallery"} and interior.draw.chance(0.6):
         interior.anywhere("landing_pad", _PAD_M, keep=0.6)
         yield
-    yield from own
     yield from furnish_rest(interior, zone.kind)

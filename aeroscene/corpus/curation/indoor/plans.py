@@ -21,7 +21,10 @@ CORRIDOR_M = 3.25
 """Distance between the middles of a corridor's walls: 3.1 m clear."""
 START_M = 6.4
 """Side of the square in the middle of the first hall that stays free around the start."""
-_DENSE = frozenset(("racks", "aisles", "checkout", "classroom", "library", "open_office", "stand"))
+_SHOWN = ("booths", "produce", "aisles", "checkout")
+_STORED = ("racks", "goods")
+_SEATED = ("classroom", "library", "open_office", "stand", "concourse")
+_DENSE = frozenset((*_SHOWN, *_STORED, *_SEATED))
 """Kinds of zones that rows of furniture fill."""
 _SNUG = frozenset(("living", "dining", "bedroom", "meeting", "office"))
 """Kinds of rooms that look empty with a free middle."""
@@ -123,9 +126,18 @@ class _Storey:
             self.zones[-1] = replace(zone, level=UPPER_LEVEL_M, clear=clear)
 
     def finish(self) -> tuple[Zone, ...]:
-        """All zones; wide ones but the first keep a square free for a large drone."""
+        """All zones; wide halls without rows keep a square free for a large drone.
+
+        So does every other one of the remaining wide zones but the first.
+        """
         first, *others = self.zones
-        return (first, *(replace(zone, open_m=_wide_open(zone)) for zone in others))
+        n_wide = 0
+        for index, zone in enumerate(others):
+            open_m = _wide_open(zone)
+            is_free = zone.role == "hall" and zone.kind not in _DENSE
+            n_wide += open_m > 0 and not is_free
+            others[index] = replace(zone, open_m=open_m if is_free or n_wide % 2 else 0.0)
+        return (first, *others)
 
 
 def _wide_open(zone: Zone) -> float:
@@ -209,6 +221,11 @@ def plan_hall(
     if programme.is_tall:
         storey.add_gallery((-half_x, edge), (-half_y, half_y))
     return storey.finish()
+
+
+def clear_end_m(zone: Zone) -> float:
+    """How much of a zone's longer side its open square takes where that lies at the end."""
+    return zone.open_m + 0.2 if zone.open_m and zone.kind in _DENSE else 0.0
 
 
 def open_place(zone: Zone) -> tuple[float, float]:

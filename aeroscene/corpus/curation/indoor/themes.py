@@ -27,6 +27,8 @@ class Theme:
     tall_chance: float = 1.0
     """How often the building has two storeys."""
     programme: Programme
+    fulness: float = 1.15
+    """How many fine objects it has, relative to the average scene."""
     features: tuple[str, ...]
     """Coarse structures that enrich the halls and galleries, the most telling first."""
 
@@ -39,7 +41,7 @@ THEMES: tuple[Theme, ...] = (
         name="office",
         weight=0.22,
         planner=plan_spine,
-        size_m=((28, 37), (25, 29), (4.75, 5.25)),
+        size_m=((26, 33), (22, 25), (4.75, 5.25)),
         tall_chance=0.5,
         programme=Programme(
             halls=("lobby", "cafe"),
@@ -47,7 +49,7 @@ THEMES: tuple[Theme, ...] = (
             wide=("open_office", "cafe", "open_office", "library"),
             upper=("open_office", "lounge"),
             rear=("meeting", "store", "office"),
-            rear_chance=0.3,
+            rear_chance=0.6,
         ),
         features=("kiosk", "garden", "screen", "podium", "pavilion", "bleachers"),
     ),
@@ -55,7 +57,7 @@ THEMES: tuple[Theme, ...] = (
         name="apartments",
         weight=0.16,
         planner=plan_spine,
-        size_m=((28, 35), (25, 28), (4.75, 5.25)),
+        size_m=((26, 32), (22, 25), (4.75, 5.25)),
         tall_chance=0.4,
         programme=Programme(
             halls=("garden", "lounge"),
@@ -63,7 +65,7 @@ THEMES: tuple[Theme, ...] = (
             wide=("living", "living", "dining"),
             upper=("lounge", "library"),
             rear=("bedroom", "bedroom", "office"),
-            rear_chance=0.65,
+            rear_chance=0.85,
         ),
         features=("garden", "pond", "pavilion", "podium", "screen", "kiosk"),
     ),
@@ -71,7 +73,7 @@ THEMES: tuple[Theme, ...] = (
         name="school",
         weight=0.14,
         planner=plan_spine,
-        size_m=((29, 38), (25, 28), (4.75, 5.25)),
+        size_m=((28, 35), (22, 25), (4.75, 5.25)),
         tall_chance=0.35,
         programme=Programme(
             halls=("lobby", "library"),
@@ -79,47 +81,51 @@ THEMES: tuple[Theme, ...] = (
             wide=("classroom", "gym", "cafe", "classroom"),
             upper=("library", "lounge"),
             rear=("classroom", "store", "workshop"),
-            rear_chance=0.3,
+            rear_chance=0.6,
         ),
+        fulness=1.25,
         features=("bleachers", "podium", "garden", "screen", "kiosk"),
     ),
     Theme(
         name="sports",
         weight=0.12,
         planner=plan_hall,
-        size_m=((29, 38), (25, 28), (7.5, 8.5)),
+        size_m=((27, 34), (22, 25), (7.5, 8.5)),
         programme=Programme(
             halls=("court", "court", "court", "gym"),
             small=("changing", "store", "kitchen"),
             wide=("changing", "gym", "cafe"),
             upper=("stand",),
         ),
+        fulness=1.1,
         features=("bleachers", "net", "shelter", "bleachers", "podium", "net", "kiosk"),
     ),
     Theme(
         name="fair",
         weight=0.12,
         planner=plan_hall,
-        size_m=((29, 38), (25, 29), (7.5, 8.5)),
+        size_m=((27, 34), (23, 26), (7.5, 8.5)),
         programme=Programme(
             halls=("lobby", "booths", "booths", "booths", "booths", "cafe"),
             small=("store", "office", "kitchen"),
             wide=("cafe", "meeting", "store"),
             upper=("lounge",),
         ),
+        fulness=1.3,
         features=("stall", "stall", "kiosk", "stall", "podium", "stall", "pavilion", "garden"),
     ),
     Theme(
         name="station",
         weight=0.08,
         planner=plan_hall,
-        size_m=((31, 40), (25, 29), (7.5, 8.5)),
+        size_m=((28, 36), (23, 26), (7.5, 8.5)),
         programme=Programme(
             halls=("concourse", "concourse", "cafe", "concourse", "lobby", "concourse"),
             small=("office", "store", "kitchen"),
             wide=("cafe", "office", "store"),
             upper=("lounge", "cafe"),
         ),
+        fulness=1.2,
         features=("platform", "kiosk", "shelter", "platform", "kiosk", "net", "garden"),
     ),
     Theme(
@@ -127,26 +133,28 @@ THEMES: tuple[Theme, ...] = (
         weight=0.1,
         category="warehouse",
         planner=plan_hall,
-        size_m=((30, 40), (25, 29), (7.25, 8.5)),
+        size_m=((28, 36), (23, 26), (7.25, 8.5)),
         programme=Programme(
             halls=("goods", "racks", "racks", "goods", "racks", "racks"),
             small=("office", "store", "kitchen"),
             wide=("workshop", "cafe", "open_office", "store"),
             upper=("storage",),
         ),
+        fulness=1.2,
         features=("container", "dock", "net", "container", "cabin", "dock"),
     ),
     Theme(
         name="supermarket",
         weight=0.06,
         planner=plan_hall,
-        size_m=((28, 37), (25, 28), (7.25, 7.75)),
+        size_m=((26, 34), (22, 25), (7.25, 7.75)),
         programme=Programme(
             halls=("checkout", "produce", "aisles", "aisles"),
             small=("store", "kitchen", "office"),
             wide=("store", "kitchen", "workshop"),
             upper=("storage", "cafe"),
         ),
+        fulness=1.3,
         features=("kiosk", "stall", "screen", "pavilion", "podium"),
     ),
 )

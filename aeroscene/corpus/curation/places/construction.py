@@ -15,7 +15,7 @@ from aeroscene.corpus.curation.places.goods import (
     crate_stack,
     drums,
     pallet_row,
-    scatter_goods,
+    range_goods,
     set_container,
     stack_container,
 )
@@ -140,7 +140,7 @@ class Construction:
         floor = (-half + 1.0, half - 1.0, 4.5, depth - 1.0)
         bearing = OpenGround(ground)
         yield from in_turn(
-            self._build(), self._drive(), self._staff(), scatter_goods(ground, bearing, floor, 8)
+            self._build(), self._drive(), self._staff(), range_goods(ground, bearing, floor, 8)
         )
 
     def _build(self) -> Iterator[None]:

@@ -17,7 +17,7 @@ from aeroscene.corpus.curation.places.goods import (
     drums,
     paint,
     pallet_row,
-    scatter_goods,
+    range_goods,
     set_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
@@ -113,7 +113,7 @@ class Depot:
             stock = furnish(ground, self._rooms, (ground.draw.one_of(("racks", "goods")),))
         bearing = OpenGround(ground)
         yield from in_turn(
-            self._load(), stock, self._attend(), scatter_goods(ground, bearing, apron, 8)
+            self._load(), stock, self._attend(), range_goods(ground, bearing, apron, 8)
         )
 
     def _load(self) -> Iterator[None]:

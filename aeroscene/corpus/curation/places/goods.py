@@ -17,7 +17,8 @@ CONTAINER_M = (6.06, 2.44, 2.59)
 
 _CLUSTER_M = (3.8, 2.0, 1.5)
 """Ground that a cluster of goods takes."""
-_TRIES = 8
+_CLUSTER_PITCH_M = (4.6, 3.4)
+"""Distances between the middles of clusters side by side and in depth."""
 
 Area = tuple[float, float, float, float]
 """u0, u1, v0, v1 in the parcel's frame."""
@@ -67,15 +68,12 @@ def drums(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> Non
         bearing.stand("barrel", frame.moved(*at), size, look=look)
 
 
-def scatter_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:
-    """Clusters of goods at free places of an area, one cluster a step."""
+def range_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:
+    """Clusters of goods in rows from the back of an area on, one cluster a step."""
     draw = ground.draw
-    for index in range(rounds):
-        spot = _free_spot(ground, near)
-        if spot is None:
-            return
-        u, v = spot
-        kind = (index + draw.count(0, 1)) % 3
+    for index, (u, v) in zip(range(rounds), _free_spots(ground, near), strict=False):
+        # Three clusters of a kind stand together.
+        kind = index // 3 % 3
         if kind == 0:
             pallet_row(bearing, ground.parcel.frame, u, v, draw.count(2, 3))
         elif kind == 1:
@@ -85,19 +83,27 @@ def scatter_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> 
         yield
 
 
-def _free_spot(ground: Ground, near: Area) -> tuple[float, float] | None:
-    """A place for a cluster of goods, if one of some tries finds it."""
+def _free_spots(ground: Ground, near: Area) -> Iterator[tuple[float, float]]:
+    """Free places for clusters of goods, row by row from the back, from one flank on."""
     u0, u1, v0, v1 = near
     length, width, height = _CLUSTER_M
-    if u1 - u0 < length or v1 - v0 < width:
-        return None
-    for _ in range(_TRIES):
-        u = ground.draw.between(u0 + length / 2, u1 - length / 2)
-        v = ground.draw.between(v0 + width / 2, v1 - width / 2)
-        base = ground.level + 0.01
-        if ground.builder.is_free(ground.parcel.frame.moved(u, v), (length, width, height), base):
-            return (u, v)
-    return None
+    columns, rows = (
+        int((space - own) // pitch) + 1 if space >= own else 0
+        for space, own, pitch in zip(
+            (u1 - u0, v1 - v0), (length, width), _CLUSTER_PITCH_M, strict=True
+        )
+    )
+    side = 1 if ground.draw.chance(0.5) else -1
+    base = ground.level + 0.01
+    for row in range(rows):
+        v = v1 - width / 2 - row * _CLUSTER_PITCH_M[1]
+        for column in range(columns):
+            reach = (u1 - u0 - length) / 2 - column * _CLUSTER_PITCH_M[0]
+            u = (u0 + u1) / 2 + side * reach
+            if ground.builder.is_free(
+                ground.parcel.frame.moved(u, v), (length, width, height), base
+            ):
+                yield (u, v)
 
 
 def boxes_on(ground: Ground, bearer: Placed, count: int) -> None:

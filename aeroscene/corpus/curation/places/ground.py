@@ -8,7 +8,7 @@ from math import ceil, cos, pi, sin
 from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD, Frame
-from aeroscene.corpus.curation.parcels import Parcel
+from aeroscene.corpus.curation.parcels import Parcel, Side
 from aeroscene.scene import Vector3
 
 GROUND_M = {"lawn": 0.06, "plaza": 0.1, "parking_lot": 0.04, "sidewalk": 0.1}
@@ -17,6 +17,8 @@ _FINISH = {"lawn": "grass", "plaza": "paving", "parking_lot": "asphalt", "sidewa
 """What covers a slope instead of a surface of its own."""
 _MARGIN_M = 0.4
 _TRIES = 6
+_BORDER_M = 0.3
+"""Distance of a fence from the border that it marks."""
 _FENCE_STEP_M = 3.0
 """Length of the pieces in which a fence climbs a slope."""
 
@@ -164,6 +166,19 @@ class Ground:
             spot, base = self.parcel.frame.moved(u, v, turn), self.height_under(v, size, turn)
             look = {"form": form}
             self.builder.place("fence", spot, size, base=base, parent=self.surface, look=look)
+
+    def fence_border(self, side: Side, form: str, height: float) -> None:
+        """A fence just inside a side of the parcel: its back or a flank."""
+        half, depth = self.parcel.width / 2 - _BORDER_M, self.parcel.depth - _BORDER_M
+        match side:
+            case "north":
+                self.fence_line((-half, depth), (half, depth), form, height)
+            case "east":
+                self.fence_line((half, _BORDER_M), (half, depth - 0.5), form, height)
+            case "west":
+                self.fence_line((-half, _BORDER_M), (-half, depth - 0.5), form, height)
+            case _:
+                pass
 
     def facing(self, spot: Frame) -> float:
         """A spot's heading in the parcel's frame."""

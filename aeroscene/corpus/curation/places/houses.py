@@ -172,7 +172,7 @@ class Houses:
         """Boards or hedges between neighbours, and along the back."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
-        back = depth - 0.4
+        back = depth - 0.3
         form = draw.one_of(("hedge", "boards", "boards"))
         ground.fence_line((-half + 0.4, back), (half - 0.4, back), form, draw.between(1.2, 1.7))
         yield

@@ -33,12 +33,12 @@ class Market:
     _middle: Placed | None = None
 
     def structures(self) -> Iterator[None]:
-        """Two stalls and an awning; then a fountain, kiosks and more stalls."""
+        """Three stalls and an awning; then a fountain, kiosks and more stalls."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza")
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         spots = self._stall_spots()
-        for spot in spots[:2]:
+        for spot in spots[:3]:
             self._pitch_stall(*spot)
         yield
         side = 1 if draw.chance(0.5) else -1
@@ -56,21 +56,22 @@ class Market:
         placed = ground.stand("kiosk", *spot, kiosk, margin=0.5, look=paint(draw))
         self._kiosks += [placed] if placed else []
         yield
-        for spot in spots[2:]:
+        for index, spot in enumerate(spots[3:]):
             self._pitch_stall(*spot)
-            yield
+            if index % 2:
+                yield
 
     def _stall_spots(self) -> list[tuple[float, float, float]]:
         """Places and headings along the back, then along the sides."""
         half, depth = self.ground.parcel.width / 2, self.ground.parcel.depth
         count = max(1, int((2 * half - 2) / _PITCH_M))
         back = [
-            ((index - (count - 1) / 2) * _PITCH_M, depth - 1.8, STREETWARD)
+            ((index - (count - 1) / 2) * _PITCH_M, depth - 2.4, STREETWARD)
             for index in range(count)
         ]
         order = self.ground.draw.shuffled(range(count))
         spots = [back[index] for index in order]
-        sides = [(sign * (half - 1.8), 0.66 * depth, sign * pi / 2 + QUARTER) for sign in (-1, 1)]
+        sides = [(sign * (half - 2.4), 0.66 * depth, sign * pi / 2 + QUARTER) for sign in (-1, 1)]
         return [*spots, *sides]
 
     def _pitch_stall(self, u: float, v: float, turn: float) -> None:

@@ -13,7 +13,7 @@ from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
     drums,
     paint,
-    scatter_goods,
+    range_goods,
     set_container,
     stack_container,
 )
@@ -115,7 +115,7 @@ class Waterfront:
         quay = (-half + 0.5, half - 0.5, 1.0, self._edge - 0.5)
         bearing = OpenGround(ground)
         yield from in_turn(
-            self._moor(), self._line_edge(), self._serve(), scatter_goods(ground, bearing, quay, 4)
+            self._moor(), self._line_edge(), self._serve(), range_goods(ground, bearing, quay, 4)
         )
 
     def _moor(self) -> Iterator[None]:

@@ -14,7 +14,7 @@ from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
     CONTAINER_M,
     pallet_row,
-    scatter_goods,
+    range_goods,
     set_container,
     stack_container,
 )
@@ -106,7 +106,7 @@ class Yard:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         apron = (-half + 1.0, half - 1.0, 4.0, depth - 2.0)
         yield from in_turn(
-            self._drive(), scatter_goods(ground, OpenGround(ground), apron, 9), self._staff()
+            self._drive(), range_goods(ground, OpenGround(ground), apron, 9), self._staff()
         )
 
     def _drive(self) -> Iterator[None]:

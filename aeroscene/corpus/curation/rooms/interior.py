@@ -8,6 +8,7 @@ from math import pi
 from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
+from aeroscene.corpus.curation.rooms.grid import grid_spots
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.furniture import WOODS
@@ -37,20 +38,28 @@ class Interior:
     """Furnishes one room."""
 
     def __init__(
-        self, builder: Builder, draw: Draw, space: RoomSpace, sides: Sequence[str] = SIDES
+        self,
+        builder: Builder,
+        draw: Draw,
+        space: RoomSpace,
+        sides: Sequence[str] = SIDES,
+        clear_end_m: float = 0.0,
     ) -> None:
-        """Begin with an empty room that has walls on some of its sides."""
+        """Begin with an empty room that has walls on some of its sides.
+
+        Rows leave `clear_end_m` of its longer side free, at the positive end.
+        """
         self._builder = builder
         self.draw = draw
         self.room = space.placed
         self.floor = space.floor
         self.sides = tuple(sides) or SIDES
         """Sides on which furniture can have a wall in its back."""
+        self._clear_end_m = clear_end_m
         self.bearers: list[Placed] = []
         """Furniture on which small things can lie."""
         # One room, one taste: furniture shares its wood and upholstery its colour.
         self._style = {"wood": draw.one_of(WOODS), "colour": draw.one_of(FABRIC_COLOURS)}
-
         # Corners bear things too, so no table is round.
         self._forms = {
             "table": draw.one_of(("legs", "trestle", "pedestal")),
@@ -153,16 +162,29 @@ class Interior:
                 return placed
         return None
 
+    def long_side(self) -> str:
+        """The longest wall."""
+        return max(self.sides, key=lambda side: self.wall(side)[1])
+
+    def in_ranks(
+        self, side: str, name: str, size: Vector3, ranks: int, pitch: float = 1.0, gap: float = 0.1
+    ) -> Iterator[None]:
+        """Stand ranks of equal things parallel to a wall, facing into the room, six a step."""
+        frame, length = self.wall(side)
+        count = max(0, int((length - 1.0) // (size[1] + gap)))
+        for rank in range(ranks):
+            for index in range(count):
+                u = (index - (count - 1) / 2) * (size[1] + gap)
+                v = size[0] / 2 + _GAP_M + rank * pitch
+                self._stand(name, frame.moved(u, v, QUARTER), size)
+                if index % 6 == 5:
+                    yield
+            yield
+
     def line_walls(self, names: Sequence[str], count: int) -> Iterator[None]:
         """Stand so many of some kinds against walls, one a step."""
         for _ in range(count):
             self.against(self.some_side(), self.draw.one_of(names))
-            yield
-
-    def strew(self, names: Sequence[str], count: int, keep: float) -> Iterator[None]:
-        """Stand so many of some kinds freely in the room, one a step."""
-        for _ in range(count):
-            self.anywhere(self.draw.one_of(names), keep=keep)
             yield
 
     def put(
@@ -219,22 +241,21 @@ class Interior:
         return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size)
 
     def spots(
-        self, pitch_u: float, pitch_v: float, rim: float, *, is_tight: bool = False
+        self,
+        pitch_u: float,
+        pitch_v: float,
+        rim: float | tuple[float, float],
+        *,
+        is_tight: bool = False,
     ) -> list[tuple[float, float]]:
         """Places of a regular grid, row by row, at least a pitch apart and `rim` from the walls.
 
-        A tight grid keeps to the pitch about the room's middle, any other fills the room.
+        A tight grid keeps to the pitch about the middle, any other fills the room; both leave the
+        room's clear end free.
         """
-        x, y, _ = self.room.size
-        rows = (_spread(length - 2 * rim, pitch) for length, pitch in ((x, pitch_u), (y, pitch_v)))
-        (n_u, step_u), (n_v, step_v) = rows
-        if is_tight:
-            step_u, step_v = pitch_u, pitch_v
-        return [
-            ((i - (n_u - 1) / 2) * step_u, (j - (n_v - 1) / 2) * step_v)
-            for i in range(n_u)
-            for j in range(n_v)
-        ]
+        return grid_spots(
+            self.room.size[:2], self._clear_end_m, (pitch_u, pitch_v), rim, is_tight=is_tight
+        )
 
     def lie(
         self,
@@ -277,11 +298,3 @@ class Interior:
         if placed and name in _BEARERS:
             self.bearers.append(placed)
         return placed
-
-
-def _spread(length: float, pitch: float) -> tuple[int, float]:
-    """How many points at least a pitch apart fit on a length, and how far apart they then are."""
-    if length < 0:
-        return (0, 0.0)
-    count = int(length // pitch) + 1
-    return (count, length / (count - 1) if count > 1 else 0.0)

@@ -17,9 +17,10 @@ def furnish_cafe(room: Interior) -> Iterator[None]:
     for at in (-0.6, 0.5):
         room.on(bar, draw.one_of(("cup", "plate", "box")), 0.0, at)
     yield
-    for number in range(8 if room.area > 60 else 3):
-        table = room.anywhere("table", (0.95, 1.8 if number % 2 == 0 else 0.95, 0.74), keep=0.8)
-        chairs = seats(room, table, 2 + 2 * (number % 2 == 0))
+    size = (0.95, draw.between(1.6, 1.9), 0.74)
+    for number, (u, v) in enumerate(room.spots(3.1, 2.7, 1.9)):
+        table = room.put("table", u, v, size)
+        chairs = seats(room, table, 4)
         if number % 2 == 0:
             lay(room, table, chairs[2:3])
         yield
@@ -44,8 +45,12 @@ def furnish_lobby(room: Interior) -> Iterator[None]:
         table = room.in_front(sofa, "coffee_table", gap=0.45)
         room.on(table, draw.one_of(("book", "cup")), 0.0, 0.8)
         yield
+    for u, v in room.spots(4.6, 3.4, 2.2):
+        room.put("bench", u + 0.75, v, (0.5, 1.9, 0.45), keep=0.2)
+        room.put("planter", u, v, (0.7, 1.9, 0.9))
+        room.put("bench", u - 0.75, v, (0.5, 1.9, 0.45), turn=pi, keep=0.2)
+        yield
     for _ in range(2):
-        room.anywhere("planter", (0.8, 2.2, 1.0), keep=0.9)
         room.against(room.some_side(), "plant", (0.8, 0.8, 1.7))
         yield
     room.against(room.some_side(), "sign", (0.2, 1.2, 2.2))
@@ -60,15 +65,16 @@ def furnish_lobby(room: Interior) -> Iterator[None]:
 
 def furnish_lounge(room: Interior) -> Iterator[None]:
     """Groups of armchairs around low tables, standing tables, shelves."""
-    for _ in range(4 if room.area > 80 else 2):
-        table = room.anywhere("coffee_table", (0.9, 1.2, 0.45), keep=1.2)
+    spots = room.spots(3.6, 2.9, 2.0)
+    for u, v in spots[::2]:
+        table = room.put("coffee_table", u, v, (0.9, 1.2, 0.45))
         seats(room, table, 2, "armchair")
         yield
     sofa = room.against(room.some_side(), "sofa")
     room.in_front(sofa, "coffee_table", gap=0.45)
     yield
-    for _ in range(3 if room.area > 80 else 1):
-        table = room.anywhere("table", (0.95, 1.8, 0.75), keep=0.9)
+    for u, v in spots[1::2]:
+        table = room.put("table", u, v, (0.95, 1.8, 0.75))
         chairs = seats(room, table, 4)
         lay(room, table, chairs[:1])
         yield
@@ -89,16 +95,16 @@ def furnish_corridor(room: Interior) -> Iterator[None]:
 
 def furnish_garden(room: Interior) -> Iterator[None]:
     """A winter garden: planters, bushes, benches, a table."""
-    for _ in range(3):
-        room.anywhere("planter", (1.2, 2.6, 1.3), keep=0.8)
-        room.against(room.some_side(), "plant", (0.9, 0.9, 1.8))
+    for u, v in room.spots(4.4, 3.3, 1.9):
+        room.put("planter", u, v, (1.2, 2.6, 1.3))
+        room.put("bench", u + 1.05, v, (0.5, 1.9, 0.85))
         yield
-    for _ in range(2):
-        room.against(room.some_side(), "bench")
+    for _ in range(3):
+        room.against(room.some_side(), "plant", (0.9, 0.9, 1.8))
         room.against(room.some_side(), "bush", (1.2, 1.2, 1.3))
         yield
-    for _ in range(2):
-        table = room.anywhere("table", (0.9, 1.2, 0.74), keep=0.9)
+    for u, v in room.spots(4.4, 3.3, 1.9):
+        table = room.put("table", u - 1.6, v, (0.9, 1.2, 0.74))
         chairs = seats(room, table, 2)
         lay(room, table, chairs[:1])
         yield
@@ -108,14 +114,12 @@ def furnish_garden(room: Interior) -> Iterator[None]:
 def furnish_gym(room: Interior) -> Iterator[None]:
     """Mats on the floor, benches, boxes to jump on, lockers."""
     draw = room.draw
-    for u, v in room.spots(3.2, 2.6, 2.2)[:6]:
-        room.put("landing_pad", u, v, (1.6, 2.0, 0.06), keep=0.3)
+    for u, v in room.spots(2.8, 2.6, 1.8):
+        room.put("landing_pad", u, v, (1.6, 2.0, 0.06))
         yield
-    room.lined(room.some_side(), "bench", 3, (0.45, 1.8, 0.45))
+    yield from room.in_ranks(room.long_side(), "bench", (0.45, 1.8, 0.45), 1, gap=0.4)
+    room.lined(room.some_side(), "crate", 3, (0.9, 1.2, 0.9))
     yield
-    for _ in range(3):
-        room.anywhere("crate", (0.9, 1.2, 0.9), keep=0.9)
-        yield
     room.lined(room.some_side(), "shelf", 2)
     room.lined(room.some_side(), "cabinet", 2)
     yield
@@ -139,26 +143,21 @@ def furnish_changing(room: Interior) -> Iterator[None]:
 
 
 def furnish_court(room: Interior) -> Iterator[None]:
-    """A playing field with benches, goals of boxes and gear along its sides; the middle is free."""
+    """A playing field before rows of seats, with team benches and gear along the other walls."""
     draw = room.draw
-    x, y, _ = room.room.size
-    sides = ("left", "right") if x >= y else ("front", "back")
-    for side in sides:
-        room.lined(side, "bench", 2, (0.45, 1.9, 0.85), gap=0.3)
+    stand = room.long_side()
+    others = [side for side in room.sides if side != stand] or [stand]
+    yield from room.in_ranks(stand, "bench", (0.45, 1.9, 0.85), 2, pitch=1.05)
+    for side in others:
+        room.lined(side, "bench", 2, (0.45, 1.9, 0.45), gap=0.3)
+        room.lined(side, "crate", 2, (0.9, 1.3, 1.0))
         yield
-    for sign in (-1, 1):
-        at = sign * (max(x, y) / 2 - 0.9)
-        u, v = (at, 0.0) if x >= y else (0.0, at)
-        room.put("crate", u, v, (0.9, 1.4, 1.1), turn=0.0 if x >= y else pi / 2)
-        yield
-    for _ in range(3):
-        room.against(draw.one_of(sides), draw.one_of(("crate", "barrel", "pallet")))
-        yield
-    room.against(draw.one_of(sides), "sign", (0.25, 2.2, 3.2))
-    room.against(draw.one_of(sides), "bin")
+    room.against(draw.one_of(others), "sign", (0.25, 2.2, 3.2))
+    room.against(draw.one_of(others), "bin")
     yield
-    for _ in range(6):
-        room.lined(draw.one_of(sides), "chair", 5, gap=0.15)
+    yield from room.in_ranks(stand, "chair", (0.5, 0.5, 0.85), 4, pitch=1.05, gap=0.15)
+    for side in others:
+        room.lined(side, "barrel", 4)
         yield
 
 
@@ -174,21 +173,26 @@ def furnish_stand(room: Interior) -> Iterator[None]:
 
 
 def furnish_concourse(room: Interior) -> Iterator[None]:
-    """Benches back to back, departure boards, bins, planters, ticket machines."""
-    for u, v in room.spots(5.0, 4.2, 2.1)[:8]:
-        size = (0.6, 2.0, 0.85)
-        room.put("bench", u + 0.33, v, size)
-        room.put("bench", u - 0.33, v, size, turn=pi)
-        yield
-    room.anywhere("sign", (0.25, 2.4, 3.4), keep=1.2)
-    room.lined(room.some_side(), "wardrobe", 3, (0.6, 0.9, 1.9))
-    yield
-    for _ in range(4):
-        room.anywhere("planter", (0.9, 1.8, 1.0), keep=1.2)
-        room.anywhere("bin", keep=1.0)
-        yield
+    """Lines of benches back to back, a board at their ends, ticket machines and a counter."""
+    size = (0.6, 2.0, 0.85)
     counter = room.against(room.some_side(), "counter", (0.75, 3.0, 1.05))
     room.on(counter, "monitor", 0.0, 0.6)
     room.on(counter, "laptop", 0.0, -0.6)
     yield
-    yield from room.strew(("bicycle", "box", "crate"), 6, keep=0.9)
+    spots = room.spots(4.4, 2.15, 2.2, is_tight=True)
+    for u, v in spots:
+        room.put("bench", u + 0.32, v, size)
+        room.put("bench", u - 0.32, v, size, turn=pi)
+        yield
+    room.lined(room.some_side(), "wardrobe", 4, (0.6, 0.9, 1.9))
+    yield
+    ends = sorted({u for u, _ in spots})
+    low, high = (limit(v for _, v in spots) if spots else 0.0 for limit in (min, max))
+    for u in ends:
+        room.put("sign", u, high + 1.6, (0.25, 2.2, 3.2), turn=pi / 2)
+        room.put("planter", u, low - 1.6, (0.9, 1.8, 1.0), turn=pi / 2)
+        yield
+    for _ in range(3):
+        room.against(room.some_side(), "bin")
+        room.lined(room.some_side(), "planter", 2, (0.7, 1.6, 1.0), gap=0.8)
+        yield

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
+from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import seats
 from aeroscene.scene import Vector3
 
 _ROUNDS = 30
+_PITCH_M = (2.9, 2.7)
+_RIM_M = 1.6
+"""Pitch of what stands freely, and how far it keeps from the walls."""
 _FREE_SIZES: dict[str, Vector3] = {
     "table": (0.95, 1.3, 0.74),
     "coffee_table": (0.9, 1.1, 0.45),
@@ -26,12 +30,12 @@ _SEATED = {"table": "chair", "coffee_table": "armchair"}
 
 # Free-standing furniture, furniture against walls, small things on top.
 _Accents = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]
-_PUBLIC: _Accents = (("table", "planter"), ("bench", "plant", "bin"), ("cup", "plate", "book"))
+_PUBLIC: _Accents = (("table", "planter"), ("bench", "plant", "bin"), ("cup", "book"))
 _WORK: _Accents = (("table", "desk"), ("cabinet", "shelf", "plant", "bin"), ("book", "cup", "box"))
 _HOME: _Accents = (
     ("table", "coffee_table"),
     ("cabinet", "shelf", "plant", "lamp"),
-    ("book", "cup", "plate", "cutlery"),
+    ("book", "cup"),
 )
 _GOODS: _Accents = (("pallet", "crate"), ("crate", "barrel", "shelf", "box"), ("box",))
 _SPORT: _Accents = (
@@ -55,16 +59,26 @@ def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
     """More of what suits a kind of room, as long as there is space for it."""
     free, lining, small = _ACCENTS.get(kind, _PUBLIC)
     draw = room.draw
+    spots = iter(room.spots(*_PITCH_M, _RIM_M, is_tight=True))
+    name = draw.one_of(free) if free else ""
     for number in range(_ROUNDS):
         if free and number % 2 == 0:
-            name = draw.one_of(free)
-            stand = room.anywhere(name, _FREE_SIZES[name], keep=max(0.4, 0.8 - 0.03 * number))
+            stand = _next_in_rows(room, spots, name)
             if name in _SEATED:
                 seats(room, stand, 2, _SEATED[name])
             yield
-        room.against(room.some_side(), draw.one_of(lining))
+        room.lined(room.some_side(), draw.one_of(lining), 2, gap=0.3)
         yield
         for bearer in islice(room.bearers, number, None, _ROUNDS):
             for _ in range(2):
                 room.on(bearer, draw.one_of(small), draw.between(-0.6, 0.6), 0.9)
             yield
+
+
+def _next_in_rows(room: Interior, spots: Iterator[tuple[float, float]], name: str) -> Placed | None:
+    """Stand something at the next place of a grid that is free, where one is left."""
+    for u, v in spots:
+        placed = room.put(name, u, v, _FREE_SIZES[name], keep=0.5)
+        if placed:
+            return placed
+    return None

@@ -51,30 +51,23 @@ def furnish_open_office(room: Interior) -> Iterator[None]:
     """Islands of desks face to face, cabinets along the walls, a round of armchairs."""
     draw = room.draw
     size = (0.88, draw.between(1.7, 1.95), 0.74)
-    spots = room.spots(3.6, 3.6, 2.0)
-    order = draw.shuffled(range(len(spots)))
+    spots = room.spots(3.6, 2.2, 1.7, is_tight=True)
     half = size[0] / 2 + 0.02
-    for index in order[:6]:
-        u, v = spots[index]
+    for index, (u, v) in enumerate(spots):
         pair = [room.put("desk", u + half, v, size), room.put("desk", u - half, v, size, turn=pi)]
         for desk, end in zip(pair, _ENDS, strict=True):
             room.in_front(desk, "chair")
             _equip(room, desk, end)
         yield
-    room.lined(room.some_side(), "cabinet", 3)
-    yield
+        if index % 3 == 2:
+            room.lined(room.some_side(), "cabinet", 2)
+            yield
     for _ in range(3):
         room.against(room.some_side(), draw.one_of(("plant", "shelf", "bin")))
     yield
     table = room.anywhere("coffee_table", (0.85, 1.1, 0.42), keep=1.0)
     seats(room, table, 2, "armchair")
     yield
-    for index in order[6:]:
-        u, v = spots[index]
-        desk = room.put("desk", u, v, size, keep=0.5)
-        room.in_front(desk, "chair")
-        _equip(room, desk, draw.one_of(_ENDS))
-        yield
 
 
 def furnish_meeting(room: Interior) -> Iterator[None]:

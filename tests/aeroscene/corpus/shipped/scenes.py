@@ -98,6 +98,7 @@ def scenes(draw):
         altitude_m=draw(lengths),
         objects=tuple(found),
         interaction_areas=tuple(draw(areas(area_id, ids)) for area_id in area_ids),
+        theme=draw(st.sampled_from(["", "park", "\N{SNOWMAN}"])),
     )
 
 

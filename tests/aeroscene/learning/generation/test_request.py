@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from aeroscene.learning.generation import AreaCounts, Request, RequestError
+from aeroscene.learning.tokens.skeleton import Wish
 from tests.aeroscene.conftest import cached_scene
 
 
@@ -40,6 +41,7 @@ def test_what_is_asked_for_is_kept_and_the_rest_is_drawn() -> None:
     wish, limits = drawn(Request(seed=0, domain="indoor", n_objects=100, n_areas=30))
     assert wish.domain == "indoor"
     assert wish.n_coarse + wish.n_fine == 100
+    assert limits is not None
     assert limits.small + limits.medium + limits.large == 30 == wish.n_areas
     assert limits.small > limits.medium > limits.large >= 0
 
@@ -123,3 +125,25 @@ def test_a_scene_is_prepared_as_asked_for() -> None:
     assert min(doors) >= 2.9
     limits = drawn(Request(seed=0))[1]
     assert Request(seed=0, min_passage_m=2.9).demands(limits).least_passage_m == 2.9
+
+
+SEEN = (Wish("indoor", 10, 5, 7), Wish("indoor", 12, 36, 9), Wish("mixed", 40, 60, 20))
+
+
+def test_open_wishes_are_those_of_the_scenes_seen_and_keep_all_areas():
+    found = [Request(seed=i).drawn(np.random.default_rng(i), SEEN) for i in range(40)]
+    assert {wish for wish, _ in found} == set(SEEN)
+    assert all(limits is None for _, limits in found)
+
+
+def test_what_is_asked_for_stands_in_the_place_of_what_was_seen():
+    request = Request(seed=0, domain="mixed", n_objects=50, n_areas=10)
+    wish, limits = request.drawn(np.random.default_rng(0), SEEN)
+    assert (wish.domain, wish.n_coarse, wish.n_fine, wish.n_areas) == ("mixed", 20, 30, 10)
+    assert limits is not None
+    assert limits.small + limits.medium + limits.large == 10
+
+
+def test_a_domain_that_was_never_seen_is_refused():
+    with pytest.raises(RequestError, match="'outdoor', valid: indoor, mixed; the model was"):
+        Request(seed=0, domain="outdoor").drawn(np.random.default_rng(0), SEEN)

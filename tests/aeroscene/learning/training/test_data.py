@@ -12,11 +12,17 @@ from aeroscene.layouts.document import LayoutError
 from aeroscene.learning.paper.tokens import FlatTrainingSet
 from aeroscene.learning.tokens.examples import UnencodableError
 from aeroscene.learning.training.config import TrainingError
-from aeroscene.learning.training.data import open_training_data, prepared
+from aeroscene.learning.training.data import count_scenes, open_training_data, prepared
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.conftest import ten_objects
 
 SCENES = (7, 42, 45)
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    """Mapped layouts are kept where the test ends."""
+    monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path / "cache"))
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +103,15 @@ def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):
     assert len(data.held_out.examples) == 2
     categories = {kind.category for kind in data.vocabulary.kinds}
     assert {"table", "chair"} <= categories
+    # What is generated has as much as what was trained on: table, chairs, walls, ground.
+    assert {wish.domain for wish in data.source.wishes} == {"indoor"}
+    assert {wish.n_fine for wish in data.source.wishes} == {2, 3, 4}
+    assert len(data.source.wishes) == count_scenes(tmp_path / "rooms.jsonl.gz") - 2
+
+
+def test_wishes_of_the_corpus_are_its_budget(corpus):
+    assert open_training_data(corpus).source.wishes == ()
+    assert count_scenes(corpus) == 3
 
 
 def test_data_that_cannot_be_trained_on_is_named(tmp_path):

@@ -1,0 +1,196 @@
+"""Start of a flight in a scene that has no pad for it: from geometry alone.
+
+A start is the middle of a wide free disc of ground, the first from which there is somewhere to fly
+to; where there is no such, the one with the most.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from aeroscene.areas.landing import derive_interaction_areas
+from aeroscene.areas.needs import AreaLimits
+from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.scene import Scene, SceneObject, Vector3
+from aeroscene.solids.freespace import VoxelField, build_distance_field
+from aeroscene.solids.shapes import Primitive, scene_primitives
+from aeroscene.solids.shapes.shell import FINISH_M
+
+LEAST_RADIUS_M = 0.5
+"""A Hummingbird stands in this disc, without a hand's breadth to spare."""
+FREE_HEIGHT_M = 2.5
+"""Nothing may hang lower than this over the disc."""
+MAX_PLACES = 3
+"""Places tried upon grounds of one rank."""
+AWAY_M = 2.0
+"""Landing nearer to the start than this is no flight."""
+ENOUGH_AREAS = 3
+"""Landing areas away from a start, for more than a small drone, that make it a good one."""
+NO_START = "no free place to start from, valid: a disc of 0.5 m radius with nothing on or above it"
+"""What a scene has that `with_start` finds no start in."""
+_FLAT_M = 0.06
+"""Height above the ground up to which an object is part of it."""
+_LOWEST_M = 0.3
+"""A floor is the lowest one where it is at most this high above the bottom of the flight volume."""
+_TOLERANCE_M = 0.05
+_GROUNDS = frozenset({"lawn", "room"})
+"""Categories that are in nobody's way."""
+_OPEN = frozenset({"lawn", "plaza", "parking_lot"})
+_LAST_RESORT = frozenset({"road"})
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """A piece of ground on which a flight may start."""
+
+    outline: BaseGeometry
+    height_m: float
+    """Height of its upper face."""
+    within: frozenset[int] = frozenset()
+    """Numbers of the objects that it is inside of, such as the building about a floor."""
+
+
+def with_start(
+    scene: Scene,
+    ranks: Iterable[Sequence[Ground]],
+    limits: AreaLimits | None = None,
+    primitives: Sequence[Primitive] | None = None,
+    field: VoxelField | None = None,
+) -> Scene | None:
+    """A scene with a start, and with the interaction areas that can be reached from there.
+
+    Args:
+        scene: The scene; the start and the areas that it has are ignored.
+        ranks: Grounds, those where a flight should rather start first.
+        limits: At most how many areas; all of them where None.
+        primitives: The scene's primitives, where the caller has them already.
+        field: Its distance field, likewise.
+
+    Returns:
+        The scene, None where there is no free place to start from.
+    """
+    primitives = scene_primitives(scene) if primitives is None else primitives
+    if field is None:
+        field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
+    best: tuple[int, Scene] | None = None
+    for grounds in ranks:
+        for place, yaw_rad in start_places(scene.objects, grounds):
+            if not _is_inside(scene, place):
+                continue
+            found = replace(scene, start_position_enu_m=place, start_yaw_rad=yaw_rad)
+            areas = derive_interaction_areas(found, primitives, field, limits)
+            found = replace(found, interaction_areas=areas)
+            n_away = _count_away(found)
+            if best is None or n_away > best[0]:
+                best = n_away, found
+            if n_away >= ENOUGH_AREAS:
+                return found
+    return None if best is None else best[1]
+
+
+def _is_inside(scene: Scene, place: Vector3) -> bool:
+    bounds = zip(scene.extent_min_enu_m, place, scene.extent_max_enu_m, strict=True)
+    return all(low <= value <= high for low, value, high in bounds)
+
+
+def _count_away(scene: Scene) -> int:
+    """Areas to land on away from the start with more than a small drone."""
+    x, y, _ = scene.start_position_enu_m
+    return sum(
+        area.drone_class != "small"
+        and math.hypot(area.centroid[0] - x, area.centroid[1] - y) >= AWAY_M
+        for area in scene.landing_areas
+    )
+
+
+def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
+    """The grounds of a scene by rank: indoors the lowest floors first, else what is open."""
+    floors = tuple(
+        Ground(_outline(obj), _bottom_m(obj) + FINISH_M, frozenset(scene.ancestors(obj.id)))
+        for obj in scene.objects
+        if obj.category == "room" and _bottom_m(obj) <= scene.extent_min_enu_m[2] + _LOWEST_M
+    )
+    is_open, last_resort = (
+        tuple(
+            Ground(_outline(obj), obj.bbox.p[2] + obj.bbox.s[2] / 2)
+            for obj in scene.objects
+            if obj.category in names and obj.domain == "outdoor"
+        )
+        for names in (_OPEN, _LAST_RESORT)
+    )
+    if scene.domain == "indoor":
+        return (floors, is_open, last_resort)
+    return (is_open, last_resort, floors)
+
+
+def _bottom_m(obj: SceneObject) -> float:
+    return obj.bbox.p[2] - obj.bbox.s[2] / 2
+
+
+def start_places(
+    objects: Sequence[SceneObject], grounds: Sequence[Ground]
+) -> Iterator[tuple[Vector3, float]]:
+    """Places to start from with the heading there, the widest disc first.
+
+    Args:
+        objects: Everything in the scene.
+        grounds: Where to look.
+    """
+    if not grounds:
+        return
+    blocked = {
+        key: shapely.union_all(_obstacles(objects, *key))
+        for key in dict.fromkeys((ground.height_m, ground.within) for ground in grounds)
+    }
+    free = [shapely.difference(g.outline, blocked[g.height_m, g.within]) for g in grounds]
+    middle = shapely.union_all([ground.outline for ground in grounds]).centroid
+    for _ in range(MAX_PLACES):
+        widest = _widest(free)
+        if widest is None or widest[1].length < LEAST_RADIUS_M:
+            return
+        number, circle = widest
+        (x, y), _ = shapely.get_coordinates(circle).tolist()
+        yaw_rad = math.atan2(middle.y - y, middle.x - x)
+        height_m = round(grounds[number].height_m, 4)
+        yield (round(x, 3), round(y, 3), height_m), round(yaw_rad, 4)
+        disc = shapely.Point(x, y).buffer(circle.length)
+        free = [shapely.difference(region, disc) for region in free]
+
+
+def _obstacles(
+    objects: Sequence[SceneObject], ground_m: float, within: frozenset[int]
+) -> list[BaseGeometry]:
+    """Outlines of the boxes that are in the way of a drone that stands on the ground."""
+    outlines: list[BaseGeometry] = []
+    for obj in objects:
+        corners = obj.bbox.corners()
+        low, high = float(corners[:, 2].min()), float(corners[:, 2].max())
+        is_low = high > ground_m + _FLAT_M and low < ground_m + FREE_HEIGHT_M
+        if is_low and obj.category not in _GROUNDS and obj.id not in within:
+            outlines.append(_outline(obj))
+    return outlines
+
+
+def _outline(obj: SceneObject) -> BaseGeometry:
+    return shapely.convex_hull(shapely.MultiPoint(obj.bbox.corners()[:, :2]))
+
+
+def _widest(regions: Sequence[BaseGeometry]) -> tuple[int, shapely.LineString] | None:
+    """The largest inscribed circle of any part: its region's number, its radius from the middle."""
+    parts = [
+        (number, part)
+        for number, region in enumerate(regions)
+        for part in shapely.get_parts(region)
+        if part.area > LEAST_RADIUS_M**2
+    ]
+    if not parts:
+        return None
+    circles = [shapely.maximum_inscribed_circle(part, _TOLERANCE_M) for _, part in parts]
+    best = int(np.argmax([circle.length for circle in circles]))
+    return parts[best][0], circles[best]

@@ -1,0 +1,83 @@
+"""Any folder of scene files, without a manifest: what `aeroscene generate` writes, say."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from aeroscene.corpus.dataset import JOURNAL, MANIFEST, Dataset, open_dataset
+from aeroscene.corpus.summary import SceneSummary, summarise
+from aeroscene.scene import Scene
+from aeroscene.scene.io import read_scene
+
+
+class FileEntry(SceneSummary, frozen=True, kw_only=True):
+    """What there is to know of a scene file; its index is its place among the names."""
+
+    file: str
+    """Name in the folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneFiles:
+    """Scenes in the files of a folder, by name; a part of them is a `SceneFiles` too."""
+
+    folder: Path
+    entries: tuple[FileEntry, ...]
+
+    @property
+    def title(self) -> str:
+        """What to call the set in a sentence."""
+        return "folder"
+
+    @property
+    def place(self) -> Path:
+        """The folder."""
+        return self.folder
+
+    def select(self, indices: Container[int]) -> SceneFiles:
+        """The scenes whose numbers are among these."""
+        return SceneFiles(self.folder, tuple(e for e in self.entries if e.index in indices))
+
+    def read(self, entry: FileEntry) -> Scene:
+        """Read and validate one scene.
+
+        Raises:
+            SceneError: If the file is missing, damaged, or no scene.
+        """
+        return read_scene(self.folder / entry.file)
+
+
+def open_folder(folder: str | Path) -> Dataset | SceneFiles:
+    """The scenes in a folder: a dataset where it has a manifest, else all its scene files.
+
+    Raises:
+        SceneError: If there is neither, or one of the files is no scene.
+    """
+    folder = Path(folder)
+    names = [] if is_dataset(folder) or not folder.is_dir() else _scene_files(folder)
+    if not names:
+        return open_dataset(folder)
+    return SceneFiles(folder, tuple(_entry(folder, *each) for each in enumerate(names)))
+
+
+def is_dataset(folder: Path) -> bool:
+    """Whether a folder holds a dataset, whole or as far as its build has come."""
+    return any((folder / name).exists() for name in (MANIFEST, JOURNAL))
+
+
+def _scene_files(folder: Path) -> list[str]:
+    endings = (".json", ".json.gz")
+    return sorted(
+        path.name
+        for path in folder.iterdir()
+        if path.name.endswith(endings) and not path.name.startswith(".")
+    )
+
+
+def _entry(folder: Path, index: int, name: str) -> FileEntry:
+    summary = summarise(read_scene(folder / name), index)
+    return FileEntry(**msgspec.structs.asdict(summary), file=name)

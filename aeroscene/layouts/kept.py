@@ -1,0 +1,140 @@
+"""Layouts of a file as scenes, kept once they have been mapped.
+
+Mapping takes a tenth of a second a room, and a file has a thousand. Scenes are kept under a hash of
+the file and of all sources that mapping follows from; a kept file that is damaged, or is not ours,
+is as good as none. They are in the folder `layouts` of the user's cache (or of
+`AEROSCENE_CACHE_DIR`); `AEROSCENE_CACHE=off` reads and writes no file. The last few files are kept.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import os
+import zlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+from aeroscene.cache import cache_folder
+from aeroscene.files import replacing
+from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.text_file import text_lines
+from aeroscene.scene import Scene
+from aeroscene.scene.io import scene_from_json, scene_to_json
+
+MOST_KEPT = 8
+"""Files whose scenes are kept; those that were not used for longest go first."""
+_MAGIC = b"aeroscene mapped layouts 1\n"
+_DIGEST_BYTES = 16
+_END = b"\0"
+"""What ends a scene; JSON has none."""
+_SOURCES = ("scene", "solids", "areas", "layouts")
+"""Packages that mapping follows from."""
+_DAMAGED = (OSError, EOFError, zlib.error, ValueError)
+
+
+def mapped_scenes(path: Path, on_scene: Callable[[], None] = lambda: None) -> list[Scene]:
+    """Each layout of a file as a scene to fly in, in the order of the lines.
+
+    Args:
+        path: File of neutral layouts.
+        on_scene: Called after each scene.
+
+    Raises:
+        LayoutError: Naming file, line, scene, object and field.
+    """
+    kept = _kept_file(path)
+    if kept is not None:
+        try:
+            scenes = _decode(kept.read_bytes())
+            os.utime(kept)
+        except _DAMAGED:
+            pass
+        else:
+            for _ in scenes:
+                on_scene()
+            return scenes
+    scenes = _mapped(path, on_scene)
+    if kept is not None:
+        _keep(kept, scenes)
+    return scenes
+
+
+def count_layouts(path: Path) -> int:
+    """Layouts in a file of lines, read or not.
+
+    Raises:
+        LayoutError: If the file cannot be read.
+    """
+    return sum(1 for _ in text_lines(path))
+
+
+def _mapped(path: Path, on_scene: Callable[[], None]) -> list[Scene]:
+    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - loads shapely
+
+    scenes: list[Scene] = []
+    for layout in read_neutral(path):
+        scenes.append(make_flyable(layout)[0])
+        on_scene()
+    return scenes
+
+
+def _kept_file(path: Path) -> Path | None:
+    """Where the scenes of a file are kept; None where they are not, or it cannot be read."""
+    folder = cache_folder("layouts")
+    if folder is None:
+        return None
+    digest = hashlib.blake2b(_code(), digest_size=_DIGEST_BYTES)
+    try:
+        digest.update(path.read_bytes())
+    except OSError:
+        return None  # Who reads it says why.
+    return folder / f"{digest.hexdigest()}.scenes"
+
+
+@cache
+def _code() -> bytes:
+    """Hash of the code that a mapped scene follows from."""
+    package = Path(__file__).parents[1]
+    digest = hashlib.blake2b(_MAGIC, digest_size=_DIGEST_BYTES)
+    for folder in _SOURCES:
+        for path in sorted((package / folder).rglob("*.py")):
+            digest.update(path.relative_to(package).as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.digest()
+
+
+def _encode(scenes: list[Scene]) -> bytes:
+    text = b"".join(scene_to_json(scene) + _END for scene in scenes)
+    body = gzip.compress(text, 6, mtime=0)
+    return _MAGIC + hashlib.blake2b(body, digest_size=_DIGEST_BYTES).digest() + body
+
+
+def _decode(data: bytes) -> list[Scene]:
+    """The scenes that `_encode` wrote.
+
+    Raises:
+        ValueError: If the data is not that.
+    """
+    head = len(_MAGIC) + _DIGEST_BYTES
+    body = data[head:]
+    if data[:head] != _MAGIC + hashlib.blake2b(body, digest_size=_DIGEST_BYTES).digest():
+        raise ValueError("not mapped layouts of this version; valid: what was written here")
+    return [scene_from_json(text) for text in gzip.decompress(body).split(_END)[:-1]]
+
+
+def _keep(path: Path, scenes: list[Scene]) -> None:
+    """Write a file and remove the oldest beyond the limit; without a folder to write to, nothing.
+
+    Other processes may do the same at the same time.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as file:
+            file.write(_encode(scenes))
+        files = sorted(path.parent.iterdir(), key=lambda one: one.stat().st_mtime, reverse=True)
+        for one in files[MOST_KEPT:]:
+            one.unlink(missing_ok=True)
+    except OSError:
+        return
