@@ -69,7 +69,7 @@ def pilot_of(text: str) -> MakePilot | None:
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)
     try:
-        found = getattr(importlib.import_module(module), name)
+        found: Any = getattr(importlib.import_module(module), name)
     except Exception as error:  # noqa: BLE001 - a user's module may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise GenerateError(f"worst-for is {text!r}, but {reason}; {valid}") from None
@@ -130,7 +130,7 @@ def worst_first(flights: Sequence[Flight]) -> list[Flight]:
         [_bad(flight.least_clearance_m, -1.0) for flight in flights],
     )
     # Rank 0 is best; equal figures share the lower one.
-    ranks = sum(np.searchsorted(np.sort(values), values) for values in badness)
+    ranks = np.sum([np.searchsorted(np.sort(values), values) for values in badness], axis=0)
     totals = {flight.seed: int(rank) for flight, rank in zip(flights, ranks, strict=True)}
     return sorted(flights, key=lambda f: (f.success, -totals[f.seed], f.seed))
 
