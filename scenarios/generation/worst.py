@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
 import numpy as np
@@ -69,13 +69,13 @@ def pilot_of(text: str) -> MakePilot | None:
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)
     try:
-        found: Any = getattr(importlib.import_module(module), name)
+        found = getattr(importlib.import_module(module), name)
     except Exception as error:  # noqa: BLE001 - a user's module may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise GenerateError(f"worst-for is {text!r}, but {reason}; {valid}") from None
     if not callable(found):
         raise GenerateError(f"worst-for is {text!r}, which is no class; {valid}")
-    return found
+    return cast("MakePilot", found)
 
 
 def fly(scene: Scene, make: MakePilot | None) -> Flight:
