@@ -14,6 +14,7 @@ from aeroscene.areas.start import AWAY_M, NO_START, grounds_of, with_start
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, report_of
 from aeroscene.feasibility.stages import finished, project
+from aeroscene.feasibility.wishes.passages import too_narrow
 from aeroscene.scene import Scene, SceneError
 from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
@@ -32,6 +33,8 @@ class FeasibilityCfg:
     """A scene with fewer, those beside the start not counted, is rejected."""
     most_dropped_share: float = 0.1
     """A scene that loses more of its objects is rejected."""
+    least_passage_m: float = 0.0
+    """A scene with a door or corridor that is narrower is rejected."""
     is_validated: bool = True
     """Whether the result is held against `aeroscene.validation`, and rejected if it fails."""
 
@@ -108,6 +111,9 @@ def _rejection(
             f"{n_away} landing areas away from the start can be reached, "
             f"valid: from {cfg.least_landing_areas}"
         )
+    narrow = too_narrow(found, cfg.least_passage_m) if cfg.least_passage_m > 0 else None
+    if narrow is not None:
+        return narrow
     if findings:
         return f"{len(findings)} findings, the first: {findings[0].detail}"
     return None

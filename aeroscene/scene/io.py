@@ -15,6 +15,7 @@ from typing import NoReturn
 
 import msgspec
 import numpy as np
+from msgspec.structs import asdict
 
 from aeroscene.files import replacing
 from aeroscene.scene import (
@@ -42,8 +43,7 @@ class SceneFileError(SceneError):
     """A scene file that cannot be read: missing, cut short, another format or version."""
 
 
-class _Record(msgspec.Struct, forbid_unknown_fields=True):
-    pass
+class _Record(msgspec.Struct, forbid_unknown_fields=True): ...
 
 
 class _Head(msgspec.Struct, frozen=True):
@@ -109,6 +109,8 @@ class _Document(_Record):
     objects: tuple[_Object, ...]
     interaction_areas: tuple[_Area, ...]
     theme: str = ""
+    wishes: dict[str, AttributeValue] = {}
+    measured: dict[str, AttributeValue] = {}
 
 
 def scene_to_json(scene: Scene) -> bytes:
@@ -124,6 +126,8 @@ def scene_to_json(scene: Scene) -> bytes:
         "start": _Start(scene.start_position_enu_m, scene.start_yaw_rad),
         "origin": _Origin(scene.latitude_deg, scene.longitude_deg, scene.altitude_m),
     }
+    notes = ("wishes", "measured")
+    head |= {name: dict(note) for name in notes if (note := getattr(scene, name))}
     return b"".join(
         (
             msgspec.json.encode(head)[:-1],
@@ -206,10 +210,7 @@ def _build(document: _Document) -> Scene:
     scene_id = document.scene_id
     try:
         objects = tuple(_build_object(record) for record in document.objects)
-        areas = tuple(
-            InteractionArea(**{name: getattr(record, name) for name in _Area.__struct_fields__})
-            for record in document.interaction_areas
-        )
+        areas = tuple(InteractionArea(**asdict(record)) for record in document.interaction_areas)
         _check_corners(document.objects)
     except SceneError as error:
         raise error.within(f"scene {scene_id!r}") from None
@@ -227,6 +228,8 @@ def _build(document: _Document) -> Scene:
         objects=objects,
         interaction_areas=areas,
         theme=document.theme,
+        wishes=document.wishes,
+        measured=document.measured,
     )
 
 
@@ -251,8 +254,7 @@ def _check_corners(records: tuple[_Object, ...]) -> None:
         return
     written = np.array([record.bbox_corners for record in records])
     p, q, s = (np.array([getattr(record.bbox, name) for record in records]) for name in "pqs")
-    expected = box_corners(p, q, s)
-    deviation_m = np.abs(written - expected).max(axis=(1, 2))
+    deviation_m = np.abs(written - box_corners(p, q, s)).max(axis=(1, 2))
     worst = int(np.argmax(~(deviation_m <= CORNER_TOLERANCE_M)))
     if not deviation_m[worst] <= CORNER_TOLERANCE_M:
         raise SceneError(
@@ -268,27 +270,25 @@ def read_scene(path: str | Path) -> Scene:
         SceneError: If the file is missing or breaks a rule; one line that says which.
     """
     path = Path(path)
+    source = f"scene file {str(path)!r}"
     try:
         data = path.read_bytes()
     except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise SceneFileError(
-            f"scene file {str(path)!r} cannot be read ({reason.lower()}), valid: a scene in JSON"
-        ) from None
-    source = f"scene file {str(path)!r}"
+        reason = (error.strerror or type(error).__name__).lower()
+        message = f"{source} cannot be read ({reason}), valid: a scene in JSON"
+        raise SceneFileError(message) from None
     if data.startswith(_GZIP_MAGIC):
         try:
             data = gzip.decompress(data)
         except (EOFError, OSError, zlib.error) as error:
-            reason = str(error) or type(error).__name__
-            raise SceneFileError(f"{source}: not gzip or not all of it ({reason})") from None
+            what = str(error) or type(error).__name__
+            raise SceneFileError(f"{source}: not gzip or not all of it ({what})") from None
     return scene_from_json(data, source=source)
 
 
 def write_scene(scene: Scene, path: str | Path) -> None:
     """Write a scene whole or not at all to `FILE.json`, or compressed to `FILE.json.gz`."""
-    path = Path(path)
-    data = scene_to_json(scene)
+    path, data = Path(path), scene_to_json(scene)
     with replacing(path) as file:
         if path.suffix == ".gz":
             # Without a name and a time, so that equal scenes give equal files on every system.

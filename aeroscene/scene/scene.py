@@ -160,6 +160,10 @@ class Scene:
     interaction_areas: tuple[InteractionArea, ...] = ()
     theme: str = ""
     """What the place is, as `park` or `office`; empty where nobody has said so."""
+    wishes: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
+    """What was asked for when the scene was made, by the option's name; empty where nothing was."""
+    measured: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
+    """Figures that were measured to meet the wishes: grade of difficulty, width of passages."""
 
     def __post_init__(self) -> None:
         try:
@@ -180,6 +184,14 @@ class Scene:
         ok = all(a < b <= a + MAX_EXTENT_M for a, b in zip(low, high, strict=True))
         valid = f"min below max and at most {MAX_EXTENT_M:g} m apart on each axis"
         require(ok=ok, field_name="extent", value=(low, high), valid=valid)
+        self._validate_start()
+        for title, values in (("wishes", self.wishes), ("measured", self.measured)):
+            for name, value in values.items():
+                if isinstance(value, float):
+                    require_finite((value,), 1, f"{title}.{name}")
+
+    def _validate_start(self) -> None:
+        low, high = self.extent_min_enu_m, self.extent_max_enu_m
         require_finite(self.start_position_enu_m, 3, "start.position")
         start = self.start_position_enu_m
         ok = all(a <= x <= b for a, x, b in zip(low, start, high, strict=True))

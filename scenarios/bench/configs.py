@@ -166,6 +166,28 @@ class PlanBenchCfg(AnyBenchCfg):
 
 
 @dataclass(frozen=True, kw_only=True)
+class DifficultyBenchCfg(AnyBenchCfg):
+    """Measure the planner's ways in shipped scenes: what `generate --difficulty` grades by.
+
+    Medians over the ways of a scene, then thirds over the scenes; "over_straight" is the length of
+    a way over the distance of its ends, "quarter_turns" its changes of direction in right angles.
+    """
+
+    count: int = 120
+    """Number of scenes, spread over the dataset."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+
+    def __post_init__(self) -> None:
+        _check("count", self.count, 1, _MOST_SCENES)
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        return f"{self.count} scenes, {self.vehicle}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class EstimateBenchCfg(AnyBenchCfg):
     """Test the consistency and the accuracy of the estimator with every source of position.
 

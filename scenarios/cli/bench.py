@@ -16,6 +16,7 @@ from scenarios.bench.configs import (
     AnyBenchCfg,
     BenchError,
     ControlBenchCfg,
+    DifficultyBenchCfg,
     EstimateBenchCfg,
     GenerateBenchCfg,
     LandBenchCfg,
@@ -35,6 +36,7 @@ Bench = (
     | Annotated[GenerateBenchCfg, tyro.conf.subcommand("generate", prefix_name=False)]
     | Annotated[EstimateBenchCfg, tyro.conf.subcommand("estimate", prefix_name=False)]
     | Annotated[PlanBenchCfg, tyro.conf.subcommand("plan", prefix_name=False)]
+    | Annotated[DifficultyBenchCfg, tyro.conf.subcommand("difficulty", prefix_name=False)]
     | Annotated[ControlBenchCfg, tyro.conf.subcommand("control", prefix_name=False)]
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
 )
@@ -44,6 +46,7 @@ _NAMES: Mapping[type, str] = {
     SceneBenchCfg: "scene",
     GenerateBenchCfg: "generate",
     PlanBenchCfg: "plan",
+    DifficultyBenchCfg: "difficulty",
     ControlBenchCfg: "control",
     LandBenchCfg: "land",
     EstimateBenchCfg: "estimate",

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
-import math
 import sys
-import time
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -15,7 +12,6 @@ import tyro
 
 from aeroscene.learning import require_torch
 from aeroscene.scene import Scene, SceneDomain, SceneError
-from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_NEGATIVE,
@@ -24,18 +20,17 @@ from scenarios.cli.command_line import (
     print_json,
 )
 from scenarios.cli.progress import progress_bar
+from scenarios.generation.asked import GenerateError, asked_areas, outline_sides_m
+from scenarios.generation.worst import ORDER, Flight, MakePilot, Tries, pilot_of, worst_first
 
 if TYPE_CHECKING:
-    from aeroscene.learning.generation import Generated, Generator, Request
+    from aeroscene.learning.generation import Generator, Request
+    from scenarios.generation.draws import Tally
 
 _PROG = "aeroscene generate"
 _MOST_SCENES = 100_000
 _MOST_STEPS = 1000
 _MOST_SEED = 2**63 - 1
-
-
-class GenerateError(SceneError):
-    """A request that `aeroscene generate` cannot fulfil, in one line."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,8 +49,26 @@ class GenerateCfg:
     """Domain of the scenes; any draws one for each."""
     objects: Annotated[int | None, default_hint("drawn, 149 on average")] = None
     """Approximate number of objects in each scene."""
-    areas: Annotated[int | None, default_hint("drawn")] = None
-    """Greatest number of landing areas in each scene."""
+    areas: Annotated[str, default_hint("drawn")] = ""
+    """Greatest number of landing areas in each scene: in all, or by class, such as
+    small=20,medium=5,large=2."""
+    density: Annotated[float | None, default_hint("1")] = None
+    """Factor on the number of fine objects that a scene of its domain has, 0.2 to 2; at most 250
+    objects in all are asked for."""
+    clutter: Annotated[float | None, default_hint("1")] = None
+    """Factor on the loose things (crates, barrels, pallets, bins, boxes) on ground and floors, 1 to
+    10."""
+    min_passage: Annotated[float | None, default_hint("none")] = None
+    """Least clear width of doors and corridors in metres, 0.5 to 3: doors are widened, and a scene
+    that still has a narrower passage is drawn again."""
+    difficulty: Literal["any", "easy", "medium", "hard"] = "any"
+    """Class of the planner's ways to landing areas, by thirds of the shipped scenes; drawn until a
+    scene is of it, 24 times at most."""
+    worst_for: Annotated[str, default_hint("none")] = ""
+    """Keep the scenes in which this pilot does worst: demo, or MODULE:CLASS of your own. Scenes and
+    flights lie in OUT/tried; what is there is not done again."""
+    of: Annotated[int | None, default_hint("four times count")] = None
+    """Number of scenes, from seed on, of which --worst-for keeps --count."""
     outline: Annotated[str, default_hint("drawn")] = ""
     """The site's sides in metres as EAST,NORTH, or a JSON file with a list of corners
     [[x, y], ...], whose bounding rectangle is taken."""
@@ -78,8 +91,9 @@ class GenerateCfg:
     progress: Annotated[Path | None, default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, and for each of the
-    stages guided and feasible collision_rate (the paper's, a share) and rejected."""
+    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, for each of the
+    stages guided and feasible collision_rate (the paper's, a share) and rejected; where asked for,
+    measured (figures by file), and order and worst (flights, worst first)."""
 
 
 def run(cfg: GenerateCfg) -> int:
@@ -93,43 +107,75 @@ def run(cfg: GenerateCfg) -> int:
         fail(_PROG, f"{where}{(error.strerror or str(error)).lower()}")
 
 
-@dataclass
-class _Tally:
-    """Results of the draws so far."""
-
-    files: list[str] = field(default_factory=list)
-    failed: dict[int, str] = field(default_factory=dict)
-    """Reason why a seed gave no scene."""
-    n_rejected: int = 0
-    guided: list[float] = field(default_factory=list)
-    """Collision rates of all draws."""
-    feasible: list[float] = field(default_factory=list)
-    """Collision rates of the finished scenes."""
-    seconds: float = 0.0
-
-
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
     require_torch()
     # Imported here because PyTorch takes seconds that no other command should spend.
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
+    from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy
 
+    pilot = pilot_of(cfg.worst_for) if cfg.worst_for else None
     requests = _requests(cfg)
     generator = Generator.load(
         cfg.checkpoint, preset=cfg.preset, device=cfg.device, n_steps=cfg.steps
     )
     _set_threads(cfg)
     generator.check(requests[0])
+    if cfg.worst_for:
+        return _run_worst(cfg, generator, requests, pilot)
     cfg.out.mkdir(parents=True, exist_ok=True)
-    tally = _Tally()
+    tally = Tally(cfg.out)
+    _draw(cfg, generator, requests, tally)
+    _report(cfg, generator, tally, {})
+    return EXIT_NEGATIVE if tally.failed else EXIT_DONE
+
+
+def _draw(
+    cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], tally: Tally
+) -> None:
+    from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
+    from scenarios.generation.draws import (  # noqa: PLC0415 - SciPy
+        AnyScene,
+        OfDifficulty,
+        draw_all,
+        draw_with_pictures,
+    )
+
+    judge = AnyScene(MOST_ATTEMPTS) if cfg.difficulty == "any" else OfDifficulty(cfg.difficulty)
     with progress_bar("generating", len(requests)) as advance:
-        first = requests
         if cfg.progress is not None:
-            _generate_with_pictures(cfg, generator, requests[0], tally)
+            draw_with_pictures(generator, requests[0], judge, tally, cfg.progress)
             advance()
-            first = requests[1:]
-        _generate(cfg, generator, first, tally, advance)
-    _report(cfg, generator, tally)
+            requests = requests[1:]
+        draw_all(generator, requests, judge, tally, batch_size=cfg.batch, advance=advance)
+
+
+def _run_worst(
+    cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], pilot: MakePilot | None
+) -> int:
+    """Make the scenes and fly them, as far as that is not done, and keep the worst."""
+    from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy
+
+    left_open = {"seed", "count", "of", "out", "threads", "progress", "json"}
+    asked = {name: str(v) for name, v in asdict(cfg).items() if name not in left_open}
+    tries = Tries(cfg.out / "tried", asked)
+    tally = Tally(tries.folder)
+    missing = [each for each in requests if not tries.scene_path(each.seed).exists()]
+    if missing:
+        _draw(cfg, generator, missing, tally)
+    seeds = [each.seed for each in requests if tries.scene_path(each.seed).exists()]
+    flights: list[Flight] = []
+    with progress_bar("flying", len(seeds), "flights") as advance:
+        for seed in seeds:
+            flights.append(tries.flight(seed, pilot))
+            advance()
+    worst = worst_first(flights)
+    files = [
+        str(tries.keep(flight, cfg.worst_for, len(flights), cfg.out))
+        for flight in worst[: cfg.count]
+    ]
+    kept = [{"scene": str(path), **asdict(f)} for path, f in zip(files, worst, strict=False)]
+    _report(cfg, generator, tally, {"scenes": files, "order": ORDER, "worst": kept})
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
 
 
@@ -149,12 +195,19 @@ def _check(cfg: GenerateCfg) -> None:
         ("steps", cfg.steps, 1, _MOST_STEPS),
         ("batch", cfg.batch, 1, _MOST_SCENES),
         ("threads", cfg.threads, 1, 1024),
+        ("of", cfg.of, cfg.count, _MOST_SCENES),
     )
     for name, value, low, high in limits:
         if value is not None and not low <= value <= high:
             raise GenerateError(f"{name} is {value}, valid: {low} to {high}")
     if cfg.progress is not None and cfg.progress.suffix != ".png":
         raise GenerateError(f"progress {str(cfg.progress)!r} is no .png file, valid: NAME.png")
+    if cfg.of is not None and not cfg.worst_for:
+        raise GenerateError(f"of is {cfg.of} without --worst-for, valid: --worst-for demo")
+    if cfg.worst_for and cfg.progress is not None:
+        raise GenerateError(
+            f"progress is {str(cfg.progress)!r} beside --worst-for, valid: one of the two"
+        )
 
 
 def _requests(cfg: GenerateCfg) -> list[Request]:
@@ -167,110 +220,26 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
 
         complete = open_scene(cfg.complete)
     outline_m = outline_sides_m(cfg.outline) if cfg.outline else None
+    count = cfg.count
+    if cfg.worst_for:
+        count = min(4 * count, _MOST_SCENES) if cfg.of is None else cfg.of
     return [
         Request(
             seed=seed,
             domain=domain,
             n_objects=cfg.objects,
-            n_areas=cfg.areas,
+            n_areas=asked_areas(cfg.areas) if cfg.areas else None,
             outline_m=outline_m,
             complete=complete,
+            density=cfg.density,
+            clutter=cfg.clutter,
+            min_passage_m=cfg.min_passage,
         )
-        for seed in range(cfg.seed, cfg.seed + cfg.count)
+        for seed in range(cfg.seed, cfg.seed + count)
     ]
 
 
-def outline_sides_m(text: str) -> tuple[float, float]:
-    """Sides of the site that a user asks for.
-
-    Args:
-        text: `EAST,NORTH` in metres, or the path of a JSON file with corners.
-
-    Raises:
-        GenerateError: If the text is neither.
-    """
-    valid = "EAST,NORTH in metres such as 60,45, or a JSON file with [[x, y], ...]"
-    parts = text.split(",")
-    try:
-        sides = [float(part) for part in parts]
-    except ValueError:
-        sides = _bounding_sides_m(Path(text), valid)
-    if len(sides) != 2 or not all(math.isfinite(side) and side > 0 for side in sides):
-        raise GenerateError(f"outline is {text!r}, valid: {valid}")
-    return sides[0], sides[1]
-
-
-def _bounding_sides_m(path: Path, valid: str) -> list[float]:
-    try:
-        corners = json.loads(path.read_text(encoding="utf-8"))
-        columns = list(zip(*((float(x), float(y)) for x, y in corners), strict=True))
-    except OSError as error:
-        reason = (error.strerror or type(error).__name__).lower()
-        raise GenerateError(
-            f"outline {str(path)!r} cannot be read ({reason}), valid: {valid}"
-        ) from None
-    except (ValueError, TypeError) as error:
-        raise GenerateError(
-            f"outline {str(path)!r} is no list of corners ({error}), valid: {valid}"
-        ) from None
-    return [max(column) - min(column) for column in columns]
-
-
-def _generate(
-    cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], tally: _Tally, advance: Any
-) -> None:
-    """Draw every request until it gives a scene or the attempts are used up."""
-    from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
-
-    pending = list(requests)
-    for attempt in range(MOST_ATTEMPTS):
-        drawn, pending = pending, []
-        began_s = time.perf_counter()
-        for found in generator.generate(drawn, batch_size=cfg.batch, attempt=attempt):
-            tally.seconds += time.perf_counter() - began_s
-            if not _keep(cfg, found, tally):
-                pending.append(found.request)
-            if found.scene is not None or attempt == MOST_ATTEMPTS - 1:
-                advance()
-            began_s = time.perf_counter()
-
-
-def _generate_with_pictures(
-    cfg: GenerateCfg, generator: Generator, request: Request, tally: _Tally
-) -> None:
-    from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
-    from scenarios.pictures.generation.recorder import Recorder  # noqa: PLC0415 - the renderer
-
-    assert cfg.progress is not None
-    for attempt in range(MOST_ATTEMPTS):
-        recorder = Recorder()
-        began_s = time.perf_counter()
-        found = next(generator.generate([request], attempt=attempt, on_step=recorder))
-        tally.seconds += time.perf_counter() - began_s
-        is_kept = _keep(cfg, found, tally)
-        if is_kept or attempt == MOST_ATTEMPTS - 1:
-            recorder.draw(found, cfg.progress)
-            return
-
-
-def _keep(cfg: GenerateCfg, found: Generated, tally: _Tally) -> bool:
-    """Write the scene of a draw; return whether the draw gave one."""
-    from aeroscene.metrics.collision import collision_rate  # noqa: PLC0415 - SciPy
-
-    tally.guided.append(collision_rate(found.raw))
-    if found.scene is None:
-        tally.n_rejected += 1
-        tally.failed[found.request.seed] = str(found.report.rejection)
-        return False
-    tally.failed.pop(found.request.seed, None)
-    tally.feasible.append(collision_rate(found.scene))
-    path = cfg.out / f"{found.scene.scene_id}.json"
-    write_scene(found.scene, path)
-    tally.files.append(str(path))
-    return True
-
-
-def _report(cfg: GenerateCfg, generator: Generator, tally: _Tally) -> None:
+def _report(cfg: GenerateCfg, generator: Generator, tally: Tally, more: Mapping[str, Any]) -> None:
     seconds = tally.seconds / max(1, len(tally.files))
     files = sorted(tally.files)
     stages = {
@@ -287,8 +256,11 @@ def _report(cfg: GenerateCfg, generator: Generator, tally: _Tally) -> None:
             "failed": sorted(tally.failed),
             "stages": stages,
         }
-        print_json(facts)
+        measured = {"measured": tally.measured} if tally.measured else {}
+        print_json({**facts, **measured, **more})
         return
+    for each in more.get("worst", ()):
+        print(f"{each['scene']}: {each['reason']}")
     print(
         f"{cfg.out}: {len(files)} scenes, {seconds:.2f} s each on {generator.device}, "
         f"{tally.n_rejected} draws rejected"

@@ -87,7 +87,7 @@ class Surroundings:
     @property
     def radius_m(self) -> float:
         """Radius of the sphere around the centre of mass that contains rotors and soles."""
-        return _radius_m(self.airframe)
+        return sphere_radius_m(self.airframe)
 
     def clearance_m(self, points_enu_m: np.ndarray) -> np.ndarray:
         """Distance from the vehicle's sphere at several positions to the nearest obstacle."""
@@ -236,12 +236,13 @@ def survey(
         if map_source == "onboard":
             known: Map = unseen_map(scene, airframe, FIELD_RESOLUTION_M)
         else:
-            known = given_map(scene, _radius_m(airframe), FIELD_RESOLUTION_M)
+            known = given_map(scene, sphere_radius_m(airframe), FIELD_RESOLUTION_M)
     except NoFreeSpaceError as error:
         raise MissionError(str(error)) from None
     return Surroundings(scene=scene, airframe=airframe, map=known, limits=limits)
 
 
-def _radius_m(airframe: Airframe) -> float:
+def sphere_radius_m(airframe: Airframe) -> float:
+    """Radius of the sphere around the centre of mass that contains rotors and soles."""
     legs_m = math.hypot(airframe.leg_spread_m, airframe.leg_length_m)
     return max(airframe.collision_radius_m, legs_m)

@@ -51,6 +51,11 @@ class FlightLog:
         """Copy the last 20 ms."""
         self._history.append(self._plant.history.copy())
 
+    def positions_m(self) -> Float[np.ndarray, "n 3"]:
+        """True positions so far, ENU, one for each tick of the loop."""
+        rows = [rows["position_true_enu_m"][-1] for rows in self._history]
+        return np.array(rows, dtype=float).reshape(-1, 3)
+
     def state_hash(self) -> str:
         """BLAKE2b of every row so far: what was true, measured, estimated and commanded."""
         digest = hashlib.blake2b(digest_size=16)

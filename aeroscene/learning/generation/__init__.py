@@ -6,9 +6,10 @@ from aeroscene.learning.generation.generator import (
     NoFeasibleSceneError,
     generate_scene,
 )
-from aeroscene.learning.generation.request import Request, RequestError
+from aeroscene.learning.generation.request import AreaCounts, Request, RequestError
 
 __all__ = [
+    "AreaCounts",
     "Generated",
     "Generator",
     "NoFeasibleSceneError",

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 
 import numpy as np
 
 from aeroscene.areas.needs import AreaLimits
 from aeroscene.corpus.curation.curate import Budget, draw_budget
+from aeroscene.feasibility import FeasibilityCfg
+from aeroscene.feasibility.wishes.clutter import cluttered
+from aeroscene.feasibility.wishes.passages import widened
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.tokens.skeleton import Wish
-from aeroscene.scene import Scene, SceneDomain, SceneError
+from aeroscene.scene import AttributeValue, Scene, SceneDomain, SceneError
 
 OBJECTS = (20, 250)
 """Fewest and most objects that may be asked for."""
 AREAS = (1, 200)
+DENSITY = (0.2, 2.0)
+CLUTTER = (1.0, 10.0)
+PASSAGE_M = (0.5, 3.0)
+"""Least and greatest width of doors and corridors that may be asked for."""
 OUTLINE_M = (15.0, 150.0)
 """Shortest and longest side of a site."""
 _MORE_COARSE, _MORE_FINE = 2, 4
@@ -30,6 +37,26 @@ class RequestError(SceneError):
 
 
 @dataclass(frozen=True, kw_only=True)
+class AreaCounts:
+    """Landing areas of each class, at most; what is None is drawn."""
+
+    small: int | None = None
+    medium: int | None = None
+    large: int | None = None
+
+    def __post_init__(self) -> None:
+        for name, count in self.named.items():
+            _check(f"areas {name}", count, 0, AREAS[1])
+        if len(self.named) == len(fields(self)):
+            _check("areas in all", sum(self.named.values()), AREAS[0], 3 * AREAS[1])
+
+    @property
+    def named(self) -> dict[str, int]:
+        """Counts that are not left open."""
+        return {name: count for name, count in asdict(self).items() if count is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Request:
     """A scene to be generated; what is None is drawn from the seed."""
 
@@ -38,19 +65,37 @@ class Request:
     domain: SceneDomain | None = None
     n_objects: int | None = None
     """About so many, coarse and fine."""
-    n_areas: int | None = None
-    """Landing areas, at most."""
+    n_areas: int | AreaCounts | None = None
+    """Landing areas, at most: in all, or of each class."""
     outline_m: tuple[float, float] | None = None
     """Sides of the site along x and y, m."""
     complete: Scene | None = None
     """A scene whose coarse objects stay as they are; fine ones are made for them."""
+    density: float | None = None
+    """Factor on the number of fine objects that is drawn."""
+    clutter: float | None = None
+    """Factor on the loose things that lie on ground and floors."""
+    min_passage_m: float | None = None
+    """Least clear width of doors and corridors, m."""
 
     def __post_init__(self) -> None:
         _check("seed", self.seed, 0, 2**63 - 1)
         if self.n_objects is not None:
             _check("objects", self.n_objects, *OBJECTS)
-        if self.n_areas is not None:
+        if isinstance(self.n_areas, int):
             _check("areas", self.n_areas, *AREAS)
+        for name, value, limits in (
+            ("density", self.density, DENSITY),
+            ("clutter", self.clutter, CLUTTER),
+            ("min-passage", self.min_passage_m, PASSAGE_M),
+        ):
+            if value is not None:
+                _check(name, value, *limits)
+        if self.density is not None and self.n_objects is not None:
+            raise RequestError(
+                f"density is {self.density:g} beside objects {self.n_objects}, "
+                "valid: one of the two; both say how many objects there are"
+            )
         for side in self.outline_m or ():
             _check("outline", side, *OUTLINE_M)
         if self.complete is not None and self.outline_m is not None:
@@ -66,6 +111,34 @@ class Request:
             return None
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
         return replace(self.complete, objects=coarse, interaction_areas=())
+
+    @property
+    def wishes(self) -> dict[str, AttributeValue]:
+        """What is asked for beside domain and seed, as the document of the scene names it."""
+        asked: dict[str, AttributeValue | None] = {
+            "objects": self.n_objects,
+            "outline": _text(self.outline_m),
+            "complete": None if self.complete is None else self.complete.scene_id,
+            "density": self.density,
+            "clutter": self.clutter,
+            "min_passage": self.min_passage_m,
+        }
+        if isinstance(self.n_areas, AreaCounts):
+            asked |= {f"areas_{name}": count for name, count in self.n_areas.named.items()}
+        else:
+            asked["areas"] = self.n_areas
+        return {name: value for name, value in asked.items() if value is not None}
+
+    def prepared(self, raw: Scene, rng: np.random.Generator) -> Scene:
+        """The scene as sampled with doors widened and things strewn, as far as asked for."""
+        scene = replace(raw, wishes=self.wishes)
+        if self.min_passage_m is not None:
+            scene = widened(scene, self.min_passage_m)
+        return scene if self.clutter is None else cluttered(scene, self.clutter, rng)
+
+    def demands(self, limits: AreaLimits | None) -> FeasibilityCfg:
+        """What the projected scene has to meet."""
+        return FeasibilityCfg(limits=limits, least_passage_m=self.min_passage_m or 0.0)
 
     def drawn(
         self, rng: np.random.Generator, seen: Sequence[Wish] = (), *, is_corpus: bool = False
@@ -88,19 +161,21 @@ class Request:
         domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
         budget = draw_budget(rng)
         limits = self._limits(budget)
-        n_areas = limits.small + limits.medium + limits.large
         n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
         domain = self.domain or (domain if self.complete is None else self.complete.domain)
-        return self._with_objects(Wish(domain, n_coarse, n_fine, n_areas)), limits
+        wish = self._with_objects(Wish(domain, n_coarse, n_fine, _in_all(limits)))
+        return wish, limits
 
     def _with_objects(self, wish: Wish) -> Wish:
-        """The wish with as many objects as asked for, or coarse ones as given."""
+        """The wish with as many objects, and as densely, as asked for, or coarse ones as given."""
         n_coarse, n_fine = wish.n_coarse, wish.n_fine
         if self.n_objects is not None:
             n_coarse = round(self.n_objects * n_coarse / max(1, n_coarse + n_fine))
             n_fine = self.n_objects - n_coarse
         if self.complete is not None:
             n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
+        if self.density is not None:
+            n_fine = min(round(self.density * n_fine), max(0, OBJECTS[1] - n_coarse))
         return replace(wish, n_coarse=n_coarse, n_fine=n_fine)
 
     def alike(self, seen: Sequence[Wish]) -> list[Wish]:
@@ -126,7 +201,7 @@ class Request:
         limits = self._limits(draw_budget(rng))
         wish = self._with_objects(alike[int(rng.integers(len(alike)))])
         if self.n_areas is not None:
-            return replace(wish, n_areas=self.n_areas), limits
+            return replace(wish, n_areas=_in_all(limits)), limits
         return wish, limits if is_corpus else None
 
     def _limits(self, budget: Budget) -> AreaLimits:
@@ -138,6 +213,8 @@ class Request:
         )
         if self.n_areas is None:
             return drawn
+        if isinstance(self.n_areas, AreaCounts):
+            return replace(drawn, **self.n_areas.named)
         share = self.n_areas / (drawn.small + drawn.medium + drawn.large)
         medium, large = round(share * drawn.medium), round(share * drawn.large)
         return AreaLimits(
@@ -146,6 +223,15 @@ class Request:
             large=large,
             perching=round(share * drawn.perching),
         )
+
+
+def _in_all(limits: AreaLimits) -> int:
+    """Landing areas of all classes."""
+    return limits.small + limits.medium + limits.large
+
+
+def _text(sides_m: tuple[float, float] | None) -> str | None:
+    return None if sides_m is None else f"{sides_m[0]:g},{sides_m[1]:g}"
 
 
 def _check(name: str, value: float, low: float, high: float) -> None:

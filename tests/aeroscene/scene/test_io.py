@@ -95,6 +95,22 @@ def test_corpus_scene_survives_a_file(scene_42, tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["scene.json"]
 
 
+def test_wishes_and_measures_are_in_the_document_only_where_there_are_any(scene_42):
+    assert not {"wishes", "measured"} & set(json.loads(scene_to_json(scene_42)))
+    wishes = {"difficulty": "hard", "density": 1.5, "objects": 80}
+    measured = {"difficulty": "hard", "seconds": 12.5, "is_blocked": False}
+    asked = replace(scene_42, wishes=wishes, measured=measured)
+    document = json.loads(scene_to_json(asked))
+    assert (document["wishes"], document["measured"]) == (wishes, measured)
+    assert scene_from_json(scene_to_json(asked)) == asked
+    assert scene_from_json(scene_to_json(asked)) != scene_42
+    with pytest.raises(SceneError, match=r"wishes\.density"):
+        replace(scene_42, wishes={"density": math.nan})
+    broken = scene_to_json(asked).replace(b'"density":1.5', b'"density":[1.5]')
+    with pytest.raises(SceneError, match="wishes"):
+        scene_from_json(broken)
+
+
 def test_file_follows_the_papers_schema(scene_42):
     document = json.loads(scene_to_json(scene_42))
     assert document["format"] == "aeroscene-scene"

@@ -13,14 +13,26 @@ from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.scene.io import read_scene, write_scene
 from aeroscene.validation import validate
-from scenarios.cli.generate import GenerateError, outline_sides_m
 from scenarios.cli.main import main
+from scenarios.generation.asked import GenerateError, outline_sides_m
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.test_data import layouts
 from tests.scenarios.cli.test_train import TINY
 from tests.scenarios.in_process import in_process
 
 SKELETON = "[skeleton_training]\nsteps = 60"
+
+STAYS = """
+from scenarios import Verdict
+class Stay:
+    area = None
+    is_done = True
+    verdict = Verdict(success=True, reason="stayed")
+    def __init__(self, aboard):
+        pass
+    def update(self, time_us):
+        pass
+"""
 pytestmark = pytest.mark.usefixtures("one_torch_thread")
 
 
@@ -83,6 +95,49 @@ def test_wishes_are_kept(tmp_path, capsys):
     assert high[1] - low[1] == pytest.approx(60, abs=6)
 
 
+def test_further_wishes_are_kept_and_named_in_the_document(tmp_path, capsys):
+    wishes = ("--areas", "small=6,large=0", "--density", 0.6, "--clutter", 2, "--min-passage", 1.2)
+    args = ("--domain", "indoor", *wishes, "--difficulty", "hard", "--json")
+    status, text, _ = run(capsys, "--seed", 4, "--out", tmp_path, *args)
+    assert status == 0
+    path = tmp_path / "aeroscene-0004.json"
+    scene = read_scene(path)
+    assert scene.wishes == {
+        "areas_small": 6,
+        "areas_large": 0,
+        "density": 0.6,
+        "clutter": 2.0,
+        "min_passage": 1.2,
+        "difficulty": "hard",
+    }
+    classes = [area.drone_class for area in scene.landing_areas]
+    assert classes.count("small") <= 6
+    assert "large" not in classes
+    assert scene.measured["difficulty"] == "hard"
+    assert scene.measured.get("min_passage", 9.0) >= 1.19
+    assert json.loads(text)["measured"] == {str(path): dict(scene.measured)}
+
+
+def test_scenes_in_which_a_pilot_does_worst_are_kept(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "stays_on_the_ground.py").write_text(STAYS)
+    args = ("--worst-for", "stays_on_the_ground:Stay", "--of", 2, "--out", "out", "--json")
+    status, text, _ = run(capsys, "--seed", 5, *args)
+    assert status == 0
+    facts = json.loads(text)
+    assert facts["scenes"] == ["out/aeroscene-0005.json"]
+    assert facts["order"].startswith("failed first")
+    assert [(f["seed"], f["reason"]) for f in facts["worst"]] == [(5, "never left the ground")]
+    tried = sorted(path.name for path in (tmp_path / "out" / "tried").glob("*.json"))
+    names = [f"aeroscene-000{n}{end}" for n in (5, 6) for end in (".flight.json", ".json")]
+    assert tried == [*names, "asked.json"]
+    times = [path.stat().st_mtime_ns for path in sorted((tmp_path / "out/tried").glob("aero*"))]
+    again = json.loads(run(capsys, "--seed", 5, *args)[1])
+    assert again["worst"] == facts["worst"]
+    assert times == [p.stat().st_mtime_ns for p in sorted((tmp_path / "out/tried").glob("aero*"))]
+
+
 def test_completed_scene_keeps_its_coarse_objects(tmp_path, capsys):
     given = cached_scene(42)
     write_scene(given, tmp_path / "given.json")
@@ -115,6 +170,18 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
         (("--threads", 0), "threads is 0, valid: 1 to 1024"),
         (("--objects", 5), "objects is 5, valid: 20 to 250"),
         (("--areas", 0), "areas is 0, valid: 1 to"),
+        (("--areas", "small=1,huge=2"), "areas is 'small=1,huge=2', valid: a number, or counts"),
+        (("--areas", "small=900"), "areas small is 900, valid: 0 to 200"),
+        (("--density", 9), "density is 9.0, valid: 0.2 to 2"),
+        (("--density", "nan"), "density is nan, valid: 0.2 to 2"),
+        (("--density", 1.5, "--objects", 90), "density is 1.5 beside objects 90, valid: one of"),
+        (("--clutter", 0), "clutter is 0.0, valid: 1 to 10"),
+        (("--min-passage", 0.1), "min-passage is 0.1, valid: 0.5 to 3"),
+        (("--difficulty", "dire"), "difficulty 'dire' is not valid; valid: "),
+        (("--of", 3), "of is 3 without --worst-for, valid: --worst-for demo"),
+        (("--worst-for", "demo", "--of", 2, "--count", 3), "of is 2, valid: 3 to"),
+        (("--worst-for", "nobody"), "worst-for is 'nobody', valid: demo, or MODULE:CLASS"),
+        (("--worst-for", "demo", "--progress", "a.png"), "beside --worst-for"),
         (("--outline", "60"), "outline is '60', valid: EAST,NORTH"),
         (("--outline", "3,60"), "outline is 3.0, valid: 15 to 150"),
         (("--outline", "none.json"), "outline 'none.json' cannot be read"),

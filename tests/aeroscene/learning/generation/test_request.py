@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from aeroscene.learning.generation import Request, RequestError
+from aeroscene.learning.generation import AreaCounts, Request, RequestError
 from aeroscene.learning.tokens.skeleton import Wish
 from tests.aeroscene.conftest import cached_scene
 
@@ -20,6 +20,10 @@ def drawn(request: Request, seed: int = 0):
         ({"seed": -1}, r"seed is -1, valid: 0 to"),
         ({"seed": 0, "n_objects": 3}, "objects is 3, valid: 20 to 250"),
         ({"seed": 0, "n_areas": 0}, "areas is 0, valid: 1 to 200"),
+        ({"seed": 0, "density": 0.1}, r"density is 0\.1, valid: 0\.2 to 2"),
+        ({"seed": 0, "clutter": 0.5}, r"clutter is 0\.5, valid: 1 to 10"),
+        ({"seed": 0, "min_passage_m": 9.0}, r"min-passage is 9\.0, valid: 0\.5 to 3"),
+        ({"seed": 0, "density": 1.5, "n_objects": 90}, "density is 1.5 beside objects 90"),
         ({"seed": 0, "outline_m": (60.0, 900.0)}, r"outline is 900\.0, valid: 15 to 150"),
     ],
 )
@@ -61,6 +65,66 @@ def test_completion_takes_domain_and_coarse_objects_from_the_scene() -> None:
     wish, _ = drawn(Request(seed=0, complete=scene))
     assert wish.domain == "indoor"
     assert wish.n_coarse == sum(obj.is_coarse for obj in scene.objects)
+
+
+def test_areas_of_named_classes_are_kept_and_the_others_drawn() -> None:
+    _, free = drawn(Request(seed=0))
+    wish, limits = drawn(Request(seed=0, n_areas=AreaCounts(small=9, large=0)))
+    assert (limits.small, limits.large) == (9, 0)
+    assert (limits.medium, limits.perching) == (free.medium, free.perching)
+    assert wish.n_areas == 9 + free.medium
+    with pytest.raises(RequestError, match="areas small is 900, valid: 0 to 200"):
+        AreaCounts(small=900)
+    with pytest.raises(RequestError, match="areas in all is 0, valid: 1 to"):
+        AreaCounts(small=0, medium=0, large=0)
+
+
+def test_density_multiplies_fine_objects_and_nothing_else() -> None:
+    free, _ = drawn(Request(seed=3))
+    dense, _ = drawn(Request(seed=3, density=1.5))
+    sparse, _ = drawn(Request(seed=3, density=0.5))
+    assert dense.n_fine == pytest.approx(1.5 * free.n_fine, abs=1)
+    assert sparse.n_fine == pytest.approx(0.5 * free.n_fine, abs=1)
+    assert (dense.domain, dense.n_coarse, dense.n_areas) == (
+        free.domain,
+        free.n_coarse,
+        free.n_areas,
+    )
+    full, _ = drawn(Request(seed=3, density=2.0))
+    assert full.n_coarse + full.n_fine <= 250
+
+
+def test_wishes_are_named_as_their_options_and_only_where_there_are_any() -> None:
+    assert Request(seed=0, domain="indoor").wishes == {}
+    request = Request(
+        seed=0,
+        n_areas=AreaCounts(large=2),
+        outline_m=(70.0, 60.5),
+        density=1.5,
+        clutter=3.0,
+        min_passage_m=1.2,
+    )
+    assert request.wishes == {
+        "areas_large": 2,
+        "outline": "70,60.5",
+        "density": 1.5,
+        "clutter": 3.0,
+        "min_passage": 1.2,
+    }
+    assert Request(seed=0, n_areas=12, n_objects=80).wishes == {"areas": 12, "objects": 80}
+
+
+def test_a_scene_is_prepared_as_asked_for() -> None:
+    scene, rng = cached_scene(311), np.random.default_rng(0)
+    assert Request(seed=0).prepared(scene, rng) == scene
+    asked = Request(seed=0, clutter=3.0, min_passage_m=2.9).prepared(scene, rng)
+    assert asked.wishes == {"clutter": 3.0, "min_passage": 2.9}
+    assert len(asked.objects) > len(scene.objects)
+    doors = [obj.attributes["door_m"] for obj in asked.objects if "door_m" in obj.attributes]
+    assert doors
+    assert min(doors) >= 2.9
+    limits = drawn(Request(seed=0))[1]
+    assert Request(seed=0, min_passage_m=2.9).demands(limits).least_passage_m == 2.9
 
 
 SEEN = (Wish("indoor", 10, 5, 7), Wish("indoor", 12, 36, 9), Wish("mixed", 40, 60, 20))

@@ -1,0 +1,85 @@
+"""Clutter: more loose things on the ground and on the floors of rooms.
+
+They are thrown onto open ground and floors by area, on top of whatever stands there; the projection
+that follows moves each to the nearest free place, out of doorways and away from the home pad.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from aeroscene.feasibility.roles import BEARING
+from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import by_name
+
+LOOSE = ("barrel", "bin", "box", "crate", "pallet")
+"""Categories that lie about and are in the way of a landing."""
+USUAL = 15
+"""Loose things on the ground and floors of a scene, the mean of 30 shipped ones; a scene that has
+fewer counts as if it had so many."""
+_INDOORS = ("room",)
+_LEAST_SIDE_M = 2.0
+"""Ground and rooms that are narrower stay as they are."""
+_RIM_M = 0.7
+"""Distance of a thing's middle from the border of what it is thrown onto."""
+
+
+def cluttered(scene: Scene, times: float, rng: np.random.Generator) -> Scene:
+    """Throw loose things into a scene until it has so many times as many; overlaps are left.
+
+    Args:
+        scene: A scene before its projection.
+        times: Factor from 1.
+        rng: Draws what is thrown and where.
+    """
+    hosts = [obj for obj in scene.objects if _is_open(obj)]
+    n_loose = sum(_is_loose(scene, obj) for obj in scene.objects)
+    n_more = round((times - 1.0) * max(n_loose, USUAL))
+    if not hosts or n_more <= 0:
+        return scene
+    areas_m2 = np.array([host.bbox.s[0] * host.bbox.s[1] for host in hosts])
+    chosen = rng.choice(len(hosts), size=n_more, p=areas_m2 / areas_m2.sum())
+    first = 1 + max(obj.id for obj in scene.objects)
+    more = [_thrown(hosts[k], first + i, rng) for i, k in enumerate(chosen.tolist())]
+    return replace(scene, objects=(*scene.objects, *more))
+
+
+def _is_open(obj: SceneObject) -> bool:
+    is_floor = obj.category in _INDOORS or (
+        obj.category in BEARING - {"terrain"} and obj.domain == "outdoor"
+    )
+    return is_floor and min(obj.bbox.s[:2]) >= _LEAST_SIDE_M
+
+
+def _is_loose(scene: Scene, obj: SceneObject) -> bool:
+    """Whether an object lies about on ground or a floor, not on a shelf."""
+    if obj.category not in LOOSE or obj.parent_id is None:
+        return False
+    return scene.object_by_id[obj.parent_id].category in BEARING | {*_INDOORS, "floor"}
+
+
+def _thrown(host: SceneObject, number: int, rng: np.random.Generator) -> SceneObject:
+    kind = by_name()[LOOSE[int(rng.integers(len(LOOSE)))]]
+    sides = (kind.length_m, kind.width_m, kind.height_m)
+    size = np.round([rng.uniform(*side) for side in sides], 3)
+    centre, extent = np.array(host.bbox.p), np.array(host.bbox.s)
+    reach = extent[:2] / 2 - _RIM_M
+    u, v = rng.uniform(-reach, reach)
+    c, s = math.cos(host.bbox.yaw_rad), math.sin(host.bbox.yaw_rad)
+    floor = -1.0 if host.category in _INDOORS else 1.0
+    z = centre[2] + floor * extent[2] / 2 + size[2] / 2
+    at = np.round([centre[0] + c * u - s * v, centre[1] + s * u + c * v, z], 4)
+    return SceneObject(
+        id=number,
+        scene_id=host.scene_id,
+        parent_id=host.id,
+        category_id=kind.id,
+        bbox=OrientedBox(
+            tuple(at.tolist()), quat_from_yaw(rng.uniform(-math.pi, math.pi)), tuple(size.tolist())
+        ),
+        domain=host.domain,
+    )

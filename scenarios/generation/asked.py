@@ -1,0 +1,80 @@
+"""What a user asks for as text: the outline of a site, the numbers of landing areas."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from aeroscene.scene import SceneError
+
+if TYPE_CHECKING:
+    from aeroscene.learning.generation import AreaCounts
+
+_CLASSES = ("small", "medium", "large")
+
+
+class GenerateError(SceneError):
+    """A request that `aeroscene generate` cannot fulfil, in one line."""
+
+
+def asked_areas(text: str) -> int | AreaCounts:
+    """Landing areas that a user asks for.
+
+    Args:
+        text: A number for all, or counts of classes such as `small=20,large=2`.
+
+    Raises:
+        GenerateError: If the text is neither.
+    """
+    from aeroscene.learning.generation import AreaCounts  # noqa: PLC0415 - PyTorch
+
+    if text.strip().lstrip("+-").isdecimal():
+        return int(text)
+    counts: dict[str, int] = {}
+    for part in text.split(","):
+        name, _, count = (side.strip() for side in part.partition("="))
+        if name not in _CLASSES or name in counts or not count.isdecimal():
+            raise GenerateError(
+                f"areas is {text!r}, valid: a number, or counts of classes, each once, such as "
+                "small=20,medium=5,large=2"
+            )
+        counts[name] = int(count)
+    return AreaCounts(**counts)
+
+
+def outline_sides_m(text: str) -> tuple[float, float]:
+    """Sides of the site that a user asks for.
+
+    Args:
+        text: `EAST,NORTH` in metres, or the path of a JSON file with corners.
+
+    Raises:
+        GenerateError: If the text is neither.
+    """
+    valid = "EAST,NORTH in metres such as 60,45, or a JSON file with [[x, y], ...]"
+    parts = text.split(",")
+    try:
+        sides = [float(part) for part in parts]
+    except ValueError:
+        sides = _bounding_sides_m(Path(text), valid)
+    if len(sides) != 2 or not all(math.isfinite(side) and side > 0 for side in sides):
+        raise GenerateError(f"outline is {text!r}, valid: {valid}")
+    return sides[0], sides[1]
+
+
+def _bounding_sides_m(path: Path, valid: str) -> list[float]:
+    try:
+        corners = json.loads(path.read_text(encoding="utf-8"))
+        columns = list(zip(*((float(x), float(y)) for x, y in corners), strict=True))
+    except OSError as error:
+        reason = (error.strerror or type(error).__name__).lower()
+        raise GenerateError(
+            f"outline {str(path)!r} cannot be read ({reason}), valid: {valid}"
+        ) from None
+    except (ValueError, TypeError) as error:
+        raise GenerateError(
+            f"outline {str(path)!r} is no list of corners ({error}), valid: {valid}"
+        ) from None
+    return [max(column) - min(column) for column in columns]

@@ -1,0 +1,177 @@
+"""Draws of scenes until each meets its wishes, written as they are found."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from aeroscene.feasibility.wishes.passages import narrowest
+from aeroscene.metrics.collision import collision_rate
+from aeroscene.scene import AttributeValue, Scene
+from aeroscene.scene.io import write_scene
+
+if TYPE_CHECKING:
+    from aeroscene.learning.generation import Generated, Generator, Request
+    from scenarios.mission.difficulty import Grade
+
+MOST_GRADED_DRAWS = 24
+"""Draws of a seed until one is of the difficulty that is asked for."""
+
+
+class Judge(Protocol):
+    """Decides whether a sound scene is one that was asked for."""
+
+    most_draws: int
+    """Draws of a seed after which it is given up."""
+
+    def judged(self, scene: Scene) -> tuple[Scene, str | None]:
+        """Return the scene with what was measured, and why it is not kept, None if it is."""
+        ...
+
+
+class AnyScene:
+    """Keeps every scene, with the width of its passages where that was asked for."""
+
+    def __init__(self, most_draws: int) -> None:
+        self.most_draws = most_draws
+
+    def judged(self, scene: Scene) -> tuple[Scene, str | None]:
+        """Keep the scene."""
+        return with_passages(scene), None
+
+
+class OfDifficulty:
+    """Keeps scenes of one class of difficulty for an Iris."""
+
+    most_draws = MOST_GRADED_DRAWS
+
+    def __init__(self, grade: Grade) -> None:
+        self._grade = grade
+        self._seen: dict[int, Counter[str]] = {}
+
+    def judged(self, scene: Scene) -> tuple[Scene, str | None]:
+        """Measure the scene; another class, or no way at all, is another draw."""
+        # casadi and the kernels of planning: only where somebody asks.
+        from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
+        from scenarios.mission.difficulty import measure_difficulty  # noqa: PLC0415
+        from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
+
+        seen = self._seen.setdefault(scene.seed, Counter())
+        try:
+            found = measure_difficulty(scene, airframe_by_name("iris"))
+        except MissionError:
+            seen["without a way"] += 1
+            return scene, self._reason(seen)
+        seen[found.grade] += 1
+        wishes = {**scene.wishes, "difficulty": self._grade}
+        scene = replace(with_passages(scene), wishes=wishes)
+        scene = replace(scene, measured={**scene.measured, **found.to_plain()})
+        return scene, None if found.grade == self._grade else self._reason(seen)
+
+    def _reason(self, seen: Counter[str]) -> str:
+        found = ", ".join(f"{count} {grade}" for grade, count in sorted(seen.items()))
+        return (
+            f"no {self._grade} scene in {self.most_draws} draws, of which sound: {found}; "
+            "valid: another seed, domain or difficulty"
+        )
+
+
+def with_passages(scene: Scene) -> Scene:
+    """The scene with the width of its narrowest passage, where a least one was asked for."""
+    if "min_passage" not in scene.wishes:
+        return scene
+    found = narrowest(scene)
+    width: dict[str, AttributeValue] = (
+        {} if found is None else {"min_passage": round(found.width_m, 3)}
+    )
+    return replace(scene, measured={**scene.measured, **width})
+
+
+@dataclass
+class Tally:
+    """Results of the draws so far."""
+
+    out: Path
+    """Folder of the scenes."""
+    files: list[str] = field(default_factory=list)
+    failed: dict[int, str] = field(default_factory=dict)
+    """Reason why a seed gave no scene."""
+    unfit: dict[int, str] = field(default_factory=dict)
+    """Reason why the sound scenes of a seed were not kept."""
+    measured: dict[str, dict[str, AttributeValue]] = field(default_factory=dict)
+    """What was measured of the scenes that are kept, by file."""
+    n_rejected: int = 0
+    guided: list[float] = field(default_factory=list)
+    """Collision rates of all draws."""
+    feasible: list[float] = field(default_factory=list)
+    """Collision rates of the finished scenes."""
+    seconds: float = 0.0
+
+    def keep(self, found: Generated, judge: Judge) -> bool:
+        """Write the scene of a draw; return whether the draw gave one that is kept."""
+        self.guided.append(collision_rate(found.raw))
+        scene, reason = found.scene, str(found.report.rejection)
+        if scene is not None:
+            scene, unfit = judge.judged(scene)
+            if unfit is None:
+                self._write(scene)
+                return True
+            self.unfit[scene.seed] = unfit
+        self.n_rejected += 1
+        # That sound scenes were not what was asked for says more than that a draw was unsound.
+        self.failed[found.request.seed] = self.unfit.get(found.request.seed, reason)
+        return False
+
+    def _write(self, scene: Scene) -> None:
+        self.failed.pop(scene.seed, None)
+        self.feasible.append(collision_rate(scene))
+        path = self.out / f"{scene.scene_id}.json"
+        write_scene(scene, path)
+        self.files.append(str(path))
+        if scene.measured:
+            self.measured[str(path)] = dict(scene.measured)
+
+
+def draw_all(
+    generator: Generator,
+    requests: Sequence[Request],
+    judge: Judge,
+    tally: Tally,
+    *,
+    batch_size: int,
+    advance: Callable[[], None],
+) -> None:
+    """Draw every request until it gives a scene or the draws are used up."""
+    pending = list(requests)
+    for attempt in range(judge.most_draws):
+        drawn, pending = pending, []
+        began_s = time.perf_counter()
+        for found in generator.generate(drawn, batch_size=batch_size, attempt=attempt):
+            tally.seconds += time.perf_counter() - began_s
+            is_kept = tally.keep(found, judge)
+            if not is_kept:
+                pending.append(found.request)
+            if is_kept or attempt == judge.most_draws - 1:
+                advance()
+            began_s = time.perf_counter()
+
+
+def draw_with_pictures(
+    generator: Generator, request: Request, judge: Judge, tally: Tally, picture: Path
+) -> None:
+    """Draw one request as `draw_all` does, and show how its last draw came about."""
+    from scenarios.pictures.generation.recorder import Recorder  # noqa: PLC0415 - the renderer
+
+    for attempt in range(judge.most_draws):
+        recorder = Recorder()
+        began_s = time.perf_counter()
+        found = next(generator.generate([request], attempt=attempt, on_step=recorder))
+        tally.seconds += time.perf_counter() - began_s
+        is_kept = tally.keep(found, judge)
+        if is_kept or attempt == judge.most_draws - 1:
+            recorder.draw(found, picture)
+            return

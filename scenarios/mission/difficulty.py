@@ -1,0 +1,154 @@
+"""Difficulty of a scene: the planner's ways to landing areas, graded against the shipped scenes.
+
+A scene has four figures, the medians over its ways. Each earns it points: none in the easiest third
+of the shipped scenes, one in the middle third, two in the hardest. The sum of the points decides
+between easy, medium and hard.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from aeroscene.scene import AttributeValue, InteractionArea, Scene
+from autonomy.planning import PlanningError, Trajectory
+from autonomy.types import FlatReference, Vector3
+from flightsim.vehicles.airframe import Airframe
+from scenarios.mission.mission import rank_areas, takeoff_point
+from scenarios.mission.surroundings import MissionError, Surroundings, survey
+
+Grade = Literal["easy", "medium", "hard"]
+
+N_WAYS = 4
+"""Ways of a scene that are measured, the demo's among them."""
+_MOST_TRIED = 8
+"""Areas to which a way is looked for."""
+_STEP_S = 0.1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Way:
+    """Figures of the planner's way from above the start to above a landing area."""
+
+    over_straight: float
+    """Length over the straight distance of its ends, from 1."""
+    seconds: float
+    """Flight time."""
+    quarter_turns: float
+    """Sum of all changes of direction, in right angles."""
+    least_clearance_m: float
+    """Least distance between the vehicle's sphere and an obstacle."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Difficulty:
+    """Medians over the ways of a scene, and the grade that follows from them."""
+
+    n_ways: int
+    way: Way
+    """Median of each figure."""
+
+    @property
+    def points(self) -> int:
+        """Sum of the points of the four figures, 0 to 8."""
+        return sum(_points(getattr(self.way, name), *bounds) for name, bounds in THIRDS.items())
+
+    @property
+    def grade(self) -> Grade:
+        """Class of the scene."""
+        if self.points <= MOST_POINTS["easy"]:
+            return "easy"
+        return "medium" if self.points <= MOST_POINTS["medium"] else "hard"
+
+    def to_plain(self) -> dict[str, AttributeValue]:
+        """The grade, its points and the figures as they stand in a scene's document."""
+        figures = {name: round(getattr(self.way, name), 3) for name in THIRDS}
+        return {
+            "difficulty": self.grade,
+            "difficulty_points": self.points,
+            "ways": self.n_ways,
+            **figures,
+        }
+
+
+# An Iris in 101 scenes drawn from the shipped ones; `aeroscene bench difficulty` measures anew.
+THIRDS: Mapping[str, tuple[float, float]] = {
+    "over_straight": (1.005, 1.026),
+    "seconds": (8.9, 11.1),
+    "quarter_turns": (0.31, 0.57),
+    "least_clearance_m": (1.09, 0.78),
+}
+"""Where the middle third begins and ends, from easy to hard."""
+MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 5, "hard": 8}
+"""Most points of a class; of the same scenes 30, 36 and 35% are easy, medium and hard."""
+
+
+def _points(value: float, easy: float, hard: float) -> int:
+    """Points of a figure that is harder towards `hard`."""
+    sign = 1.0 if hard > easy else -1.0
+    return (sign * value > sign * easy) + (sign * value > sign * hard)
+
+
+def measure_difficulty(scene: Scene, airframe: Airframe) -> Difficulty:
+    """Measure the difficulty of a scene for a vehicle.
+
+    Raises:
+        MissionError: If the vehicle cannot leave the start, or no area can be flown to.
+    """
+    ways = measure_ways(scene, airframe)
+    if not ways:
+        raise MissionError(f"scene {scene.scene_id}: no landing area can be flown to")
+    medians = {name: float(np.median([getattr(way, name) for way in ways])) for name in THIRDS}
+    return Difficulty(n_ways=len(ways), way=Way(**medians))
+
+
+def measure_ways(scene: Scene, airframe: Airframe) -> list[Way]:
+    """Plan to the areas that the demo would choose, best first, and measure the first ways found.
+
+    Raises:
+        MissionError: If the vehicle cannot leave the start.
+    """
+    world = survey(scene, airframe)
+    takeoff = takeoff_point(world)
+    ways: list[Way] = []
+    for area in rank_areas(scene, airframe, seed=0)[:_MOST_TRIED]:
+        trajectory = _way_to(world, takeoff, area)
+        if trajectory is not None:
+            ways.append(_measured(world, trajectory))
+        if len(ways) == N_WAYS:
+            break
+    return ways
+
+
+def _way_to(
+    world: Surroundings, takeoff_enu_m: Vector3, area: InteractionArea
+) -> Trajectory | None:
+    hover = world.hover_point(area)
+    if hover is None:
+        return None
+    start = FlatReference(position_enu_m=takeoff_enu_m, yaw_rad=world.scene.start_yaw_rad)
+    try:
+        return world.plan(start, hover)
+    except PlanningError:
+        return None
+
+
+def _measured(world: Surroundings, trajectory: Trajectory) -> Way:
+    n_steps = max(2, math.ceil(trajectory.duration_s / _STEP_S))
+    points = trajectory.positions(np.linspace(0.0, trajectory.duration_s, n_steps + 1))
+    steps = np.diff(points, axis=0)
+    lengths_m = np.linalg.norm(steps, axis=1)
+    straight_m = float(np.linalg.norm(points[-1] - points[0]))
+    # At rest a step has no direction.
+    directions = steps[lengths_m > 1e-3] / lengths_m[lengths_m > 1e-3, None]
+    cosines = np.sum(directions[1:] * directions[:-1], axis=1).clip(-1.0, 1.0)
+    return Way(
+        over_straight=float(lengths_m.sum()) / max(straight_m, 1e-6),
+        seconds=trajectory.duration_s,
+        quarter_turns=float(np.arccos(cosines).sum()) / (math.pi / 2),
+        least_clearance_m=float(world.clearance_m(points).min()),
+    )
