@@ -60,7 +60,7 @@ def part_budgets(
     Raises:
         TrainingError: If there is no end, or it is out of range.
     """
-    shared = [part for part in parts if part != "prior"]
+    shared: list[Part] = [part for part in parts if part != "prior"]
     seconds = None if minutes is None else 60.0 * minutes
     Budget(steps, seconds)
     each = Budget(steps, None if seconds is None else seconds / max(1, len(shared)))
