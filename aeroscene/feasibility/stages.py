@@ -23,6 +23,7 @@ from aeroscene.feasibility.roles import GROUND, is_chained
 from aeroscene.feasibility.seats import turns_to_tables
 from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_on_earth, settle
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
+from aeroscene.feasibility.stairs import drop_lost, follow_levels, landings_of
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import scene_primitives
@@ -33,8 +34,14 @@ from aeroscene.validation.support import floating
 
 def project(layout: Layout) -> None:
     """Run all stages, in their order."""
-    for stage in (_support, _part_ground, _part_coarse, _part_fine, _clear_up):
-        stage(layout)
+    _support(layout)
+    landings = landings_of(layout)
+    _part_ground(layout)
+    _part_coarse(layout)
+    follow_levels(layout, landings)
+    _part_fine(layout)
+    _clear_up(layout)
+    drop_lost(layout, landings)
 
 
 def _support(layout: Layout) -> None:
