@@ -73,11 +73,17 @@ def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> 
     far = np.maximum(low, np.linalg.norm(built.max(1)[:, None] - wanted.max(1), axis=2))
     nearest = far.argmin(axis=1)
     for index, place in enumerate(nearest.tolist()):
-        if far[index, place] > BUILT_M:
+        most_m = BUILT_M + _joint_m(objects[place])
+        if far[index, place] > most_m:
             raise ProgramError(
                 f"object {objects[place].id} is {far[index, place]:.3f} m off the box that its "
-                f"partition builds, valid: at most {BUILT_M} m"
+                f"partition builds, valid: at most {most_m:g} m"
             )
     if len(set(nearest.tolist())) < len(objects):
         raise ProgramError("partition builds a box twice, valid: one for each object")
     return [objects[place] for place in nearest.tolist()]
+
+
+def _joint_m(obj: SceneObject) -> float:
+    """How far the ends of a wall may differ: which of two walls has their corner is no matter."""
+    return min(obj.bbox.s[:2]) if obj.category == "wall" else 0.0
