@@ -42,7 +42,16 @@ def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> 
     crowded = set(layout.host[rows[is_wanted[rows]]].tolist())
     for row in _rows(layout, TILING):
         if row in crowded:
-            _grow(layout, row, np.full((2, 2), _MOST_M))
+            _grow(layout, row, np.minimum(_to_border_m(layout, row), _MOST_M))
+
+
+def _to_border_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
+    """Distances of a surface's low and high sides from where all surfaces beside it end."""
+    boxes = layout.boxes
+    beside = [i for i in _rows(layout, TILING) if boxes.parent[i] == boxes.parent[row]]
+    middle, reach = _spans(layout, row, np.array(beside))
+    half = boxes.half_m[row, :2]
+    return np.stack([(reach - middle).max(axis=0) - half, (middle + reach).max(axis=0) - half])
 
 
 def fill_buildings(layout: Layout) -> None:

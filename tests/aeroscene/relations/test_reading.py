@@ -23,7 +23,7 @@ def assert_same(scene, boxes):
         found = boxes[obj.id]
         assert found.s == obj.bbox.s
         assert np.allclose(found.p, obj.bbox.p, rtol=0.0, atol=1e-6)
-        assert abs(np.dot(found.q, obj.bbox.q)) == pytest.approx(1.0, abs=1e-9)
+        assert abs(np.dot(found.q, obj.bbox.q)) == pytest.approx(1.0, abs=1e-8)
 
 
 def unit_of(scene, category):

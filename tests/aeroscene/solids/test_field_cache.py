@@ -51,7 +51,7 @@ def test_within_the_process_it_is_the_same_object(scene_42, folder):
 def test_another_scene_or_resolution_has_a_field_of_its_own(scene_42, folder):
     kept(scene_42)
     kept(scene_42, 0.4)
-    fewer = dataclasses.replace(scene_42, objects=scene_42.objects[:-1])
+    fewer = dataclasses.replace(scene_42, objects=scene_42.objects[:-1], interaction_areas=())
     kept(fewer)
     x, y, z = scene_42.extent_max_enu_m
     kept(dataclasses.replace(scene_42, extent_max_enu_m=(x, y, z + 1.0)))

@@ -33,7 +33,7 @@ def test_two_scenes_are_timed_stage_by_stage_and_judged(tmp_path):
     corpus = write_corpus(tmp_path / "corpus")
     table = {row.metric: row for row in rows(config(corpus, 2), lambda *words: said.append(words))}
     whole_s = table["one scene, p95"].value
-    stages = ("skeleton", "sampling", "feasibility, areas and validation")
+    stages = ("program", "sampling", "feasibility, areas and validation")
     seconds = [table[f"its {stage}, median"].value for stage in stages]
     assert min(seconds) > 0
     assert sum(seconds) <= 2 * whole_s
