@@ -159,3 +159,13 @@ def test_a_scene_with_no_free_place_says_so():
     rejection = make_feasible(replace(scene, objects=kept), QUICK).report.rejection
     assert rejection is not None
     assert "no free place to start from" in rejection
+
+
+def test_crowded_ground_grows_within_the_site_alone():
+    """A bench in the middle of another makes the lawn a place, never beyond where ground ends."""
+    crowd = thing(30, "bench", (-6.2, -5.3, 0.46), (0.6, 1.8, 0.8), LAWN)
+    found = make_feasible(garden(crowd), QUICK).scene
+    covers = [obj.bbox for obj in found.objects if obj.category in {"lawn", "plaza"}]
+    corners = np.concatenate([box.corners()[:, :2] for box in covers])
+    assert corners.min(axis=0) == pytest.approx([-15.0, -15.0], abs=0.01)
+    assert corners.max(axis=0) == pytest.approx([15.0, 25.0], abs=0.01)
