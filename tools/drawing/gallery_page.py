@@ -15,7 +15,7 @@ code in `flightsim/looks/`, none is a photograph.
 _SECTIONS = {
     "generated": """## Generated
 
-Scenes of the AeroScene dataset: skeleton, places and sizes are the model's.
+Scenes of the AeroScene dataset: program and numbers are the model's.
 """,
     "places": """## Places of the corpus, and generated ones beside them
 
