@@ -129,9 +129,9 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
     if kind == "auto":
         kind = "native" if has_display() else "web"
     with Viewer(kind, source) as viewer:
-        if viewer.url is not None:
-            print(f"{what} at {viewer.url}\nCtrl-C ends it.", flush=True)
         try:
+            if viewer.url is not None:
+                print(f"{what} at {viewer.url}\nCtrl-C ends it.", flush=True)
             viewer.wait()
         except KeyboardInterrupt:
             sys.stderr.write("\n")

@@ -143,7 +143,7 @@ def _open_state(cfg: TrainCfg) -> TrainingState | None:
     state = read_state(cfg.out / STATE)
     if state is not None and not cfg.resume:
         raise TrainingError(
-            f"out {str(cfg.out)!r} holds a training already ({state.steps:,} steps), "
+            f"out {str(cfg.out)!r} holds a training already ({state.steps:,} steps in all), "
             "valid: --resume to go on with it, or another folder"
         )
     if state is None and cfg.resume:

@@ -20,8 +20,6 @@ from tests.aeroscene.learning.training.test_data import layouts
 from tests.scenarios.cli.test_train import TINY
 from tests.scenarios.in_process import in_process
 
-SKELETON = "[skeleton_training]\nsteps = 60"
-
 STAYS = """
 from scenarios import Verdict
 class Stay:
@@ -88,7 +86,9 @@ def test_wishes_are_kept(tmp_path, capsys):
     assert run(capsys, "--seed", 3, "--out", tmp_path, *wishes)[0] == 0
     scene = read_scene(tmp_path / "aeroscene-0003.json")
     assert scene.domain == "outdoor"
-    assert abs(len(scene.objects) - 80) <= 8
+    # The writer counts as it goes: outdoors 96% of scenes are within a fifth of what it was told,
+    # and without the wish there would be about 130.
+    assert abs(len(scene.objects) - 80) <= 16
     assert 1 <= len(scene.landing_areas) <= 12
     low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
     assert high[0] - low[0] == pytest.approx(70, abs=7)
@@ -217,7 +217,8 @@ def test_truncated_checkpoint_says_what_to_do(checkpoint, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("facts", "message"),
     [
-        ({"version": 2}, "is of version 2, valid: 1"),
+        ({"version": 1}, "is of version 1, valid: 2"),
+        ({"version": 3}, "is of version 3, valid: 2"),
         ({"categories": ["house", "dragon"]}, "2 other categories (it has 'dragon')"),
         ({"format": "other"}, "holds weights of another program"),
         ({"configs": {}}, "section [model] is missing"),
@@ -228,12 +229,12 @@ def test_checkpoint_of_something_else_says_what_to_do(checkpoint, tmp_path, caps
     assert message in refused(capsys, tmp_path / "out", "--checkpoint", path)
 
 
-@pytest.mark.parametrize("part", ["denoiser", "skeleton"])
+@pytest.mark.parametrize("part", ["denoiser", "writer"])
 def test_checkpoint_of_a_stopped_training_names_what_is_missing(checkpoint, tmp_path, capsys, part):
     found = read_checkpoint(checkpoint)
     rest = {name: weights for name, weights in found.parts.items() if name != part}
     path = tmp_path / "part.safetensors"
-    write_checkpoint(path, found.facts, rest, found.statistics)
+    write_checkpoint(path, found.facts, rest, found.known)
     errors = refused(capsys, tmp_path / "out", "--checkpoint", path)
     assert f"checkpoint has no {part}" in errors
     assert "--resume" in errors
@@ -258,7 +259,7 @@ def test_file_that_is_no_polygon_is_refused(tmp_path, text):
 
 def test_a_model_of_other_layouts_gives_scenes_that_fly(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path / "cache"))
-    (tmp_path / "tiny.toml").write_text(TINY.replace("[skeleton_training]\nsteps = 2", SKELETON))
+    (tmp_path / "tiny.toml").write_text(TINY)
     args = ["--data", layouts(tmp_path / "rooms.jsonl.gz", 20), "--config", tmp_path / "tiny.toml"]
     args += ["--steps", 40, "--threads", 1, "--out", tmp_path / "out"]
     assert in_process(capsys, "train", *args)[0] == 0
