@@ -26,16 +26,16 @@ PLACES: tuple[Place, ...] = (
     Place(
         name="urban",
         title="Urban block",
-        text="Three towers and a crossing; a red van, cars, and more cars under a solar roof.",
+        text="Three towers at a crossing; an orange lorry, cars, more of them in a car park.",
         scene="corpus:13",
-        generated="43",
+        generated="39",
     ),
     Place(
         name="residential",
         title="Residential street",
         text="Houses with hipped, gabled and flat roofs around a junction; cars on their drives.",
         scene="corpus:49",
-        generated="39",
+        generated="40",
     ),
     Place(
         name="gardens",
@@ -46,29 +46,27 @@ PLACES: tuple[Place, ...] = (
     Place(
         name="industrial",
         title="Industrial yard",
-        text="A warehouse with rooflights, stacked containers, site huts, lorries, and goods under "
-        "canopies.",
+        text="A warehouse with rooflights, a crossing, lorries, vans and site huts.",
         scene="corpus:31",
-        generated="40",
+        generated="45",
     ),
     Place(
         name="car-park",
         title="Car park",
-        text="Rows of cars on both sides of a street, two coaches, canopies with solar panels.",
+        text="Rows of cars on both sides of a street, a coach, canopies with solar panels.",
         scene="corpus:79",
     ),
     Place(
         name="waterfront",
         title="Waterfront",
-        text="A quay with two jetties and boats, a square with canopies and a basin, an office.",
+        text="A quay with a jetty and boats, a square with canopies and a basin, an office.",
         scene="corpus:46",
-        generated="42",
+        generated="43",
     ),
     Place(
         name="terraces",
-        title="Terraces",
-        text="Lawns on several levels, held by low walls and joined by steps; flower beds, "
-        "conifers, and a street with cars.",
+        title="Lawns by a street",
+        text="Lawns with flower beds and conifers, two houses, and a street with cars.",
         scene="corpus:4",
     ),
     Place(
@@ -85,7 +83,7 @@ PLACES: tuple[Place, ...] = (
         scene="corpus:62",
         view="overview",
         cut_height_m=2.5,
-        generated="41",
+        generated="38",
     ),
     Place(
         name="store",

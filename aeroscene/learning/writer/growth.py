@@ -142,8 +142,9 @@ class Growth:
             allowed[0] = True
             return allowed
         for depth in range(len(self.path), 0, -1):
-            if depth < MAX_DEPTH and self.allowed_kinds(depth).any():
-                allowed[depth] = True
+            if depth >= MAX_DEPTH:
+                continue
+            allowed[depth] = self.allowed_kinds(depth).any()
             above = self.elements[self.path[depth - 1]]
             if allowed[depth] and self._lacks(above):
                 return allowed

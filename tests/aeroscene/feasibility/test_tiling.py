@@ -63,10 +63,11 @@ def test_ground_reaches_under_a_child_beside_it_unless_something_is_in_between()
 
 def test_crowded_ground_grows_and_other_ground_stays():
     crowd = [thing(30 + k, "planter", (0.0, 0.1 * k, 0.4), (2.0, 2.0, 0.7), LAWN) for k in range(3)]
-    layout = layout_of(garden(*crowd))
+    wide = thing(PLAZA, "plaza", (0.0, 20.0, 0.05), (40.0, 10.0, 0.1))
+    layout = layout_of(garden(wide, *crowd))
     make_room(layout, np.ones(len(layout.objects), dtype=bool), NO_AIR)
     assert layout.boxes.half_m[row_of(layout, LAWN), 0] > 16.0
-    assert layout.boxes.half_m[row_of(layout, PLAZA), 0] == pytest.approx(15.0)
+    assert layout.boxes.half_m[row_of(layout, PLAZA), 0] == pytest.approx(20.0)
 
 
 def test_fine_objects_end_upon_a_surface_and_within_it():
