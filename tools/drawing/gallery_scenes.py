@@ -97,15 +97,15 @@ PLACES: tuple[Place, ...] = (
     Place(
         name="hall",
         title="Hall",
-        text="From a gallery with a railing, a landing pad, a landing mat and a bench, into a hall "
-        "with windows on two levels.",
+        text="From a gallery with a railing and rows of benches into a hall with windows on two "
+        "levels.",
         scene="corpus:83",
         view="inside",
     ),
     Place(
         name="warehouse",
         title="Warehouse",
-        text="From a gallery with bookshelves, down a flight of stairs to racks and containers.",
+        text="A gallery with bookshelves, crates and pallets, above racks and containers.",
         scene="corpus:2",
         view="inside",
     ),
