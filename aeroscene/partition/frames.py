@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from aeroscene.scene.box import OrientedBox, quat_from_yaw
+from aeroscene.scene.box import MIN_SIZE_M, OrientedBox, quat_from_yaw
 
 Point2 = tuple[float, float]
 Bounds = tuple[float, float, float, float]
@@ -53,12 +53,13 @@ class Frame:
         return (u - du, v - dv, u + du, v + dv)
 
     def box(self, quarter: int, base_m: float, top_m: float) -> OrientedBox:
-        """The box over all of the frame, its x axis turned by quarters."""
-        size = (self.length_m, self.width_m) if quarter % 2 == 0 else (self.width_m, self.length_m)
+        """The box over all of the frame, its x axis turned by quarters; no side is too short."""
+        sides = (self.length_m, self.width_m, top_m - base_m)
+        x_m, y_m, z_m = (max(side, MIN_SIZE_M) for side in sides)
         return OrientedBox(
             p=(self.x_enu_m, self.y_enu_m, (base_m + top_m) / 2),
             q=quat_from_yaw(self.yaw_rad + quarter * math.pi / 2),
-            s=(*size, top_m - base_m),
+            s=(x_m, y_m, z_m) if quarter % 2 == 0 else (y_m, x_m, z_m),
         )
 
 

@@ -264,7 +264,8 @@ def test_a_model_of_other_layouts_gives_scenes_that_fly(tmp_path, capsys, monkey
     args += ["--steps", 40, "--threads", 1, "--out", tmp_path / "out"]
     assert in_process(capsys, "train", *args)[0] == 0
     model = ("--checkpoint", tmp_path / "out" / "checkpoint.safetensors")
-    status, text, _ = run(capsys, *model, "--count", 3, "--out", tmp_path / "made", "--json")
+    status, text, said = run(capsys, *model, "--count", 3, "--out", tmp_path / "made", "--json")
+    assert text, said
     facts = json.loads(text)
     assert (status, len(facts["scenes"])) == (0, 3)
     for path in facts["scenes"]:
