@@ -59,7 +59,7 @@ def test_covers_of_a_scene_are_built_again_within_5_mm(scene):
 def test_a_site_is_read_off_what_it_builds(tree):
     site = SitePartition(frame=FRAME, tree=tree)
     parsed = site_partition(site_scene(site))
-    assert greatest_error_m(boxes(site), boxes(parsed.site)) < 0.001
+    assert greatest_error_m(boxes(site), boxes(parsed.site)) < 0.004
 
 
 @st.composite
