@@ -92,11 +92,6 @@ class Moment:
         """Whether the x0 of this step is the result."""
         return self.index == self.n_steps - 1
 
-    @property
-    def share_left(self) -> float:
-        """Share of the steps that is still to come, this one included."""
-        return (self.n_steps - self.index) / self.n_steps
-
 
 class Guidance(Protocol):
     """Guidance that pulls a layout towards plausibility while it is sampled."""

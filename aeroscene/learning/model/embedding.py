@@ -8,13 +8,13 @@ from torch import Tensor, nn
 
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.encoding import TimeEmbedding, fourier_features, sinusoid
+from aeroscene.learning.program.program import N_HOSTS, N_MEMBERS
 from aeroscene.learning.tokens.batch import TokenBatch
 
 VALUE_LIMIT = 8.0
 """Channels in their own units are cut here: the noise of a wide channel may ask for anything."""
 N_PLACES = 64
 """Places among siblings that are told apart."""
-N_MEMBERS, N_HOSTS = 16, 32
 
 
 class ProgramEmbedding(nn.Module):

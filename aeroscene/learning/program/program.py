@@ -18,7 +18,8 @@ SIZE, PITCH, OPENING, TILT = slice(5, 8), slice(8, 10), slice(10, 17), slice(17,
 """Channels of a unit; a record has its share first and its numbers after it."""
 REFERENCED = (RISE, 5, 6, 7)
 """Channels that may count from several things, see `aeroscene.learning.program.references`."""
-N_REFERENCES = 4
+N_MEMBERS, N_HOSTS = 16, 32
+"""Numbers of members and ranks of hosts that networks tell apart; greater ones read as the last."""
 
 Looks = dict[str, AttributeValue]
 

@@ -38,7 +38,7 @@ class TokenBatch:
     n_coarse_slots: int
     x0: Float[Tensor, "batch n channels"] | None = None
     weight: Float[Tensor, "batch n channels"] | None = None
-    """1 where a channel of a token varies, 0 elsewhere and in padding."""
+    """How much an error of a channel counts, up to 1; 0 where it does not vary, and in padding."""
     extra: Int[Tensor, "batch n 3"] | None = None
     """Of tokens of programs member, rank of the host, and array."""
 

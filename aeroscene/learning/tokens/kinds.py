@@ -60,11 +60,6 @@ class Kind(msgspec.Struct, frozen=True, order=True):
     """Attributes that decide the shape, sorted by name."""
 
     @property
-    def is_site(self) -> bool:
-        """Whether this is the flight volume, not an object."""
-        return self.category == SITE
-
-    @property
     def is_start(self) -> bool:
         """Whether flights start on it."""
         return ("is_start", True) in self.attributes

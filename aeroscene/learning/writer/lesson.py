@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from aeroscene.learning.program.program import N_HOSTS, N_MEMBERS
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.bucket import bucket
@@ -15,9 +16,6 @@ from aeroscene.learning.writer.growth import MAX_DEPTH, N_RECENT, Choice, Elemen
 
 IGNORE = -100
 """Target where nothing is to be said."""
-N_MEMBERS, N_HOSTS = 16, 32
-N_SEEN = 12
-"""Numbers that an element is told by."""
 N_WISHES = 6
 
 

@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 from torch.nn import functional
 
+from aeroscene.learning.program.program import N_HOSTS, N_MEMBERS
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
 from aeroscene.learning.writer.batch import LessonBatch
 from aeroscene.learning.writer.bucket import N_BUCKETS
@@ -21,7 +22,7 @@ from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.learning.writer.embedding import KindEmbedding
 from aeroscene.learning.writer.growth import MAX_DEPTH
 from aeroscene.learning.writer.language import Language
-from aeroscene.learning.writer.lesson import N_HOSTS, N_MEMBERS, N_WISHES
+from aeroscene.learning.writer.lesson import N_WISHES
 
 _SMALL = 12
 Memory = list[tuple[Tensor, Tensor]]

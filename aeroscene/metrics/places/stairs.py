@@ -7,13 +7,10 @@ import shapely
 from jaxtyping import Bool, Float
 
 from aeroscene.feasibility.roles import COVERS
+from aeroscene.feasibility.stairs import REACH_M, STEP_M
 from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
 from aeroscene.solids.shapes.structures import RAIL_M
 
-REACH_M = 0.5
-"""Farthest that a level begins from the top of the stairs that lead to it."""
-STEP_M = 0.25
-"""Largest step between the top of stairs and the level that they lead to."""
 _BORNE_BY_TOP = (
     *(COVERS - {"water"}), *SHELLS, "terrain", "floor", "deck", "roof", "container",
 )  # fmt: skip

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds
-from aeroscene.learning.tokens.placed import site_yaw
+from aeroscene.learning.tokens.placed import SITE, site_yaw
 from aeroscene.scene import OrientedBox, Scene
 from aeroscene.scene.box import quat_from_yaw
 
@@ -23,7 +23,7 @@ def test_vocabulary_does_not_depend_on_the_order_of_scenes(scenes: list[Scene]) 
 
 def test_sites_come_first_and_are_no_category(scenes: list[Scene]) -> None:
     kinds = count_kinds(scenes).kinds
-    assert [kind.is_site for kind in kinds[:4]] == [True, True, True, False]
+    assert [kind.category == SITE for kind in kinds[:4]] == [True, True, True, False]
     assert count_kinds(scenes).category_id[: len(DOMAINS)].tolist() == [0, 0, 0]
     assert count_kinds(scenes).category_id[len(DOMAINS) :].min() > 0
 
