@@ -60,6 +60,10 @@ class Layout:
         is_left[: len(self.boxes)] = self.is_left
         return forbidden_overlaps(boxes, least_m, is_left)
 
+    def obstructs(self, row: int) -> Bool[np.ndarray, " n"]:
+        """Which objects an object must make room for: fine ones do so for coarse ones."""
+        return self.is_coarse if self.is_coarse[row] else np.ones(len(self.host), dtype=bool)
+
     def parent_of(self, row: int) -> SceneObject | None:
         """The parent of an object."""
         above = int(self.boxes.parent[row])

@@ -46,7 +46,6 @@ def find_place(
     reach_m: float = math.inf,
     *,
     may_cut: bool = False,
-    among_coarse: bool = False,
 ) -> Place | None:
     """The nearest free place upon a host for an object with all it carries.
 
@@ -57,13 +56,12 @@ def find_place(
         obstacles: Boxes that must be left free, beside all objects of the layout.
         reach_m: Greatest distance of the place.
         may_cut: Whether ground is no obstacle, because it can be cut.
-        among_coarse: Whether fine objects are none, because they make room afterwards.
     """
     boxes, group = layout.boxes, layout.carried(row)
     group = np.array([row, *group[layout.is_left[group] & (group != row)].tolist()])
-    others = layout.is_left & ~layout.moves_with[:, row]
-    if among_coarse:
-        group, others = group[layout.is_coarse[group]], others & layout.is_coarse
+    others = layout.is_left & ~layout.moves_with[:, row] & layout.obstructs(row)
+    if layout.is_coarse[row]:
+        group = group[layout.is_coarse[group]]
     rows = _rows(boxes, group)
     rise_m = 0.0
     if host != layout.host[row]:

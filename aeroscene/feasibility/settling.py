@@ -24,8 +24,6 @@ _FAR_M = 2.0
 """Distance of a place beyond which other hosts are considered as well."""
 _MUCH_TOO_FAR_M = 4.0
 """Distance of a structure's place beyond which ground is cut for it instead."""
-_WORTH = 0.5
-"""Factor by which a place must be nearer for fine objects to make room for a structure."""
 _LOYALTY_M = 1.0
 """Distance by which a place upon another host must be nearer than one upon the own host."""
 
@@ -93,9 +91,6 @@ def _nearest_place(layout: Layout, row: int, obstacles: Boxes) -> Place | None:
     place = find_place(layout, row, host, obstacles)
     if place is not None and place.distance_m <= _FAR_M:
         return place
-    if layout.objects[row].is_coarse:
-        nearest_m = math.inf if place is None else _WORTH * place.distance_m
-        place = find_place(layout, row, host, obstacles, nearest_m, among_coarse=True) or place
     for other in other_hosts(layout, row):
         nearest_m = math.inf if place is None else place.distance_m - _LOYALTY_M
         found = find_place(layout, row, other, obstacles, nearest_m)
@@ -140,24 +135,32 @@ def _cut(layout: Layout, row: int, axis: int, sign: float, depth_m: float) -> No
 def _losers(
     layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes
 ) -> Int[np.ndarray, " k"]:
-    """The one of each overlapping pair that carries less, or is smaller, if it may be moved."""
+    """The one of each overlapping pair that carries less, or is smaller, if it may be moved.
+
+    Fine objects make room for coarse ones.
+    """
     n = len(layout.boxes)
     carries = (layout.moves_with & layout.is_left[:, None]).sum(axis=0)
     size = layout.boxes.half_m.prod(axis=1)
     lost: set[int] = set()
     overlaps = layout.overlaps(TOUCH_M, obstacles)
     for pair in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
-        movable = [row for row in pair if row < n and is_wanted[row]]
+        has_fine = any(row < n and not layout.is_coarse[row] for row in pair)
+        movable = [
+            row
+            for row in pair
+            if row < n and is_wanted[row] and not (has_fine and layout.is_coarse[row])
+        ]
         if movable and not lost & set(pair):
             lost.add(min(movable, key=lambda row: (carries[row], size[row], row)))
     return np.array(sorted(lost), dtype=int)
 
 
 def _is_in_conflict(layout: Layout, row: int, obstacles: Boxes) -> bool:
-    """Whether an object overlaps any stranger."""
+    """Whether an object overlaps any stranger for which it must make room."""
     boxes = joined(layout.boxes, obstacles)
     is_stranger = ~boxes.is_kin[row]
-    is_stranger[: len(layout.boxes)] &= layout.is_left
+    is_stranger[: len(layout.boxes)] &= layout.is_left & layout.obstructs(row)
     rise = np.minimum(boxes.top_m, boxes.top_m[row]) - np.maximum(boxes.base_m, boxes.base_m[row])
     others = np.flatnonzero(is_stranger & (rise > TOUCH_M))
     return bool((footprint_depth(boxes, others, np.full(len(others), row)) > TOUCH_M).any())

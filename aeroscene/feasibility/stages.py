@@ -82,7 +82,7 @@ def _is_chained(layout: Layout, row: int) -> bool:
 def _part_coarse(layout: Layout) -> None:
     is_coarse = layout.is_coarse
     for _ in range(2):
-        PlaneProblem(layout, is_coarse).solve()
+        PlaneProblem(layout, is_coarse, among=is_coarse).solve()
         if not cut_overlaps(layout, is_coarse):
             break
     resettle(layout, is_coarse, _nothing())

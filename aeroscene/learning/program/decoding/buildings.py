@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, replace
+from dataclasses import astuple, dataclass, replace
 
 from aeroscene.learning.program.decoding.growing import Grower
-from aeroscene.learning.program.decoding.settling import settled, snapped
+from aeroscene.learning.program.decoding.settling import settled
+from aeroscene.learning.program.decoding.snapping import snapped
+from aeroscene.learning.program.decoding.stacking import Level, stacked, upper_slabs
 from aeroscene.learning.program.encoding.partitions import first_leaves, owner_of
 from aeroscene.learning.program.nesting import cells
 from aeroscene.learning.program.program import Program
@@ -25,8 +27,9 @@ from aeroscene.partition.frames import Frame
 from aeroscene.partition.sequences.read import read_border
 from aeroscene.partition.sequences.record import Record
 from aeroscene.partition.storeys.storey import OPEN, Line, find_lines, room_numbers
-from aeroscene.partition.tree import Part
+from aeroscene.partition.tree import Node, Part
 from aeroscene.relations.plane import Rectangle
+from aeroscene.scene import OrientedBox
 
 Place = int | None
 WALL = Border((Segment("wall", Part(1.0)),))
@@ -36,10 +39,24 @@ _LEAST_WALL_M = 0.02
 _LEAST_SIDE_M = 1.0
 
 
+@dataclass(frozen=True, slots=True)
+class DecodedBuilding:
+    """The storeys of a building, one upon the other."""
+
+    frame: Frame
+    levels: tuple[Level, ...]
+    parts: tuple[tuple[BuildingPart, Place], ...]
+    """Rooms and walls, each with its token."""
+
+    def upper_slabs(self, n_slabs: int) -> list[OrientedBox]:
+        """Slabs under the rooms above the first storey, as nearly `n_slabs` as rooms allow."""
+        return upper_slabs(self.levels, self.frame, [part for part, _ in self.parts], n_slabs)
+
+
 def build_building(
     program: Program, grower: Grower, storeys: Sequence[int], host: Rectangle, base_m: float
-) -> list[tuple[BuildingPart, Place]]:
-    """The rooms and walls of a building's storeys, each with its token.
+) -> DecodedBuilding:
+    """The rooms and walls of a building's storeys.
 
     Args:
         program: The program.
@@ -48,23 +65,21 @@ def build_building(
         host: The building, or the site, seen from above.
         base_m: Its underside.
     """
-    made: list[StoreyPartition] = []
-    leaves: list[list[Place]] = []
-    borders: list[list[Place]] = []
-    frame: Frame | None = None
+    frame = _frame(program.channels[storeys[0], 1:11].tolist(), host)
+    drawn: list[_Storey] = []
     for place in storeys:
-        values = program.channels[place, 1:11].tolist()
-        frame = frame or _frame(values, host)
-        base_m += values[6]
-        storey = _Storey(program, grower, place, frame, base_m)
-        made.append(storey.partition)
-        leaves.append(storey.leaves)
-        borders.append(storey.border_places)
-    parts = build_storeys(made)
-    return [
-        (part, (leaves if part.category == "room" else borders)[part.storey][part.place])
-        for part in parts
-    ]
+        base_m += float(program.channels[place, 7])
+        drawn.append(_Storey(program, grower, place, frame, base_m))
+    levels = [Level(storey.tree, storey.level_m) for storey in drawn]
+    trees = stacked(levels, frame, max(storey.least_m for storey in drawn))
+    parts = build_storeys(
+        [storey.partition(tree) for storey, tree in zip(drawn, trees, strict=True)]
+    )
+    return DecodedBuilding(
+        frame,
+        tuple(replace(level, tree=tree) for level, tree in zip(levels, trees, strict=True)),
+        tuple((part, drawn[part.storey].token(part)) for part in parts),
+    )
 
 
 def _frame(values: Sequence[float], host: Rectangle) -> Frame:
@@ -78,43 +93,52 @@ def _frame(values: Sequence[float], host: Rectangle) -> Frame:
 
 
 class _Storey:
-    """One storey as a partition; it keeps which tokens its leaves and borders are."""
+    """One storey; it keeps which tokens its leaves and borders are."""
 
     def __init__(
         self, program: Program, grower: Grower, place: int, frame: Frame, level_m: float
     ) -> None:
         self._program, self._grower = program, grower
-        grown, widths = grower.head(place)
-        self._widths = widths
-        wall_m, outer_m, drop_m = program.channels[place, 8:11].tolist()
-        wall_m, outer_m = max(wall_m, _LEAST_WALL_M), outer_m if outer_m > _LEAST_WALL_M else 0.0
-        least_m = wall_m + _ROOM_M
+        self.frame, self.level_m = frame, level_m
+        grown, self._widths = grower.head(place)
+        wall_m, outer_m, self._drop_m = program.channels[place, 8:11].tolist()
+        self._wall_m = max(wall_m, _LEAST_WALL_M)
+        self._outer_m = outer_m if outer_m > _LEAST_WALL_M else 0.0
+        self.least_m = self._wall_m + _ROOM_M
+        self._is_inset = bool(grown.record.arity)
         head = Record("site", values=(*astuple(frame), level_m))
-        plain = from_sequence([*widths, head, *grown.flat()[1:]])
-        tree = settled(plain.tree, frame.length_m, frame.width_m, least_m)
-        tree = snapped(tree, frame.length_m, frame.width_m, wall_m, least_m)
-        self.leaves: list[Place] = [token for token, _ in cells(grown)]
-        found = list(cells_of(tree, frame, level_m))
-        lines = find_lines(found, frame, has_outside=outer_m > 0)
-        self.border_places: list[Place] = []
-        drawn = self._borders(lines, room_numbers(found), wall_m)
-        self.partition = StoreyPartition(
-            frame=frame,
-            level_m=level_m,
+        plain = from_sequence([*self._widths, head, *grown.flat()[1:]])
+        sides_m = frame.length_m, frame.width_m
+        tree = settled(plain.tree, *sides_m, self.least_m)
+        self.tree = snapped(tree, *sides_m, self._wall_m, self.least_m)
+        self._leaves: list[Place] = [token for token, _ in cells(grown)]
+        self._border_places: list[Place] = []
+
+    def token(self, part: BuildingPart) -> Place:
+        """Place of the token of a room or wall of this storey."""
+        return (self._leaves if part.category == "room" else self._border_places)[part.place]
+
+    def partition(self, tree: Node) -> StoreyPartition:
+        """The storey with a tree that differs from its own in numbers only."""
+        found = list(cells_of(tree, self.frame, self.level_m))
+        lines = find_lines(found, self.frame, has_outside=self._outer_m > 0)
+        return StoreyPartition(
+            frame=self.frame,
+            level_m=self.level_m,
             tree=tree,
-            borders=tuple(drawn),
-            wall_m=wall_m,
-            outer_m=outer_m,
-            drop_m=drop_m,
-            is_inset=bool(grown.record.arity),
+            borders=tuple(self._borders(lines, room_numbers(found))),
+            wall_m=self._wall_m,
+            outer_m=self._outer_m,
+            drop_m=self._drop_m,
+            is_inset=self._is_inset,
         )
 
-    def _borders(self, lines: Sequence[Line], rooms: Sequence[int], wall_m: float) -> list[Border]:
+    def _borders(self, lines: Sequence[Line], rooms: Sequence[int]) -> list[Border]:
         """A border for each line: what was drawn between the two rooms, else what closes rooms."""
         children = self._grower.children
         kinds = self._program.kinds
         known: defaultdict[tuple[int, int, int], list[int]] = defaultdict(list)
-        for leaf, token in enumerate(self.leaves):
+        for leaf, token in enumerate(self._leaves):
             for each in [] if token is None else children[token]:
                 if kinds[each].node == "border":
                     known[leaf, kinds[each].side, int(self._program.host[each])].append(each)
@@ -125,17 +149,17 @@ class _Storey:
             leaf, side, beyond = owner_of(line, first, len(rooms))
             drawn = known[leaf, side, beyond]
             place = drawn.pop(0) if drawn else None
-            self.border_places.append(place)
+            self._border_places.append(place)
             default = (
                 WALL if any(is_closed[i] for i in (leaf, (leaf + beyond) % len(rooms))) else OPEN
             )
             border = default if place is None else self._border(place)
-            found.append(_with_room(border, line.high - line.low, wall_m))
+            found.append(_with_room(border, line.high - line.low, self._wall_m))
         return found
 
     def _closed(self, known: Mapping[tuple[int, int, int], Sequence[int]]) -> list[bool]:
         """Whether all borders that were drawn of each leaf's room have walls."""
-        found: list[set[bool]] = [set() for _ in self.leaves]
+        found: list[set[bool]] = [set() for _ in self._leaves]
         for (leaf, _, beyond), places in known.items():
             for place in places:
                 has_wall = self._program.kinds[place].category != "open"

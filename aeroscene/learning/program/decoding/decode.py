@@ -14,7 +14,7 @@ import numpy as np
 
 from aeroscene.feasibility.boxes import boxes_of
 from aeroscene.feasibility.seats import turns_to_tables
-from aeroscene.learning.program.decoding.buildings import build_building
+from aeroscene.learning.program.decoding.buildings import DecodedBuilding, build_building
 from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.decoding.mending import (
@@ -38,6 +38,8 @@ from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 LEAST_COVER_M = 0.05
+_STOREY_M = 1.2
+"""Least height of an upper storey's floor above the first."""
 _ON_M = 1e-6
 
 
@@ -87,6 +89,10 @@ class _Builder:
         self.children = self.program.children()
         self.grower = Grower(self.program, self.children)
         self.made: list[list[int]] = [[] for _ in self.program.kinds]
+        self.buildings: dict[int | None, DecodedBuilding] = {}
+        """Those with storeys, by what they are in."""
+        self.slabs: list[tuple[int, OrientedBox]] = []
+        """Upper slabs that were drawn of the building at hand, each with its token."""
         self.place_of: list[tuple[int | None, int]] = []
         """The token of each object, and which of the token's objects it is."""
         heads = [i for i in self.children[0] if self.program.kinds[i].node == "site"]
@@ -108,6 +114,7 @@ class _Builder:
                 for place in self._below(bearer, "unit"):
                     if not self.made[place] and self._turn_of(place) <= turn:
                         self._add_unit(place, bearer)
+                self._lay_slabs(bearer)
                 queue += range(before, len(self.objects))
         are_there = np.ones(len(self.objects), dtype=bool)
         for row, turn_rad in turns_to_tables(self.objects, boxes_of(self.objects), are_there):
@@ -130,6 +137,10 @@ class _Builder:
 
     def _box(self, object_id: int | None) -> OrientedBox | None:
         return None if object_id is None else self.objects[object_id].bbox
+
+    def _base_m(self, object_id: int | None) -> float:
+        box = self._box(object_id)
+        return 0.0 if box is None else box.p[2] - box.s[2] / 2
 
     def _outline(self, object_id: int | None) -> Rectangle:
         return self.site if object_id is None else footprint(self.objects[object_id].bbox)
@@ -171,10 +182,10 @@ class _Builder:
         storeys = self._below(host, "storey")
         if not storeys:
             return
-        box = self._box(host)
-        base_m = 0.0 if box is None else box.p[2] - box.s[2] / 2
-        parts = build_building(self.program, self.grower, storeys, self._outline(host), base_m)
-        for part, token in parts:
+        outline, base_m = self._outline(host), self._base_m(host)
+        building = build_building(self.program, self.grower, storeys, outline, base_m)
+        self.buildings[host] = building
+        for part, token in building.parts:
             kind = Kind("leaf") if token is None else self.program.kinds[token]
             openings = {name: round(value, 4) for name, value in part.openings.items()}
             attributes = dict(kind.attributes) | openings
@@ -193,9 +204,30 @@ class _Builder:
         if table is not None:
             boxes = self._drawn_up(boxes, table)
         for box in boxes:
+            if kind.category == "floor" and self._is_upper(box, bearer):
+                self.slabs.append((place, box))
+                continue
             attributes = dict(kind.attributes) | _openings(program, place, box)
             made = self._add(place, kind.category, kind.domain, attributes, box)
             self._set_parent(made, None if kind.is_root else bearer, bearer=bearer, table=table)
+
+    def _is_upper(self, slab: OrientedBox, host: int | None) -> bool:
+        """Whether a slab is one of a building's upper storeys."""
+        levels = self.buildings[host].levels if host in self.buildings else ()
+        top_m = slab.p[2] + slab.s[2] / 2
+        return bool(levels[1:]) and top_m - levels[0].base_m > _STOREY_M
+
+    def _lay_slabs(self, host: int | None) -> None:
+        """Upper slabs as the rooms upon them ask for, in place of those that were drawn."""
+        if not self.slabs:
+            return
+        drawn, self.slabs = self.slabs, []
+        for slab in self.buildings[host].upper_slabs(len(drawn)):
+            away_m = [math.dist(slab.p, box.p) for _, box in drawn]
+            place = drawn[away_m.index(min(away_m))][0]
+            kind = self.program.kinds[place]
+            made = self._add(place, kind.category, kind.domain, dict(kind.attributes), slab)
+            self._set_parent(made, None if kind.is_root else host, bearer=host)
 
     def _drawn_up(self, chairs: Sequence[OrientedBox], table: int) -> list[OrientedBox]:
         """Chairs that have room, their table moved with them where that makes it."""
