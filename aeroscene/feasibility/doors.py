@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 import numpy as np
 
 from aeroscene.feasibility.boxes import Boxes, strangers
 from aeroscene.feasibility.layout import Layout
-from aeroscene.scene import AttributeValue
+from aeroscene.scene import AttributeValue, OrientedBox
 
 _JAMB_M = 0.15
 """Least wall beside an opening."""
@@ -25,21 +28,31 @@ _SILL_M = 0.1
 
 def door_air(layout: Layout) -> Boxes:
     """The air before and behind each door of a wall, which furniture leaves free."""
-    boxes = layout.boxes
-    found: list[tuple[float, ...]] = []
-    for row, obj in enumerate(layout.objects):
-        openings = layout.attributes.get(row, obj.attributes)
-        width = openings.get("door_m", 0.0)
-        is_door = obj.category == "wall" and layout.is_left[row] and isinstance(width, int | float)
-        if not is_door or float(width) <= 0:
-            continue
-        offset = float(openings.get("door_offset_m", 0.0))
-        x, y = boxes.centre_m[row, :2] + offset * boxes.frame(row)[1]
-        low_m = float(boxes.base_m[row]) + _SILL_M
-        half = (_APRON_M, float(width) / 2 + 0.1, (_LEAST_DOOR_M[1] - _SILL_M) / 2)
-        found.append((x, y, low_m + half[2], *half, float(boxes.yaw_rad[row])))
-    table = np.array(found, dtype=float).reshape(-1, 7)
-    return strangers(table[:, :3], table[:, 3:6], table[:, 6])
+    found = [
+        air
+        for row, obj in enumerate(layout.objects)
+        if obj.category == "wall"
+        and layout.is_left[row]
+        and (air := air_of(layout.box(row), layout.attributes.get(row, obj.attributes)))
+    ]
+    return strangers(
+        np.array([air.p for air in found]).reshape(-1, 3),
+        np.array([air.s for air in found]).reshape(-1, 3) / 2,
+        np.array([air.yaw_rad for air in found]),
+    )
+
+
+def air_of(wall: OrientedBox, openings: Mapping[str, AttributeValue]) -> OrientedBox | None:
+    """The air before and behind the door of a wall; None where it has none."""
+    width = openings.get("door_m", 0.0)
+    if not isinstance(width, int | float) or width <= 0:
+        return None
+    offset_m, yaw_rad = float(openings.get("door_offset_m", 0.0)), wall.yaw_rad
+    x = wall.p[0] - math.sin(yaw_rad) * offset_m
+    y = wall.p[1] + math.cos(yaw_rad) * offset_m
+    height_m = _LEAST_DOOR_M[1] - _SILL_M
+    z = wall.p[2] - wall.s[2] / 2 + _SILL_M + height_m / 2
+    return OrientedBox((x, y, z), wall.q, (2 * _APRON_M, float(width) + 0.2, height_m))
 
 
 def fit_openings(layout: Layout) -> None:

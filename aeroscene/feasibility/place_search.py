@@ -47,6 +47,34 @@ def nearest_free(
 
 
 @kernel
+def first_free(
+    group: Float[np.ndarray, "g 8"],
+    taken: Float[np.ndarray, "k 8"],
+    shifts_m: Float[np.ndarray, "s 2"],
+) -> int:
+    """Number of the first shift by which a group overlaps nothing that is taken, -1 without one."""
+    for number in range(len(shifts_m)):
+        if _is_apart(group, taken, shifts_m[number, 0], shifts_m[number, 1]):
+            return number
+    return -1
+
+
+@kernel
+def _is_apart(
+    group: Float[np.ndarray, "g 8"], taken: Float[np.ndarray, "k 8"], shift_x: float, shift_y: float
+) -> bool:
+    for g in range(len(group)):
+        x, y = group[g, 0] + shift_x, group[g, 1] + shift_y
+        half_x, half_y, c, s = group[g, 2], group[g, 3], group[g, 4], group[g, 5]
+        for k in range(len(taken)):
+            if group[g, 6] >= taken[k, 7] - TOUCH_M or taken[k, 6] >= group[g, 7] - TOUCH_M:
+                continue
+            if _overlaps(x, y, half_x, half_y, c, s, taken[k]):
+                return False
+    return True
+
+
+@kernel
 def _is_free(
     group: Float[np.ndarray, "g 8"],
     taken: Float[np.ndarray, "k 8"],

@@ -25,6 +25,7 @@ from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
 from aeroscene.feasibility.stairs import drop_lost, follow_levels, landings_of
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
+from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding
@@ -122,7 +123,7 @@ def _clear_up(layout: Layout) -> None:
     is_coarse = layout.is_coarse
     resettle(layout, is_coarse, _nothing())
     resettle(layout, ~is_coarse, _air(layout))
-    _face_tables(layout)
+    _turn_about(layout)
     _mend_floating(layout)
     hold_all(layout)
     rows = {obj.id: row for row, obj in enumerate(layout.objects)}
@@ -132,9 +133,10 @@ def _clear_up(layout: Layout) -> None:
             layout.drop(rows[finding.object_id])
 
 
-def _face_tables(layout: Layout) -> None:
-    """Turn chairs that look away from the table that they are at now."""
-    for row, turn_rad in turns_to_tables(layout.objects, layout.boxes, layout.is_left):
+def _turn_about(layout: Layout) -> None:
+    """Turn chairs to the table that they are at now, and vehicles the way that their lane goes."""
+    known = layout.objects, layout.boxes, layout.is_left
+    for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
         layout.turn(row, turn_rad)
     resettle(layout, ~layout.is_coarse, _air(layout))
 

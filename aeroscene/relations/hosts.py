@@ -84,6 +84,10 @@ class Standing:
         """The category of something; nothing for the bare world."""
         return self._category.get(object_id, "")
 
+    def bearer(self, object_id: int) -> int | None:
+        """What bears an object."""
+        return self._parent[object_id]
+
     def possible_hosts(
         self, kind: Kind, category_id: int, parent_id: int | None
     ) -> list[int | None]:

@@ -13,14 +13,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from aeroscene.feasibility.boxes import boxes_of
+from aeroscene.feasibility.doors import air_of
+from aeroscene.feasibility.roles import FITTINGS, GROUND, POSTS
 from aeroscene.feasibility.seats import turns_to_tables
+from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.learning.program.decoding.buildings import DecodedBuilding, build_building
 from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.growing import Grower
-from aeroscene.learning.program.decoding.mending import (
-    AFLOAT,
-    mended,
-    room_for_seats,
+from aeroscene.learning.program.decoding.mending import AFLOAT, mended
+from aeroscene.learning.program.decoding.neighbours import (
+    Neighbours,
+    clashing,
+    free_shift,
+    moved,
+    open_ways,
 )
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.units import member_boxes, read_unit
@@ -31,8 +37,10 @@ from aeroscene.learning.program.program import OPENING, Program
 from aeroscene.partition import SitePartition, build_site, from_sequence
 from aeroscene.partition.tree import VOID
 from aeroscene.relations import Kind as RelationKind
-from aeroscene.relations.hosts import N_TURNS, Standing, turn_of
+from aeroscene.relations import Unit
+from aeroscene.relations.hosts import AT_LEVELS, N_TURNS, Standing, turn_of
 from aeroscene.relations.plane import Rectangle, footprint
+from aeroscene.relations.relation import N_SIDES
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
@@ -41,6 +49,11 @@ LEAST_COVER_M = 0.05
 _STOREY_M = 1.2
 """Least height of an upper storey's floor above the first."""
 _ON_M = 1e-6
+_LAID = GROUND | FITTINGS | AT_LEVELS | POSTS | {"roof"}
+"""What lies where it was drawn, whatever stands there."""
+_MOST_LEFT_OUT = 0.5
+"""Largest share of a group that is left out for want of room."""
+_SAME_M = 1e-3
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -84,6 +97,7 @@ class _Builder:
     program: Program
     objects: list[SceneObject] = field(default_factory=list)
     standing: Standing = field(default_factory=Standing)
+    neighbours: Neighbours = field(default_factory=Neighbours)
 
     def __post_init__(self) -> None:
         self.children = self.program.children()
@@ -116,8 +130,8 @@ class _Builder:
                         self._add_unit(place, bearer)
                 self._lay_slabs(bearer)
                 queue += range(before, len(self.objects))
-        are_there = np.ones(len(self.objects), dtype=bool)
-        for row, turn_rad in turns_to_tables(self.objects, boxes_of(self.objects), are_there):
+        known = self.objects, boxes_of(self.objects), np.ones(len(self.objects), dtype=bool)
+        for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
             own = self.objects[row]
             quat = quat_from_yaw(own.bbox.yaw_rad + turn_rad)
             self.objects[row] = replace(own, bbox=replace(own.bbox, q=quat))
@@ -191,6 +205,9 @@ class _Builder:
             attributes = dict(kind.attributes) | openings
             made = self._add(token, part.category, "indoor", attributes, part.box)
             self._set_parent(made, host, bearer=host)
+            air = air_of(part.box, attributes) if part.category == "wall" else None
+            if air is not None:
+                self.neighbours.add_air(air)
 
     def _add_unit(self, place: int, bearer: int | None) -> None:
         program = self.program
@@ -203,19 +220,31 @@ class _Builder:
         boxes = mended(kind.category, member_boxes(unit, self._box), self.objects)
         if table is not None:
             boxes = self._drawn_up(boxes, table)
+        elif kind.category not in _LAID:
+            boxes = self._free(unit, boxes)
         for box in boxes:
-            if kind.category == "floor" and self._is_upper(box, bearer):
+            is_slab = kind.category == "floor" and bearer in self.buildings
+            if is_slab and self._is_upper(box, bearer):
                 self.slabs.append((place, box))
                 continue
             attributes = dict(kind.attributes) | _openings(program, place, box)
-            made = self._add(place, kind.category, kind.domain, attributes, box)
+            laid = self._under_rooms(box, bearer) if is_slab else box
+            made = self._add(place, kind.category, kind.domain, attributes, laid)
             self._set_parent(made, None if kind.is_root else bearer, bearer=bearer, table=table)
 
     def _is_upper(self, slab: OrientedBox, host: int | None) -> bool:
         """Whether a slab is one of a building's upper storeys."""
-        levels = self.buildings[host].levels if host in self.buildings else ()
+        levels = self.buildings[host].levels
         top_m = slab.p[2] + slab.s[2] / 2
         return bool(levels[1:]) and top_m - levels[0].base_m > _STOREY_M
+
+    def _under_rooms(self, slab: OrientedBox, host: int | None) -> OrientedBox:
+        """A slab at the level of the rooms of the first storey, where it is near that."""
+        top_m = self.buildings[host].levels[0].base_m
+        z_m = top_m - slab.s[2] / 2
+        if not _SAME_M < abs(z_m - slab.p[2]) < _STOREY_M:
+            return slab
+        return replace(slab, p=(*slab.p[:2], z_m))
 
     def _lay_slabs(self, host: int | None) -> None:
         """Upper slabs as the rooms upon them ask for, in place of those that were drawn."""
@@ -229,14 +258,36 @@ class _Builder:
             made = self._add(place, kind.category, kind.domain, dict(kind.attributes), slab)
             self._set_parent(made, None if kind.is_root else host, bearer=host)
 
+    def _free(self, unit: Unit, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
+        """A unit's boxes where they have room: as its relation has it, or else nearby."""
+        bearer = unit.parent_id
+        taken = self.neighbours.taken(bearer)
+        within = None if bearer is None else self._outline(bearer)
+        for turns, ways in open_ways(unit, self._outline(unit.host_id)):
+            side = (unit.relation.side + turns) % N_SIDES
+            turned = replace(unit, relation=replace(unit.relation, side=side))
+            found = member_boxes(turned, self._box) if turns else boxes
+            shift = free_shift(found, taken, within, ways)
+            if shift is not None:
+                return [moved(box, shift) for box in found]
+        is_taken = clashing(boxes, taken)
+        if sum(is_taken) > _MOST_LEFT_OUT * len(boxes):
+            return list(boxes)
+        return [box for box, clashes in zip(boxes, is_taken, strict=True) if not clashes]
+
     def _drawn_up(self, chairs: Sequence[OrientedBox], table: int) -> list[OrientedBox]:
         """Chairs that have room, their table moved with them where that makes it."""
-        (x_m, y_m), has_room = room_for_seats(chairs, table, self.objects)
-        if x_m or y_m:
-            own = self.objects[table]
-            self.objects[table] = replace(own, bbox=_moved(own.bbox, x_m, y_m))
-        boxes = zip(chairs, has_room, strict=True)
-        return [_moved(box, x_m, y_m) for box, is_free in boxes if is_free]
+        bearer = self.standing.bearer(table)
+        taken = self.neighbours.taken(bearer, without=[table])
+        own = self.objects[table].bbox
+        within = None if bearer is None else self._outline(bearer)
+        shift = free_shift([own, *chairs], taken, within, ways_rad=None)
+        if shift is None:
+            is_taken = clashing(chairs, taken)
+            return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]
+        self.objects[table] = replace(self.objects[table], bbox=moved(own, shift))
+        self.neighbours.move(table, self.objects[table].bbox)
+        return [moved(box, shift) for box in chairs]
 
     def _add(
         self,
@@ -272,11 +323,8 @@ class _Builder:
         self, made: int, parent: int | None, *, bearer: int | None, table: int | None = None
     ) -> None:
         self.objects[made] = replace(self.objects[made], parent_id=parent)
+        self.neighbours.add(self.objects[made].bbox, parent)
         self.standing.add(made, self.objects[made].category_id, bearer, table)
-
-
-def _moved(box: OrientedBox, x_m: float, y_m: float) -> OrientedBox:
-    return OrientedBox((box.p[0] + x_m, box.p[1] + y_m, box.p[2]), box.q, box.s)
 
 
 def _openings(program: Program, place: int, box: OrientedBox) -> dict[str, AttributeValue]:

@@ -195,7 +195,7 @@ def _array(
     gaps_m = np.nan_to_num(program.channels[token, PITCH]).tolist()
     extents_m = pitch_base_m(kind, halves_m)
     pitch_m = [
-        min(max(gap_m + extent_m, _LEAST_PITCH_M), _MOST_PITCH_M) if count > 1 else 0.0
+        min(max(gap_m, 0.0) + max(extent_m, _LEAST_PITCH_M), _MOST_PITCH_M) if count > 1 else 0.0
         for gap_m, extent_m, count in zip(gaps_m, extents_m, shape[:2], strict=True)
     ]
     if kind == Kind.SEAT:

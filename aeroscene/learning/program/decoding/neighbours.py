@@ -1,0 +1,209 @@
+"""Free places for units among what stands already, by ways that their relations leave open.
+
+Nothing changes where nothing has to: what was read off a scene stays as it is. A unit without such
+a place stays where it is too; the projection parts what is left.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from aeroscene.feasibility.place_search import first_free
+from aeroscene.relations import Unit
+from aeroscene.relations.plane import QUARTER, Rectangle
+from aeroscene.relations.relation import Kind
+from aeroscene.scene import OrientedBox
+
+Shift = tuple[float, float]
+Ways = tuple[float, ...] | None
+"""Headings along which boxes may go, both ways; None for all."""
+_STILL: Shift = (0.0, 0.0)
+_STEP_M, _GROWTH, _MOST_M = 0.05, 1.12, 8.0
+_SPOKES = 16
+_DEEP_M = 0.004
+"""Depth up to which boxes only touch: what documents round."""
+
+
+class Neighbours:
+    """What stands already."""
+
+    def __init__(self) -> None:
+        self._rows: list[tuple[float, ...]] = []
+        self._parents: list[int | None] = []
+        self._air: list[tuple[float, ...]] = []
+
+    def add(self, box: OrientedBox, parent: int | None) -> None:
+        """Let the next object stand; ids are its place in the order."""
+        self._rows.append(_row(box))
+        self._parents.append(parent)
+
+    def move(self, number: int, box: OrientedBox) -> None:
+        """Let an object stand elsewhere."""
+        self._rows[number] = _row(box)
+
+    def add_air(self, box: OrientedBox) -> None:
+        """Keep a box free of everything that comes from now on."""
+        self._air.append(_row(box))
+
+    def taken(self, bearer: int | None, without: Sequence[int] = ()) -> Float[np.ndarray, "k 8"]:
+        """All that stands but for some, and what bears them and all that it belongs to."""
+        is_other = np.ones(len(self._rows), dtype=bool)
+        is_other[list(without)] = False
+        while bearer is not None:
+            is_other[bearer] = False
+            bearer = self._parents[bearer]
+        rows = np.array(self._rows).reshape(-1, 8)[is_other]
+        return np.concatenate([rows, np.array(self._air).reshape(-1, 8)])
+
+
+def free_shift(
+    group: Sequence[OrientedBox],
+    taken: Float[np.ndarray, "k 8"],
+    within: Rectangle | None,
+    ways_rad: Ways,
+) -> Shift | None:
+    """The least shift of boxes onto what bears them where they overlap nothing; None without one.
+
+    Args:
+        group: The boxes.
+        taken: What stands already.
+        within: What bears them; where they are too long for it they stay as they are.
+        ways_rad: Where they may go.
+    """
+    rows = np.array([_row(box) for box in group])
+    onto = np.zeros(2) if within is None else _way_onto(rows, within)
+    rows[:, :2] += onto
+    taken = _near(rows, taken)
+    if _is_free(rows, taken):
+        return (float(onto[0]), float(onto[1]))
+    shifts_m = np.array(list(_shifts(ways_rad)))
+    if within is not None:
+        shifts_m = shifts_m[_stays(rows, shifts_m, within)]
+    number = first_free(rows, taken, shifts_m)
+    if number < 0:
+        return None
+    x_m, y_m = (onto + shifts_m[number]).tolist()
+    return x_m, y_m
+
+
+def clashing(group: Sequence[OrientedBox], taken: Float[np.ndarray, "k 8"]) -> list[bool]:
+    """Which boxes overlap anything that is taken."""
+    return [not _is_free(np.array([_row(box)]), taken) for box in group]
+
+
+def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
+    """What a unit may try, the least change first: quarter turns about its host, and ways to go.
+
+    First it keeps what its relation pins; then it goes along its side of the host, out of a corner
+    along either edge; then anywhere, but for what stands at an edge.
+    """
+    relation = unit.relation
+    is_u_pinned, is_v_pinned, _ = relation.pinned
+    sides = (0, 1, 3, 2) if relation.kind in {Kind.EDGE, Kind.SIDE} else (0,)
+    if not is_u_pinned and not is_v_pinned:
+        yield 0, None
+        return
+    for turns in sides:
+        outwards_rad = host.place.yaw_rad + (relation.side + turns) * QUARTER
+        own = [outwards_rad] * (not is_u_pinned) + [outwards_rad + QUARTER] * (not is_v_pinned)
+        yield turns, tuple(own)
+    if is_u_pinned and is_v_pinned:
+        for turns in sides:
+            outwards_rad = host.place.yaw_rad + (relation.side + turns) * QUARTER
+            is_corner = relation.kind == Kind.EDGE
+            yield turns, (outwards_rad + QUARTER, *([outwards_rad] * is_corner))
+    if relation.kind != Kind.EDGE:
+        yield 0, None
+
+
+def moved(box: OrientedBox, shift: Shift) -> OrientedBox:
+    """A box after a shift."""
+    if shift == _STILL:
+        return box
+    return OrientedBox((box.p[0] + shift[0], box.p[1] + shift[1], box.p[2]), box.q, box.s)
+
+
+def _row(box: OrientedBox) -> tuple[float, ...]:
+    yaw_rad = box.yaw_rad
+    half_m = [side / 2 for side in box.s]
+    return (
+        *box.p[:2],
+        *half_m[:2],
+        math.cos(yaw_rad),
+        math.sin(yaw_rad),
+        box.p[2] - half_m[2],
+        box.p[2] + half_m[2],
+    )
+
+
+def _near(
+    rows: Float[np.ndarray, "g 8"], taken: Float[np.ndarray, "k 8"]
+) -> Float[np.ndarray, "n 8"]:
+    """What shares height with a group and is near enough to meet it anywhere."""
+    middle, reach = rows[:, :2].mean(axis=0), np.hypot(rows[:, 2], rows[:, 3])
+    own_m = (np.hypot(*(rows[:, :2] - middle).T) + reach).max()
+    away_m = np.hypot(*(taken[:, :2] - middle).T) - np.hypot(taken[:, 2], taken[:, 3])
+    is_level = (taken[:, 6] < rows[:, 7].max()) & (taken[:, 7] > rows[:, 6].min())
+    return taken[is_level & (away_m < own_m + _MOST_M)]
+
+
+def _is_free(rows: Float[np.ndarray, "g 8"], taken: Float[np.ndarray, "k 8"]) -> bool:
+    """Whether a group overlaps nothing by more than a touch."""
+    less = rows.copy()
+    less[:, 2:4] = np.maximum(less[:, 2:4] - _DEEP_M, _DEEP_M)
+    less[:, 6] += _DEEP_M
+    less[:, 7] -= _DEEP_M
+    return first_free(less, taken, np.zeros((1, 2))) == 0
+
+
+def _way_onto(rows: Float[np.ndarray, "g 8"], within: Rectangle) -> Float[np.ndarray, " 2"]:
+    """The least shift that brings a group onto an outline, along each axis that it fits on."""
+    low, high, axes = _play(rows, within)
+    fits = low <= high
+    way = np.where(fits, np.clip(0.0, np.where(fits, low, 0.0), np.where(fits, high, 0.0)), 0.0)
+    way[np.abs(way) < _DEEP_M] = 0.0
+    return way @ axes
+
+
+def _stays(
+    rows: Float[np.ndarray, "g 8"], shifts_m: Float[np.ndarray, "s 2"], within: Rectangle
+) -> Bool[np.ndarray, " s"]:
+    """Which shifts leave a group as far within an outline as it is."""
+    low, high, axes = _play(rows, within)
+    along = shifts_m @ axes.T
+    is_in = (along >= np.minimum(low, 0.0) - 1e-9) & (along <= np.maximum(high, 0.0) + 1e-9)
+    return is_in.all(axis=1)
+
+
+def _play(
+    rows: Float[np.ndarray, "g 8"], within: Rectangle
+) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"], Float[np.ndarray, "2 2"]]:
+    """Least and greatest shift along an outline's axes that keep a group within; and the axes."""
+    yaw_rad = within.place.yaw_rad
+    c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+    axes = np.array([[c, s], [-s, c]])
+    middle = (rows[:, :2] - (within.place.x_m, within.place.y_m)) @ axes.T
+    lean = np.abs(rows[:, 4] * c + rows[:, 5] * s)
+    slant = np.abs(rows[:, 5] * c - rows[:, 4] * s)
+    reach = np.column_stack(
+        [lean * rows[:, 2] + slant * rows[:, 3], slant * rows[:, 2] + lean * rows[:, 3]]
+    )
+    half = np.array(within.half_m)
+    return -half - (middle - reach).min(axis=0), half - (middle + reach).max(axis=0), axes
+
+
+def _shifts(ways_rad: Ways) -> Iterator[Shift]:
+    """Ways to go, the shortest first."""
+    spokes = [spoke * math.tau / _SPOKES for spoke in range(_SPOKES)]
+    if ways_rad is not None:
+        spokes = [way + turn for way in ways_rad for turn in (0.0, math.pi)]
+    yield _STILL
+    radius_m = _STEP_M
+    while radius_m < _MOST_M:
+        for angle in spokes:
+            yield radius_m * math.cos(angle), radius_m * math.sin(angle)
+        radius_m = max(radius_m + _STEP_M, radius_m * _GROWTH)
