@@ -124,7 +124,9 @@ def _clear_up(layout: Layout) -> None:
     resettle(layout, is_coarse, _nothing())
     resettle(layout, ~is_coarse, _air(layout))
     _turn_about(layout)
+    resettle(layout, ~is_coarse, _air(layout))
     _mend_floating(layout)
+    _turn_about(layout)
     hold_all(layout)
     rows = {obj.id: row for row, obj in enumerate(layout.objects)}
     for finding in tuple(overlaps(finished(layout))):
@@ -138,7 +140,6 @@ def _turn_about(layout: Layout) -> None:
     known = layout.objects, layout.boxes, layout.is_left
     for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
         layout.turn(row, turn_rad)
-    resettle(layout, ~layout.is_coarse, _air(layout))
 
 
 def _mend_floating(layout: Layout) -> None:

@@ -217,11 +217,11 @@ class _Builder:
         members = [i for i in self.children[place] if program.kinds[i].node == "member"]
         unit = read_unit(program, place, members, bearer, self.standing, self._outline, self._box)
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
-        boxes = mended(kind.category, member_boxes(unit, self._box), self.objects)
+        boxes = self._boxes(unit, kind)
         if table is not None:
             boxes = self._drawn_up(boxes, table)
         elif kind.category not in _LAID:
-            boxes = self._free(unit, boxes)
+            boxes = self._free(unit, kind, boxes)
         for box in boxes:
             is_slab = kind.category == "floor" and bearer in self.buildings
             if is_slab and self._is_upper(box, bearer):
@@ -258,7 +258,10 @@ class _Builder:
             made = self._add(place, kind.category, kind.domain, dict(kind.attributes), slab)
             self._set_parent(made, None if kind.is_root else host, bearer=host)
 
-    def _free(self, unit: Unit, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
+    def _boxes(self, unit: Unit, kind: Kind) -> list[OrientedBox]:
+        return mended(kind.category, member_boxes(unit, self._box), self.objects)
+
+    def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
         """A unit's boxes where they have room: as its relation has it, or else nearby."""
         bearer = unit.parent_id
         taken = self.neighbours.taken(bearer)
@@ -266,7 +269,7 @@ class _Builder:
         for turns, ways in open_ways(unit, self._outline(unit.host_id)):
             side = (unit.relation.side + turns) % N_SIDES
             turned = replace(unit, relation=replace(unit.relation, side=side))
-            found = member_boxes(turned, self._box) if turns else boxes
+            found = self._boxes(turned, kind) if turns else boxes
             shift = free_shift(found, taken, within, ways)
             if shift is not None:
                 return [moved(box, shift) for box in found]

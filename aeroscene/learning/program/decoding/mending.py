@@ -1,4 +1,4 @@
-"""What a unit's place has to be whatever its numbers: boats afloat, bridges over something.
+"""What a unit's place has to be whatever its numbers: boats afloat, traffic in lanes.
 
 Nothing changes where nothing has to: what was read off a scene stays as it is. What has no such
 place is left out.
@@ -12,13 +12,17 @@ from dataclasses import replace
 
 import shapely
 
+from aeroscene.relations.hosts import VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle, footprint, turned_reach_m
+from aeroscene.relations.relation import LANE_RATIOS
 from aeroscene.scene import OrientedBox, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 
 AFLOAT = frozenset({"boat"})
 BRIDGES = frozenset({"bridge"})
 CROSSED = frozenset({"water", "road"})
+_MIDDLE_M = 0.3
+"""Distance from the middle line of a road within which one drives on neither side."""
 _LEAST_AFLOAT, _LEAST_OVER = 0.95, 0.1
 """Least shares of the outlines of a boat on water, of a bridge over what it crosses."""
 
@@ -33,6 +37,9 @@ def mended(
     if category in BRIDGES:
         crossed = _footprints(objects, CROSSED)
         return [found for box in boxes if (found := _over(box, crossed))]
+    if category in VEHICLES:
+        roads = _footprints(objects, frozenset({"road"}))
+        return [_in_lane(box, roads) for box in boxes]
     return list(boxes)
 
 
@@ -95,6 +102,19 @@ def _over(box: OrientedBox, crossed: Sequence[Rectangle]) -> OrientedBox | None:
         crossed, key=lambda each: math.hypot(each.place.x_m - at.x_m, each.place.y_m - at.y_m)
     )
     return _put(box, replace(at, x_m=nearest.place.x_m, y_m=nearest.place.y_m))
+
+
+def _in_lane(box: OrientedBox, roads: Sequence[Rectangle]) -> OrientedBox:
+    """A vehicle on the middle line of a road, moved to the lane that is on its right."""
+    at = footprint(box).place
+    for road in roads:
+        u_m, v_m, turn_rad = road.place.local(at)
+        if abs(u_m) <= road.half_m[0] and abs(v_m) < _MIDDLE_M:
+            lane_m = 2 * road.half_m[1] * LANE_RATIOS[1]
+            if math.cos(turn_rad) >= 0:
+                return _put(box, road.place.moved(u_m, -lane_m))
+            return _put(box, road.place.moved(u_m, lane_m, math.pi))
+    return box
 
 
 def _put(box: OrientedBox, at: Place) -> OrientedBox:
