@@ -15,6 +15,8 @@ from aeroscene.scene import SceneObject
 TABLES = frozenset({"table", "desk"})
 AT_TABLE_M = 0.5
 """Widest gap between a table and a chair that is drawn up to it."""
+TO_CHAIR_M = 0.9
+"""Farthest that the middle of a plate is from the middle of a chair."""
 OFF_RAD = math.radians(45.0)
 """Largest angle between where a chair looks and where its table is."""
 _QUARTER = math.pi / 2

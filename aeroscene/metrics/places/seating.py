@@ -8,15 +8,9 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Int
 
+from aeroscene.feasibility.seats import AT_TABLE_M, OFF_RAD, TABLES, TO_CHAIR_M
 from aeroscene.metrics.places.top_view import TopView, near_pairs
 
-TABLES = ("table", "desk")
-AT_TABLE_M = 0.5
-"""Widest gap between a table and a chair at it."""
-OFF_RAD = math.radians(45.0)
-"""Largest angle between where a chair at a table looks and where the table is."""
-TO_CHAIR_M = 0.9
-"""Farthest that the middle of a plate is from the middle of a chair."""
 _ABOVE_M = 0.3
 """Farthest that a plate lies above the back of a chair before it."""
 

@@ -15,12 +15,12 @@ import numpy as np
 from aeroscene.feasibility.boxes import boxes_of
 from aeroscene.feasibility.doors import air_of
 from aeroscene.feasibility.roles import FITTINGS, GROUND, POSTS
-from aeroscene.feasibility.seats import turns_to_tables
+from aeroscene.feasibility.seats import TABLES, turns_to_tables
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.learning.program.decoding.buildings import DecodedBuilding, build_building
 from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.growing import Grower
-from aeroscene.learning.program.decoding.mending import AFLOAT, mended
+from aeroscene.learning.program.decoding.mending import AFLOAT, LAID, laid_for, mended
 from aeroscene.learning.program.decoding.neighbours import (
     Neighbours,
     clashing,
@@ -49,7 +49,7 @@ LEAST_COVER_M = 0.05
 _STOREY_M = 1.2
 """Least height of an upper storey's floor above the first."""
 _ON_M = 1e-6
-_LAID = GROUND | FITTINGS | AT_LEVELS | POSTS | {"roof"}
+_FIXED = GROUND | FITTINGS | AT_LEVELS | POSTS | {"roof"}
 """What lies where it was drawn, whatever stands there."""
 _MOST_LEFT_OUT = 0.5
 """Largest share of a group that is left out for want of room."""
@@ -220,7 +220,7 @@ class _Builder:
         boxes = self._boxes(unit, kind)
         if table is not None:
             boxes = self._drawn_up(boxes, table)
-        elif kind.category not in _LAID:
+        elif boxes and kind.category not in _FIXED:
             boxes = self._free(unit, kind, boxes)
         for box in boxes:
             is_slab = kind.category == "floor" and bearer in self.buildings
@@ -259,7 +259,9 @@ class _Builder:
             self._set_parent(made, None if kind.is_root else host, bearer=host)
 
     def _boxes(self, unit: Unit, kind: Kind) -> list[OrientedBox]:
-        return mended(kind.category, member_boxes(unit, self._box), self.objects)
+        boxes = mended(kind.category, member_boxes(unit, self._box), self.objects)
+        is_on_table = self.standing.category(unit.parent_id) in TABLES
+        return laid_for(boxes, self.objects) if kind.category in LAID and is_on_table else boxes
 
     def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
         """A unit's boxes where they have room: as its relation has it, or else nearby."""
@@ -270,7 +272,7 @@ class _Builder:
             side = (unit.relation.side + turns) % N_SIDES
             turned = replace(unit, relation=replace(unit.relation, side=side))
             found = self._boxes(turned, kind) if turns else boxes
-            shift = free_shift(found, taken, within, ways)
+            shift = free_shift(found, taken, within, ways) if found else None
             if shift is not None:
                 return [moved(box, shift) for box in found]
         is_taken = clashing(boxes, taken)

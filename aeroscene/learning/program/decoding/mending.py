@@ -1,4 +1,4 @@
-"""What a unit's place has to be whatever its numbers: boats afloat, traffic in lanes.
+"""What a unit's place has to be whatever its numbers: boats afloat, plates before chairs.
 
 Nothing changes where nothing has to: what was read off a scene stays as it is. What has no such
 place is left out.
@@ -12,13 +12,15 @@ from dataclasses import replace
 
 import shapely
 
-from aeroscene.relations.hosts import VEHICLES
+from aeroscene.feasibility.seats import TO_CHAIR_M
+from aeroscene.relations.hosts import SEATS, VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle, footprint, turned_reach_m
 from aeroscene.relations.relation import LANE_RATIOS
 from aeroscene.scene import OrientedBox, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 
 AFLOAT = frozenset({"boat"})
+LAID = frozenset({"plate"})
 BRIDGES = frozenset({"bridge"})
 CROSSED = frozenset({"water", "road"})
 _MIDDLE_M = 0.3
@@ -41,6 +43,16 @@ def mended(
         roads = _footprints(objects, frozenset({"road"}))
         return [_in_lane(box, roads) for box in boxes]
     return list(boxes)
+
+
+def laid_for(plates: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> list[OrientedBox]:
+    """The plates on a table that a chair stands before."""
+    chairs = [obj.bbox.p[:2] for obj in objects if obj.category in SEATS]
+    return [
+        plate
+        for plate in plates
+        if any(math.dist(plate.p[:2], chair) <= TO_CHAIR_M for chair in chairs)
+    ]
 
 
 def _footprints(objects: Sequence[SceneObject], categories: frozenset[str]) -> list[Rectangle]:
