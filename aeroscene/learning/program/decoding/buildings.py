@@ -70,7 +70,7 @@ def build_building(
     for place in storeys:
         base_m += float(program.channels[place, 7])
         drawn.append(_Storey(program, grower, place, frame, base_m))
-    levels = [Level(storey.tree, storey.level_m) for storey in drawn]
+    levels = [Level(storey.tree, storey.level_m, storey.wall_m) for storey in drawn]
     trees = stacked(levels, frame, max(storey.least_m for storey in drawn))
     parts = build_storeys(
         [storey.partition(tree) for storey, tree in zip(drawn, trees, strict=True)]
@@ -102,15 +102,15 @@ class _Storey:
         self.frame, self.level_m = frame, level_m
         grown, self._widths = grower.head(place)
         wall_m, outer_m, self._drop_m = program.channels[place, 8:11].tolist()
-        self._wall_m = max(wall_m, _LEAST_WALL_M)
+        self.wall_m = max(wall_m, _LEAST_WALL_M)
         self._outer_m = outer_m if outer_m > _LEAST_WALL_M else 0.0
-        self.least_m = self._wall_m + _ROOM_M
+        self.least_m = self.wall_m + _ROOM_M
         self._is_inset = bool(grown.record.arity)
         head = Record("site", values=(*astuple(frame), level_m))
         plain = from_sequence([*self._widths, head, *grown.flat()[1:]])
         sides_m = frame.length_m, frame.width_m
         tree = settled(plain.tree, *sides_m, self.least_m)
-        self.tree = snapped(tree, *sides_m, self._wall_m, self.least_m)
+        self.tree = snapped(tree, *sides_m, self.wall_m, self.least_m)
         self._leaves: list[Place] = [token for token, _ in cells(grown)]
         self._border_places: list[Place] = []
 
@@ -127,7 +127,7 @@ class _Storey:
             level_m=self.level_m,
             tree=tree,
             borders=tuple(self._borders(lines, room_numbers(found))),
-            wall_m=self._wall_m,
+            wall_m=self.wall_m,
             outer_m=self._outer_m,
             drop_m=self._drop_m,
             is_inset=self._is_inset,
@@ -154,7 +154,7 @@ class _Storey:
                 WALL if any(is_closed[i] for i in (leaf, (leaf + beyond) % len(rooms))) else OPEN
             )
             border = default if place is None else self._border(place)
-            found.append(_with_room(border, line.high - line.low, self._wall_m))
+            found.append(_with_room(border, line.high - line.low, self.wall_m))
         return found
 
     def _closed(self, known: Mapping[tuple[int, int, int], Sequence[int]]) -> list[bool]:

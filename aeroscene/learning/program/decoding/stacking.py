@@ -33,6 +33,8 @@ class Level:
 
     tree: Node
     base_m: float
+    wall_m: float
+    """Thickness of its walls."""
 
 
 def stacked(levels: Sequence[Level], frame: Frame, least_m: float) -> list[Node]:
@@ -139,13 +141,14 @@ def upper_slabs(
     for level, cells in zip(levels[1:], plans, strict=True):
         outlines = [frame.bounds_of(cell.frame) for cell in cells]
         for outline in outlines if is_each else [hull_of(outlines)] if outlines else []:
-            walls = [part for part in parts if _stands_across(part, level.base_m)]
-            bounds = _borne(outline, frame, [_outline(part, frame) for part in walls])
+            walls = [_outline(part, frame) for part in parts if _passes(part, level.base_m)]
+            others = [each for each in outlines if is_each and each != outline]
+            bounds = _borne(outline, frame, level.wall_m / 2, walls, others)
             found.append(frame.inner(bounds).box(0, level.base_m - SLAB_M, level.base_m))
     return found
 
 
-def _stands_across(part: BuildingPart, level_m: float) -> bool:
+def _passes(part: BuildingPart, level_m: float) -> bool:
     """Whether a wall passes by the edge of a floor."""
     low_m, high_m = part.box.p[2] - part.box.s[2] / 2, part.box.p[2] + part.box.s[2] / 2
     return part.category == "wall" and low_m < level_m - _MEET_M and high_m > level_m - SLAB_M / 2
@@ -156,8 +159,14 @@ def _outline(part: BuildingPart, frame: Frame) -> Bounds:
     return frame.bounds_of(Frame(x, y, yaw_rad, part.box.s[0], part.box.s[1]))
 
 
-def _borne(outline: Bounds, frame: Frame, walls: Sequence[Bounds]) -> Bounds:
-    """A slab from outer walls to outer walls, and up to the faces of walls at its free edges."""
+def _borne(
+    outline: Bounds,
+    frame: Frame,
+    edge_m: float,
+    walls: Sequence[Bounds],
+    others: Sequence[Bounds],
+) -> Bounds:
+    """A slab from outer walls to outer walls: over the walls below its edge, up to higher ones."""
     sides = list(outline)
     whole = (0.0, 0.0, frame.length_m, frame.width_m)
     for side, outwards in enumerate((-1.0, -1.0, 1.0, 1.0)):
@@ -165,10 +174,17 @@ def _borne(outline: Bounds, frame: Frame, walls: Sequence[Bounds]) -> Bounds:
             sides[side] += outwards * _BEARING_M
             continue
         at = side % 2
-        for wall in walls:
-            beside_m = min(outline[3 - at], wall[3 - at]) - max(outline[1 - at], wall[1 - at])
-            is_met = wall[at] - _MEET_M < outline[side] < wall[at + 2] + _MEET_M
-            if beside_m > _MEET_M and is_met:
-                face = wall[at] if outwards > 0 else wall[at + 2]
-                sides[side] = min(sides[side], face) if outwards > 0 else max(sides[side], face)
+        beside = [each for each in walls if _is_met(outline, side, each)]
+        faces = [wall[at] if outwards > 0 else wall[at + 2] for wall in beside]
+        if faces:
+            sides[side] = min(faces) if outwards > 0 else max(faces)
+        elif not any(_is_met(outline, side, other) for other in others):
+            sides[side] += outwards * edge_m
     return (sides[0], sides[1], sides[2], sides[3])
+
+
+def _is_met(outline: Bounds, side: int, other: Bounds) -> bool:
+    """Whether a side of an outline runs along another outline."""
+    at = side % 2
+    beside_m = min(outline[3 - at], other[3 - at]) - max(outline[1 - at], other[1 - at])
+    return beside_m > _MEET_M and other[at] - _MEET_M < outline[side] < other[at + 2] + _MEET_M
