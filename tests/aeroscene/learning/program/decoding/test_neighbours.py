@@ -1,0 +1,100 @@
+"""Units go to free places by the ways that their relations leave open, and no farther."""
+
+import math
+
+import pytest
+
+from aeroscene.learning.program.decoding.neighbours import (
+    Neighbours,
+    clashing,
+    free_shift,
+    moved,
+    open_ways,
+)
+from aeroscene.relations import Align, Gap, Kind, Relation, Unit
+from aeroscene.relations.plane import Place, Rectangle
+from aeroscene.scene import OrientedBox
+from aeroscene.scene.box import quat_from_yaw
+
+ROOM = Rectangle(Place(0.0, 0.0, 0.0), (5.0, 4.0))
+
+
+def box(x_m, y_m, size_m=(1.0, 1.0, 1.0), z_m=0.5, yaw_rad=0.0):
+    return OrientedBox((x_m, y_m, z_m), quat_from_yaw(yaw_rad), size_m)
+
+
+def room_with(*boxes):
+    found = Neighbours()
+    found.add(box(0.0, 0.0, (10.0, 8.0, 3.0), 1.5), None)
+    for each in boxes:
+        found.add(each, 0)
+    return found
+
+
+def test_what_has_room_stays_to_the_digit():
+    taken = room_with(box(0.0, 0.0)).taken(0)
+    assert free_shift([box(1.0, 0.0)], taken, ROOM, None) == (0.0, 0.0)
+    assert free_shift([box(0.0, 0.0, z_m=1.5)], taken, ROOM, None) == (0.0, 0.0)
+
+
+def test_bearers_are_no_obstacle_and_all_else_is():
+    neighbours = room_with(box(0.0, 0.0))
+    assert len(neighbours.taken(0)) == 1
+    assert len(neighbours.taken(1)) == 0
+    assert len(neighbours.taken(None)) == 2
+    neighbours.add_air(box(3.0, 0.0))
+    assert len(neighbours.taken(1)) == 1
+
+
+@pytest.mark.parametrize("way_rad", [0.0, math.pi / 2, 0.6])
+def test_a_unit_goes_along_its_way_until_it_overlaps_nothing(way_rad):
+    taken = room_with(box(0.0, 0.0)).taken(0)
+    own = box(0.2, 0.1)
+    shift = free_shift([own], taken, ROOM, (way_rad,))
+    assert shift is not None
+    across = shift[1] * math.cos(way_rad) - shift[0] * math.sin(way_rad)
+    assert across == pytest.approx(0.0, abs=1e-9)
+    assert clashing([own], taken) == [True]
+    assert clashing([moved(own, shift)], taken) == [False]
+    assert 0.7 < math.hypot(*shift) < 1.6
+
+
+def test_a_group_goes_as_one_and_stays_in_its_room():
+    taken = room_with(box(-1.0, 0.0), box(3.0, 0.0)).taken(0)
+    group = [box(x, 0.0) for x in (-1.2, 0.0, 1.2)]
+    shift = free_shift(group, taken, ROOM, (0.0,))
+    assert shift is None
+    shift = free_shift(group, taken, ROOM, None)
+    assert shift is not None
+    assert clashing([moved(each, shift) for each in group], taken) == [False] * 3
+    assert max(abs(moved(each, shift).p[1]) for each in group) <= 3.5
+
+
+def test_what_reaches_over_its_bearer_is_put_onto_it():
+    taken = room_with().taken(0)
+    assert free_shift([box(4.8, -3.7)], taken, ROOM, None) == pytest.approx((-0.3, 0.2))
+    assert free_shift([box(4.503, 0.0)], taken, ROOM, None) == (0.0, 0.0)
+    assert free_shift([box(0.0, 0.0, (12.0, 1.0, 1.0))], taken, ROOM, None) == (0.0, 0.0)
+
+
+def ways(kind, gap, align, side=1):
+    relation = Relation(kind=kind, gap=gap, align=align, side=side, quadrant=2)
+    return list(open_ways(Unit(parent_id=0, host_id=0, relation=relation, members=()), ROOM))
+
+
+def test_an_edge_is_left_for_another_edge_alone():
+    found = ways(Kind.EDGE, Gap.TOUCH, Align.FREE)
+    assert [turns for turns, _ in found] == [0, 1, 3, 2]
+    assert all(len(headings) == 1 for _, headings in found)
+    assert found[0][1] == pytest.approx((math.pi,))
+
+
+def test_pins_are_given_up_one_by_one():
+    beside = ways(Kind.SIDE, Gap.NEAR, Align.CENTRE)
+    assert [turns for turns, _ in beside] == [0, 1, 3, 2, 0, 1, 3, 2, 0]
+    assert [len(headings or ()) for _, headings in beside] == [0] * 4 + [1] * 4 + [0]
+    assert beside[-1][1] is None
+    assert ways(Kind.SCATTER, Gap.FREE, Align.FREE) == [(0, None)]
+    corner = ways(Kind.EDGE, Gap.TOUCH, Align.LOW)
+    assert len(corner[-1][1]) == 2
+    assert all(headings is not None for _, headings in corner)
