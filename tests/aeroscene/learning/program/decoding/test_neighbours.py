@@ -77,6 +77,16 @@ def test_what_reaches_over_its_bearer_is_put_onto_it():
     assert free_shift([box(0.0, 0.0, (12.0, 1.0, 1.0))], taken, ROOM, None) == (0.0, 0.0)
 
 
+def test_room_is_looked_for_from_where_the_bearer_ends():
+    taken = room_with(box(3.9, 0.0)).taken(0)
+    own = box(5.2, 0.0)
+    shift = free_shift([own], taken, ROOM, None)
+    assert shift is not None
+    found = moved(own, shift)
+    assert clashing([found], taken) == [False]
+    assert found.p[0] <= 4.5 + 1e-9
+
+
 def ways(kind, gap, align, side=1):
     relation = Relation(kind=kind, gap=gap, align=align, side=side, quadrant=2)
     return list(open_ways(Unit(parent_id=0, host_id=0, relation=relation, members=()), ROOM))
