@@ -37,6 +37,9 @@ _ROOM_M = 0.3
 """Least width of a room between its walls."""
 _LEAST_WALL_M = 0.02
 _LEAST_SIDE_M = 1.0
+_STOREY_M = 1.2
+"""Least height of an upper storey's floor above the first."""
+_SAME_M = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +50,18 @@ class DecodedBuilding:
     levels: tuple[Level, ...]
     parts: tuple[tuple[BuildingPart, Place], ...]
     """Rooms and walls, each with its token."""
+
+    def is_upper(self, slab: OrientedBox) -> bool:
+        """Whether a slab is one of the upper storeys."""
+        top_m = slab.p[2] + slab.s[2] / 2
+        return bool(self.levels[1:]) and top_m - self.levels[0].base_m > _STOREY_M
+
+    def under_rooms(self, slab: OrientedBox) -> OrientedBox:
+        """A slab at the level of the rooms of the first storey, where it is near that."""
+        z_m = self.levels[0].base_m - slab.s[2] / 2
+        if not _SAME_M < abs(z_m - slab.p[2]) < _STOREY_M:
+            return slab
+        return replace(slab, p=(*slab.p[:2], z_m))
 
     def upper_slabs(self, n_slabs: int) -> list[OrientedBox]:
         """Slabs under the rooms above the first storey, as nearly `n_slabs` as rooms allow."""

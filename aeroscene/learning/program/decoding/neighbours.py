@@ -176,7 +176,7 @@ def _stays(
     low, high, axes = _play(rows, within)
     along = shifts_m @ axes.T
     is_in = (along >= np.minimum(low, 0.0) - 1e-9) & (along <= np.maximum(high, 0.0) + 1e-9)
-    return is_in.all(axis=1)
+    return np.all(is_in, axis=1)
 
 
 def _play(

@@ -1,0 +1,109 @@
+"""The objects of a program as far as they are made, and the tokens that they stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from aeroscene.learning.program.decoding.growing import Grower
+from aeroscene.learning.program.decoding.neighbours import Neighbours
+from aeroscene.learning.program.kinds import CATEGORY_IDS
+from aeroscene.learning.program.measures import site_rectangle
+from aeroscene.learning.program.program import Program
+from aeroscene.relations.hosts import Standing
+from aeroscene.relations.plane import Rectangle, footprint
+from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject
+
+
+@dataclass(eq=False)
+class Making:
+    """A scene in the making; the id of an object is its place in the order."""
+
+    program: Program
+    objects: list[SceneObject] = field(default_factory=list)
+    standing: Standing = field(default_factory=Standing)
+    neighbours: Neighbours = field(default_factory=Neighbours)
+
+    def __post_init__(self) -> None:
+        self.children = self.program.children()
+        self.grower = Grower(self.program, self.children)
+        self.made: list[list[int]] = [[] for _ in self.program.kinds]
+        """Objects of each token."""
+        self._place_of: list[tuple[int | None, int]] = []
+        """The token of each object, and which of the token's objects it is."""
+        heads = [i for i in self.children[0] if self.program.kinds[i].node == "site"]
+        self._site = site_rectangle(self.program.channels[heads[0]] if heads else None)
+
+    def below(self, bearer: int | None, node: str) -> list[int]:
+        """Tokens of a node on an object; on the last of its token those of objects not there."""
+        place, number = (0, 0) if bearer is None else self._place_of[bearer]
+        if place is None:
+            return []
+        is_last = place == 0 or number == len(self.made[place]) - 1
+        found = (i for i in self.children[place] if self.program.kinds[i].node == node)
+        members = ((i, int(self.program.member[i])) for i in found)
+        return [i for i, member in members if member == number or (is_last and member > number)]
+
+    def box(self, object_id: int | None) -> OrientedBox | None:
+        """The box of an object; None of the bare world."""
+        return None if object_id is None else self.objects[object_id].bbox
+
+    def base_m(self, object_id: int | None) -> float:
+        """Height of an object's underside; 0 of the bare world."""
+        box = self.box(object_id)
+        return 0.0 if box is None else box.p[2] - box.s[2] / 2
+
+    def outline(self, object_id: int | None) -> Rectangle:
+        """An object from above; the site for None."""
+        return self._site if object_id is None else footprint(self.objects[object_id].bbox)
+
+    def add(
+        self,
+        place: int | None,
+        category: str,
+        domain: str,
+        attributes: dict[str, AttributeValue],
+        box: OrientedBox,
+        *,
+        parent: int | None,
+        bearer: int | None,
+        table: int | None = None,
+    ) -> None:
+        """Put an object at the end.
+
+        Args:
+            place: Its token, whose looks it has; None for none.
+            category: What it is.
+            domain: Its domain.
+            attributes: Its attributes beside its looks.
+            box: Its place.
+            parent: Id of what it belongs to.
+            bearer: Id of what it stands on.
+            table: Id of the table that it is a seat of.
+        """
+        number = len(self.objects)
+        looks: dict[str, AttributeValue] = {}
+        if place is not None:
+            drawn = self.program.looks[place] if self.program.looks else ()
+            looks = drawn[min(len(self.made[place]), len(drawn) - 1)] if drawn else {}
+            self.made[place].append(number)
+        self._place_of.append((place, 0 if place is None else len(self.made[place]) - 1))
+        own: ObjectDomain = "indoor" if domain == "indoor" else "outdoor"
+        category_id = CATEGORY_IDS[category]
+        self.objects.append(
+            SceneObject(
+                id=number,
+                scene_id="",
+                parent_id=parent,
+                category_id=category_id,
+                bbox=box,
+                domain=own,
+                attributes=looks | attributes,
+            )
+        )
+        self.neighbours.add(box, parent)
+        self.standing.add(number, category_id, bearer, table)
+
+    def move(self, object_id: int, box: OrientedBox) -> None:
+        """Put an object elsewhere."""
+        self.objects[object_id] = replace(self.objects[object_id], bbox=box)
+        self.neighbours.move(object_id, box)

@@ -1,0 +1,54 @@
+"""The covers of a site from their tokens."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from aeroscene.learning.program.decoding.making import Making
+from aeroscene.learning.program.decoding.settling import settled
+from aeroscene.learning.program.kinds import Word
+from aeroscene.learning.program.nesting import cells
+from aeroscene.partition import SitePartition, build_site, from_sequence
+from aeroscene.partition.tree import VOID
+from aeroscene.relations.plane import footprint
+from aeroscene.scene import OrientedBox, SceneObject
+
+_LEAST_COVER_M = 0.05
+_ON_M = 1e-6
+
+
+def add_site(making: Making, place: int) -> None:
+    """Add the covers of the site whose token is at a place."""
+    grown, widths = making.grower.head(place)
+    tokens = cells(grown)
+    plain = from_sequence([*widths, *grown.flat()])
+    assert isinstance(plain, SitePartition)
+    frame = plain.frame
+    tree = settled(plain.tree, frame.length_m, frame.width_m, _LEAST_COVER_M)
+    for cover in build_site(replace(plain, tree=tree)):
+        token, _ = tokens[cover.leaf]
+        if token is None or cover.kind == VOID:
+            continue
+        word = Word.read(cover.kind)
+        parent = making.made[token][-1] if making.made[token] else None
+        if parent is None and not making.program.kinds[token].is_root:
+            parent = _under(making.objects, cover.box, word)
+        attributes = dict(word.attributes)
+        making.add(
+            token, word.category, word.domain, attributes, cover.box, parent=parent, bearer=None
+        )
+
+
+def _under(objects: Sequence[SceneObject], box: OrientedBox, word: Word) -> int | None:
+    """The cover that bears another; else the last before it of its category."""
+    base_m = box.p[2] - box.s[2] / 2
+    found: int | None = None
+    for obj in objects:
+        top_m = obj.bbox.p[2] + obj.bbox.s[2] / 2
+        u_m, v_m, _ = footprint(obj.bbox).place.local(footprint(box).place)
+        is_over = abs(u_m) <= obj.bbox.s[0] / 2 and abs(v_m) <= obj.bbox.s[1] / 2
+        if abs(top_m - base_m) < _ON_M and is_over:
+            return obj.id
+        found = obj.id if obj.category == word.category else found
+    return found
