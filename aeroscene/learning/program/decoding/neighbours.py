@@ -7,7 +7,8 @@ a place stays where it is too; the projection parts what is left.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -24,6 +25,10 @@ Ways = tuple[float, ...] | None
 _STILL: Shift = (0.0, 0.0)
 _STEP_M, _GROWTH, _MOST_M = 0.05, 1.12, 8.0
 _SPOKES = 16
+_SIDES: Mapping[Kind, tuple[int, ...]] = MappingProxyType(
+    {Kind.EDGE: (0, 1, 3, 2), Kind.SIDE: (0, 2, 1, 3)}
+)
+"""Quarter turns about the host, the likeliest first: to the next wall, or in line with the host."""
 _DEEP_M = 0.004
 """Depth up to which boxes only touch: what documents round."""
 
@@ -103,7 +108,7 @@ def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
     """
     relation = unit.relation
     is_u_pinned, is_v_pinned, _ = relation.pinned
-    sides = (0, 1, 3, 2) if relation.kind in {Kind.EDGE, Kind.SIDE} else (0,)
+    sides = _SIDES.get(relation.kind, (0,))
     if not is_u_pinned and not is_v_pinned:
         yield 0, None
         return
