@@ -47,6 +47,12 @@ class GenerateCfg:
     """Number of scenes."""
     domain: Literal["any", "outdoor", "indoor", "mixed"] = "any"
     """Domain of the scenes; any draws one for each."""
+    theme: Annotated[str | None, default_hint("drawn")] = None
+    """What the places are. Outdoor: car_park, hillside, industrial_yard, park, residential_street,
+    urban_block, waterfront. Indoor: apartments, fair, office, school, sports, station, supermarket,
+    warehouse. Mixed: hillside, industrial_yard, residential_street, urban_block, waterfront. With
+    --domain any, one of the domains that have the theme is drawn. A checkpoint of your own knows
+    the themes of its corpus; the paper's knows none."""
     objects: Annotated[int | None, default_hint("drawn, 149 on average")] = None
     """Approximate number of objects in each scene."""
     areas: Annotated[str, default_hint("drawn")] = ""
@@ -227,6 +233,7 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
         Request(
             seed=seed,
             domain=domain,
+            theme=cfg.theme,
             n_objects=cfg.objects,
             n_areas=asked_areas(cfg.areas) if cfg.areas else None,
             outline_m=outline_m,

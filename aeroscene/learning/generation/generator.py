@@ -95,9 +95,9 @@ class Generator:
         """Refuse what the model cannot be asked for, before anything is made.
 
         Raises:
-            RequestError: If it was trained on no scene of this domain.
+            RequestError: If it was trained on no scene of this domain or theme.
         """
-        request.alike(self._seen)
+        request.alike(self._seen, self._proposer.themes)
 
     def generate(
         self,
@@ -122,8 +122,9 @@ class Generator:
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
             streams = [_streams(request.seed, attempt) for request in chunk]
+            themes = self._proposer.themes
             drawn = [
-                r.drawn(rngs[0], self._seen, is_corpus=self._is_corpus)
+                r.drawn(rngs[0], self._seen, themes, is_corpus=self._is_corpus)
                 for r, rngs in zip(chunk, streams, strict=True)
             ]
             with naming_memory(choose_device(self.device), f"fewer than {len(chunk)} at once"):

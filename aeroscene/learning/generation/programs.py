@@ -9,7 +9,7 @@ import numpy as np
 from aeroscene.learning.generation.denoising import Denoising, Draft, ProgramProposal
 from aeroscene.learning.generation.given import GivenPart
 from aeroscene.learning.generation.proposal import OnStep, noise_of
-from aeroscene.learning.generation.request import Request
+from aeroscene.learning.generation.request import Request, Themes
 from aeroscene.learning.program.program import N_CHANNELS
 from aeroscene.learning.program.statistics import ProgramExample
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish
@@ -27,6 +27,11 @@ class ProgramProposer:
         self._writer = writer
         self._denoising = denoising
 
+    @property
+    def themes(self) -> Themes:
+        """Themes of the scenes that it was trained on."""
+        return self._language.themes
+
     def propose(
         self,
         requests: Sequence[Request],
@@ -39,7 +44,7 @@ class ProgramProposer:
         Raises:
             RequestError: If a scene to complete has objects of categories that the model never
                 saw, or no program.
-            WriterError: If the model never saw a scene of the domain.
+            WriterError: If the model never saw a scene of the domain, or of the theme.
         """
         given = [
             None if request.kept is None else GivenPart.of(request.kept, self._language)
@@ -53,7 +58,7 @@ class ProgramProposer:
         self, request: Request, wish: Wish, rng: np.random.Generator, given: GivenPart | None
     ) -> Draft:
         kept = None if given is None else given.growth(self._language, wish)
-        growth = draw_program(self._writer, self._language.syntax, wish, rng, kept)
+        growth = draw_program(self._writer, self._language.syntax, wish, rng, kept, request.theme)
         return Draft(_example(growth, wish), wish, given, request.outline_m)
 
 

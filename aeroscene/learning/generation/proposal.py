@@ -9,7 +9,7 @@ import numpy as np
 import torch
 
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.generation.request import Request
+from aeroscene.learning.generation.request import Request, Themes
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.scene import Scene
 
@@ -32,6 +32,11 @@ OnStep = Callable[[Moment, Sequence[Proposal]], None]
 
 class Proposer(Protocol):
     """A trained model that makes scenes."""
+
+    @property
+    def themes(self) -> Themes:
+        """Themes that may be asked for."""
+        ...
 
     def propose(
         self,

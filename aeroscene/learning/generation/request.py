@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -30,6 +31,10 @@ _MORE_COARSE, _MORE_FINE = 2, 4
 _MORE_SMALL, _MORE_LARGE = 2, 1
 """Areas asked for beyond those of the corpus: generated scenes, of which the indoor ones have less
 floor, cannot always offer as many. With it averages are within 5% of the paper's."""
+Themes = Mapping[SceneDomain, Collection[str]]
+"""Themes that a model knows, by domain."""
+NO_THEMES: Themes = MappingProxyType({})
+"""Those of a model that knows of none."""
 
 
 class RequestError(SceneError):
@@ -63,6 +68,8 @@ class Request:
     seed: int
     """Same seed, same device, same checkpoint: same scene."""
     domain: SceneDomain | None = None
+    theme: str | None = None
+    """What the place is, such as park; with an open domain, of a domain that has such places."""
     n_objects: int | None = None
     """About so many, coarse and fine."""
     n_areas: int | AreaCounts | None = None
@@ -103,6 +110,11 @@ class Request:
                 f"outline is {self.outline_m} beside a scene to complete, valid: one of the two; "
                 "the scene has an outline of its own"
             )
+        if self.complete is not None and self.theme is not None:
+            raise RequestError(
+                f"theme is {self.theme!r} beside a scene to complete, valid: one of the two; "
+                "the scene stays the place that it is"
+            )
 
     @property
     def kept(self) -> Scene | None:
@@ -116,6 +128,7 @@ class Request:
     def wishes(self) -> dict[str, AttributeValue]:
         """What is asked for beside domain and seed, as the document of the scene names it."""
         asked: dict[str, AttributeValue | None] = {
+            "theme": self.theme,
             "objects": self.n_objects,
             "outline": _text(self.outline_m),
             "complete": None if self.complete is None else self.complete.scene_id,
@@ -141,7 +154,12 @@ class Request:
         return FeasibilityCfg(limits=limits, least_passage_m=self.min_passage_m or 0.0)
 
     def drawn(
-        self, rng: np.random.Generator, seen: Sequence[Wish] = (), *, is_corpus: bool = False
+        self,
+        rng: np.random.Generator,
+        seen: Sequence[Wish] = (),
+        themes: Themes = NO_THEMES,
+        *,
+        is_corpus: bool = False,
     ) -> tuple[Wish, AreaLimits | None]:
         """The wish with nothing left open, and how many areas of each size are kept at most.
 
@@ -151,18 +169,19 @@ class Request:
             rng: Draws what is open.
             seen: Contents of the scenes that the model was trained on, from which to draw; the
                 budget of the corpus where there are none.
+            themes: Themes that the model knows.
             is_corpus: Whether those have as many areas at most as the corpus draws for each.
 
         Raises:
-            RequestError: If the model has seen no scene of the domain that is asked for.
+            RequestError: If the model has seen no scene of the domain or theme asked for.
         """
         if seen:
-            return self._drawn_from(seen, rng, is_corpus=is_corpus)
-        domain = DOMAINS[int(rng.integers(len(DOMAINS)))]
+            return self._drawn_from(self.alike(seen, themes), rng, is_corpus=is_corpus)
+        domains = self.domains(themes)
+        domain = domains[int(rng.integers(len(DOMAINS))) % len(domains)]
         budget = draw_budget(rng)
         limits = self._limits(budget)
         n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
-        domain = self.domain or (domain if self.complete is None else self.complete.domain)
         wish = self._with_objects(Wish(domain, n_coarse, n_fine, _in_all(limits)))
         return wish, limits
 
@@ -176,28 +195,51 @@ class Request:
             n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
         if self.density is not None:
             n_fine = min(round(self.density * n_fine), max(0, OBJECTS[1] - n_coarse))
-        return replace(wish, n_coarse=n_coarse, n_fine=n_fine)
+        return replace(wish, n_coarse=n_coarse, n_fine=n_fine, theme=self.theme or "")
 
-    def alike(self, seen: Sequence[Wish]) -> list[Wish]:
-        """Those of the scenes seen that are of the domain that is asked for.
+    def domains(self, themes: Themes) -> tuple[SceneDomain, ...]:
+        """Domains that the scene may have: what is asked for, as far as it has the theme.
 
         Raises:
-            RequestError: If some were seen, but none of this domain.
+            RequestError: If there is none, since the model knows no such theme there.
         """
         domain = self.domain if self.complete is None else self.complete.domain
-        found = [wish for wish in seen if domain in {None, wish.domain}]
+        asked = DOMAINS if domain is None else (domain,)
+        if self.theme is None:
+            return asked
+        found: tuple[SceneDomain, ...] = tuple(
+            each for each in asked if self.theme in themes.get(each, ())
+        )
+        if not found:
+            where = "" if domain is None else f" for domain {domain!r}"
+            known = sorted({theme for each in asked for theme in themes.get(each, ())})
+            valid = ", ".join(known) or "no theme; the model knows none, --preset default does"
+            raise RequestError(f"theme is {self.theme!r}{where}, valid: {valid}")
+        return found
+
+    def alike(self, seen: Sequence[Wish], themes: Themes = NO_THEMES) -> list[Wish]:
+        """Those of the scenes seen that are of the domain that is asked for.
+
+        They are of the theme too, where any scene seen says that it is.
+
+        Raises:
+            RequestError: If some were seen, but none of this domain, or the model knows no such
+                theme.
+        """
+        domains = self.domains(themes)
+        found = [wish for wish in seen if wish.domain in domains]
         if seen and not found:
             valid = ", ".join(sorted({wish.domain for wish in seen}))
             raise RequestError(
-                f"domain is {domain!r}, valid: {valid}; the model was trained on no other"
+                f"domain is {' or '.join(domains)!r}, valid: {valid}; "
+                "the model was trained on no other"
             )
-        return found
+        return [wish for wish in found if wish.theme == self.theme] or found
 
     def _drawn_from(
-        self, seen: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
+        self, alike: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
     ) -> tuple[Wish, AreaLimits | None]:
-        """The contents of one of the scenes seen, with what is asked for in their place."""
-        alike = self.alike(seen)
+        """The contents of one of these scenes, with what is asked for in their place."""
         limits = self._limits(draw_budget(rng))
         wish = self._with_objects(alike[int(rng.integers(len(alike)))])
         if self.n_areas is not None:

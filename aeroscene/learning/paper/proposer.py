@@ -13,7 +13,7 @@ from aeroscene.learning.diffusion.loss import Denoiser
 from aeroscene.learning.diffusion.sampling import Guidance, Moment, SamplerCfg, sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.proposal import OnStep, noise_of
-from aeroscene.learning.generation.request import Request, RequestError
+from aeroscene.learning.generation.request import NO_THEMES, Request, RequestError, Themes
 from aeroscene.learning.paper.tokens import FlatStatistics, empty_flat_batch, read_flat
 from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.tokens.geometry import Geometry
@@ -66,6 +66,11 @@ class FlatProposer:
             torch.as_tensor(statistics.low, dtype=torch.float32, device=device),
             torch.as_tensor(statistics.high, dtype=torch.float32, device=device),
         )
+
+    @property
+    def themes(self) -> Themes:
+        """None: the paper's layouts say nothing of what the place is."""
+        return NO_THEMES
 
     def propose(
         self,

@@ -25,13 +25,15 @@ class Wish:
     n_fine: int
     n_areas: int
     """Landing areas of all sizes."""
+    theme: str = ""
+    """What the place is, empty where nobody has said it."""
 
     @staticmethod
     def of(scene: Scene) -> Wish:
         """Wish that a scene fulfils."""
         n_coarse = sum(obj.is_coarse for obj in scene.objects)
         n_fine = len(scene.objects) - n_coarse
-        return Wish(scene.domain, n_coarse, n_fine, len(scene.landing_areas))
+        return Wish(scene.domain, n_coarse, n_fine, len(scene.landing_areas), scene.theme)
 
 
 @dataclass(frozen=True)

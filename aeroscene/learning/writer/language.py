@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import msgspec
 import numpy as np
 
 from aeroscene.learning.program.encoding.encode import EncodedProgram
-from aeroscene.learning.program.kinds import Attributes, Kind
+from aeroscene.learning.program.kinds import Attributes, Kind, theme_of
 from aeroscene.learning.program.program import Shape
 from aeroscene.learning.program.references import References, group_of
 from aeroscene.learning.program.statistics import ProgramStatistics, measure_programs
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
 from aeroscene.learning.writer.syntax import Syntax, classes_of, learn_syntax
-from aeroscene.scene import AttributeValue
+from aeroscene.scene import AttributeValue, SceneDomain
 
 _MEASURED = ("mean", "spread", "low", "high")
 _FLAGS = ("is_free", "has")
@@ -42,6 +43,15 @@ class Language:
     vocabulary: ProgramVocabulary
     statistics: ProgramStatistics
     syntax: Syntax
+
+    @property
+    def themes(self) -> dict[SceneDomain, set[str]]:
+        """Themes of the corpus by domain, of those domains that have any."""
+        themes: dict[SceneDomain, set[str]] = {}
+        for kind in self.vocabulary.kinds:
+            if theme := theme_of(kind):
+                themes.setdefault(cast("SceneDomain", kind.domain), set()).add(theme)
+        return themes
 
     def to_json(self) -> str:
         """The vocabulary as text."""

@@ -10,6 +10,7 @@ import torch
 from safetensors.torch import load_file, safe_open, save_file
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.scene.io import read_scene, write_scene
 from aeroscene.validation import validate
@@ -118,15 +119,45 @@ def test_further_wishes_are_kept_and_named_in_the_document(tmp_path, capsys):
     assert json.loads(text)["measured"] == {str(path): dict(scene.measured)}
 
 
+def test_scenes_are_of_the_theme_that_was_asked_for_beside_other_wishes(tmp_path, capsys):
+    wishes = ("--theme", "hillside", "--count", 2, "--density", 0.4)
+    assert run(capsys, "--seed", 8, "--out", tmp_path, *wishes)[0] == 0
+    asked = {"theme": "hillside", "density": 0.4}
+    for seed in (8, 9):
+        scene = read_scene(tmp_path / f"aeroscene-000{seed}.json")
+        assert (scene.theme, scene.wishes) == ("hillside", asked)
+        assert scene.domain in {"outdoor", "mixed"}
+
+
+def test_help_names_every_theme_of_the_model_that_ships(capsys):
+    status, text, _ = run(capsys, "--help")
+    assert status == 0
+    words = text.replace("\N{BOX DRAWINGS LIGHT VERTICAL}", " ").replace(",", " ").split()
+    listed = " ".join(words)
+    for domain, themes in read_checkpoint(SHIPPED["default"]).known.themes.items():
+        assert f"{domain.capitalize()}: {' '.join(sorted(themes))}." in listed
+
+
 def test_scenes_in_which_a_pilot_does_worst_are_kept(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "stays_on_the_ground.py").write_text(STAYS)
-    args = ("--worst-for", "stays_on_the_ground:Stay", "--of", 2, "--out", "out", "--json")
+    args = (
+        "--worst-for",
+        "stays_on_the_ground:Stay",
+        "--of",
+        2,
+        "--theme",
+        "park",
+        "--out",
+        "out",
+        "--json",
+    )
     status, text, _ = run(capsys, "--seed", 5, *args)
     assert status == 0
     facts = json.loads(text)
     assert facts["scenes"] == ["out/aeroscene-0005.json"]
+    assert read_scene(tmp_path / "out" / "aeroscene-0005.json").theme == "park"
     assert facts["order"].startswith("failed first")
     assert [(f["seed"], f["reason"]) for f in facts["worst"]] == [(5, "never left the ground")]
     tried = sorted(path.name for path in (tmp_path / "out" / "tried").glob("*.json"))
@@ -175,6 +206,10 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
         (("--density", 9), "density is 9.0, valid: 0.2 to 2"),
         (("--density", "nan"), "density is nan, valid: 0.2 to 2"),
         (("--density", 1.5, "--objects", 90), "density is 1.5 beside objects 90, valid: one of"),
+        (("--theme", "sea"), "theme is 'sea', valid: apartments, car_park, "),
+        (("--theme", "park", "--domain", "indoor"), "'park' for domain 'indoor', valid: apart"),
+        (("--theme", "park", "--preset", "paper"), "theme is 'park', valid: no theme; the model"),
+        (("--theme", "park", "--complete", "42"), "theme is 'park' beside a scene to complete"),
         (("--clutter", 0), "clutter is 0.0, valid: 1 to 10"),
         (("--min-passage", 0.1), "min-passage is 0.1, valid: 0.5 to 3"),
         (("--difficulty", "dire"), "difficulty 'dire' is not valid; valid: "),

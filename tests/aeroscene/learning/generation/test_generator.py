@@ -66,6 +66,13 @@ def test_site_has_the_outline_that_was_asked_for(generator: Generator) -> None:
     assert most == pytest.approx([31.0, 42.0], abs=0.02)
 
 
+def test_places_are_what_was_asked_for(generator: Generator) -> None:
+    requests = [Request(seed=seed, theme="waterfront", domain="outdoor") for seed in (5, 6)]
+    for made in generator.generate(requests):
+        assert made.projected.theme == "waterfront"
+        assert any(obj.category == "water" for obj in made.projected.objects)
+
+
 def test_completion_keeps_coarse_objects_where_they_are(generator: Generator) -> None:
     given = cached_scene(311)
     raw = next(generator.generate([Request(seed=6, complete=given)])).raw
@@ -117,6 +124,8 @@ def test_the_papers_model_lays_out_as_many_objects_within_its_training() -> None
     assert scene_to_json(again.raw) == scene_to_json(made.raw)
     with pytest.raises(RequestError, match="outline and scene to complete are given"):
         next(paper.generate([Request(seed=1, outline_m=(50.0, 50.0))]))
+    with pytest.raises(RequestError, match="theme is 'park', valid: no theme; the model knows"):
+        next(paper.generate([Request(seed=1, theme="park")]))
 
 
 def test_missing_checkpoint_or_device_or_preset_says_what_is_valid() -> None:

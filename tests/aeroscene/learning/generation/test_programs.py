@@ -50,7 +50,7 @@ def raw(generator: Generator, *requests: Request, **more):
     proposals = []
     for request in requests:
         streams = [np.random.default_rng((request.seed, k)) for k in range(3)]
-        wish, _ = request.drawn(streams[0], generator._seen)
+        wish, _ = request.drawn(streams[0], generator._seen, generator._proposer.themes)
         (found,) = generator._proposer.propose([request], [wish], [streams[1]], **more)
         proposals.append(found.scene("scene", request.seed, streams[2]))
     return proposals
@@ -78,6 +78,16 @@ def test_site_or_building_has_the_sides_that_were_asked_for(generator, domain):
     else:
         logs = program.channels[int(program.parent[nodes.index("storey")]), 5:7]
     assert np.exp(logs) == pytest.approx(outline_m, rel=1e-3)
+
+
+def test_scenes_are_of_the_theme_that_was_asked_for(generator, corpus):
+    known = {cached_scene(number).theme for number in NUMBERS}
+    assert len(known) > 1
+    assert {theme for themes in generator._proposer.themes.values() for theme in themes} == known
+    for theme in known:
+        # Scenes of more than one theme were seen of each domain.
+        made = raw(generator, *(Request(seed=seed, theme=theme) for seed in range(3)))
+        assert [scene.theme for scene in made] == [theme] * 3
 
 
 @pytest.mark.parametrize("number", [42, 311])

@@ -37,6 +37,11 @@ def test_outline_and_completion_exclude_each_other() -> None:
         Request(seed=0, outline_m=(60.0, 60.0), complete=cached_scene(42))
 
 
+def test_theme_and_completion_exclude_each_other() -> None:
+    with pytest.raises(RequestError, match="theme is 'park' beside a scene to complete"):
+        Request(seed=0, theme="park", complete=cached_scene(42))
+
+
 def test_what_is_asked_for_is_kept_and_the_rest_is_drawn() -> None:
     wish, limits = drawn(Request(seed=0, domain="indoor", n_objects=100, n_areas=30))
     assert wish.domain == "indoor"
@@ -98,6 +103,7 @@ def test_wishes_are_named_as_their_options_and_only_where_there_are_any() -> Non
     assert Request(seed=0, domain="indoor").wishes == {}
     request = Request(
         seed=0,
+        theme="park",
         n_areas=AreaCounts(large=2),
         outline_m=(70.0, 60.5),
         density=1.5,
@@ -105,6 +111,7 @@ def test_wishes_are_named_as_their_options_and_only_where_there_are_any() -> Non
         min_passage_m=1.2,
     )
     assert request.wishes == {
+        "theme": "park",
         "areas_large": 2,
         "outline": "70,60.5",
         "density": 1.5,
@@ -147,3 +154,54 @@ def test_what_is_asked_for_stands_in_the_place_of_what_was_seen():
 def test_a_domain_that_was_never_seen_is_refused():
     with pytest.raises(RequestError, match="'outdoor', valid: indoor, mixed; the model was"):
         Request(seed=0, domain="outdoor").drawn(np.random.default_rng(0), SEEN)
+
+
+THEMES = {"mixed": {"hillside", "waterfront"}, "outdoor": {"park", "waterfront"}}
+
+
+def test_an_open_domain_is_one_that_has_the_theme():
+    assert set(Request(seed=0, theme="waterfront").domains(THEMES)) == {"mixed", "outdoor"}
+    assert Request(seed=0, theme="waterfront", domain="mixed").domains(THEMES) == ("mixed",)
+    for seen in ((), SEEN):
+        for seed in range(12):
+            request, rng = Request(seed=seed, theme="hillside"), np.random.default_rng(seed)
+            assert request.drawn(rng, seen, THEMES)[0].domain == "mixed"
+
+
+@pytest.mark.parametrize(
+    ("asked", "themes", "message"),
+    [
+        ({"theme": "sea"}, THEMES, "^theme is 'sea', valid: hillside, park, waterfront$"),
+        (
+            {"theme": "park", "domain": "mixed"},
+            THEMES,
+            "^theme is 'park' for domain 'mixed', valid: hillside, waterfront$",
+        ),
+        (
+            {"theme": "park"},
+            {},
+            "^theme is 'park', valid: no theme; the model knows none, --preset",
+        ),
+    ],
+)
+def test_a_theme_that_the_model_does_not_know_there_is_refused(asked, themes, message):
+    for seen in ((), SEEN):
+        with pytest.raises(RequestError, match=message):
+            Request(seed=0, **asked).drawn(np.random.default_rng(0), seen, themes)
+
+
+def test_contents_are_those_of_scenes_of_the_theme_where_scenes_seen_say_it():
+    seen = (Wish("mixed", 40, 60, 20), Wish("mixed", 30, 90, 25, "hillside"))
+    requests = [Request(seed=i, theme="hillside") for i in range(12)]
+    wishes = {r.drawn(np.random.default_rng(r.seed), seen, THEMES)[0] for r in requests}
+    assert wishes == {seen[1]}
+    silent = {r.drawn(np.random.default_rng(r.seed), seen[:1], THEMES)[0] for r in requests}
+    assert silent == {Wish("mixed", 40, 60, 20, "hillside")}
+    free = {Request(seed=i).drawn(np.random.default_rng(i), seen)[0] for i in range(12)}
+    assert free == {seen[0], Wish("mixed", 30, 90, 25)}
+
+
+def test_a_scene_is_a_wish_for_its_theme():
+    scene = cached_scene(42)
+    assert scene.theme
+    assert Wish.of(scene).theme == scene.theme

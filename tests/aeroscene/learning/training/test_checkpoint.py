@@ -9,6 +9,7 @@ from torch import nn
 
 from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.checkpoint import (
     CheckpointError,
     CheckpointFacts,
@@ -33,7 +34,12 @@ def facts(data):
         configs={"model": {"width": 128}},
         vocabulary=data.train.kinds_json,
         categories=category_names(),
-        data=DataSource(name="corpus", digest="0123", n_scenes=812),
+        data=DataSource(
+            name="corpus",
+            digest="0123",
+            n_scenes=812,
+            wishes=(Wish("outdoor", 30, 90, 50, "park"),),
+        ),
         code="0.1.0+abc",
         training={"steps": 7},
     )
