@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and the folder of what took long to compute."""
 
 from __future__ import annotations
 
@@ -27,3 +27,19 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def cache_folder(name: str) -> Path | None:
+    """A folder in the user's cache, or in `AEROSCENE_CACHE_DIR`; it may not be there yet.
+
+    Args:
+        name: What is kept there.
+
+    Returns:
+        The folder, None where `AEROSCENE_CACHE=off` says that no file is read or written.
+    """
+    from platformdirs import user_cache_dir  # noqa: PLC0415 - only where the cache is used
+
+    if os.environ.get("AEROSCENE_CACHE", "").lower() == "off":
+        return None
+    return Path(os.environ.get("AEROSCENE_CACHE_DIR") or user_cache_dir("aeroscene")) / name

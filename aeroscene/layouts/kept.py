@@ -16,8 +16,7 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-from aeroscene.cache import cache_folder
-from aeroscene.files import replacing
+from aeroscene.files import cache_folder, replacing
 from aeroscene.layouts.neutral import read_neutral
 from aeroscene.layouts.text_file import text_lines
 from aeroscene.scene import Scene

@@ -21,8 +21,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
-from aeroscene.cache import cache_folder
-from aeroscene.files import replacing
+from aeroscene.files import cache_folder, replacing
 from aeroscene.scene import Scene
 from aeroscene.solids import freespace, solids, voxels
 from aeroscene.solids.freespace import MAX_DISTANCE_M, VoxelField, build_distance_field

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_INTERRUPTED,
@@ -21,14 +20,12 @@ from scenarios.cli.command_line import (
     handling_signals,
     print_json,
 )
-from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar
+from scenarios.cli.training_plan import open_state, say_what_lacks, training_plan
 
 if TYPE_CHECKING:
     from aeroscene.learning.training.checkpoint import Part
-    from aeroscene.learning.training.data import TrainingData
     from aeroscene.learning.training.procedure import Plan, Training
-    from aeroscene.learning.training.state import TrainingState
 
 _PROG = "aeroscene train"
 
@@ -95,9 +92,9 @@ def run(cfg: TrainCfg) -> int:
         from aeroscene.learning.training.procedure import Training  # noqa: PLC0415
 
         with _asked_to_stop() as stop:
-            state = _open_state(cfg)
-            plan = _plan(cfg, state)
-            _mention_shortfall(cfg.data)
+            state = open_state(cfg.out, resumes=cfg.resume)
+            plan = training_plan(cfg, state)
+            say_what_lacks(cfg.data)
             with training_bar() as bar:
                 training = Training(plan, _Watcher(bar, stop))
                 is_done = training.run(state)
@@ -134,143 +131,6 @@ def _asked_to_stop() -> Iterator[threading.Event]:
 
     with handling_signals(ask):
         yield event
-
-
-def _open_state(cfg: TrainCfg) -> TrainingState | None:
-    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.state import STATE, read_state  # noqa: PLC0415
-
-    state = read_state(cfg.out / STATE)
-    if state is not None and not cfg.resume:
-        raise TrainingError(
-            f"out {str(cfg.out)!r} holds a training already ({state.steps:,} steps in all), "
-            "valid: --resume to go on with it, or another folder"
-        )
-    if state is None and cfg.resume:
-        raise TrainingError(
-            f"out {str(cfg.out)!r} holds no training to resume ({STATE} is missing), "
-            "valid: a folder that aeroscene train has written to"
-        )
-    return state
-
-
-def _plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
-    import torch  # noqa: PLC0415 - seconds that no other command should spend
-
-    from aeroscene.learning.training.config import require  # noqa: PLC0415
-    from aeroscene.learning.training.devices import choose_device  # noqa: PLC0415
-    from aeroscene.learning.training.presets import PARTS, fitted, part_budgets  # noqa: PLC0415
-    from aeroscene.learning.training.procedure import Plan  # noqa: PLC0415
-    from aeroscene.learning.training.same_data import taken_parts  # noqa: PLC0415
-
-    device = choose_device(cfg.device)
-    n_workers = _n_workers(cfg)
-    if cfg.threads is not None:
-        require(ok=1 <= cfg.threads <= 1024, name="threads", value=cfg.threads, valid="1 to 1024")
-        torch.set_num_threads(cfg.threads)
-    least = "more than 0"
-    require(ok=cfg.save_minutes > 0, name="save_minutes", value=cfg.save_minutes, valid=least)
-    minutes = 60.0 if cfg.minutes is None and cfg.steps is None else cfg.minutes
-    # Refuse bad options before reading the scenes, which takes time.
-    preset, sections = _sections(cfg, state)
-    parts = cfg.parts or PARTS[preset]
-    strange = [part for part in parts if part not in PARTS[preset]]
-    valid = f"{', '.join(PARTS[preset])} with preset {preset}"
-    require(ok=not strange, name="parts", value=" ".join(parts), valid=valid)
-    budgets = part_budgets(parts, cfg.steps, minutes)
-    is_streamed = cfg.stream or (state is not None and state.facts.data.stream != "")
-    data = _read_data(cfg.data, sections, is_streamed=is_streamed)
-    if state is None:
-        sections = fitted(sections, data.train.known)
-    return Plan(
-        folder=cfg.out,
-        preset=preset,
-        sections=sections,
-        data=data,
-        budgets=budgets,
-        device=device,
-        save_seconds=60.0 * cfg.save_minutes,
-        parts=parts,
-        n_workers=n_workers,
-        taken={} if cfg.take is None else taken_parts(cfg.take, data, parts),
-    )
-
-
-def _n_workers(cfg: TrainCfg) -> int:
-    from aeroscene.learning.training.config import TrainingError, require  # noqa: PLC0415 - PyTorch
-
-    if cfg.workers is None:
-        return max(1, default_jobs() - 1)
-    require(ok=1 <= cfg.workers <= 512, name="workers", value=cfg.workers, valid="1 to 512")
-    if not (cfg.stream or cfg.resume):
-        raise TrainingError(f"workers is {cfg.workers} without --stream, valid: with it, or none")
-    return cfg.workers
-
-
-def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Any, dict[str, Any]]:
-    """Preset and sections of the configuration; on resuming, those of the training so far."""
-    from aeroscene.learning.training.presets import (  # noqa: PLC0415 - PyTorch
-        preset_sections,
-        sections_from_plain,
-    )
-    from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
-
-    if state is None:
-        preset = cfg.preset or "default"
-        sections = preset_sections(preset)
-        if cfg.config is not None:
-            sections = read_settings(cfg.config, sections)
-        return preset, sections
-    sections = sections_from_plain(state.facts.configs)
-    _check_unchanged(cfg, state, sections)
-    return state.facts.preset, sections
-
-
-def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str, Any]) -> None:
-    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
-
-    begun = state.facts.preset
-    if cfg.preset not in {None, begun}:
-        raise TrainingError(
-            f"preset is {cfg.preset!r}, valid: {begun!r}, with which the training in "
-            f"{str(cfg.out)!r} was begun; or another folder"
-        )
-    if cfg.config is None:
-        return
-    asked = read_settings(cfg.config, sections)
-    different = [name for name in sections if asked[name] != sections[name]]
-    if different:
-        raise TrainingError(
-            f"config {str(cfg.config)!r} is not what the training in {str(cfg.out)!r} was begun "
-            f"with ([{different[0]}] differs), valid: the same, none, or another folder"
-        )
-
-
-def _read_data(path: Path, sections: Mapping[str, Any], *, is_streamed: bool) -> TrainingData:
-    from aeroscene.learning.training.data import (  # noqa: PLC0415 - PyTorch
-        count_scenes,
-        is_layouts,
-        open_training_data,
-    )
-    from aeroscene.learning.training.presets import is_flat  # noqa: PLC0415
-
-    title = "mapping layouts" if is_layouts(path) else "reading scenes"
-    with progress_bar(title, count_scenes(path)) as advance:
-        return open_training_data(
-            path,
-            is_flat=is_flat(sections),
-            is_streamed=is_streamed,
-            on_scene=advance,
-        )
-
-
-def _mention_shortfall(path: Path) -> None:
-    from aeroscene.learning.training.data import is_layouts  # noqa: PLC0415 - PyTorch
-    from scenarios.cli.dataset.options import mention_shortfall  # noqa: PLC0415 - heavy
-
-    if not is_layouts(path):
-        mention_shortfall(_PROG, path)
 
 
 def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> None:

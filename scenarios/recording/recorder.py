@@ -108,13 +108,7 @@ class Recorder:
         self.path = path
         self.url: str | None = None
         self._info = info
-        self._stream = rr.RecordingStream(
-            layout.APPLICATION_ID,
-            # Else all recordings of one process are one recording to the viewer.
-            recording_id=uuid4(),
-            batcher_config=rr.ChunkBatcherConfig(flush_num_bytes=_CHUNK_BYTES),
-        )
-        self._stream.set_log_time_enabled(False)
+        self._stream = _new_stream()
         try:
             self._stream.set_sinks(
                 *self._open_sinks(serve_port),
@@ -248,3 +242,14 @@ def _require_writable(path: Path) -> None:
             f"recording {str(path)!r} cannot be written ({error.strerror}); "
             "valid: a file in a folder you may write to"
         ) from None
+
+
+def _new_stream() -> rr.RecordingStream:
+    """A stream with an id of its own: else viewers take all of one process for one recording."""
+    stream = rr.RecordingStream(
+        layout.APPLICATION_ID,
+        recording_id=uuid4(),
+        batcher_config=rr.ChunkBatcherConfig(flush_num_bytes=_CHUNK_BYTES),
+    )
+    stream.set_log_time_enabled(False)
+    return stream
