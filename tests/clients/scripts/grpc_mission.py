@@ -64,8 +64,8 @@ async def run(address, server_port):
     await drone.mission.set_return_to_launch_after_mission(True)
     await drone.mission.upload_mission(plan)
     downloaded = await drone.mission.download_mission()
-    places = [round(i.latitude_deg, 6) for i in downloaded.mission_items]
-    assert places == [round(i.latitude_deg, 6) for i in plan.mission_items], downloaded
+    pairs = zip(downloaded.mission_items, plan.mission_items, strict=True)
+    assert all(abs(found.latitude_deg - sent.latitude_deg) < 1e-6 for found, sent in pairs)
 
     await drone.action.arm()
     seen = []
