@@ -2,14 +2,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 
 from aeroscene.partition.cells import cells_of, merged
-from aeroscene.partition.fit import Piece, Widths, fit, number_merges
+from aeroscene.partition.fit import SAME_M, Piece, Widths, fit, number_merges
 from aeroscene.partition.tree import (
     VOID,
     Cross,
     Leaf,
+    Part,
     PartitionError,
     Pinwheel,
     Slice,
@@ -35,13 +36,35 @@ def test_leaves_fill_their_frame_and_share_nothing(tree):
     assert overlap_m2(boxes(cells)) < 1e-3
 
 
+def has_lines_for_one(cells):
+    """Whether two lines lie so near that they are fitted as one."""
+    bounds = np.array([FRAME.bounds_of(cell.frame) for cell in cells])
+    gaps_m = np.diff(np.sort(np.stack([bounds[:, [0, 2]], bounds[:, [1, 3]]]).reshape(2, -1)))
+    return bool(((gaps_m > 1e-6) & (gaps_m <= SAME_M)).any())
+
+
+def split_in_three(*numbers):
+    parts = tuple(Part(number / sum(numbers)) for number in numbers)
+    return Slice("x", parts, (Leaf("lawn", 0.25),) * 3)
+
+
+NEARLY_IN_LINE = Slice(
+    "y",
+    (Part(0.5), Part(0.5)),
+    (split_in_three(0.7686695, 0.95703125, 0.28125), split_in_three(0.41456688, 0.31836, 0.34961)),
+)
+"""A line above lies 3 mm beside one below."""
+
+
 @given(trees())
+@example(NEARLY_IN_LINE)
 def test_what_a_tree_makes_is_fitted_and_made_again(tree):
     cells = list(cells_of(tree, FRAME))
     pieces = [Piece(FRAME.bounds_of(c.frame), c.leaf, n) for n, c in enumerate(cells, 1)]
     found = number_merges(fit(pieces))
     again = merged(list(cells_of(found, FRAME)))
-    assert greatest_error_m(boxes(cells), boxes(again)) < 1e-5
+    most_m = SAME_M if has_lines_for_one(cells) else 1e-5
+    assert greatest_error_m(boxes(cells), boxes(again)) < most_m
     assert sorted(c.leaf.kind for c in again) == sorted(c.leaf.kind for c in cells)
     assert not any(isinstance(n, Cross) and n.is_fallback for n in walk(found))
 
