@@ -69,6 +69,14 @@ class Layout:
         above = int(self.boxes.parent[row])
         return None if above < 0 else self.objects[above]
 
+    def is_balcony(self, row: int) -> bool:
+        """Whether an object is a slab held from the side, outside of what it belongs to."""
+        host = int(self.host[row])
+        if self.objects[row].category != "floor" or host < 0:
+            return False
+        offset = self.boxes.centre_m[row, :2] - self.boxes.centre_m[host, :2]
+        return bool((np.abs(self.boxes.frame(host) @ offset) > self.boxes.half_m[host, :2]).any())
+
     def chain(self, row: int) -> list[int]:
         """An object and all that it moves with, upwards."""
         found = [row]

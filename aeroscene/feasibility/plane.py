@@ -164,18 +164,10 @@ class PlaneProblem:
                 kept = 0.0
             else:
                 kept = margin_m(layout.objects[row], parent)
-            if layout.host[row] >= 0 and kept is not None and not self._is_balcony(row):
+            if layout.host[row] >= 0 and kept is not None and not layout.is_balcony(row):
                 rows.append(row)
                 margins.append(kept)
         return np.array(rows, dtype=int), np.array(margins)
-
-    def _is_balcony(self, row: int) -> bool:
-        """Whether a slab is held from the side, outside its building."""
-        boxes, host = self._began, int(self._layout.host[row])
-        if self._layout.objects[row].category != "floor":
-            return False
-        offset = boxes.centre_m[row, :2] - boxes.centre_m[host, :2]
-        return bool((np.abs(boxes.frame(host) @ offset) > boxes.half_m[host, :2]).any())
 
     def _feet(
         self, rows: Int[np.ndarray, " k"]

@@ -64,7 +64,13 @@ def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes
 
 
 def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
-    """Move one object to the nearest free place: upon its host, else upon another; or drop it."""
+    """Move one object to the nearest free place: upon its host, else upon another; or drop it.
+
+    Balconies have none but their own: within the building they would be in its walls.
+    """
+    if layout.is_balcony(row):
+        layout.drop(row)
+        return
     place = _nearest_place(layout, row, obstacles)
     if layout.objects[row].category in _BUILT and (
         place is None or place.distance_m > _MUCH_TOO_FAR_M
