@@ -24,6 +24,7 @@ from aeroscene.feasibility.seats import turns_to_tables
 from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_on_earth, settle
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
 from aeroscene.feasibility.stairs import drop_lost, follow_levels, landings_of
+from aeroscene.feasibility.strays import drop_strays
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.scene import Scene
@@ -43,6 +44,7 @@ def project(layout: Layout) -> None:
     _part_fine(layout)
     _clear_up(layout)
     drop_lost(layout, landings)
+    drop_strays(layout)
 
 
 def _support(layout: Layout) -> None:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
+from aeroscene.learning.program.clearances import NO_CLEARANCES, Clearances
 from aeroscene.learning.program.kinds import Kind
 from aeroscene.relations.relation import Array
 from aeroscene.scene import AttributeValue
@@ -95,6 +96,8 @@ class Program:
     n_coarse: int
     looks: tuple[tuple[Looks, ...], ...] = ()
     """For each token of its objects in turn; empty until drawn."""
+    clearances: Clearances = NO_CLEARANCES
+    """What units keep where they look for room; nothing of a program that was read off a scene."""
 
     def __len__(self) -> int:
         return len(self.kinds)

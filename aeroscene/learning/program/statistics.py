@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from aeroscene.learning.program.clearances import Clearances, measure_clearances
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, Program
 from aeroscene.learning.program.references import (
@@ -46,6 +47,7 @@ class ProgramStatistics:
     has: Bool[np.ndarray, "kinds channels"]
     """Which channels a kind has."""
     references: References
+    clearances: Clearances
 
     @property
     def importance(self) -> Float[np.ndarray, "kinds channels"]:
@@ -106,6 +108,7 @@ def measure_programs(
         is_free,
         has,
         references,
+        measure_clearances([each.gaps for each in encoded]),
     )
     return vocabulary, statistics
 
@@ -164,6 +167,7 @@ def from_example(
         channels=np.where(s.has[kind], values, np.nan),
         references=np.array([s.references.of(each) for each in kinds]),
         n_coarse=example.skeleton.n_coarse,
+        clearances=s.clearances,
     )
 
 

@@ -9,6 +9,7 @@ from typing import cast
 import msgspec
 import numpy as np
 
+from aeroscene.learning.program.clearances import Clearances
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.kinds import Attributes, Kind, theme_of
 from aeroscene.learning.program.program import Shape
@@ -34,6 +35,7 @@ class _Document(msgspec.Struct):
     counts: tuple[int, ...]
     shapes: tuple[Shape, ...]
     looks: tuple[_Looks, ...]
+    clearances: dict[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +59,13 @@ class Language:
         """The vocabulary as text."""
         known = self.vocabulary
         looks = tuple(_Looks(*what, tuple(found)) for what, found in known.looks.items())
-        document = _Document(known.kinds, known.counts, known.shapes, looks)
+        document = _Document(
+            known.kinds,
+            known.counts,
+            known.shapes,
+            looks,
+            dict(self.statistics.clearances.by_category),
+        )
         return msgspec.json.encode(document).decode()
 
     def to_arrays(self) -> dict[str, np.ndarray]:
@@ -90,6 +98,7 @@ class Language:
             **{name: arrays[name].astype(np.float64) for name in _MEASURED},
             **{name: arrays[name] for name in _FLAGS},
             references=References({group_of(kind): tuple(row) for kind, row in rows}),
+            clearances=Clearances(document.clearances),
         )
         syntax = Syntax(
             vocabulary=vocabulary,

@@ -8,15 +8,12 @@ import numpy as np
 import shapely
 from jaxtyping import Bool
 
+from aeroscene.feasibility.strays import LEAST_ON_WATER, TO_ROAD_M
 from aeroscene.metrics.places.top_view import TopView, near_pairs, union
 
 VEHICLES = ("car", "van", "truck", "bus")
 ALONG_RAD = math.radians(45.0)
 """Largest angle between a road and what drives along it."""
-TO_ROAD_M = 3.0
-"""Farthest that a traffic light stands from a road."""
-LEAST_ON_WATER = 0.95
-"""Least share of a boat's outline on water."""
 LEAST_OVER = 0.1
 """Least share of a bridge's outline over what it crosses."""
 

@@ -9,18 +9,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
+from jaxtyping import Float
 
 from aeroscene.feasibility.boxes import boxes_of
 from aeroscene.feasibility.doors import air_of
 from aeroscene.feasibility.roles import FITTINGS, GROUND, POSTS
 from aeroscene.feasibility.seats import TABLES, turns_to_tables
+from aeroscene.feasibility.strays import AFLOAT
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.learning.program.decoding.buildings import DecodedBuilding, build_building
 from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.making import Making
-from aeroscene.learning.program.decoding.mending import AFLOAT, LAID, laid_for, mended
+from aeroscene.learning.program.decoding.mending import LAID, laid_for, mended
 from aeroscene.learning.program.decoding.neighbours import (
     clashing,
     free_shift,
@@ -193,21 +196,46 @@ class _Builder:
         return laid_for(boxes, making.objects) if kind.category in LAID and is_on_table else boxes
 
     def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
-        """A unit's boxes where they have room: as its relation has it, or else nearby."""
-        making, bearer = self.making, unit.parent_id
-        taken = making.neighbours.taken(bearer)
-        within = None if bearer is None else making.outline(bearer)
-        for turns, ways in open_ways(unit, making.outline(unit.host_id)):
+        """A unit's boxes where they have room: as its relation has it, or else nearby.
+
+        Where there is room enough for what their category keeps free of its own, there.
+        """
+        neighbours = self.making.neighbours
+        taken = neighbours.taken(unit.parent_id)
+        clearance_m = self._program.clearances.of(kind.category)
+        if any(clearance_m):
+            kept_free = neighbours.kept_free(kind.category, clearance_m)
+            full = np.concatenate([taken, kept_free])
+            found = self._with_room(unit, kind, boxes, full, n_ways=1)
+            if found is not None:
+                return found
+        found = self._with_room(unit, kind, boxes, taken)
+        if found is not None:
+            return found
+        is_taken = clashing(boxes, taken)
+        if sum(is_taken) > _MOST_LEFT_OUT * len(boxes):
+            return list(boxes)
+        return [box for box, clashes in zip(boxes, is_taken, strict=True) if not clashes]
+
+    def _with_room(
+        self,
+        unit: Unit,
+        kind: Kind,
+        boxes: Sequence[OrientedBox],
+        taken: Float[np.ndarray, "k 8"],
+        n_ways: int | None = None,
+    ) -> list[OrientedBox] | None:
+        """A unit's boxes by the first of the ways that its relation leaves open, if any."""
+        making = self.making
+        within = None if unit.parent_id is None else making.outline(unit.parent_id)
+        for turns, ways in islice(open_ways(unit, making.outline(unit.host_id)), n_ways):
             side = (unit.relation.side + turns) % N_SIDES
             turned = replace(unit, relation=replace(unit.relation, side=side))
             found = self._boxes(turned, kind) if turns else boxes
             shift = free_shift(found, taken, within, ways) if found else None
             if shift is not None:
                 return [moved(box, shift) for box in found]
-        is_taken = clashing(boxes, taken)
-        if sum(is_taken) > _MOST_LEFT_OUT * len(boxes):
-            return list(boxes)
-        return [box for box, clashes in zip(boxes, is_taken, strict=True) if not clashes]
+        return None
 
     def _drawn_up(self, chairs: Sequence[OrientedBox], table: int) -> list[OrientedBox]:
         """Chairs that have room, their table moved with them where that makes it."""

@@ -100,7 +100,7 @@ class Making:
                 attributes=looks | attributes,
             )
         )
-        self.neighbours.add(box, parent)
+        self.neighbours.add(box, category, parent)
         self.standing.add(number, category_id, bearer, table)
 
     def move(self, object_id: int, box: OrientedBox) -> None:

@@ -13,20 +13,20 @@ from dataclasses import replace
 import shapely
 
 from aeroscene.feasibility.seats import TO_CHAIR_M
+from aeroscene.feasibility.strays import AFLOAT, LEAST_ON_WATER
 from aeroscene.relations.hosts import SEATS, VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle, footprint, turned_reach_m
 from aeroscene.relations.relation import LANE_RATIOS
 from aeroscene.scene import OrientedBox, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 
-AFLOAT = frozenset({"boat"})
 LAID = frozenset({"plate"})
 BRIDGES = frozenset({"bridge"})
 CROSSED = frozenset({"water", "road"})
 _MIDDLE_M = 0.3
 """Distance from the middle line of a road within which one drives on neither side."""
-_LEAST_AFLOAT, _LEAST_OVER = 0.95, 0.1
-"""Least shares of the outlines of a boat on water, of a bridge over what it crosses."""
+_LEAST_OVER = 0.1
+"""Least share of the outline of a bridge over what it crosses."""
 
 
 def mended(
@@ -77,7 +77,7 @@ def _afloat(box: OrientedBox, waters: Sequence[Rectangle]) -> OrientedBox | None
     """A boat where it is if that is water, else on the nearest that is large enough for it."""
     if not waters:
         return None
-    if _share_on(box, waters) >= _LEAST_AFLOAT:
+    if _share_on(box, waters) >= LEAST_ON_WATER:
         return box
     found = [
         moved

@@ -38,12 +38,14 @@ class Neighbours:
 
     def __init__(self) -> None:
         self._rows: list[tuple[float, ...]] = []
+        self._categories: list[str] = []
         self._parents: list[int | None] = []
         self._air: list[tuple[float, ...]] = []
 
-    def add(self, box: OrientedBox, parent: int | None) -> None:
+    def add(self, box: OrientedBox, category: str, parent: int | None) -> None:
         """Let the next object stand; ids are its place in the order."""
         self._rows.append(_row(box))
+        self._categories.append(category)
         self._parents.append(parent)
 
     def move(self, number: int, box: OrientedBox) -> None:
@@ -63,6 +65,17 @@ class Neighbours:
             bearer = self._parents[bearer]
         rows = np.array(self._rows).reshape(-1, 8)[is_other]
         return np.concatenate([rows, np.array(self._air).reshape(-1, 8)])
+
+    def kept_free(
+        self, category: str, clearance_m: tuple[float, float]
+    ) -> Float[np.ndarray, "k 8"]:
+        """What a category keeps free of its own: ahead, behind and beside all that stands."""
+        is_alike = np.array([each == category for each in self._categories], dtype=bool)
+        rows = np.array(self._rows).reshape(-1, 8)[is_alike]
+        longer, wider = rows.copy(), rows.copy()
+        longer[:, 2] += clearance_m[0]
+        wider[:, 3] += clearance_m[1]
+        return np.concatenate([longer, wider])
 
 
 def free_shift(

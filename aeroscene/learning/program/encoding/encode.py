@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import msgspec
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.learning.program.clearances import gaps_between
 from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
 from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
 from aeroscene.learning.program.encoding.units import underside_m, unit_node
@@ -24,7 +26,7 @@ from aeroscene.partition import (
 )
 from aeroscene.relations import scene_relations
 from aeroscene.relations.plane import Rectangle, footprint
-from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene import OrientedBox, Scene, SceneObject
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -36,6 +38,8 @@ class EncodedProgram:
     """For each token the objects of the scene that it stands for."""
     choices: Float[np.ndarray, "n 4 4"]
     """Channels that may count from several things, from each of them; NaN where there is none."""
+    gaps: Mapping[str, Float[np.ndarray, "k 2"]]
+    """Of each category what `gaps_between` finds between its units."""
 
 
 def encode(scene: Scene) -> EncodedProgram:
@@ -59,7 +63,16 @@ def encode(scene: Scene) -> EncodedProgram:
         program=to_program(root),
         object_ids=tuple(tuple(node.ids) for node in nodes),
         choices=np.array([none if node.choices is None else node.choices for node in nodes]),
+        gaps=_gaps(nodes, scene),
     )
+
+
+def _gaps(nodes: Sequence[Node], scene: Scene) -> dict[str, Float[np.ndarray, "k 2"]]:
+    units: defaultdict[str, list[list[OrientedBox]]] = defaultdict(list)
+    for node in nodes:
+        if node.kind.node == "unit":
+            units[node.kind.category].append([scene.object_by_id[i].bbox for i in node.ids])
+    return {category: gaps_between(found) for category, found in units.items() if len(found) > 1}
 
 
 @dataclass(slots=True, eq=False)

@@ -25,9 +25,9 @@ def box(x_m, y_m, size_m=(1.0, 1.0, 1.0), z_m=0.5, yaw_rad=0.0):
 
 def room_with(*boxes):
     found = Neighbours()
-    found.add(box(0.0, 0.0, (10.0, 8.0, 3.0), 1.5), None)
+    found.add(box(0.0, 0.0, (10.0, 8.0, 3.0), 1.5), "room", None)
     for each in boxes:
-        found.add(each, 0)
+        found.add(each, "crate", 0)
     return found
 
 
