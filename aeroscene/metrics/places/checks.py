@@ -17,7 +17,17 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Shaped
 
-from aeroscene.metrics.places import backs, ground, order, roads, seating, spacing, stairs, walls
+from aeroscene.metrics.places import (
+    backs,
+    fronts,
+    ground,
+    order,
+    roads,
+    seating,
+    spacing,
+    stairs,
+    walls,
+)
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.scene import Scene
 
@@ -87,6 +97,13 @@ CHECKS: tuple[PlaceCheck, ...] = (
         unit="%",
         goal=1.0,
         judge=ground.remote_parking,
+    ),
+    PlaceCheck(
+        key="averted_fronts",
+        title="buildings whose front looks away from their street",
+        unit="%",
+        goal=15.0,
+        judge=fronts.averted_fronts,
     ),
     PlaceCheck(
         key="averted_chairs",

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from aeroscene.feasibility.roles import BUILDINGS
 from aeroscene.metrics.places.backs import BACKED
 from aeroscene.metrics.places.checks import CHECKS, place_figures
 from aeroscene.metrics.places.top_view import TopView
@@ -39,6 +40,7 @@ def spoilt(key, spoil):
 # Park paths lie apart, screens have two ends, bleachers end at a wall, rows of shelves stand free;
 # nine scenes have fewer rows than all.
 OWN_LIMITS = {
+    "averted_fronts": 20.0,
     "patches": 2.0,
     "loose_wall_ends": 20.0,
     "dead_end_stairs": 25.0,
@@ -81,6 +83,12 @@ def test_of_real_things_half_of_which_are_spoilt_half_are_found(key, categories,
     views = [TopView(changed(*each, change)) for each in halves(SCENES, *categories)]
     sound = 100 - real[key]
     assert BY_KEY[key].figure(views) == pytest.approx(real[key] + sound / 2, abs=0.2 * sound)
+
+
+@pytest.mark.parametrize("turn_deg", [90.0, 180.0])
+def test_buildings_that_are_turned_look_elsewhere(real, turn_deg):
+    views = [TopView(changed(*each, turned_by(turn_deg))) for each in halves(SCENES, *BUILDINGS)]
+    assert BY_KEY["averted_fronts"].figure(views) > 2 * real["averted_fronts"]
 
 
 def test_rooms_without_half_of_the_walls_are_open(real):
