@@ -48,16 +48,18 @@ class ParameterService:
             "PARAM_SET": self._on_set,
         }
 
-    def update(self) -> None:
-        """Continue the lists that partners requested."""
-        for channel, start in list(self._listing.items()):
-            stop = min(start + _LIST_PER_TICK, len(self._parameters))
-            for index in range(start, stop):
-                self._send_value(channel, self._parameters.name_at(index))
-            if stop == len(self._parameters):
-                del self._listing[channel]
-            else:
-                self._listing[channel] = stop
+    def update(self, channel: Channel) -> None:
+        """Continue the list that a partner requested."""
+        start = self._listing.get(channel)
+        if start is None:
+            return
+        stop = min(start + _LIST_PER_TICK, len(self._parameters))
+        for index in range(start, stop):
+            self._send_value(channel, self._parameters.name_at(index))
+        if stop == len(self._parameters):
+            del self._listing[channel]
+        else:
+            self._listing[channel] = stop
 
     def forget(self, channel: Channel) -> None:
         """Stop the list of a partner that left."""

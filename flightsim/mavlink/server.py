@@ -1,7 +1,7 @@
 """MAVLink server of the vehicle: links, microservices and streams, polled once per tick.
 
-Nothing that a client sends can stop the flight: work per tick is bounded for every partner, and
-malformed input is ignored.
+Nothing that a client sends can stop the flight: work per tick is bounded for every partner,
+malformed input is ignored, and an error in answering one costs that partner's message alone.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from collections.abc import Sequence
 
 from autonomy.types import Vector3
 from flightsim.autopilot.autopilot import Autopilot
-from flightsim.autopilot.events import MissionItemReached
+from flightsim.autopilot.events import MissionItemReached, Severity
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import CommandService
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
 from flightsim.mavlink.ground_stations import GroundStationService
@@ -84,6 +85,7 @@ class MavlinkServer:
     def _build_services(self, personality: Personality) -> None:
         autopilot, view, partners = self._autopilot, self._view, self._partners
         self.statustext = StatustextSender(partners)
+        self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
         rotors = view.plant.world.airframe.quadrotor.rotors
         max_rotor_speed = max(rotor.max_speed_radps for rotor in rotors)
         self.telemetry = TelemetryService(
@@ -138,19 +140,27 @@ class MavlinkServer:
 
     def update(self) -> None:
         """Read, answer, stream and send; call once every 20 ms of simulated time."""
+        faults = self.faults
         for key, _ in self._selector.select(0):
-            key.data()
+            with faults:
+                key.data()
         self._view.refresh()
         self._meet_partners()
         for channel in self._partners.channels:
             for message in channel.take_messages():
-                self._dispatch(channel, message)
+                with faults:
+                    self._dispatch(channel, message)
         self._tell_events()
         self.statustext.end_tick()
         for service in self._stateful:
-            service.update()
+            for channel in self._partners.channels:
+                with faults:
+                    service.update(channel)
+                if faults.has_failed:
+                    service.forget(channel)  # Else it would fail again at every tick.
         for channel in self._partners.channels:
-            channel.flush()
+            with faults:
+                channel.flush()
 
     def close(self) -> None:
         """Release all ports. Closing twice is fine."""

@@ -46,12 +46,12 @@ def test_a_list_goes_out_in_pieces_with_every_index_once():
     assert [message.param_id for message in messages] == ["_HASH_CHECK"]
     n_ticks, listed = 0, []
     while len(listed) < len(bench.parameters):
-        bench.service.update()
+        bench.service.update(bench.loop.channel)
         piece = bench.loop.answers()
         assert 0 < len(piece) <= 8
         listed += piece
         n_ticks += 1
-    bench.service.update()
+    bench.service.update(bench.loop.channel)
     assert bench.loop.answers() == []
     assert [message.param_index for message in listed] == list(range(len(bench.parameters)))
     assert [message.param_id for message in listed] == list(bench.parameters)
@@ -135,7 +135,7 @@ def test_a_cached_list_is_recognised_by_its_hash_and_stops_the_list():
     )
     bench.ask("PARAM_REQUEST_LIST", 1, 1)
     bench.ask("PARAM_SET", 1, 1, b"_HASH_CHECK", message.param_value, 5)
-    bench.service.update()
+    bench.service.update(bench.loop.channel)
     assert bench.loop.answers() == []
 
 
