@@ -25,9 +25,9 @@ _RANGES: Mapping[str, _Range] = {
     "d": (-math.inf, math.inf),
     **{
         letter: (-(1 << bits - 1), (1 << bits - 1) - 1)
-        for letter, bits in (("b", 8), ("h", 16), ("i", 32), ("q", 64))
+        for letter, bits in zip("bhiq", (8, 16, 32, 64), strict=True)
     },
-    **{letter: (0, (1 << bits) - 1) for letter, bits in (("B", 8), ("H", 16), ("I", 32), ("Q", 64))},
+    **{letter: (0, (1 << bits) - 1) for letter, bits in zip("BHIQ", (8, 16, 32, 64), strict=True)},
 }
 """Least and greatest number of each letter of a struct format."""
 

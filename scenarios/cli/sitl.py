@@ -46,8 +46,8 @@ class SitlCommand(SitlCfg):
     ] = ""
     """Scene to fly in; the same as --scene."""
     scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
-    """Scene of the dataset by number, corpus:N, gen:SEED, a scene file (.json, .json.gz), or one of
-    a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
+    """Scene of the dataset by number, corpus:N, gen:SEED, field (open and flat), a scene file (.json,
+    .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
 
     def __post_init__(self) -> None:
         """Refuse invalid options, and two scenes."""
