@@ -50,7 +50,8 @@ class Faults:
             file = PurePath(trace.tb_frame.f_code.co_filename).name
             trace = trace.tb_next
         what = " ".join(str(error).split())
-        self.last = f"{type(error).__name__} in {file}:{lines[-1]}: {what}"
+        module = "" if type(error).__module__ == "builtins" else f"{type(error).__module__}."
+        self.last = f"{module}{type(error).__name__} in {file}:{lines[-1]}: {what}"
         way = tuple(lines)
         if way not in self._told and len(self._told) < _MOST_TOLD:
             self._told.add(way)

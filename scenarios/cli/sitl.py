@@ -46,7 +46,7 @@ class SitlCommand(SitlCfg):
     ] = ""
     """Scene to fly in; the same as --scene."""
     scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
-    """Scene of the dataset by number, corpus:N, gen:SEED, field (open and flat), a scene file (.json,
+    """Scene of the dataset by number, corpus:N, gen:SEED, field (open, flat), a scene file (.json,
     .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
 
     def __post_init__(self) -> None:
