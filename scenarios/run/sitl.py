@@ -90,7 +90,8 @@ class Sitl:
             scene = scene or open_scene(cfg.scene)
             bench = Testbench(scene, cfg.bench, airframe=airframe, has_network=has_network)
             self.bench = stack.enter_context(bench)
-            self.log = FlightLog(self.bench.plant)
+            is_judged = cfg.demo or pilot is not None
+            self.log = FlightLog(self.bench.plant, is_judged=is_judged)
             self.bench.observers.append(self.log.on_tick)
             self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
             self.companion = self.pilot if pilot is None else pilot(self._aboard())
