@@ -4,6 +4,7 @@ import http.client
 import json
 import os
 import re
+import resource
 import signal
 import socket
 import subprocess
@@ -105,6 +106,53 @@ def test_standard_gnss_leaves_errors_of_metres():
         "--demo", "--speed", "max", "--json", "--gnss", "standard", "--headless-seconds", "30"
     )
     assert json.loads(done.stdout)["position_rmse_m"] > 0.5
+
+
+def test_a_disk_that_fills_up_costs_the_recording_its_end_and_the_verdict_nothing(tmp_path):
+    path, size = tmp_path / "cut.rrd", 1_000_000
+
+    def fill():  # As a full disk does, but for this process alone.
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    args = ("--scene", "field", "--demo", "--speed", "max", "--json", "--record", str(path))
+    done = sitl(*args, preexec_fn=fill)
+    assert done.returncode == 2, done.stderr
+    assert json.loads(done.stdout)["success"] is True
+    assert "Traceback" not in done.stderr
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("aeroscene-sitl: ")]
+    assert line.startswith(f"aeroscene-sitl: recording {path} lacks its end: ")
+    assert path.stat().st_size == size
+    assert json.loads(path.with_suffix(".json").read_text())["result"]["success"] is True
+
+
+def test_a_summary_that_cannot_be_written_costs_the_verdict_nothing(tmp_path):
+    path = tmp_path / "flight.rrd"
+    path.with_suffix(".json").mkdir()
+    args = ("--scene", "field", "--headless-seconds", "1", "--speed", "max", "--camera-hz", "0")
+    done = sitl(*args, "--json", "--record", str(path))
+    assert done.returncode == 2, done.stderr
+    assert json.loads(done.stdout)["reason"] == "ended"
+    assert f"summary {path.with_suffix('.json')} is not written: " in done.stderr
+    assert "Traceback" not in done.stderr
+    assert summarise(path).is_complete
+
+
+@pytest.mark.parametrize("name", ["flight.json", "flight.rrd"])
+def test_a_recording_does_not_take_the_place_of_standard_output(tmp_path, name):
+    with (tmp_path / name).open("wb") as out:
+        done = subprocess.run(
+            [*COMMAND, "--json", "--record", str(tmp_path / "flight.rrd")],
+            stdout=out,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"aeroscene-sitl: error: record '{tmp_path / 'flight.rrd'}' writes '{tmp_path / name}', "
+        "where standard output goes; valid: another name for one of them\n"
+    )
 
 
 def test_interrupting_closes_the_recording_and_gives_the_ports_back(tmp_path):
