@@ -15,6 +15,8 @@ from typing import Any
 # `development` is `common` plus messages proposed for it, among them AVAILABLE_MODES.
 from pymavlink.dialects.v20 import development as dialect
 
+from flightsim.mavlink.play_tune import PlayTuneV2
+
 MARKER_V2 = 0xFD
 _V1_IDS = 256
 
@@ -169,6 +171,8 @@ PROTOCOL_VERSION = Layout(
     (1, 1, 1, 8, 8),
     0,
 )
+
+dialect.mavlink_map.setdefault(PlayTuneV2.id, PlayTuneV2)
 
 LAYOUTS: Mapping[str, Layout] = {
     message_class.msgname: _layout_of(message_class)

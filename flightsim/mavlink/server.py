@@ -14,6 +14,7 @@ from autonomy.types import Vector3
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.events import MissionItemReached, Severity
 from flightsim.frames import LocalFrame
+from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import CommandService
 from flightsim.mavlink.dialect import LAYOUTS
@@ -109,6 +110,7 @@ class MavlinkServer:
             ManualControlService(autopilot, self.system_id),
             TimesyncService(lambda: view.plant.time_us),
             FileService(),
+            AbsentService(self.statustext),
         )
         self._stateful: Sequence[StatefulService] = (
             GroundStationService(autopilot),
@@ -124,6 +126,7 @@ class MavlinkServer:
         self._handlers |= {
             LAYOUTS["SET_MODE"].message_id: lambda _, m: self._flight_commands.on_set_mode(m),
             LAYOUTS["MISSION_SET_CURRENT"].message_id: self._on_set_current,
+            LAYOUTS["SET_GPS_GLOBAL_ORIGIN"].message_id: self._on_set_origin,
         }
 
     def _open_links(self) -> None:
@@ -205,3 +208,8 @@ class MavlinkServer:
             self.telemetry.broadcast("MISSION_CURRENT")
         else:
             self.telemetry.send_now(channel, LAYOUTS["MISSION_CURRENT"].message_id)
+
+    def _on_set_origin(self, channel: Channel, _: Message) -> None:
+        # PX4 answers with the origin that holds; here that is where the vehicle started.
+        self.statustext.say(Severity.NOTICE, "The origin stays where the vehicle started")
+        self.telemetry.send_now(channel, LAYOUTS["GPS_GLOBAL_ORIGIN"].message_id)

@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flightsim.autopilot.parameters import Parameters
-from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parameters import ParameterService, parameter_hash
 from flightsim.mavlink.service import Partners
 from flightsim.mavlink.statustext import StatustextSender
@@ -96,7 +95,7 @@ def test_an_integer_is_understood_bytewise_and_cast(wire_value, wire_type):
         (b"NAV_DLL_ACT", _as_float(-7), _INT32, 2),
         (b"NAV_DLL_ACT", 1.5, _REAL32, 2),
         (b"NAV_DLL_ACT", 1e30, _REAL32, 2),
-        (b"SYS_AUTOSTART", _as_float(1), _INT32, mav.MAV_PARAM_ERROR_READ_ONLY),
+        (b"SYS_AUTOSTART", _as_float(1), _INT32, 5),
     ],
 )
 def test_a_refused_value_is_answered_with_the_old_one_and_the_reason(name, value, wire_type, error):
@@ -106,6 +105,7 @@ def test_a_refused_value_is_answered_with_the_old_one_and_the_reason(name, value
     assert bench.parameters[name.decode()] == old
     (refusal,) = named(messages, "PARAM_ERROR")
     assert (refusal.param_id, refusal.error) == (name.decode(), error)
+    assert (refusal.target_system, refusal.target_component) == (255, 190)
     assert [message.param_id for message in named(messages, "PARAM_VALUE")] == [name.decode()]
     assert name.decode() in "".join(message.text for message in named(messages, "STATUSTEXT"))
 
