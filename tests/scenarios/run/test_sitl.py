@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 import urllib.request
-from pathlib import Path
 from urllib.parse import urlsplit
 
 import psutil
@@ -108,12 +107,32 @@ def test_standard_gnss_leaves_errors_of_metres():
     assert json.loads(done.stdout)["position_rmse_m"] > 0.5
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no disk that is always full")
-def test_a_full_disk_costs_the_recording_and_not_the_figures(tmp_path):
+# The disk is full for this process alone, from a moment after the start.
+FILLING_UP = """
+import resource, sys
+from scenarios.cli import sitl
+
+def run(self, *args, run=sitl.Sitl.run):
+    size = self.cfg.record.stat().st_size + 50_000
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    return run(self, *args)
+
+sitl.Sitl.run = run
+sys.exit(sitl.main())
+"""
+
+
+def test_a_disk_that_fills_up_costs_the_recording_its_end_and_not_the_figures(tmp_path):
     path = tmp_path / "flight.rrd"
-    path.symlink_to("/dev/full")
-    args = ("--scene", "field", "--headless-seconds", "3", "--speed", "max", "--camera-hz", "0")
-    done = sitl(*args, "--json", "--record", str(path))
+    args = ("--scene", "field", "--headless-seconds", "8", "--speed", "max", "--camera-hz", "0")
+    done = subprocess.run(
+        [sys.executable, "-c", FILLING_UP, "--instance", str(instance())]
+        + [*args, "--json", "--record", str(path)],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
     assert done.returncode == 2, done.stderr
     assert json.loads(done.stdout)["reason"] == "ended"
     assert "Traceback" not in done.stderr
