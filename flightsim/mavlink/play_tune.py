@@ -1,4 +1,6 @@
-"""PLAY_TUNE_V2, which MAVSDK sends: it has left the dialects that pymavlink comes with."""
+"""PLAY_TUNE_V2, which the dialects that come with pymavlink lack."""
+
+# ruff: noqa: RUF012 - lists of a class, as pymavlink declares them
 
 from __future__ import annotations
 
@@ -13,12 +15,12 @@ class PlayTuneV2(dialect.MAVLink_message):
 
     id = 400
     msgname = "PLAY_TUNE_V2"
-    fieldnames = ("format", "target_system", "target_component", "tune")
+    fieldnames = ["format", "target_system", "target_component", "tune"]
     ordered_fieldnames = fieldnames
-    fieldtypes = ("uint32_t", "uint8_t", "uint8_t", "char")
-    orders = (0, 1, 2, 3)
-    lengths = (1, 1, 1, 1)
-    array_lengths = (0, 0, 0, 248)
+    fieldtypes = ["uint32_t", "uint8_t", "uint8_t", "char"]
+    orders = [0, 1, 2, 3]
+    lengths = [1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 248]
     crc_extra = 110
     unpacker = struct.Struct("<IBB248s")
 
@@ -30,7 +32,7 @@ class PlayTuneV2(dialect.MAVLink_message):
         tune: bytes,
     ) -> None:
         super().__init__(self.id, self.msgname)
-        self._fieldnames = list(self.fieldnames)
+        self._fieldnames = self.fieldnames
         self.format = format
         self.target_system = target_system
         self.target_component = target_component
