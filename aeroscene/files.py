@@ -1,13 +1,56 @@
-"""Files that are written whole or not at all, and the folder of what took long to compute."""
+"""Files that are read within bounds, files written whole or not at all, and the user's cache."""
 
 from __future__ import annotations
 
+import errno
+import gzip
+import io
 import os
+import stat
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
+
+MAX_BYTES = 512 * 1024 * 1024
+"""Most that a file may hold, unpacked; more is no scene and no layout but an accident."""
+_GZIP_MAGIC = b"\x1f\x8b"
+
+
+class UnpackError(ValueError):
+    """A file that is no file, too large, or damaged gzip; the message says which."""
+
+
+def read_bounded(path: Path) -> bytes:
+    """The content of a file, unpacked where it is gzip, whatever its name.
+
+    Raises:
+        OSError: If it cannot be read; pipes and devices, which may never end, count as such.
+        UnpackError: If it holds more than `MAX_BYTES`, or its gzip is damaged or cut short.
+    """
+    status = path.stat()
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(status.st_mode):
+        raise OSError(errno.EINVAL, "no regular file", str(path))
+    too_large = UnpackError(f"holds more than {MAX_BYTES >> 20} MiB, valid: at most that")
+    if status.st_size > MAX_BYTES:
+        raise too_large
+    data = path.read_bytes()
+    if not data.startswith(_GZIP_MAGIC):
+        return data
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
+            data = file.read(MAX_BYTES + 1)
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise UnpackError(
+            f"gzip is damaged or cut short ({error}), valid: a whole gzip file"
+        ) from None
+    if len(data) > MAX_BYTES:
+        raise too_large
+    return data
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Sources of scenes: shipped, curated, generated, a file of ours, a layout of another project."""
+"""Sources of scenes: shipped, curated, generated, the field, a file, another project's layout."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
+from aeroscene.corpus.field import FIELD_NAME, field_scene
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import FORMAT, read_scene, write_scene
@@ -40,15 +41,17 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     Args:
         spec: A number from 0 to 1015 for a scene of the AeroScene dataset; `corpus:N` for one of
             the training corpus, which has no last; `gen:SEED` for one that the model makes anew;
-            the path of a `.json` or `.json.gz` file that holds a scene of ours, the AeroScene
-            authors' JSON or a 3D-FRONT house; or `FILE.jsonl#ID`, also gzip, for a scene of a
-            file of neutral layouts, where ID is its scene_id, what follows the last slash of that,
-            or its number in the file from 0.
+            `field` for an open, flat field; the path of a `.json` or `.json.gz` file that holds a
+            scene of ours, the AeroScene authors' JSON or a 3D-FRONT house; or `FILE.jsonl#ID`, also
+            gzip, for a scene of a file of neutral layouts, where ID is its scene_id, what follows
+            the last slash of that, or its number in the file from 0.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
         SceneError: If there is no such scene or the file is not valid; one line.
     """
+    if spec == FIELD_NAME:
+        return field_scene()
     file = _FILE.fullmatch(spec)
     if file:
         return _open_file(file["path"], file["scene_id"], skip_invalid=skip_invalid)
@@ -56,7 +59,7 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     if named is None or (named["source"] is None and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
             f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
-            "gen:SEED, FILE.json or FILE.jsonl#ID, also with .gz"
+            "gen:SEED, field, FILE.json or FILE.jsonl#ID, also with .gz"
         )
     return _open_number(named["source"] or NUMBERS_NAME, int(named["number"]))
 

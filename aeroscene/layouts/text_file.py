@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import gzip
-import io
 import json
-import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from aeroscene.files import UnpackError, read_bounded
 from aeroscene.layouts.document import LayoutError
-
-MAX_BYTES = 512 * 1024 * 1024
-"""Unpacked; more is no layout but an accident."""
-_GZIP_MAGIC = b"\x1f\x8b"
 
 
 def source_name(path: Path) -> str:
@@ -30,32 +24,17 @@ def read_bytes(path: Path) -> bytes:
     """
     where = source_name(path)
     try:
-        data = path.read_bytes()
+        data = read_bounded(path)
+    except UnpackError as error:
+        raise LayoutError(f"{where}: {error}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         raise LayoutError(
             f"{where} cannot be read ({reason.lower()}), valid: a JSON file"
         ) from None
-    if data.startswith(_GZIP_MAGIC):
-        data = _unpack(data, where)
     if not data.strip():
         raise LayoutError(f"{where} is empty, valid: a scene in JSON")
     return data
-
-
-def _unpack(data: bytes, where: str) -> bytes:
-    try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
-            unpacked = file.read(MAX_BYTES + 1)
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise LayoutError(
-            f"{where}: gzip is damaged or cut short ({error}), valid: a whole gzip file"
-        ) from None
-    if len(unpacked) > MAX_BYTES:
-        raise LayoutError(
-            f"{where}: unpacks to more than {MAX_BYTES >> 20} MiB, valid: at most that"
-        )
-    return unpacked
 
 
 def decode_text(data: bytes, where: str) -> str:

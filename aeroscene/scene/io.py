@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import gzip
 import re
-import zlib
 from pathlib import Path
 from typing import NoReturn
 
@@ -17,7 +16,7 @@ import msgspec
 import numpy as np
 from msgspec.structs import asdict
 
-from aeroscene.files import replacing
+from aeroscene.files import UnpackError, read_bounded, replacing
 from aeroscene.scene import (
     AttributeValue,
     InteractionArea,
@@ -32,7 +31,6 @@ from aeroscene.scene.box import box_corners
 
 FORMAT = "aeroscene-scene"
 VERSION = 1
-_GZIP_MAGIC = b"\x1f\x8b"
 CORNER_TOLERANCE_M = 1e-3
 """Allowed distance between a written corner and the box's own; written with 4 decimals."""
 
@@ -272,17 +270,13 @@ def read_scene(path: str | Path) -> Scene:
     path = Path(path)
     source = f"scene file {str(path)!r}"
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        reason = (error.strerror or type(error).__name__).lower()
+        data = read_bounded(path)
+    except UnpackError as error:
+        raise SceneFileError(f"{source}: {error}") from None
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()
         message = f"{source} cannot be read ({reason}), valid: a scene in JSON"
         raise SceneFileError(message) from None
-    if data.startswith(_GZIP_MAGIC):
-        try:
-            data = gzip.decompress(data)
-        except (EOFError, OSError, zlib.error) as error:
-            what = str(error) or type(error).__name__
-            raise SceneFileError(f"{source}: not gzip or not all of it ({what})") from None
     return scene_from_json(data, source=source)
 
 

@@ -131,7 +131,7 @@ def _fences(
     while index < len(items):
         item = items[index]
         if item.command in _CIRCLES:
-            if not 0.0 < item.param1 <= 1e5:
+            if not 0.0 <= item.param1 <= 1e5:  # MAVSDK's example has a circle of none.
                 raise _invalid(index, 1, f"radius = {item.param1} m; valid are 0 to 100000")
             centre = _point(index, item, frame)
             fences.append(CircleFence(centre, item.param1, _CIRCLES[Cmd(item.command)]))

@@ -47,9 +47,14 @@ class Channel:
         self._frames: list[bytes] = []
 
     @property
+    def n_received(self) -> int:
+        """Number of valid messages that came from this partner."""
+        return self._parser.n_messages
+
+    @property
     def is_heard(self) -> bool:
         """Whether a valid message ever came from this partner."""
-        return self._parser.n_messages > 0
+        return self.n_received > 0
 
     @property
     def has_room(self) -> bool:

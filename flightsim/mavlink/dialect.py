@@ -6,6 +6,7 @@ checksum. Packing takes 4 to 6 us with pymavlink's message objects and 0.6 us wi
 
 from __future__ import annotations
 
+import math
 import re
 import struct
 from collections.abc import Callable, Mapping, Sequence
@@ -14,8 +15,23 @@ from typing import Any
 # `development` is `common` plus messages proposed for it, among them AVAILABLE_MODES.
 from pymavlink.dialects.v20 import development as dialect
 
+from flightsim.mavlink.play_tune import PlayTuneV2
+
 MARKER_V2 = 0xFD
 _V1_IDS = 256
+
+_Range = tuple[float, float]
+_FLOAT32_MAX = 3.4028234663852886e38
+_RANGES: Mapping[str, _Range] = {
+    "f": (-_FLOAT32_MAX, _FLOAT32_MAX),
+    "d": (-math.inf, math.inf),
+    **{
+        letter: (-(1 << bits - 1), (1 << bits - 1) - 1)
+        for letter, bits in zip("bhiq", (8, 16, 32, 64), strict=True)
+    },
+    **{letter: (0, (1 << bits) - 1) for letter, bits in zip("BHIQ", (8, 16, 32, 64), strict=True)},
+}
+"""Least and greatest number of each letter of a struct format."""
 
 _crc16: Callable[[bytes], int] = dialect.mcrf4xx or (lambda data: dialect.x25crc(data).crc)
 
@@ -55,11 +71,18 @@ class Layout:
         self._id_v2 = message_id.to_bytes(3, "little")
         self._defaults = self._struct.unpack(bytes(self._struct.size))
         self.base_size = _size_without_last(wire_format, n_extensions)
+        self._limits = _limits(wire_format)
         self.pack: Callable[..., bytes] = self._struct.pack
-        """Pack a payload from all values in wire order, arrays spread out."""
+        """Pack a payload from all values in wire order, arrays spread out.
+
+        It raises `struct.error` or `OverflowError` where a number does not fit into its field.
+        """
 
     def encode(self, **values: Any) -> bytes:
-        """Pack a payload from named values; other fields are zero, text may be `str` or `bytes`."""
+        """Pack a payload from named values; other fields are zero, text may be `str` or `bytes`.
+
+        A number beyond the range of its field is sent as the end of that range.
+        """
         flat: list[Any] = []
         start = 0
         for field, length in zip(self.fields, self._lengths, strict=True):
@@ -72,7 +95,10 @@ class Layout:
             start += n_values
         if values:
             raise LayoutError(f"{self.name} has no field {sorted(values)}; it has {self.fields}")
-        return self._struct.pack(*flat)
+        try:
+            return self._struct.pack(*flat)
+        except (struct.error, OverflowError):
+            return self._struct.pack(*map(_clamped, flat, self._limits))
 
     def frame_v2(self, payload: bytes, sequence: int, system_id: int, component_id: int) -> bytes:
         """Build a MAVLink 2 frame; trailing zeros of the payload are cut as the protocol allows."""
@@ -90,6 +116,20 @@ class Layout:
         header = bytes((len(payload), sequence, system_id, component_id, self.message_id))
         body = header + payload
         return b"\xfe" + body + _crc16(body + self.crc_seed).to_bytes(2, "little")
+
+
+def _limits(wire_format: str) -> tuple[_Range | None, ...]:
+    """Range of each number of a struct format; None for text."""
+    limits: list[_Range | None] = []
+    for count, letter in re.findall(r"(\d*)(\D)", wire_format[1:]):
+        limits += [None] if letter == "s" else [_RANGES[letter]] * int(count or 1)
+    return tuple(limits)
+
+
+def _clamped(value: Any, limit: _Range | None) -> Any:
+    if limit is None or value != value or abs(value) == math.inf:  # noqa: PLR0124 - NaN
+        return value
+    return max(limit[0], min(limit[1], value))
 
 
 def _size_without_last(wire_format: str, n_fields: int) -> int:
@@ -131,6 +171,8 @@ PROTOCOL_VERSION = Layout(
     (1, 1, 1, 8, 8),
     0,
 )
+
+dialect.mavlink_map.setdefault(PlayTuneV2.id, PlayTuneV2)
 
 LAYOUTS: Mapping[str, Layout] = {
     message_class.msgname: _layout_of(message_class)

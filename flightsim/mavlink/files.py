@@ -29,6 +29,7 @@ class FileService:
         self.handlers: Mapping[str, Handler] = {
             "FILE_TRANSFER_PROTOCOL": self._on_ftp,
             "LOG_REQUEST_LIST": self._on_log_list,
+            "LOG_REQUEST_DATA": self._on_log_data,
         }
 
     def _on_ftp(self, channel: Channel, message: Message) -> None:
@@ -45,6 +46,10 @@ class FileService:
 
     def _on_log_list(self, channel: Channel, _: Message) -> None:
         send(channel, "LOG_ENTRY")  # log number 0 of 0
+
+    def _on_log_data(self, channel: Channel, message: Message) -> None:
+        # No bytes mean that the log has ended.
+        send(channel, "LOG_DATA", id=message.id, ofs=message.ofs, count=0)
 
 
 def _answer(request: list[int]) -> bytes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.modes import Mode
@@ -167,7 +168,9 @@ class FlightCommands:
             return denied(fault)
         radius_m = 10.0 if math.isnan(c.param1) else c.param1
         speed_mps = 2.0 if math.isnan(c.param2) else c.param2
-        return self._autopilot.orbit(self._place(c), radius_m=radius_m, speed_mps=speed_mps)
+        # As in PX4 above the sea whatever the frame: MAVSDK sends that in a frame above home.
+        centre = replace(self._place(c), altitude_m=c.z)
+        return self._autopilot.orbit(centre, radius_m=radius_m, speed_mps=speed_mps)
 
     def _set_home(self, c: Command) -> Reply:
         if c.param1 == 1.0:

@@ -26,13 +26,15 @@ class GroundStationService:
         self._last_heard_s: dict[Channel, float] = {}
         self.handlers: Mapping[str, Handler] = {"HEARTBEAT": self._on_heartbeat}
 
-    def update(self) -> None:
-        """Report present ground stations to the autopilot."""
-        for channel, heard_s in list(self._last_heard_s.items()):
-            if channel.clock() - heard_s <= _PRESENCE_S:
-                self._autopilot.on_link_heartbeat(channel.name)
-            else:
-                del self._last_heard_s[channel]
+    def update(self, channel: Channel) -> None:
+        """Report a ground station that is present to the autopilot."""
+        heard_s = self._last_heard_s.get(channel)
+        if heard_s is None:
+            return
+        if channel.clock() - heard_s <= _PRESENCE_S:
+            self._autopilot.on_link_heartbeat(channel.name)
+        else:
+            del self._last_heard_s[channel]
 
     def forget(self, channel: Channel) -> None:
         """Drop a partner that left."""

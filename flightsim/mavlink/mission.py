@@ -69,18 +69,16 @@ class MissionService:
             "MISSION_REQUEST_PARTIAL_LIST": self._on_request_partial,
         }
 
-    def update(self) -> None:
-        """Repeat requests; abandon uploads of silent partners."""
+    def update(self, channel: Channel) -> None:
+        """Repeat requests to a partner; abandon its uploads if it is silent."""
         for mission_type, upload in list(self._uploads.items()):
+            if upload.channel is not channel:
+                continue
             if upload.is_abandoned:
                 del self._uploads[mission_type]
                 self._statustext.say(Severity.WARNING, "Mission upload timed out")
-                self._ack(
-                    upload.channel,
-                    upload.partner,
-                    mission_type,
-                    mav.MAV_MISSION_OPERATION_CANCELLED,
-                )
+                cancelled = mav.MAV_MISSION_OPERATION_CANCELLED
+                self._ack(channel, upload.partner, mission_type, cancelled)
             else:
                 upload.update()
 

@@ -48,16 +48,18 @@ class ParameterService:
             "PARAM_SET": self._on_set,
         }
 
-    def update(self) -> None:
-        """Continue the lists that partners requested."""
-        for channel, start in list(self._listing.items()):
-            stop = min(start + _LIST_PER_TICK, len(self._parameters))
-            for index in range(start, stop):
-                self._send_value(channel, self._parameters.name_at(index))
-            if stop == len(self._parameters):
-                del self._listing[channel]
-            else:
-                self._listing[channel] = stop
+    def update(self, channel: Channel) -> None:
+        """Continue the list that a partner requested."""
+        start = self._listing.get(channel)
+        if start is None:
+            return
+        stop = min(start + _LIST_PER_TICK, len(self._parameters))
+        for index in range(start, stop):
+            self._send_value(channel, self._parameters.name_at(index))
+        if stop == len(self._parameters):
+            del self._listing[channel]
+        else:
+            self._listing[channel] = stop
 
     def forget(self, channel: Channel) -> None:
         """Stop the list of a partner that left."""
@@ -77,7 +79,7 @@ class ParameterService:
                 name = self._parameters.name_at(message.param_index)
             self._send_value(channel, name)
         except UnknownParameterError:
-            self._send_error(channel, name, message.param_index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
+            self._refuse(channel, message, message.param_index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
 
     def _on_set(self, channel: Channel, message: Message) -> None:
         name = message.param_id
@@ -87,14 +89,14 @@ class ParameterService:
         try:
             self._parameters.set(name, _received_value(message))
         except UnknownParameterError:
-            self._send_error(channel, name, -1, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
+            self._refuse(channel, message, -1, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
             return
         except ParameterError as error:
             self._statustext.say(Severity.ERROR, str(error))
             reason = mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
             if isinstance(error, ReadOnlyParameterError):
                 reason = mav.MAV_PARAM_ERROR_READ_ONLY
-            self._send_error(channel, name, self._parameters.index(name), reason)
+            self._refuse(channel, message, self._parameters.index(name), reason)
             self._send_value(channel, name)
             return
         for partner in self._partners.channels:
@@ -126,9 +128,16 @@ class ParameterService:
         payload = _PARAM_VALUE.pack(0.0, count, index, name.encode(), param_type)
         channel.send(_PARAM_VALUE, data + payload[4:])
 
-    def _send_error(self, channel: Channel, name: str, index: int, error: int) -> None:
-        param_id = name.encode("ascii", "replace")
-        send(channel, "PARAM_ERROR", param_id=param_id, param_index=index, error=error)
+    def _refuse(self, channel: Channel, message: Message, index: int, error: int) -> None:
+        send(
+            channel,
+            "PARAM_ERROR",
+            target_system=message.get_srcSystem(),
+            target_component=message.get_srcComponent(),
+            param_id=message.param_id.encode("ascii", "replace"),
+            param_index=index,
+            error=error,
+        )
 
 
 def parameter_hash(parameters: Parameters) -> int:

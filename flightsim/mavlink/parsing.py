@@ -93,6 +93,14 @@ class FrameParser:
         return self._buffer[start : start + length] if n_buffered >= length else None
 
 
+def starts_with_message(datagram: bytes) -> bool:
+    """Whether the first candidate frame in a datagram is a valid message; looks no further."""
+    parser = FrameParser()
+    parser.feed(datagram, is_datagram=True)
+    messages, _ = parser.take(1)
+    return bool(messages)
+
+
 def _decode(frame: bytearray) -> Message | None:
     """Message of a candidate frame; None if it is damaged, unknown or of an unknown variant."""
     if frame[0] == MARKER_V2 and frame[2] & ~_SIGNED_FLAG:

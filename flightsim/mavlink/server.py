@@ -1,7 +1,7 @@
 """MAVLink server of the vehicle: links, microservices and streams, polled once per tick.
 
-Nothing that a client sends can stop the flight: work per tick is bounded for every partner, and
-malformed input is ignored.
+Nothing that a client sends can stop the flight: work per tick is bounded for every partner,
+malformed input is ignored, and an error in answering one costs that partner's message alone.
 """
 
 from __future__ import annotations
@@ -12,11 +12,13 @@ from collections.abc import Sequence
 
 from autonomy.types import Vector3
 from flightsim.autopilot.autopilot import Autopilot
-from flightsim.autopilot.events import MissionItemReached
+from flightsim.autopilot.events import MissionItemReached, Severity
 from flightsim.frames import LocalFrame
+from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import CommandService
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
 from flightsim.mavlink.ground_stations import GroundStationService
@@ -84,6 +86,7 @@ class MavlinkServer:
     def _build_services(self, personality: Personality) -> None:
         autopilot, view, partners = self._autopilot, self._view, self._partners
         self.statustext = StatustextSender(partners)
+        self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
         rotors = view.plant.world.airframe.quadrotor.rotors
         max_rotor_speed = max(rotor.max_speed_radps for rotor in rotors)
         self.telemetry = TelemetryService(
@@ -107,6 +110,7 @@ class MavlinkServer:
             ManualControlService(autopilot, self.system_id),
             TimesyncService(lambda: view.plant.time_us),
             FileService(),
+            AbsentService(self.statustext),
         )
         self._stateful: Sequence[StatefulService] = (
             GroundStationService(autopilot),
@@ -122,6 +126,7 @@ class MavlinkServer:
         self._handlers |= {
             LAYOUTS["SET_MODE"].message_id: lambda _, m: self._flight_commands.on_set_mode(m),
             LAYOUTS["MISSION_SET_CURRENT"].message_id: self._on_set_current,
+            LAYOUTS["SET_GPS_GLOBAL_ORIGIN"].message_id: self._on_set_origin,
         }
 
     def _open_links(self) -> None:
@@ -138,19 +143,27 @@ class MavlinkServer:
 
     def update(self) -> None:
         """Read, answer, stream and send; call once every 20 ms of simulated time."""
+        faults = self.faults
         for key, _ in self._selector.select(0):
-            key.data()
+            with faults:
+                key.data()
         self._view.refresh()
         self._meet_partners()
         for channel in self._partners.channels:
             for message in channel.take_messages():
-                self._dispatch(channel, message)
+                with faults:
+                    self._dispatch(channel, message)
         self._tell_events()
         self.statustext.end_tick()
         for service in self._stateful:
-            service.update()
+            for channel in self._partners.channels:
+                with faults:
+                    service.update(channel)
+                if faults.has_failed:
+                    service.forget(channel)  # Else it would fail again at every tick.
         for channel in self._partners.channels:
-            channel.flush()
+            with faults:
+                channel.flush()
 
     def close(self) -> None:
         """Release all ports. Closing twice is fine."""
@@ -195,3 +208,8 @@ class MavlinkServer:
             self.telemetry.broadcast("MISSION_CURRENT")
         else:
             self.telemetry.send_now(channel, LAYOUTS["MISSION_CURRENT"].message_id)
+
+    def _on_set_origin(self, channel: Channel, _: Message) -> None:
+        # PX4 answers with the origin that holds; here that is where the vehicle started.
+        self.statustext.say(Severity.NOTICE, "The origin stays where the vehicle started")
+        self.telemetry.send_now(channel, LAYOUTS["GPS_GLOBAL_ORIGIN"].message_id)

@@ -24,12 +24,12 @@ class Service(Protocol):
 class StatefulService(Service, Protocol):
     """A microservice that keeps state per partner and acts by itself."""
 
-    def update(self) -> None:
-        """Perform due work; called once per tick."""
+    def update(self, channel: Channel) -> None:
+        """Perform due work for a partner; called once per tick for each."""
         ...
 
     def forget(self, channel: Channel) -> None:
-        """Drop the state of a partner that left."""
+        """Drop the state of a partner that left, or whose due work cannot be done."""
         ...
 
 

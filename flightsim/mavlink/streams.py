@@ -14,6 +14,9 @@ Profile = Literal["normal", "onboard"]
 TICK_US = 20_000
 """Period of the server, and so the shortest interval of a stream."""
 
+LONGEST_US = 0x7FFFFFFF
+"""Longest interval of a stream, 36 minutes: the most that MESSAGE_INTERVAL can tell."""
+
 # Rates in Hz of PX4's modes of the same names (mavlink_main.cpp, v1.15), capped at the tick; ground
 # stations get the local position more often, because scripts on 14550 steer by it.
 _RATES_HZ: Mapping[str, tuple[float, float]] = {
@@ -88,6 +91,8 @@ class StreamTable:
     def set_interval(self, message_id: int, interval_us: float) -> bool:
         """Set an interval in us; 0 is the default rate, -1 stops the stream.
 
+        An interval beyond `TICK_US` and `LONGEST_US` becomes the nearer of the two.
+
         Returns:
             False if this message is never streamed.
         """
@@ -95,11 +100,11 @@ class StreamTable:
             return False
         if interval_us == 0:
             interval_us = self._defaults_us.get(message_id, -1)
-        self._next_us.pop(message_id, None)
+        self._unschedule(message_id)
         if interval_us < 0:
             self._interval_us.pop(message_id, None)
             return True
-        self._interval_us[message_id] = max(TICK_US, round(interval_us))
+        self._interval_us[message_id] = round(max(TICK_US, min(LONGEST_US, interval_us)))
         self._schedule(message_id, self._now_us + TICK_US)
         return True
 
@@ -126,16 +131,25 @@ class StreamTable:
         candidates = self._calendar.pop(now_us // TICK_US, None)
         if candidates is None:
             return []
-        due: list[int] = []
         for message_id in candidates:
-            next_us = self._next_us.get(message_id)
-            # An entry whose stream was changed since is outdated.
-            if next_us is None or next_us > now_us or message_id in due:
-                continue
-            due.append(message_id)
-            self._schedule(message_id, next_us + self._interval_us[message_id])
-        return due
+            self._schedule(message_id, self._next_us[message_id] + self._interval_us[message_id])
+        return candidates
 
     def _schedule(self, message_id: int, next_us: int) -> None:
         self._next_us[message_id] = next_us
-        self._calendar.setdefault(-(-next_us // TICK_US), []).append(message_id)
+        self._calendar.setdefault(_tick(next_us), []).append(message_id)
+
+    def _unschedule(self, message_id: int) -> None:
+        """Take a stream out of the calendar, so that changes of it leave nothing there."""
+        next_us = self._next_us.pop(message_id, None)
+        if next_us is None:
+            return
+        waiting = self._calendar[_tick(next_us)]
+        waiting.remove(message_id)
+        if not waiting:
+            del self._calendar[_tick(next_us)]
+
+
+def _tick(time_us: int) -> int:
+    """Number of the first tick at or after a time."""
+    return -(-time_us // TICK_US)

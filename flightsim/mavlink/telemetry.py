@@ -34,19 +34,22 @@ class TelemetryService:
         self._partners = partners
         self._now_us = now_us
         self._tables: dict[Channel, StreamTable] = {}
+        self._packed: dict[int, bytes | None] = {}
+        self._packed_us = -1
         self.handlers: Mapping[str, Handler] = {"REQUEST_DATA_STREAM": self._on_data_stream}
 
-    def update(self) -> None:
-        """Send all messages due at this tick."""
+    def update(self, channel: Channel) -> None:
+        """Send a partner all messages due at this tick."""
         now_us = self._now_us()
-        packed: dict[int, bytes | None] = {}
-        for channel in self._partners.channels:
-            for message_id in self._table(channel).due(now_us):
-                if message_id not in packed:
-                    packed[message_id] = self._pack(message_id)
-                payload = packed[message_id]
-                if payload is not None:
-                    channel.send(self._producers[message_id][0], payload)
+        if now_us != self._packed_us:
+            self._packed_us = now_us
+            self._packed.clear()
+        for message_id in self._table(channel).due(now_us):
+            if message_id not in self._packed:
+                self._packed[message_id] = self._pack(message_id)
+            payload = self._packed[message_id]
+            if payload is not None:
+                channel.send(self._producers[message_id][0], payload)
 
     def forget(self, channel: Channel) -> None:
         """Drop the rates of a partner that left."""

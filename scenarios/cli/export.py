@@ -29,7 +29,7 @@ class ExportCfg:
     out: Path
     """Folder to write into; made where it is missing."""
     scene: str = "42"
-    """Scene of the dataset by number, corpus:N, gen:SEED, a scene file or one of a file of
+    """Scene of the dataset by number, corpus:N, gen:SEED, field, a scene file or one of a file of
     layouts."""
     vehicle: str = "iris"
     """Airframe at the start by its name, or none; an unknown one is answered with the valid names.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ from rich.console import Console
 
 from flightsim.testbench import TestbenchError
 from scenarios.cli.command_line import (
+    EXIT_BAD_INPUT,
     EXIT_DONE,
     EXIT_NEGATIVE,
     execute,
@@ -46,8 +48,8 @@ class SitlCommand(SitlCfg):
     ] = ""
     """Scene to fly in; the same as --scene."""
     scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
-    """Scene of the dataset by number, corpus:N, gen:SEED, a scene file (.json, .json.gz), or one of
-    a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
+    """Scene of the dataset by number, corpus:N, gen:SEED, field (open, flat), a scene file (.json,
+    .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
 
     def __post_init__(self) -> None:
         """Refuse invalid options, and two scenes."""
@@ -81,6 +83,7 @@ def run(command: SitlCommand) -> int:
     # SIGTERM must close ports, viewers and the recording too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     cfg = command.cfg
+    _refuse_output_over_output(cfg)
     made = [path for path in _folders(cfg) if not path.exists()]
     with Sitl(cfg) as sitl:
         _announce(console, sitl)
@@ -96,7 +99,25 @@ def run(command: SitlCommand) -> int:
                 print(f"Picture: {picture}")
         if sitl.viewer is not None and not should_stop():
             _keep_open(console, sitl.viewer)
+    if sitl.missing:
+        return EXIT_BAD_INPUT  # Not the vehicle failed but the disk.
     return EXIT_NEGATIVE if result.success is False else EXIT_DONE
+
+
+def _refuse_output_over_output(cfg: SitlCfg) -> None:
+    """Refuse a recording whose files would take the place of the one that is standard output."""
+    if cfg.record is None:
+        return
+    for path in (cfg.record, cfg.record.with_suffix(".json")):
+        is_same = False
+        # Neither may be there, and standard output may be none of the system's files.
+        with contextlib.suppress(OSError, ValueError):
+            is_same = os.path.samestat(path.stat(), os.fstat(sys.stdout.fileno()))
+        if is_same:
+            raise TestbenchError(
+                f"record {str(cfg.record)!r} writes {str(path)!r}, where standard output goes; "
+                "valid: another name for one of them"
+            )
 
 
 def _folders(cfg: SitlCfg) -> list[Path]:

@@ -95,6 +95,8 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
     cfg = SitlCfg(demo=make is None, bench=TestbenchCfg(vehicle="iris", speed="max"))
     try:
         with Sitl(cfg, scene=scene, pilot=make, has_network=False) as sitl:
+            plant, track_enu_m = sitl.bench.plant, []
+            sitl.bench.observers.append(lambda: track_enu_m.append(plant.truth.position_enu_m))
             result = sitl.run()
             return Flight(
                 seed=scene.seed,
@@ -102,7 +104,7 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
                 reason=result.reason,
                 touchdown_error_m=result.touchdown_error_m,
                 sim_seconds=result.sim_seconds,
-                least_clearance_m=_least_clearance_m(sitl),
+                least_clearance_m=_least_clearance_m(sitl, np.reshape(track_enu_m, (-1, 3))),
             )
     except INPUT_ERRORS as error:
         if not isinstance(error.__cause__, MissionError):
@@ -113,12 +115,10 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
         return Flight(seed=scene.seed, success=False, reason=reason)
 
 
-def _least_clearance_m(sitl: Sitl) -> float | None:
+def _least_clearance_m(sitl: Sitl, track_enu_m: np.ndarray) -> float | None:
     from scenarios.mission.clearance import flown_clearance_m  # noqa: PLC0415 - as above
 
-    found = flown_clearance_m(
-        sitl.bench.scene, sitl.bench.airframe, sitl.log.positions_m(), _AWAY_M
-    )
+    found = flown_clearance_m(sitl.bench.scene, sitl.bench.airframe, track_enu_m, _AWAY_M)
     return None if found is None else round(found, 3)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import socket
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -37,8 +36,6 @@ if TYPE_CHECKING:
     from flightsim.autopilot.autopilot import Autopilot
     from flightsim.plant import Plant
     from flightsim.sensors.cameras import RgbdFrame
-
-_log = logging.getLogger(__name__)
 
 FLUSH_PERIOD_US = 1_000_000
 """Simulated time between two writes of the fast data."""
@@ -75,6 +72,7 @@ class Recorder:
     Attributes:
         path: File of the recording; None where only a live viewer listens.
         url: Address at which a viewer can watch live; None unless a port was given.
+        fault: Reason for which the file may lack its end, such as a full disk; None if it is whole.
         plans: Log of the plans.
         landing: Log of the landing map.
         tracks: Log of the tracked movers.
@@ -107,6 +105,7 @@ class Recorder:
         """
         self.path = path
         self.url: str | None = None
+        self.fault: str | None = None
         self._info = info
         self._stream = _new_stream()
         try:
@@ -196,6 +195,7 @@ class Recorder:
         """Write buffered data and the run's figures; without live viewers finish the file too."""
         self.flush()
         log_verdict(self._stream, self._info, verdict)
+        self._write_out()
         if self.url is None:
             self.close()
 
@@ -205,12 +205,15 @@ class Recorder:
             return
         self._is_open = False
         self.flush()
+        self._write_out()
+        self._stream.disconnect()
+
+    def _write_out(self) -> None:
+        """Wait until all is in the file; a full disk is noted and costs the run nothing else."""
         try:
             self._stream.flush(timeout_sec=_CLOSING_TIMEOUT_S)
         except (RuntimeError, TimeoutError) as error:
-            # A full disk must not cost the verdict.
-            _log.warning("recording %s may lack its end: %s", self.path, error)
-        self._stream.disconnect()
+            self.fault = str(error)
 
     def __enter__(self) -> Self:
         return self

@@ -22,8 +22,8 @@ class SitlCfg:
     """Configuration of a run: scene, testbench, mission, and what is kept of the flight."""
 
     scene: str = "42"
-    """Scene of the dataset by number, corpus:N, gen:SEED, a scene file (.json, .json.gz), or one of
-    a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
+    """Scene of the dataset by number, corpus:N, gen:SEED, field (open, flat), a scene file (.json,
+    .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
     bench: TestbenchCfg = field(default_factory=TestbenchCfg)
     demo: bool = False
     """Fly our own mission: plan to a landing area, navigate, choose the touchdown point from

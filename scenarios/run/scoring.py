@@ -19,6 +19,8 @@ LIFT_OFF_S = 0.5
 """A vehicle without contact for this long has left the ground."""
 SURFACE_TOLERANCE_M = 0.15
 """Distance from sole to the area's plane within which a contact is one with the area."""
+_TICKS_AT_ONCE = 50
+"""Ticks that are counted together: numpy has the same cost for one row as for a hundred."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,27 +43,32 @@ class FlightScore:
 
 
 class FlightLog:
-    """Keeps what the score needs; call `on_tick` after every simulator tick."""
+    """Keeps what score and hash need, however long the flight; call `on_tick` after every tick."""
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: Plant, *, is_judged: bool = True) -> None:
+        """Follow a flight.
+
+        Args:
+            plant: The vehicle.
+            is_judged: Whether a landing may be judged at the end. A flight that is not takes no
+                more memory after a day than after a minute.
+        """
         self._plant = plant
-        self._history: list[np.ndarray] = []
+        self._waiting: list[bytes] = []
+        self._digest = hashlib.blake2b(digest_size=16)
+        self._tally = FlightTally(keeps_contacts=is_judged)
 
     def on_tick(self) -> None:
-        """Copy the last 20 ms."""
-        self._history.append(self._plant.history.copy())
-
-    def positions_m(self) -> Float[np.ndarray, "n 3"]:
-        """True positions so far, ENU, one for each tick of the loop."""
-        rows = [rows["position_true_enu_m"][-1] for rows in self._history]
-        return np.array(rows, dtype=float).reshape(-1, 3)
+        """Take the last 20 ms."""
+        # Bytes: numpy copies records of many fields one field at a time.
+        self._waiting.append(self._plant.history.tobytes())
+        if len(self._waiting) >= _TICKS_AT_ONCE:
+            self._count()
 
     def state_hash(self) -> str:
         """BLAKE2b of every row so far: what was true, measured, estimated and commanded."""
-        digest = hashlib.blake2b(digest_size=16)
-        for rows in self._history:
-            digest.update(rows.tobytes())
-        return digest.hexdigest()
+        self._count()
+        return self._digest.hexdigest()
 
     def score(
         self, area: InteractionArea | None, touchdown_enu_m: Vector3 | None, leg_length_m: float
@@ -73,9 +80,113 @@ class FlightLog:
             touchdown_enu_m: Touchdown point that the pilot chose; None if it never did.
             leg_length_m: Resting height of the vehicle's origin above its soles.
         """
-        if not self._history:
+        self._count()
+        return self._tally.score(area, touchdown_enu_m, leg_length_m)
+
+    def _count(self) -> None:
+        if not self._waiting:
+            return
+        rows = b"".join(self._waiting)
+        self._waiting.clear()
+        self._digest.update(rows)
+        self._tally.add(np.frombuffer(rows, self._plant.history.dtype))
+
+
+class FlightTally:
+    """Sums over the history of a flight that grows; `score` reads them.
+
+    Of the rows themselves it keeps the last, and those of contacts after lift-off: whether these
+    were on the area to land on can only be said at the end.
+    """
+
+    def __init__(self, *, keeps_contacts: bool = True) -> None:
+        """Begin with no row; without its contacts a flight cannot be judged by an area."""
+        self._keeps_contacts = keeps_contacts
+        self._n_rows = 0
+        self._rest: np.ndarray | None = None
+        self._tick_s = math.nan
+        self._n_armed = 0
+        self._squared_position_m2 = 0.0
+        self._squared_angle_rad2 = 0.0
+        self._n_aloft = 0
+        """Rows without contact up to now, in a row; frozen once the vehicle has lifted off."""
+        self._lift_off: int | None = None
+        self._contact_ticks: list[np.ndarray] = []
+        self._contact_positions_m: list[np.ndarray] = []
+
+    def add(self, history: np.ndarray) -> None:
+        """Add rows, one for each control tick (`flightsim.plant.record`); at least two at first."""
+        if self._rest is None:
+            self._tick_s = float(history["time_us"][1] - history["time_us"][0]) * 1e-6
+        self._add_errors(history[history["setpoint_level"] > ControlLevel.OFF])
+        is_touching = history["is_touching"] > 0
+        first = 0 if self._lift_off is not None else self._rows_before_lift_off(is_touching)
+        if self._keeps_contacts and self._lift_off is not None:
+            contacts = first + np.flatnonzero(is_touching[first:])
+            if contacts.size:
+                self._contact_ticks.append(self._n_rows + contacts)
+                self._contact_positions_m.append(history["position_true_enu_m"][contacts])
+        self._rest = history[-1:].copy()
+        self._n_rows += len(history)
+
+    def _add_errors(self, armed: np.ndarray) -> None:
+        if not len(armed):
+            return
+        error_m = armed["position_est_enu_m"] - armed["position_true_enu_m"]
+        angle_rad = rotation_angle_rad(armed["quat_est_wxyz"], armed["quat_true_wxyz"])
+        self._n_armed += len(armed)
+        self._squared_position_m2 += float(np.sum(error_m**2))
+        self._squared_angle_rad2 += float(np.sum(angle_rad**2))
+
+    def _rows_before_lift_off(self, is_touching: np.ndarray) -> int:
+        """Look for the first rows without contact for long enough.
+
+        Returns:
+            Index within these rows of the first that counts as flown; their number if none does.
+        """
+        needed = round(LIFT_OFF_S / self._tick_s)
+        for index in range(len(is_touching)):
+            self._n_aloft = 0 if is_touching[index] else self._n_aloft + 1
+            if self._n_aloft == needed:
+                self._lift_off = self._n_rows + index + 1 - needed
+                return index + 1
+        return len(is_touching)
+
+    def score(
+        self, area: InteractionArea | None, touchdown_enu_m: Vector3 | None, leg_length_m: float
+    ) -> FlightScore:
+        """Judge the rows so far; see `FlightLog.score`."""
+        if self._rest is None:
             return FlightScore()
-        return score_flight(np.concatenate(self._history), area, touchdown_enu_m, leg_length_m)
+        rest = self._rest[0]
+        ticks = np.concatenate([np.empty(0, int), *self._contact_ticks])
+        on_area = np.zeros(len(ticks), bool)
+        is_inside = False
+        if area is not None:
+            soles_m = [0, 0, leg_length_m]
+            positions_m = np.concatenate([np.empty((0, 3)), *self._contact_positions_m])
+            on_area = is_over_area(positions_m - soles_m, area)
+            at_rest = is_over_area(self._rest["position_true_enu_m"] - soles_m, area)
+            is_inside = bool(at_rest[0] and rest["is_touching"] > 0)
+        touched = np.flatnonzero(on_area)
+        before = ticks[: touched[0]] if touched.size else ticks
+        error_m = None
+        if touchdown_enu_m is not None:
+            error_m = float(math.dist(rest["position_true_enu_m"][:2], touchdown_enu_m[:2]))
+        return FlightScore(
+            position_rmse_m=self._rms(self._squared_position_m2),
+            attitude_rmse_deg=math.degrees(self._rms(self._squared_angle_rad2)),
+            has_flown=self._lift_off is not None,
+            contacts_before_touchdown=_count_episodes(before, round(CONTACT_GAP_S / self._tick_s)),
+            has_touched_area=bool(touched.size),
+            is_inside_area=is_inside,
+            touchdown_error_m=error_m,
+            tilt_at_rest_deg=math.degrees(_tilt_rad(rest["quat_true_wxyz"])),
+        )
+
+    def _rms(self, sum_of_squares: float) -> float:
+        """Root mean square over the armed rows; NaN without any."""
+        return math.sqrt(sum_of_squares / self._n_armed) if self._n_armed else math.nan
 
 
 def score_flight(
@@ -84,35 +195,10 @@ def score_flight(
     touchdown_enu_m: Vector3 | None,
     leg_length_m: float,
 ) -> FlightScore:
-    """Judge a flight from its history, a row for each control tick (`flightsim.plant.record`)."""
-    is_touching = history["is_touching"] > 0
-    position_m = history["position_true_enu_m"]
-    tick_s = (history["time_us"][1] - history["time_us"][0]) * 1e-6
-    on_area = np.zeros_like(is_touching)
-    if area is not None:
-        on_area = is_touching & is_over_area(position_m - [0, 0, leg_length_m], area)
-    lift_off = _lift_off(is_touching, round(LIFT_OFF_S / tick_s))
-    touched = np.flatnonzero(on_area[lift_off:])
-    touchdown = lift_off + int(touched[0]) if touched.size else len(history)
-    rest = history[-1]
-    error_m = None
-    if touchdown_enu_m is not None:
-        error_m = float(math.dist(rest["position_true_enu_m"][:2], touchdown_enu_m[:2]))
-    armed = history[history["setpoint_level"] > ControlLevel.OFF]
-    return FlightScore(
-        position_rmse_m=_rms(armed["position_est_enu_m"] - armed["position_true_enu_m"]),
-        attitude_rmse_deg=math.degrees(
-            _rms(rotation_angle_rad(armed["quat_est_wxyz"], armed["quat_true_wxyz"])[:, None])
-        ),
-        has_flown=lift_off < len(history),
-        contacts_before_touchdown=_count_episodes(
-            is_touching[lift_off:touchdown], round(CONTACT_GAP_S / tick_s)
-        ),
-        has_touched_area=bool(touched.size),
-        is_inside_area=bool(on_area[-1]),
-        touchdown_error_m=error_m,
-        tilt_at_rest_deg=math.degrees(_tilt_rad(rest["quat_true_wxyz"])),
-    )
+    """Judge a flight from its whole history."""
+    tally = FlightTally()
+    tally.add(history)
+    return tally.score(area, touchdown_enu_m, leg_length_m)
 
 
 def is_over_area(
@@ -142,25 +228,11 @@ def rotation_angle_rad(
     return 2.0 * np.arctan2(np.linalg.norm(vector, axis=1), scalar)
 
 
-def _rms(errors: np.ndarray) -> float:
-    """Root mean square of the norm of the rows; NaN without rows."""
-    return math.sqrt(np.mean(np.sum(errors**2, axis=1))) if len(errors) else math.nan
-
-
 def _tilt_rad(quat_wxyz: np.ndarray) -> float:
     _, x, y, _ = quat_wxyz
     return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
 
 
-def _lift_off(is_touching: np.ndarray, n_ticks: int) -> int:
-    """First tick of the first `n_ticks` in a row without contact; the length if there is none."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[True], is_touching, [True]]).astype(np.int8)))
-    starts, ends = edges[::2], edges[1::2]
-    long_runs = starts[ends - starts >= n_ticks]
-    return int(long_runs[0]) if long_runs.size else len(is_touching)
-
-
-def _count_episodes(is_touching: np.ndarray, gap_ticks: int) -> int:
-    """Runs of contact, counting runs that are closer than `gap_ticks` as one."""
-    ticks = np.flatnonzero(is_touching)
+def _count_episodes(ticks: np.ndarray, gap_ticks: int) -> int:
+    """Runs of contact among the numbers of rows with one; runs closer than the gap are one."""
     return 0 if ticks.size == 0 else 1 + int(np.count_nonzero(np.diff(ticks) > gap_ticks))

@@ -57,6 +57,7 @@ class Sitl:
         recorder: Recorder of the run, if it is recorded or watched.
         viewer: Viewer that shows the run live, if it is watched.
         pictures: Files that were drawn when the run ended.
+        missing: A line for each file that was asked for and could not be written whole.
     """
 
     def __init__(
@@ -84,13 +85,15 @@ class Sitl:
         self.recorder: Recorder | None = None
         self.viewer: Viewer | None = None
         self.pictures: list[Path] = []
+        self.missing: list[str] = []
         self._cameras: Cameras | None = None
         with ExitStack() as stack:
             self._stack = stack
             scene = scene or open_scene(cfg.scene)
             bench = Testbench(scene, cfg.bench, airframe=airframe, has_network=has_network)
             self.bench = stack.enter_context(bench)
-            self.log = FlightLog(self.bench.plant)
+            is_judged = cfg.demo or pilot is not None
+            self.log = FlightLog(self.bench.plant, is_judged=is_judged)
             self.bench.observers.append(self.log.on_tick)
             self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
             self.companion = self.pilot if pilot is None else pilot(self._aboard())
@@ -155,7 +158,7 @@ class Sitl:
         return tape
 
     def _draw(self, ending: str) -> list[Path]:
-        """Draw what the tape holds; a folder that cannot be written costs no verdict."""
+        """Draw what the tape holds."""
         if self._tape is None or self.cfg.pictures is None or not self._tape.has_any:
             return []
         from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415 - as above
@@ -163,7 +166,7 @@ class Sitl:
         try:
             return draw_pictures(self._tape.story(ending), self.cfg.pictures, self.cfg.formats)
         except PictureError as error:
-            _LOG.warning("%s", error)
+            self._miss(str(error))
             return []
 
     def run(self, should_stop: Callable[[], bool] = lambda: False) -> TrialResult:
@@ -199,15 +202,26 @@ class Sitl:
             )
 
     def _write(self, result: TrialResult) -> None:
+        """Write all files; one that cannot be written costs neither the verdict nor the others."""
         if self.recorder is not None:
             self.recorder.conclude(result.to_plain())
+            if self.recorder.fault is not None:
+                self._miss(f"recording {self.recorder.path} lacks its end: {self.recorder.fault}")
         if self.cfg.record is not None:
             summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
             if self.pilot is not None:
                 summary |= decisions(self.pilot)
-            with replacing(self.cfg.record.with_suffix(".json")) as file:
-                file.write(json.dumps(summary, indent=2).encode() + b"\n")
+            path = self.cfg.record.with_suffix(".json")
+            try:
+                with replacing(path) as file:
+                    file.write(json.dumps(summary, indent=2).encode() + b"\n")
+            except OSError as error:
+                self._miss(f"summary {path} is not written: {error.strerror or error}")
         self.pictures = self._draw(result.reason)
+
+    def _miss(self, line: str) -> None:
+        self.missing.append(line)
+        _LOG.warning("%s", line)
 
     def _judge(self, wall_s: float, cpu_s: float) -> TrialResult:
         companion, sim_s = self.companion, self.bench.plant.time_us * 1e-6

@@ -1,6 +1,12 @@
+import gzip
+import os
+
 import pytest
 
-from aeroscene.files import replacing
+from aeroscene import files
+from aeroscene.files import UnpackError, read_bounded, replacing
+from aeroscene.scene import SceneError
+from aeroscene.sources import open_scene
 
 
 def test_a_file_is_replaced_when_all_of_it_is_written(tmp_path):
@@ -26,3 +32,36 @@ def test_what_goes_wrong_leaves_everything_as_it_was(tmp_path):
         stop_halfway()
     assert path.read_bytes() == b"old"
     assert [p.name for p in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_gzip_is_unpacked_whatever_its_name(tmp_path):
+    path = tmp_path / "packed.json"
+    path.write_bytes(gzip.compress(b"content"))
+    assert read_bounded(path) == b"content"
+    path.write_bytes(gzip.compress(b"content")[:-9])
+    with pytest.raises(UnpackError, match="damaged or cut short"):
+        read_bounded(path)
+
+
+@pytest.mark.parametrize("name", ["bomb.json", "bomb.json.gz", "bomb.jsonl"])
+@pytest.mark.parametrize("is_packed", [True, False])
+def test_a_file_that_holds_too_much_is_refused_in_one_line(tmp_path, monkeypatch, name, is_packed):
+    monkeypatch.setattr(files, "MAX_BYTES", 1 << 20)
+    path = tmp_path / name
+    content = bytes((1 << 20) + 1)
+    path.write_bytes(gzip.compress(content) if is_packed else content)
+    with pytest.raises(
+        SceneError, match=r"bomb\.json.*: holds more than 1 MiB, valid: at most"
+    ) as e:
+        open_scene(str(path))
+    assert "\n" not in str(e.value)
+
+
+@pytest.mark.parametrize("name", ["pipe.json", "pipe.json.gz", "pipe.jsonl"])
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
+    path = tmp_path / name
+    os.mkfifo(path)
+    with pytest.raises(
+        SceneError, match=r"pipe\.json.*cannot be read \(no regular file\), valid: a"
+    ):
+        open_scene(str(path))

@@ -8,6 +8,7 @@ from aeroscene import sources
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import write_scene
 from aeroscene.sources import open_scene
+from aeroscene.validation import validate
 from tests.aeroscene.layouts.samples import (
     authors_scene,
     block,
@@ -86,6 +87,8 @@ def test_a_file_is_opened_by_its_path(tmp_path, scene_42):
             "gen:3 ",
             "shipped:3",
             "Gen:3",
+            "Field",
+            "field ",
         ),
     ],
 )
@@ -93,9 +96,21 @@ def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):
     with pytest.raises(SceneError) as caught:
         open_scene(spec)
     assert str(caught.value) == (
-        f"scene {spec!r} is unknown, valid: a number from 0 to 1015, corpus:N, gen:SEED, FILE.json "
-        "or FILE.jsonl#ID, also with .gz"
+        f"scene {spec!r} is unknown, valid: a number from 0 to 1015, corpus:N, gen:SEED, field, "
+        "FILE.json or FILE.jsonl#ID, also with .gz"
     )
+
+
+def test_the_field_is_open_flat_and_valid_with_a_pad_to_start_from_and_one_to_land_on():
+    scene = open_scene("field")
+    assert scene == open_scene("field")
+    assert not validate(scene)
+    (pad,) = [obj for obj in scene.objects if obj.attributes.get("is_start")]
+    assert scene.start_position_enu_m == (*pad.bbox.p[:2], pad.bbox.p[2] + pad.bbox.s[2] / 2)
+    assert max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in scene.objects) < 0.2
+    (area,) = scene.landing_areas
+    assert scene.object_by_id[area.object_id or 0].category == "landing_pad"
+    assert area.object_id != pad.id
 
 
 def test_a_file_of_ours_holds_one_scene(tmp_path, scene_42):

@@ -59,7 +59,7 @@ def _instance() -> int:
 @pytest.fixture
 def testbench(tmp_path):
     instance = _instance()
-    arguments = ["--scene", "42", "--speed", str(SPEED), "--instance", str(instance)]
+    arguments = ["--scene", "field", "--speed", str(SPEED), "--instance", str(instance)]
     process = subprocess.Popen(
         [sys.executable, "-m", "scenarios.cli.sitl", *arguments, "--headless-seconds", "600"],
         stdout=subprocess.DEVNULL,

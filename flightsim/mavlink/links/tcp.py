@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import selectors
 import socket
 import time
@@ -12,6 +13,9 @@ from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.links.link import MAX_PARTNERS, bind
 from flightsim.mavlink.streams import Profile
 
+_LOG = logging.getLogger(__name__)
+
+_ACCEPTS_PER_TICK = 16
 _READ_BYTES = 16_384
 _BACKLOG_LIMIT_BYTES = 1 << 20
 _STUCK_LIMIT_S = 30.0
@@ -75,6 +79,8 @@ class TcpServerLink:
         self._listener: socket.socket | None = None
         self._selector: selectors.BaseSelector | None = None
         self._connections: list[_Connection] = []
+        self._is_full_told = False
+        """Whether it was said, since the last who was welcome, that others are turned away."""
 
     @property
     def channels(self) -> Sequence[Channel]:
@@ -94,7 +100,7 @@ class TcpServerLink:
         # Connections of the last run that linger in TIME_WAIT must not hold the port.
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         bind(listener, "TCP", *self._local)
-        listener.listen(MAX_PARTNERS)
+        listener.listen(_ACCEPTS_PER_TICK)
         listener.setblocking(False)
         self._listener, self._selector = listener, selector
         selector.register(listener, selectors.EVENT_READ, self._accept)
@@ -110,19 +116,29 @@ class TcpServerLink:
         self._listener = None
 
     def _accept(self) -> None:
+        """Accept all who wait; those beyond the limit are disconnected, which is told once."""
         assert self._listener is not None
-        assert self._selector is not None
-        try:
-            tcp, address = self._listener.accept()
-        except OSError:
-            return  # the partner disconnected before it was accepted
-        if len(self.channels) >= MAX_PARTNERS:
+        for _ in range(_ACCEPTS_PER_TICK):
+            try:
+                tcp, address = self._listener.accept()
+            except OSError:
+                return  # nobody waits any more
+            name = f"{self.name} {address[0]}:{address[1]}"
+            if len(self.channels) < MAX_PARTNERS:
+                self._welcome(tcp, name)
+                continue
             tcp.close()
-            return
+            if not self._is_full_told:
+                _LOG.warning("%s is turned away: %d clients are connected", name, MAX_PARTNERS)
+            self._is_full_told = True
+
+    def _welcome(self, tcp: socket.socket, name: str) -> None:
+        assert self._selector is not None
+        self._is_full_told = False
         tcp.setblocking(False)
         with contextlib.suppress(OSError):
             tcp.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        connection = _Connection(tcp, f"{self.name} {address[0]}:{address[1]}", self._profile)
+        connection = _Connection(tcp, name, self._profile)
         self._connections.append(connection)
         self._selector.register(tcp, selectors.EVENT_READ, connection.read)
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.links.link import MAX_PARTNERS, bind
+from flightsim.mavlink.parsing import starts_with_message
 from flightsim.mavlink.streams import Profile
 
 _Address = tuple[str, int]
@@ -21,7 +22,10 @@ _SILENCE_LIMIT_S = 60.0
 
 
 class UdpLink:
-    """A UDP port with a default partner, addressed first, and partners learnt from traffic."""
+    """A UDP port with a default partner, addressed first, and partners learnt from traffic.
+
+    Only a sender of MAVLink becomes a partner: others would take the places of clients.
+    """
 
     def __init__(
         self,
@@ -78,7 +82,9 @@ class UdpLink:
                 return
             except OSError:
                 continue  # an ICMP error left by a partner that is gone
-            channel = self._partners.get(address) or self._learn(address)
+            channel = self._partners.get(address)
+            if channel is None and starts_with_message(data):
+                channel = self._learn(address)
             if channel is not None:
                 self._last_heard_s[address] = time.monotonic()
                 channel.receive(data)

@@ -294,5 +294,5 @@ def test_a_compressed_file_cut_short_is_named(scene_42, tmp_path, cut):
     path = tmp_path / "scene.json.gz"
     write_scene(scene_42, path)
     path.write_bytes(path.read_bytes()[:cut])
-    with pytest.raises(SceneError, match=r"scene\.json\.gz': not gzip or not all of it"):
+    with pytest.raises(SceneError, match=r"scene\.json\.gz': gzip is damaged or cut short"):
         read_scene(path)

@@ -66,6 +66,17 @@ def test_inclusions_add_up_and_exclusions_win():
     assert not store.allows((20.5, 0.0, 1.0))
 
 
+def test_a_circle_of_no_radius_is_taken_as_by_px4_and_encloses_nothing():
+    store = fence_of(polygon(SQUARE), circle(30.0, 0.0, 0.0))
+    assert store.allows((5.0, 5.0, 1.0))
+    assert not store.allows((30.0, 0.5, 1.0))
+
+
+def test_a_radius_that_is_refused_is_none_of_the_valid_ones():
+    with pytest.raises(MissionError, match=r"radius = -0.5 m; valid are 0 to 100000"):
+        fence_of(circle(0.0, 0.0, -0.5))
+
+
 @pytest.mark.parametrize(
     ("items", "fault", "index"),
     [

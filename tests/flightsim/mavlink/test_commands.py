@@ -153,6 +153,18 @@ def test_an_orbit_is_flown_around_its_centre(flight):
     assert math.hypot(truth[0] - x, truth[1] - (y + 8.0)) == pytest.approx(8.0, abs=1.0)
 
 
+@pytest.mark.parametrize("frame", [0, 3, 6])
+def test_the_height_of_an_orbit_is_above_the_sea_in_every_frame(flight, frame):
+    flight.take_off(8.0)
+    latitude, longitude = _lat_lon(flight, 8.0, 0.0)
+    home = flight.autopilot.home
+    place = (latitude, longitude, home.geodetic.altitude_m + 12.0)
+    assert flight.command_int(mav.MAV_CMD_DO_ORBIT, frame, 8.0, 3.0, 0, NAN, *place) == ACCEPTED
+    flight.run(20.0)
+    up_m = flight.plant.truth.position_enu_m[2]
+    assert up_m - home.position_enu_m[2] == pytest.approx(12.0, abs=0.7)
+
+
 def test_home_is_moved_and_asked_for(flight):
     flight.become_ready()
     assert flight.command(mav.MAV_CMD_DO_SET_HOME, 1) == ACCEPTED

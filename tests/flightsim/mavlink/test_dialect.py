@@ -1,5 +1,8 @@
 """Layouts pack what pymavlink packs, byte for byte."""
 
+import math
+import struct
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -102,3 +105,30 @@ def test_names_that_do_not_exist_are_refused():
         layout("HEARTBEAT").encode(kind=2)
     with pytest.raises(LayoutError, match="does not fit"):
         layout("BATTERY_STATUS").encode(voltages=[0] * 11)
+
+
+@given(message=messages(), excess=st.integers(1, 2**70), is_low=st.booleans())
+def test_numbers_beyond_their_field_are_sent_as_the_end_of_its_range(message, excess, is_low):
+    message_class, values = message
+    found = LAYOUTS[message_class.msgname]
+    fields = zip(message_class.fieldnames, message_class.fieldtypes, strict=True)
+    ranges = {name: _INTEGERS[kind] for name, kind in fields if kind in _INTEGERS}
+    ends = {name: low if is_low else high for name, (low, high) in ranges.items()}
+    beyond = {name: end - excess if is_low else end + excess for name, end in ends.items()}
+    arrays = {name: len(values[name]) for name in ranges if isinstance(values[name], list)}
+    for name, length in arrays.items():
+        ends[name], beyond[name] = [ends[name]] * length, [beyond[name]] * length
+    assert found.encode(**(values | beyond)) == found.encode(**(values | ends))
+
+
+def test_no_float_is_too_large_and_infinity_stays():
+    attitude = LAYOUTS["ATTITUDE"]
+    largest = dialect.MAVLink_attitude_message.unpacker.unpack(attitude.encode(roll=-1e300))[1]
+    assert largest == -3.4028234663852886e38
+    infinite = dialect.MAVLink_attitude_message.unpacker.unpack(attitude.encode(roll=math.inf))[1]
+    assert infinite == math.inf
+
+
+def test_what_is_no_number_of_its_field_is_refused():
+    with pytest.raises(struct.error):
+        LAYOUTS["MESSAGE_INTERVAL"].encode(interval_us=math.nan)

@@ -114,6 +114,22 @@ def test_udp_keeps_eight_partners_and_takes_no_more_while_they_talk(udp):
         client.close()
 
 
+@pytest.mark.parametrize(
+    "data", [b"x", b"\xfd", b"\xfd\x05" + bytes(40), b"\xfe" * 60, bytes(1400)]
+)
+def test_udp_senders_of_anything_but_mavlink_take_no_place(udp, data):
+    strangers = [_udp_client() for _ in range(12)]
+    for stranger in strangers:
+        stranger.sendto(data, udp.local)
+    udp.poll()
+    with _udp_client() as client:
+        client.sendto(Wire().encode("PING", 0, 3, 0, 0), udp.local)
+        udp.poll_until(_any)
+    assert len(udp.link.channels) == 2
+    for stranger in strangers:
+        stranger.close()
+
+
 def test_udp_partners_that_vanish_disturb_nothing(udp):
     client = _udp_client()
     client.sendto(Wire().encode("PING", 0, 0, 0, 0), udp.local)
@@ -204,11 +220,22 @@ def test_a_tcp_client_that_does_not_read_blocks_nobody(tcp):
         deaf.close()
 
 
-def test_a_ninth_tcp_client_is_turned_away(tcp):
-    clients = [socket.create_connection(tcp.address) for _ in range(9)]
+def test_tcp_clients_that_come_together_are_welcome_together(tcp):
+    clients = [socket.create_connection(tcp.address) for _ in range(8)]
+    tcp.poll()
+    assert len(tcp.link.channels) == 8
+    for client in clients:
+        client.close()
+
+
+def test_a_ninth_tcp_client_is_turned_away_which_is_told_once(tcp, caplog):
+    clients = [socket.create_connection(tcp.address) for _ in range(11)]
     for _ in range(30):
         tcp.poll()
     assert len(tcp.link.channels) == 8
+    assert len(caplog.messages) == 1
+    assert caplog.messages[0].startswith(f"{tcp.link.name} 127.0.0.1:")
+    assert caplog.messages[0].endswith(" is turned away: 8 clients are connected")
     for client in clients:
         client.close()
 

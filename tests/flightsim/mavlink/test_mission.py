@@ -50,7 +50,7 @@ class _Bench:
 
     def wait(self, seconds):
         self.loop.now_s += seconds
-        self.service.update()
+        self.service.update(self.loop.channel)
         return self.heard()
 
 

@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flightsim.autopilot.parameters import Parameters
-from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parameters import ParameterService, parameter_hash
 from flightsim.mavlink.service import Partners
 from flightsim.mavlink.statustext import StatustextSender
@@ -46,12 +45,12 @@ def test_a_list_goes_out_in_pieces_with_every_index_once():
     assert [message.param_id for message in messages] == ["_HASH_CHECK"]
     n_ticks, listed = 0, []
     while len(listed) < len(bench.parameters):
-        bench.service.update()
+        bench.service.update(bench.loop.channel)
         piece = bench.loop.answers()
         assert 0 < len(piece) <= 8
         listed += piece
         n_ticks += 1
-    bench.service.update()
+    bench.service.update(bench.loop.channel)
     assert bench.loop.answers() == []
     assert [message.param_index for message in listed] == list(range(len(bench.parameters)))
     assert [message.param_id for message in listed] == list(bench.parameters)
@@ -96,7 +95,7 @@ def test_an_integer_is_understood_bytewise_and_cast(wire_value, wire_type):
         (b"NAV_DLL_ACT", _as_float(-7), _INT32, 2),
         (b"NAV_DLL_ACT", 1.5, _REAL32, 2),
         (b"NAV_DLL_ACT", 1e30, _REAL32, 2),
-        (b"SYS_AUTOSTART", _as_float(1), _INT32, mav.MAV_PARAM_ERROR_READ_ONLY),
+        (b"SYS_AUTOSTART", _as_float(1), _INT32, 5),
     ],
 )
 def test_a_refused_value_is_answered_with_the_old_one_and_the_reason(name, value, wire_type, error):
@@ -106,6 +105,7 @@ def test_a_refused_value_is_answered_with_the_old_one_and_the_reason(name, value
     assert bench.parameters[name.decode()] == old
     (refusal,) = named(messages, "PARAM_ERROR")
     assert (refusal.param_id, refusal.error) == (name.decode(), error)
+    assert (refusal.target_system, refusal.target_component) == (255, 190)
     assert [message.param_id for message in named(messages, "PARAM_VALUE")] == [name.decode()]
     assert name.decode() in "".join(message.text for message in named(messages, "STATUSTEXT"))
 
@@ -135,7 +135,7 @@ def test_a_cached_list_is_recognised_by_its_hash_and_stops_the_list():
     )
     bench.ask("PARAM_REQUEST_LIST", 1, 1)
     bench.ask("PARAM_SET", 1, 1, b"_HASH_CHECK", message.param_value, 5)
-    bench.service.update()
+    bench.service.update(bench.loop.channel)
     assert bench.loop.answers() == []
 
 

@@ -151,6 +151,42 @@ def test_there_are_no_logs(flight):
     assert (entry.num_logs, entry.id) == (0, 0)
 
 
+def test_a_log_that_is_not_there_has_ended(flight):
+    flight.send("LOG_REQUEST_DATA", 1, 1, 7, 450, 90)
+    (data,) = named(flight.step(), "LOG_DATA")
+    assert (data.id, data.ofs, data.count) == (7, 450, 0)
+
+
+def test_the_shell_says_that_there_is_none(flight):
+    shell, respond = mav.SERIAL_CONTROL_DEV_SHELL, mav.SERIAL_CONTROL_FLAG_RESPOND
+    flight.send("SERIAL_CONTROL", shell, respond, 0, 0, 4, list(b"help" + bytes(66)))
+    (answer,) = named(flight.step(), "SERIAL_CONTROL")
+    assert (answer.device, answer.flags) == (shell, mav.SERIAL_CONTROL_FLAG_REPLY)
+    assert bytes(answer.data[: answer.count]) == b"This vehicle has no shell.\n"
+    flight.send("SERIAL_CONTROL", shell, respond, 0, 0, 0, [0] * 70)
+    assert not named(flight.step(), "SERIAL_CONTROL")
+
+
+def test_the_origin_stays_and_is_told(flight):
+    flight.send("SET_GPS_GLOBAL_ORIGIN", 1, 473977420, 85455940, 0)
+    came = flight.step()
+    (origin,) = named(came, "GPS_GLOBAL_ORIGIN")
+    place = flight.frame.geodetic_from_enu((12.0, -7.0, 0.0))
+    assert origin.latitude == pytest.approx(place.latitude_deg * 1e7, abs=1)
+    assert named(came, "STATUSTEXT")[0].text == "The origin stays where the vehicle started"
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("PLAY_TUNE", (1, 1, b"MLT")), ("PLAY_TUNE_V2", (1, 1, 1, b"MLT"))]
+)
+def test_a_tune_is_not_played_and_that_is_said(flight, name, values):
+    (message_class,) = [c for c in dialect.mavlink_map.values() if c.msgname == name]
+    frame = message_class(*values).pack(dialect.MAVLink(None, 255, 190))
+    flight.link.client.send(bytes(frame))
+    said = "".join(text.text for text in named(flight.step(), "STATUSTEXT"))
+    assert said == "This vehicle has no buzzer: the tune is not played"
+
+
 def test_a_ground_station_that_falls_silent_is_noticed(flight):
     flight.take_off(8.0)
     flight.autopilot.parameters.set("NAV_DLL_ACT", 2)

@@ -89,3 +89,18 @@ def test_the_calendar_does_not_grow():
         table.due(tick * TICK_US)
         table.set_interval(_ATTITUDE, 20_000 + tick % 7)
     assert len(table._calendar) < 200
+
+
+def test_long_intervals_that_are_set_again_leave_nothing_in_the_calendar():
+    table = StreamTable("onboard", _ALL)
+    for tick in range(1, 2000):
+        table.due(tick * TICK_US)
+        table.set_interval(_ATTITUDE, 1e9 + tick * 1e5)
+    assert sum(map(len, table._calendar.values())) < 50
+
+
+@pytest.mark.parametrize("interval_us", [5e9, 1e30])
+def test_no_interval_is_longer_than_can_be_told(interval_us):
+    table = StreamTable("normal", _ALL)
+    assert table.set_interval(_ATTITUDE, interval_us)
+    assert table.interval_us(_ATTITUDE) == 2**31 - 1

@@ -1,6 +1,9 @@
 """Scoring: contacts, resting place and errors are judged from the history alone."""
 
+import hashlib
 import math
+import tracemalloc
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +14,13 @@ from scipy.spatial.transform import Rotation
 from aeroscene.scene import InteractionArea
 from autonomy.types import ControlLevel
 from flightsim.plant.record import HISTORY_DTYPE
-from scenarios.run.scoring import is_over_area, rotation_angle_rad, score_flight
+from scenarios.run.scoring import (
+    FlightLog,
+    FlightTally,
+    is_over_area,
+    rotation_angle_rad,
+    score_flight,
+)
 
 LEG_M = 0.1
 TICK_US = 4_000
@@ -118,3 +127,52 @@ def test_a_sloping_area_tolerates_heights_that_its_slope_explains():
     point = np.array([[10.9, 0.0, 2.3]])
     assert is_over_area(point, slope)[0]
     assert not is_over_area(point, AREA)[0]
+
+
+@given(st.lists(st.integers(2, 400), max_size=12), st.integers(0, 2**32 - 1))
+def test_a_flight_is_judged_alike_however_it_is_cut(lengths, seed):
+    rng = np.random.default_rng(seed)
+    brush = (0.02, AIR, 1)
+    history = flight(GOOD[0], GOOD[1], brush, GOOD[1], brush, *GOOD[1:])
+    history["position_est_enu_m"] += rng.normal(size=(len(history), 3))
+    tally, start = FlightTally(), 0
+    for length in [*lengths, len(history)]:
+        if start < len(history):
+            tally.add(history[start : start + length])
+            start += length
+    whole = score_flight(history, AREA, (10.0, 0.0, 2.0), LEG_M)
+    cut = tally.score(AREA, (10.0, 0.0, 2.0), LEG_M)
+    assert whole.contacts_before_touchdown == 2
+    assert cut.position_rmse_m == pytest.approx(whole.position_rmse_m, rel=1e-12)
+    for name in ("has_flown", "contacts_before_touchdown", "is_inside_area", "touchdown_error_m"):
+        assert getattr(cut, name) == getattr(whole, name)
+
+
+def test_the_hash_is_that_of_every_row():
+    history = flight(*GOOD)
+    plant = SimpleNamespace(history=history[:5])
+    log = FlightLog(plant)
+    for start in range(0, len(history), 5):
+        plant.history = history[start : start + 5]
+        log.on_tick()
+        if start == 400:
+            log.state_hash()  # Asking for it in between changes nothing.
+    assert log.state_hash() == hashlib.blake2b(history.tobytes(), digest_size=16).hexdigest()
+
+
+def test_a_flight_that_is_not_judged_takes_no_more_memory_the_longer_it_lasts():
+    air, ground = (flight((2, AIR, 0))[:5], flight((2, START, 1))[:5])
+    plant = SimpleNamespace(history=air)
+    log = FlightLog(plant, is_judged=False)
+
+    def tick(count):
+        for index in range(count):
+            plant.history = ground if index % 100 > 50 else air
+            log.on_tick()
+
+    tick(1000)
+    tracemalloc.start()
+    tick(5000)
+    grown, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert grown < 300_000  # A hundred seconds of rows are 10 MB or more.

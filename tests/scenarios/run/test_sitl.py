@@ -107,6 +107,70 @@ def test_standard_gnss_leaves_errors_of_metres():
     assert json.loads(done.stdout)["position_rmse_m"] > 0.5
 
 
+# The disk is full for this process alone, from a moment after the start.
+FILLING_UP = """
+import resource, sys
+from scenarios.cli import sitl
+
+def run(self, *args, run=sitl.Sitl.run):
+    size = self.cfg.record.stat().st_size + 50_000
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    return run(self, *args)
+
+sitl.Sitl.run = run
+sys.exit(sitl.main())
+"""
+
+
+def test_a_disk_that_fills_up_costs_the_recording_its_end_and_not_the_figures(tmp_path):
+    path = tmp_path / "flight.rrd"
+    args = ("--scene", "field", "--headless-seconds", "8", "--speed", "max", "--camera-hz", "0")
+    done = subprocess.run(
+        [sys.executable, "-c", FILLING_UP, "--instance", str(instance())]
+        + [*args, "--json", "--record", str(path)],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    assert json.loads(done.stdout)["reason"] == "ended"
+    assert "Traceback" not in done.stderr
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("aeroscene-sitl: ")]
+    assert line.startswith(f"aeroscene-sitl: recording {path} lacks its end: ")
+    assert json.loads(path.with_suffix(".json").read_text())["result"]["reason"] == "ended"
+
+
+def test_a_summary_that_cannot_be_written_costs_the_verdict_nothing(tmp_path):
+    path = tmp_path / "flight.rrd"
+    path.with_suffix(".json").mkdir()
+    args = ("--scene", "field", "--headless-seconds", "1", "--speed", "max", "--camera-hz", "0")
+    done = sitl(*args, "--json", "--record", str(path))
+    assert done.returncode == 2, done.stderr
+    assert json.loads(done.stdout)["reason"] == "ended"
+    assert f"summary {path.with_suffix('.json')} is not written: " in done.stderr
+    assert "Traceback" not in done.stderr
+    assert summarise(path).is_complete
+
+
+@pytest.mark.parametrize("name", ["flight.json", "flight.rrd"])
+def test_a_recording_does_not_take_the_place_of_standard_output(tmp_path, name):
+    with (tmp_path / name).open("wb") as out:
+        done = subprocess.run(
+            [*COMMAND, "--json", "--record", str(tmp_path / "flight.rrd")],
+            stdout=out,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"aeroscene-sitl: error: record '{tmp_path / 'flight.rrd'}' writes '{tmp_path / name}', "
+        "where standard output goes; valid: another name for one of them\n"
+    )
+
+
 def test_interrupting_closes_the_recording_and_gives_the_ports_back(tmp_path):
     path = tmp_path / "cut.rrd"
     args = ["--instance", str(instance()), "--record", str(path), "--camera-hz", "0"]

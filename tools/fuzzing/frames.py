@@ -1,0 +1,190 @@
+"""Hostile but legal traffic: single frames, commands, and conversations with a second act.
+
+A fault may need two messages: one that leaves a value behind, and one that is answered with it, or
+an answer that comes by itself later. So half of the traffic is conversations.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Sequence
+
+from flightsim.mavlink.dialect import MESSAGE_NAMES
+from flightsim.mavlink.dialect import dialect as mav
+from fuzzing.values import FLOATS, TYPES, chance, frame
+
+COMMANDS = sorted({*mav.enums["MAV_CMD"], 0, 32000, 65535})
+OBEYED_COMMANDS = frozenset(
+    {
+        mav.MAV_CMD_NAV_LOITER_UNLIM,
+        mav.MAV_CMD_NAV_RETURN_TO_LAUNCH,
+        mav.MAV_CMD_NAV_LAND,
+        mav.MAV_CMD_NAV_TAKEOFF,
+        mav.MAV_CMD_NAV_GUIDED_ENABLE,
+        mav.MAV_CMD_CONDITION_YAW,
+        mav.MAV_CMD_DO_ORBIT,
+        mav.MAV_CMD_DO_SET_MODE,
+        mav.MAV_CMD_DO_CHANGE_SPEED,
+        mav.MAV_CMD_DO_FLIGHTTERMINATION,
+        mav.MAV_CMD_DO_CHANGE_ALTITUDE,
+        mav.MAV_CMD_DO_REPOSITION,
+        mav.MAV_CMD_DO_PAUSE_CONTINUE,
+        mav.MAV_CMD_DO_SET_STANDARD_MODE,
+        mav.MAV_CMD_MISSION_START,
+        mav.MAV_CMD_COMPONENT_ARM_DISARM,
+    }
+)
+"""Commands that move a vehicle or end its flight."""
+OBEYED_MESSAGES = frozenset(
+    {
+        "SET_MODE",
+        "SET_POSITION_TARGET_LOCAL_NED",
+        "SET_POSITION_TARGET_GLOBAL_INT",
+        "SET_ATTITUDE_TARGET",
+        "MANUAL_CONTROL",
+        "RC_CHANNELS_OVERRIDE",
+        "PARAM_SET",
+    }
+)
+"""Messages that do so, or that change the parameters by which it flies."""
+_ADDRESSED = sorted(
+    name for name, kind in TYPES.items() if any(f.name.startswith("target") for f in kind.fields)
+)
+_MESSAGES = sorted(TYPES)
+_IDS = sorted(MESSAGE_NAMES)
+_PARAMETERS = (b"MPC_XY_CRUISE", b"SYS_AUTOSTART", b"MIS_TAKEOFF_ALT", b"_HASH_CHECK", b"\xff" * 16)
+_ITEMS = {0: (16, 20, 21, 22, 19, 93), 1: (5000, 5001, 5003), 2: (5100,), 255: (16,)}
+"""Commands of the items of each type of mission."""
+_ASKED_FIRST = 12
+"""Items of a mission that are sent or asked for in one conversation."""
+
+Act = Callable[[random.Random], Sequence[bytes]]
+
+
+class Traffic:
+    """Endless traffic of one seed.
+
+    With `is_obeyed` it may move the vehicle, without it nothing in it should.
+    """
+
+    def __init__(self, seed: int, *, is_obeyed: bool) -> None:
+        self._rng = random.Random(seed)
+        self._is_obeyed = is_obeyed
+        self._acts: Sequence[Act] = (self._any_message, self._addressed, self._command)
+        self._conversations: Sequence[Act] = (
+            self._interval,
+            self._request,
+            self._streams,
+            self._upload,
+            self._download,
+            self._parameters,
+            self._home,
+            self._fleeting,
+        )
+
+    def frames(self) -> Iterator[bytes]:
+        """Frames without end."""
+        rng = self._rng
+        while True:
+            acts = self._acts if chance(rng, 0.7) else self._conversations
+            yield from rng.choice(acts)(rng)
+
+    def _message(self, rng: random.Random, names: Sequence[str]) -> Sequence[bytes]:
+        name = rng.choice(names)
+        if name in {"COMMAND_LONG", "COMMAND_INT"}:
+            return self._command(rng)
+        if name in OBEYED_MESSAGES and not self._is_obeyed:
+            return ()
+        return (frame(rng, name),)
+
+    def _any_message(self, rng: random.Random) -> Sequence[bytes]:
+        return self._message(rng, _MESSAGES)
+
+    def _addressed(self, rng: random.Random) -> Sequence[bytes]:
+        return self._message(rng, _ADDRESSED)
+
+    def _command(self, rng: random.Random) -> Sequence[bytes]:
+        number = rng.choice(COMMANDS)
+        if number in OBEYED_COMMANDS and not self._is_obeyed:
+            return ()
+        return (_command(rng, number),)
+
+    def _interval(self, rng: random.Random) -> Sequence[bytes]:
+        """An interval is set and asked for, of the same message."""
+        message_id = float(rng.choice(_IDS))
+        return (
+            _command(rng, mav.MAV_CMD_SET_MESSAGE_INTERVAL, param1=message_id),
+            _command(rng, mav.MAV_CMD_GET_MESSAGE_INTERVAL, param1=message_id),
+        )
+
+    def _request(self, rng: random.Random) -> Sequence[bytes]:
+        message_id = float(rng.choice(_IDS))
+        return (_command(rng, mav.MAV_CMD_REQUEST_MESSAGE, param1=message_id),)
+
+    def _streams(self, rng: random.Random) -> Sequence[bytes]:
+        group = rng.choice((0, 1, 2, 3, 6, 10, 11, 12, 255))
+        asked = frame(rng, "REQUEST_DATA_STREAM", req_stream_id=group, start_stop=rng.randrange(3))
+        return (asked, *self._interval(rng))
+
+    def _upload(self, rng: random.Random) -> Sequence[bytes]:
+        """A list is begun, some of its items come, out of order or not, and it is left or read."""
+        kind = rng.choice((0, 1, 2, 255))
+        count = rng.choice((0, 1, 2, 5, 65535))
+        begin = frame(rng, "MISSION_COUNT", count=count, mission_type=kind)
+        if chance(rng, 0.2):
+            begin = frame(rng, "MISSION_WRITE_PARTIAL_LIST", start_index=0, mission_type=kind)
+        item = rng.choice(("MISSION_ITEM_INT", "MISSION_ITEM"))
+        items = [
+            frame(rng, item, seq=seq, mission_type=kind, command=_item_command(rng, kind))
+            for seq in range(min(count, _ASKED_FIRST))
+        ]
+        return (begin, *items, *self._download(rng))
+
+    def _download(self, rng: random.Random) -> Sequence[bytes]:
+        kind = rng.choice((0, 1, 2, 255))
+        ask = rng.choice(("MISSION_REQUEST_INT", "MISSION_REQUEST"))
+        items = [frame(rng, ask, seq=seq, mission_type=kind) for seq in range(3)]
+        return (frame(rng, "MISSION_REQUEST_LIST", mission_type=kind), *items)
+
+    def _parameters(self, rng: random.Random) -> Sequence[bytes]:
+        names = (
+            b"MPC_XY_CRUISE",
+            b"SYS_AUTOSTART",
+            b"MIS_TAKEOFF_ALT",
+            b"_HASH_CHECK",
+            b"\xff" * 16,
+        )
+        name, ask = rng.choice(names), frame(rng, "PARAM_REQUEST_LIST")
+        read = frame(rng, "PARAM_REQUEST_READ", param_id=name, param_index=-1)
+        if not self._is_obeyed:
+            return (read, ask) if chance(rng, 0.1) else (read,)
+        return (frame(rng, "PARAM_SET", param_id=name), read)
+
+    def _home(self, rng: random.Random) -> Sequence[bytes]:
+        """Home goes somewhere, and is told."""
+        return (
+            _command(rng, mav.MAV_CMD_DO_SET_HOME, param1=float(rng.randrange(2))),
+            _command(rng, mav.MAV_CMD_GET_HOME_POSITION),
+            _command(rng, mav.MAV_CMD_REQUEST_MESSAGE, param1=242.0),
+        )
+
+    def _fleeting(self, rng: random.Random) -> Sequence[bytes]:
+        """What is answered at once, with what it held."""
+        name = rng.choice(("PING", "TIMESYNC", "FILE_TRANSFER_PROTOCOL", "LOG_REQUEST_DATA"))
+        return (frame(rng, name), frame(rng, "FILE_TRANSFER_PROTOCOL", target_network=0))
+
+
+def _command(rng: random.Random, number: int, **given: float) -> bytes:
+    name = rng.choice(("COMMAND_LONG", "COMMAND_INT"))
+    for index in range(1, 5):
+        if chance(rng, 0.3):
+            given.setdefault(f"param{index}", rng.choice(FLOATS[:8]))
+    if name == "COMMAND_INT":
+        given.setdefault("frame", rng.choice((0, 1, 3, 5, 6, 8, 10, 11, 12, 255)))
+    return frame(rng, name, command=number, **given)
+
+
+def _item_command(rng: random.Random, kind: int) -> int:
+    if chance(rng, 0.2):
+        return rng.choice(COMMANDS)
+    return rng.choice(_ITEMS[kind])
