@@ -38,7 +38,7 @@ Module = TypeVar("Module", bound=nn.Module)
 _SHIPPED = Path(__file__).parents[1] / "checkpoints"
 SHIPPED = {"default": _SHIPPED / "default.safetensors", "paper": _SHIPPED / "paper.safetensors"}
 """Checkpoints that come with the package, by preset."""
-DEFAULT_SAMPLER = SamplerCfg(kind="ddim", n_steps=30)
+DEFAULT_SAMPLER = SamplerCfg(kind="ddim", n_steps=10)
 
 
 def load_proposer(
