@@ -45,6 +45,14 @@ def project(layout: Layout) -> None:
     drop_lost(layout, landings)
 
 
+def project_beside(layout: Layout) -> None:
+    """Find room for what is not pinned beside what is; what has none goes."""
+    find_ground(layout)
+    set_heights(layout, _downwards(layout))
+    PlaneProblem(layout, layout.is_fine, _air(layout)).solve()
+    _settle_fine(layout)
+
+
 def _support(layout: Layout) -> None:
     """Headings and heights, which decide what can meet at all."""
     find_ground(layout)
@@ -122,15 +130,24 @@ def _clear_up(layout: Layout) -> None:
     fit_extent(layout)
     is_coarse = layout.is_coarse
     resettle(layout, is_coarse, _nothing())
-    resettle(layout, ~is_coarse, _air(layout))
+    _settle_fine(layout)
+    hold_all(layout)
+    _drop_overlapping(layout)
+
+
+def _settle_fine(layout: Layout) -> None:
+    """Fine objects where they have room, upright and borne."""
+    resettle(layout, layout.is_fine, _air(layout))
     _turn_about(layout)
-    resettle(layout, ~is_coarse, _air(layout))
+    resettle(layout, layout.is_fine, _air(layout))
     _mend_floating(layout)
     _turn_about(layout)
-    hold_all(layout)
+
+
+def _drop_overlapping(layout: Layout) -> None:
+    """Take out what shares too much with its parent's line, which may overlap it otherwise."""
     rows = {obj.id: row for row, obj in enumerate(layout.objects)}
     for finding in tuple(overlaps(finished(layout))):
-        # What shares too much with its parent's line, which may overlap it otherwise.
         if finding.object_id is not None:
             layout.drop(rows[finding.object_id])
 
@@ -139,7 +156,8 @@ def _turn_about(layout: Layout) -> None:
     """Turn chairs to the table that they are at now, and vehicles the way that their lane goes."""
     known = layout.objects, layout.boxes, layout.is_left
     for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
-        layout.turn(row, turn_rad)
+        if not layout.is_pinned[row]:
+            layout.turn(row, turn_rad)
 
 
 def _mend_floating(layout: Layout) -> None:
@@ -154,7 +172,7 @@ def _mend_floating(layout: Layout) -> None:
         for row in rows:
             mend(layout, row, _nothing())
         set_heights(layout, _downwards(layout))
-        resettle(layout, ~layout.is_coarse, _air(layout))
+        resettle(layout, layout.is_fine, _air(layout))
     for row in _floating(layout):
         layout.drop(row)
 
@@ -163,7 +181,8 @@ def _floating(layout: Layout) -> list[int]:
     scene = finished(layout)
     row = {obj.id: i for i, obj in enumerate(layout.objects)}
     solids = colliding(scene_primitives(scene))
-    return [row[f.object_id] for f in floating(scene, solids) if f.object_id is not None]
+    found = [row[f.object_id] for f in floating(scene, solids) if f.object_id is not None]
+    return [each for each in found if not layout.is_pinned[each]]
 
 
 def _downwards(layout: Layout) -> Int[np.ndarray, " n"]:
