@@ -71,13 +71,17 @@ def _drop_unsound(layout: Layout, region: Region) -> None:
         lost = [row for row in lost if layout.is_left[row] and not layout.is_pinned[row]]
         for row in lost:
             layout.drop(row)
-        scene = _assembled(layout)
-        solids = colliding(scene_primitives(scene))
-        findings = [*overlaps(scene), *outside(scene), *floating(scene, solids)]
-        found = {rows[f.object_id] for f in findings if f.object_id is not None}
-        lost = [row for row in sorted(found) if not layout.is_pinned[row]]
+        found = [rows[each] for each in sorted(unsound(_assembled(layout)))]
+        lost = [row for row in found if not layout.is_pinned[row]]
         if not lost:
             return
+
+
+def unsound(scene: Scene) -> set[int]:
+    """Ids of the objects that overlap what comes before them, float, or reach outside."""
+    solids = colliding(scene_primitives(scene))
+    findings = [*overlaps(scene), *outside(scene), *floating(scene, solids)]
+    return {finding.object_id for finding in findings if finding.object_id is not None}
 
 
 def _with_areas(scene: Scene, given: Scene, region: Region) -> tuple[Scene, str | None]:

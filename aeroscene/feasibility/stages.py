@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import atan2
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from aeroscene.feasibility.boxes import Boxes, joined, strangers
 from aeroscene.feasibility.doors import door_air, fit_openings
@@ -49,8 +49,10 @@ def project_beside(layout: Layout) -> None:
     """Find room for what is not pinned beside what is; what has none goes."""
     find_ground(layout)
     set_heights(layout, _downwards(layout))
-    PlaneProblem(layout, layout.is_fine, _air(layout)).solve()
+    PlaneProblem(layout, _leave_home(layout), _air(layout)).solve()
     _settle_fine(layout)
+    hold_all(layout)
+    _drop_overlapping(layout)
 
 
 def _support(layout: Layout) -> None:
@@ -105,16 +107,21 @@ def _part_coarse(layout: Layout) -> None:
 
 def _part_fine(layout: Layout) -> None:
     fit_openings(layout)
-    is_fine = ~layout.is_coarse
-    row = home_row(layout)
-    if row is not None:
-        settle_home(layout, row)
-        is_fine[row] = False
+    is_fine = _leave_home(layout)
     air = _air(layout)
     make_room(layout, is_fine, air)
     PlaneProblem(layout, is_fine, air).solve()
     resettle(layout, is_fine, air)
     set_heights(layout, _downwards(layout))
+
+
+def _leave_home(layout: Layout) -> Bool[np.ndarray, " n"]:
+    """Settle the pad of the start; which fine objects make room for it and for each other."""
+    is_fine, row = layout.is_fine, home_row(layout)
+    if row is not None and is_fine[row]:
+        settle_home(layout, row)
+        is_fine[row] = False
+    return is_fine
 
 
 def _air(layout: Layout) -> Boxes:
@@ -146,10 +153,11 @@ def _settle_fine(layout: Layout) -> None:
 
 def _drop_overlapping(layout: Layout) -> None:
     """Take out what shares too much with its parent's line, which may overlap it otherwise."""
-    rows = {obj.id: row for row, obj in enumerate(layout.objects)}
+    rows: dict[int | None, int] = {obj.id: row for row, obj in enumerate(layout.objects)}
     for finding in tuple(overlaps(finished(layout))):
-        if finding.object_id is not None:
-            layout.drop(rows[finding.object_id])
+        row = rows.get(finding.object_id)
+        if row is not None and not layout.is_pinned[row]:
+            layout.drop(row)
 
 
 def _turn_about(layout: Layout) -> None:

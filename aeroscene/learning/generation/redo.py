@@ -41,7 +41,7 @@ class Redo:
 
     @cached_property
     def gone(self) -> frozenset[int]:
-        """Ids of the objects that go: fine ones with their middle in the region, and what they bear.
+        """Ids of the objects that go: fine ones with their middles there, and what they bear.
 
         The pad from which the flight starts stays, and so does what bears it or anything coarse.
         """

@@ -9,9 +9,9 @@ from types import MappingProxyType
 import numpy as np
 
 from aeroscene.areas.needs import AreaLimits
-from aeroscene.corpus.curation.curate import Budget, draw_budget
+from aeroscene.corpus.curation.curate import draw_budget
 from aeroscene.feasibility import FeasibilityCfg, Feasible, make_feasible
-from aeroscene.feasibility.insertion import insert
+from aeroscene.feasibility.insertion import insert, unsound
 from aeroscene.feasibility.wishes.clutter import cluttered
 from aeroscene.feasibility.wishes.passages import widened
 from aeroscene.learning.generation.asked import (
@@ -23,6 +23,8 @@ from aeroscene.learning.generation.asked import (
     PASSAGE_M,
     AreaCounts,
     RequestError,
+    area_limits,
+    in_all,
     require_within,
 )
 from aeroscene.learning.generation.redo import Redo
@@ -32,9 +34,6 @@ from aeroscene.scene import AttributeValue, Scene, SceneDomain
 
 _MORE_COARSE, _MORE_FINE = 2, 4
 """Asked for beyond the budget of the corpus, whose structures bring some objects of their own."""
-_MORE_SMALL, _MORE_LARGE = 2, 1
-"""Areas asked for beyond those of the corpus: generated scenes, of which the indoor ones have less
-floor, cannot always offer as many. With it averages are within 5% of the paper's."""
 Themes = Mapping[SceneDomain, Collection[str]]
 """Themes that a model knows, by domain."""
 NO_THEMES: Themes = MappingProxyType({})
@@ -170,8 +169,12 @@ class Request:
         return make_feasible(prepared, self.demands(limits))
 
     def demands(self, limits: AreaLimits | None) -> FeasibilityCfg:
-        """What the projected scene has to meet."""
-        return FeasibilityCfg(limits=limits, least_passage_m=self.min_passage_m or 0.0)
+        """What the projected scene has to meet; coarse objects that are given and sound stay."""
+        pinned = frozenset[int]()
+        if self.kept is not None and self.min_passage_m is None and not unsound(self.kept):
+            pinned = frozenset(obj.id for obj in self.kept.objects)
+        least_m = self.min_passage_m or 0.0
+        return FeasibilityCfg(limits=limits, least_passage_m=least_m, pinned=pinned)
 
     def drawn(
         self,
@@ -200,9 +203,9 @@ class Request:
         domains = self.domains(themes)
         domain = domains[int(rng.integers(len(DOMAINS))) % len(domains)]
         budget = draw_budget(rng)
-        limits = self._limits(budget)
+        limits = area_limits(self.n_areas, budget)
         n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
-        wish = self._with_objects(Wish(domain, n_coarse, n_fine, _in_all(limits)))
+        wish = self._with_objects(Wish(domain, n_coarse, n_fine, in_all(limits)))
         return wish, limits
 
     def _with_objects(self, wish: Wish) -> Wish:
@@ -269,36 +272,11 @@ class Request:
         self, alike: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
     ) -> tuple[Wish, AreaLimits | None]:
         """The contents of one of these scenes, with what is asked for in their place."""
-        limits = self._limits(draw_budget(rng))
+        limits = area_limits(self.n_areas, draw_budget(rng))
         wish = self._with_objects(alike[int(rng.integers(len(alike)))])
         if self.n_areas is not None:
-            return replace(wish, n_areas=_in_all(limits)), limits
+            return replace(wish, n_areas=in_all(limits)), limits
         return wish, limits if is_corpus else None
-
-    def _limits(self, budget: Budget) -> AreaLimits:
-        """Areas by size in the proportions of the budget."""
-        drawn = replace(
-            budget.areas,
-            small=budget.areas.small + _MORE_SMALL,
-            large=budget.areas.large + _MORE_LARGE,
-        )
-        if self.n_areas is None:
-            return drawn
-        if isinstance(self.n_areas, AreaCounts):
-            return replace(drawn, **self.n_areas.named)
-        share = self.n_areas / (drawn.small + drawn.medium + drawn.large)
-        medium, large = round(share * drawn.medium), round(share * drawn.large)
-        return AreaLimits(
-            small=self.n_areas - medium - large,
-            medium=medium,
-            large=large,
-            perching=round(share * drawn.perching),
-        )
-
-
-def _in_all(limits: AreaLimits) -> int:
-    """Landing areas of all classes."""
-    return limits.small + limits.medium + limits.large
 
 
 def _text(sides_m: tuple[float, float] | None) -> str | None:

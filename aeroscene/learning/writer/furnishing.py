@@ -54,7 +54,7 @@ class Furnishing:
 
     @property
     def place_of(self) -> dict[int, int]:
-        """For each given token its place in the growth; those below what bears nothing have none."""
+        """For each given token its place in the growth; below what never bears anything none."""
         return self._written.place_of
 
     def is_closed(self) -> bool:
