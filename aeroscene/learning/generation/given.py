@@ -36,6 +36,8 @@ class GivenPart:
     """Objects of each token."""
     example: ProgramExample
     """As the model sees it."""
+    first_id: int = 0
+    """Least id of new objects."""
 
     @staticmethod
     def of(kept: Scene, language: Language, unread: Collection[int] = ()) -> GivenPart:
@@ -107,7 +109,7 @@ class PlacedPart:
         """The objects that stay with what else a program has."""
         part = self.part
         ids = {place: part.object_ids[token] for token, place in self.place_of.items()}
-        return furnish(program, Given(part.kept, ids), scene_id, seed)
+        return furnish(program, Given(part.kept, ids, part.first_id), scene_id, seed)
 
 
 def unread_in(scene: Scene) -> frozenset[int]:

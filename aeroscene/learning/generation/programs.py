@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -96,7 +97,7 @@ class ProgramProposer:
         n_wanted = len(redo.kept.objects) + wish.n_fine - redo.n_kept_fine
         noise = noise_of([rng], self._denoising.device)
         for number in range(MOST_ROUNDS):
-            part = GivenPart.of(scene, self._language, unread)
+            part = replace(GivenPart.of(scene, self._language, unread), first_id=redo.first_id)
             draft = self._furnished(part, wish, rng, redo.region)
             seen = on_step if number == 0 else None
             (proposal,) = self._denoising.denoise([draft], noise, seen)

@@ -74,6 +74,11 @@ class Redo:
         return replace(_left(self.scene, self.gone), wishes={}, measured={})
 
     @property
+    def first_id(self) -> int:
+        """Least id of new objects: beyond all that the scene had."""
+        return 1 + max((obj.id for obj in self.scene.objects), default=-1)
+
+    @property
     def n_kept_fine(self) -> int:
         """Fine objects that stay."""
         return sum(not obj.is_coarse for obj in self.kept.objects)

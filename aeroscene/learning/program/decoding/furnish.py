@@ -15,15 +15,15 @@ from aeroscene.scene import Scene
 def furnish(program: Program, given: Given, scene_id: str, seed: int) -> Scene:
     """A given scene with what else a program has, whatever its numbers; without areas.
 
-    What is given keeps its id and is as it was; new objects come after it, with ids from the next
-    one on.
+    What is given keeps its id and is as it was; new objects come after it, with greater ids.
     """
     builder = Builder(program)
     builder.making.begin_with(given)
     builder.build()
     kept, made = given.scene, builder.making.objects
     ids = [obj.id for obj in kept.objects]
-    ids += range(max(ids, default=-1) + 1, max(ids, default=-1) + 1 + len(made) - len(ids))
+    first_id = max(given.first_id, 1 + max(ids, default=-1))
+    ids += range(first_id, first_id + len(made) - len(ids))
     new = [
         replace(
             obj, id=ids[obj.id], parent_id=None if obj.parent_id is None else ids[obj.parent_id]

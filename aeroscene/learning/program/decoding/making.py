@@ -24,6 +24,8 @@ class Given:
     scene: Scene
     object_ids: Mapping[int, tuple[int, ...]]
     """Those of each token that stands for any; some may have no token."""
+    first_id: int = 0
+    """Least id of what is new; ids of objects that have gone are not used again."""
 
 
 @dataclass(eq=False)
