@@ -14,7 +14,7 @@ from aeroscene.feasibility.extents import fit_extent, hold_all
 from aeroscene.feasibility.ground import find_ground
 from aeroscene.feasibility.headings import square_up
 from aeroscene.feasibility.heights import set_heights
-from aeroscene.feasibility.home import home_air, home_row, settle_home
+from aeroscene.feasibility.home import home_air, home_row, settle_home, start_air
 from aeroscene.feasibility.hosts import rehome
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.partitions import merge_walls
@@ -125,9 +125,14 @@ def _leave_home(layout: Layout) -> Bool[np.ndarray, " n"]:
 
 
 def _air(layout: Layout) -> Boxes:
-    """Boxes of air that fine objects leave free: before doors, and about the home pad."""
+    """Boxes of air that fine objects leave free: before doors, and about the home pad.
+
+    Where things are pinned and there is no pad, the flight starts where it did.
+    """
     doors, row = door_air(layout), home_row(layout)
-    return doors if row is None else joined(home_air(layout, row), doors)
+    if row is not None:
+        return joined(home_air(layout, row), doors)
+    return joined(start_air(layout), doors) if layout.is_pinned.any() else doors
 
 
 def _clear_up(layout: Layout) -> None:

@@ -10,6 +10,7 @@ import pytest
 from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.feasibility.insertion import insert
 from aeroscene.feasibility.region import Region
+from aeroscene.scene import InteractionArea
 from aeroscene.validation import validate
 from tests.aeroscene.feasibility.scenes import BENCH, CUP, HOME, LAWN, TABLE, garden, thing
 
@@ -70,6 +71,19 @@ def test_what_hangs_in_the_air_is_set_down(given):
     assert scene.object_by_id[CRATE].bbox.p == (-12.0, 6.0, 0.56)
 
 
+def test_the_start_stays_free_where_there_is_no_pad(given):
+    """A crate on the start finds another place, whatever it would have there."""
+    objects = tuple(obj for obj in given.objects if obj.id != HOME)
+    bare = replace(given, objects=objects, interaction_areas=())
+    bare = replace(bare, start_position_enu_m=(-10.0, 8.0, 0.06))
+    bare = replace(bare, interaction_areas=derive_interaction_areas(bare))
+    made = inserted(bare, box(CRATE, -10.2, 8.1))
+    assert made.report.rejection is None
+    x, y, _ = made.scene.object_by_id[CRATE].bbox.p
+    assert max(abs(x + 10.0), abs(y - 8.0)) > 1.6
+    assert validate(made.scene) == ()
+
+
 def test_nothing_new_is_a_rejection(given):
     for new in ((), (box(CRATE, 3.0, 0.0),)):
         made = inserted(given, *new)
@@ -91,12 +105,30 @@ def test_areas_outside_stay_and_those_inside_are_derived_anew(given):
     assert len(scene.interaction_areas) <= len(given.interaction_areas)
 
 
-def test_an_area_whose_claim_no_longer_holds_goes(given):
-    """A crate at the border stands beside an area that was drawn outside of the region."""
-    north = Region(low_enu_m=(-20.0, 8.5, -math.inf), high_enu_m=(20.0, 30.0, math.inf))
-    made = inserted(given, box(CRATE, 8.0, 12.0, side=5.0), region=north)
-    assert made.report.rejection is None
-    assert validate(made.scene) == ()
+def test_an_area_outside_whose_claim_no_longer_holds_goes(given):
+    """A crate in the region stands within the room that an area before its border claims."""
+    x, y, z = -10.0, -10.0, 0.06
+    area = InteractionArea(
+        id=90,
+        object_id=LAWN,
+        polygon=tuple(
+            (x + u, y + v, z)
+            for u, v in ((-0.45, -0.45), (0.45, -0.45), (0.45, 0.45), (-0.45, 0.45))
+        ),
+        centroid=(x, y, z),
+        radius=0.44,
+        drone_class="small",
+        slope_rad=0.0,
+        clearance_m=20.0,
+        surface="grass",
+    )
+    given = replace(given, interaction_areas=(*given.interaction_areas, area))
+    assert validate(given) == ()
+    region = Region(low_enu_m=(-9.5, -20.0, -math.inf), high_enu_m=(0.0, 20.0, math.inf))
+    beside, away = (inserted(given, box(CRATE, u, -10.0), region=region) for u in (-9.0, -4.0))
+    assert area in away.scene.interaction_areas
+    assert area not in beside.scene.interaction_areas
+    assert validate(beside.scene) == ()
 
 
 def test_pads_tables_and_cups_are_what_they_were(given):
