@@ -38,7 +38,7 @@ _SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 def set_heights(layout: Layout, rows: Int[np.ndarray, " k"]) -> None:
     """Set the undersides of objects, parents first, and all they carry, onto what bears them."""
     for row in rows.tolist():
-        if not layout.is_left[row]:
+        if layout.is_pinned[row] or not layout.is_left[row]:
             continue
         base_m = _bearing_m(layout, row)
         rise_m = base_m - float(layout.boxes.base_m[row])

@@ -18,6 +18,8 @@ _OPEN_RADII_M = (11.0, 9.0, 7.0, 5.0)
 """Half the side of a free square higher above the pad, the first that is."""
 _OPEN_ABOVE_M = 3.5
 _INDOOR_RADIUS_M = 3.2
+_START_RADIUS_M = 1.6
+"""Half the side of the square of air above a start without a pad that stays free."""
 _CEILING_M = 0.1
 """Height below a ceiling in which lights hang."""
 _KERB_M = 0.16
@@ -167,6 +169,12 @@ def _squares(
         np.tile([radius_m, radius_m, half_m], (k, 1)),
         np.full(k, yaw_rad),
     )
+
+
+def start_air(layout: Layout) -> Boxes:
+    """A box of air above the start of a scene without a pad, which stays free."""
+    x, y, z = layout.scene.start_position_enu_m
+    return _squares(np.array([[x, y]]), 0.0, _START_RADIUS_M, z + _KERB_M, z + _FREE_HEIGHT_M)
 
 
 def home_air(layout: Layout, row: int) -> Boxes:

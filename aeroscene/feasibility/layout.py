@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -45,6 +45,8 @@ class Layout:
     """Whether an object is coarse; it stays so."""
     table: Int[np.ndarray, " n"]
     """Row of the table that a chair is drawn up to, with which it moves too; -1 of all others."""
+    is_pinned: Bool[np.ndarray, " n"]
+    """Whether an object stays exactly as it is, whatever is beside it."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
     """New attributes of the objects whose attributes have changed."""
 
@@ -52,6 +54,11 @@ class Layout:
     def objects(self) -> Sequence[SceneObject]:
         """The objects, as they came."""
         return self.scene.objects
+
+    @property
+    def is_fine(self) -> Bool[np.ndarray, " n"]:
+        """Which objects make room: fine ones that are not pinned."""
+        return ~self.is_coarse & ~self.is_pinned
 
     def overlaps(self, least_m: float, obstacles: Boxes | None = None) -> Overlaps:
         """Forbidden overlaps beyond `least_m` of what is left, and with obstacles behind it."""
@@ -153,6 +160,8 @@ class Layout:
     def object(self, row: int) -> SceneObject:
         """An object as it is now."""
         old = self.objects[row]
+        if self.is_pinned[row]:
+            return old
         above = int(self.boxes.parent[row])
         return replace(
             old,
@@ -175,17 +184,19 @@ class Layout:
         return tuple(self.object(row) for row in order)
 
 
-def layout_of(scene: Scene) -> Layout:
-    """A scene to be changed."""
+def layout_of(scene: Scene, pinned: Collection[int] = ()) -> Layout:
+    """A scene to be changed, but for objects of some ids."""
     boxes = boxes_of(scene.objects)
     is_left = np.ones(len(boxes), dtype=bool)
     extent = np.array([scene.extent_min_enu_m, scene.extent_max_enu_m], dtype=float)
     moves_with = np.eye(len(boxes), dtype=bool)
     is_coarse = np.array([obj.is_coarse for obj in scene.objects], dtype=bool)
+    is_pinned = np.array([obj.id in pinned for obj in scene.objects], dtype=bool)
     table = np.full(len(boxes), -1)
     chairs, tables = tables_of(scene.objects, boxes, is_left)
     table[chairs] = tables
+    table[is_pinned] = -1
     host = boxes.parent.copy()
-    layout = Layout(scene, boxes, host, is_left, extent, moves_with, is_coarse, table)
+    layout = Layout(scene, boxes, host, is_left, extent, moves_with, is_coarse, table, is_pinned)
     layout.relink()
     return layout

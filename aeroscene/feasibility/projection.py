@@ -13,7 +13,7 @@ from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.areas.start import AWAY_M, NO_START, grounds_of, with_start
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, report_of
-from aeroscene.feasibility.stages import finished, project
+from aeroscene.feasibility.stages import finished, project, project_beside
 from aeroscene.feasibility.wishes.passages import too_narrow
 from aeroscene.scene import Scene, SceneError
 from aeroscene.solids.freespace import build_distance_field
@@ -35,6 +35,8 @@ class FeasibilityCfg:
     """A scene that loses more of its objects is rejected."""
     least_passage_m: float = 0.0
     """A scene with a door or corridor that is narrower is rejected."""
+    pinned: frozenset[int] = frozenset()
+    """Objects that stay exactly as they are, all coarse ones among them; others make room."""
     is_validated: bool = True
     """Whether the result is held against `aeroscene.validation`, and rejected if it fails."""
 
@@ -55,9 +57,9 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     scene without a start pad starts on free ground from which there is somewhere to fly to.
     """
     cfg = cfg or FeasibilityCfg()
-    layout = layout_of(scene)
+    layout = layout_of(scene, cfg.pinned)
     try:
-        project(layout)
+        (project_beside if cfg.pinned else project)(layout)
         found, findings = _with_areas(finished(layout), cfg)
         rejection = _rejection(scene, found, findings, cfg)
     except (SceneError, ShapelyError) as error:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import atan2
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from aeroscene.feasibility.boxes import Boxes, joined, strangers
 from aeroscene.feasibility.doors import door_air, fit_openings
@@ -14,7 +14,7 @@ from aeroscene.feasibility.extents import fit_extent, hold_all
 from aeroscene.feasibility.ground import find_ground
 from aeroscene.feasibility.headings import square_up
 from aeroscene.feasibility.heights import set_heights
-from aeroscene.feasibility.home import home_air, home_row, settle_home
+from aeroscene.feasibility.home import home_air, home_row, settle_home, start_air
 from aeroscene.feasibility.hosts import rehome
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.partitions import merge_walls
@@ -45,6 +45,16 @@ def project(layout: Layout) -> None:
     _clear_up(layout)
     drop_lost(layout, landings)
     drop_strays(layout)
+
+
+def project_beside(layout: Layout) -> None:
+    """Find room for what is not pinned beside what is; what has none goes."""
+    find_ground(layout)
+    set_heights(layout, _downwards(layout))
+    PlaneProblem(layout, _leave_home(layout), _air(layout)).solve()
+    _settle_fine(layout)
+    hold_all(layout)
+    _drop_overlapping(layout)
 
 
 def _support(layout: Layout) -> None:
@@ -99,11 +109,7 @@ def _part_coarse(layout: Layout) -> None:
 
 def _part_fine(layout: Layout) -> None:
     fit_openings(layout)
-    is_fine = ~layout.is_coarse
-    row = home_row(layout)
-    if row is not None:
-        settle_home(layout, row)
-        is_fine[row] = False
+    is_fine = _leave_home(layout)
     air = _air(layout)
     make_room(layout, is_fine, air)
     PlaneProblem(layout, is_fine, air).solve()
@@ -111,10 +117,24 @@ def _part_fine(layout: Layout) -> None:
     set_heights(layout, _downwards(layout))
 
 
+def _leave_home(layout: Layout) -> Bool[np.ndarray, " n"]:
+    """Settle the pad of the start; which fine objects make room for it and for each other."""
+    is_fine, row = layout.is_fine, home_row(layout)
+    if row is not None and is_fine[row]:
+        settle_home(layout, row)
+        is_fine[row] = False
+    return is_fine
+
+
 def _air(layout: Layout) -> Boxes:
-    """Boxes of air that fine objects leave free: before doors, and about the home pad."""
+    """Boxes of air that fine objects leave free: before doors, and about the home pad.
+
+    Where things are pinned and there is no pad, the flight starts where it did.
+    """
     doors, row = door_air(layout), home_row(layout)
-    return doors if row is None else joined(home_air(layout, row), doors)
+    if row is not None:
+        return joined(home_air(layout, row), doors)
+    return joined(start_air(layout), doors) if layout.is_pinned.any() else doors
 
 
 def _clear_up(layout: Layout) -> None:
@@ -124,24 +144,35 @@ def _clear_up(layout: Layout) -> None:
     fit_extent(layout)
     is_coarse = layout.is_coarse
     resettle(layout, is_coarse, _nothing())
-    resettle(layout, ~is_coarse, _air(layout))
+    _settle_fine(layout)
+    hold_all(layout)
+    _drop_overlapping(layout)
+
+
+def _settle_fine(layout: Layout) -> None:
+    """Fine objects where they have room, upright and borne."""
+    resettle(layout, layout.is_fine, _air(layout))
     _turn_about(layout)
-    resettle(layout, ~is_coarse, _air(layout))
+    resettle(layout, layout.is_fine, _air(layout))
     _mend_floating(layout)
     _turn_about(layout)
-    hold_all(layout)
-    rows = {obj.id: row for row, obj in enumerate(layout.objects)}
+
+
+def _drop_overlapping(layout: Layout) -> None:
+    """Take out what shares too much with its parent's line, which may overlap it otherwise."""
+    rows: dict[int | None, int] = {obj.id: row for row, obj in enumerate(layout.objects)}
     for finding in tuple(overlaps(finished(layout))):
-        # What shares too much with its parent's line, which may overlap it otherwise.
-        if finding.object_id is not None:
-            layout.drop(rows[finding.object_id])
+        row = rows.get(finding.object_id)
+        if row is not None and not layout.is_pinned[row]:
+            layout.drop(row)
 
 
 def _turn_about(layout: Layout) -> None:
     """Turn chairs to the table that they are at now, and vehicles the way that their lane goes."""
     known = layout.objects, layout.boxes, layout.is_left
     for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
-        layout.turn(row, turn_rad)
+        if not layout.is_pinned[row]:
+            layout.turn(row, turn_rad)
 
 
 def _mend_floating(layout: Layout) -> None:
@@ -156,7 +187,7 @@ def _mend_floating(layout: Layout) -> None:
         for row in rows:
             mend(layout, row, _nothing())
         set_heights(layout, _downwards(layout))
-        resettle(layout, ~layout.is_coarse, _air(layout))
+        resettle(layout, layout.is_fine, _air(layout))
     for row in _floating(layout):
         layout.drop(row)
 
@@ -165,7 +196,8 @@ def _floating(layout: Layout) -> list[int]:
     scene = finished(layout)
     row = {obj.id: i for i, obj in enumerate(layout.objects)}
     solids = colliding(scene_primitives(scene))
-    return [row[f.object_id] for f in floating(scene, solids) if f.object_id is not None]
+    found = [row[f.object_id] for f in floating(scene, solids) if f.object_id is not None]
+    return [each for each in found if not layout.is_pinned[each]]
 
 
 def _downwards(layout: Layout) -> Int[np.ndarray, " n"]:

@@ -20,7 +20,12 @@ from scenarios.cli.command_line import (
     print_json,
 )
 from scenarios.cli.progress import progress_bar
-from scenarios.generation.asked import GenerateError, asked_areas, outline_sides_m
+from scenarios.generation.asked import (
+    GenerateError,
+    asked_areas,
+    asked_region,
+    outline_sides_m,
+)
 from scenarios.generation.worst import ORDER, Flight, MakePilot, Tries, pilot_of, worst_first
 
 if TYPE_CHECKING:
@@ -60,7 +65,7 @@ class GenerateCfg:
     small=20,medium=5,large=2."""
     density: Annotated[float | None, default_hint("1")] = None
     """Factor on the number of fine objects that a scene of its domain has, 0.2 to 2; at most 250
-    objects in all are asked for."""
+    objects in all are asked for. With --redo on the number that goes."""
     clutter: Annotated[float | None, default_hint("1")] = None
     """Factor on the loose things (crates, barrels, pallets, bins, boxes) on ground and floors, 1 to
     10."""
@@ -79,7 +84,14 @@ class GenerateCfg:
     """The site's sides in metres as EAST,NORTH, or a JSON file with a list of corners
     [[x, y], ...], whose bounding rectangle is taken."""
     complete: Annotated[str, default_hint("none")] = ""
-    """Scene whose coarse objects stay; fine ones are made for them. A number or a file."""
+    """Scene whose coarse objects stay; fine ones are made for them: a number, gen:SEED, corpus:N or
+    a file."""
+    redo: Annotated[str, default_hint("none")] = ""
+    """Scene that stays exactly as it is but for the fine objects with their middles in --region,
+    which go with all that they bear; about as many are drawn anew there. Coarse objects (site,
+    buildings, storeys, rooms, walls, roads) and the pad of the start stay."""
+    region: Annotated[str, default_hint("none")] = ""
+    """Region of --redo in metres, ENU, as X0,Y0,X1,Y1 or X0,Y0,X1,Y1,Z0,Z1."""
     out: Path = Path("scenes")
     """Folder to write into; made where it is missing."""
     checkpoint: Annotated[Path | None, default_hint("the one that ships")] = None
@@ -97,9 +109,8 @@ class GenerateCfg:
     progress: Annotated[Path | None, default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, for each of the
-    stages guided and feasible collision_rate (the paper's, a share) and rejected; where asked for,
-    measured (figures by file), and order and worst (flights, worst first)."""
+    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, stages; where asked
+    for measured, order and worst. docs/model.md says more."""
 
 
 def run(cfg: GenerateCfg) -> int:
@@ -210,6 +221,12 @@ def _check(cfg: GenerateCfg) -> None:
         raise GenerateError(f"progress {str(cfg.progress)!r} is no .png file, valid: NAME.png")
     if cfg.of is not None and not cfg.worst_for:
         raise GenerateError(f"of is {cfg.of} without --worst-for, valid: --worst-for demo")
+    if bool(cfg.redo) != bool(cfg.region):
+        given, missing = ("redo", "region") if cfg.redo else ("region", "redo")
+        raise GenerateError(
+            f"{given} is {getattr(cfg, given)!r} without --{missing}, valid: the two together, "
+            "such as --redo 42 --region -10,0,5,12.5"
+        )
     if cfg.worst_for and cfg.progress is not None:
         raise GenerateError(
             f"progress is {str(cfg.progress)!r} beside --worst-for, valid: one of the two"
@@ -217,14 +234,18 @@ def _check(cfg: GenerateCfg) -> None:
 
 
 def _requests(cfg: GenerateCfg) -> list[Request]:
-    from aeroscene.learning.generation import Request  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.generation import Redo, Request  # noqa: PLC0415 - PyTorch
 
     domain: SceneDomain | None = None if cfg.domain == "any" else cfg.domain
     complete: Scene | None = None
-    if cfg.complete:
+    redo: Redo | None = None
+    if cfg.complete or cfg.redo:
         from aeroscene.sources import open_scene  # noqa: PLC0415 - only where it is asked for
 
-        complete = open_scene(cfg.complete)
+        complete = open_scene(cfg.complete) if cfg.complete else None
+        if cfg.redo:
+            region = asked_region(cfg.region)
+            redo = Redo(scene=open_scene(cfg.redo), region=region)
     outline_m = outline_sides_m(cfg.outline) if cfg.outline else None
     count = cfg.count
     if cfg.worst_for:
@@ -238,6 +259,7 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
             n_areas=asked_areas(cfg.areas) if cfg.areas else None,
             outline_m=outline_m,
             complete=complete,
+            redo=redo,
             density=cfg.density,
             clutter=cfg.clutter,
             min_passage_m=cfg.min_passage,
@@ -250,7 +272,7 @@ def _report(cfg: GenerateCfg, generator: Generator, tally: Tally, more: Mapping[
     seconds = tally.seconds / max(1, len(tally.files))
     files = sorted(tally.files)
     stages = {
-        "guided": {"collision_rate": _mean(tally.guided), "rejected": 0},
+        "sampled": {"collision_rate": _mean(tally.sampled), "rejected": 0},
         "feasible": {"collision_rate": _mean(tally.feasible), "rejected": tally.n_rejected},
     }
     for seed, reason in tally.failed.items():

@@ -1,4 +1,4 @@
-"""What a user asks for as text: the outline of a site, the numbers of landing areas."""
+"""What a user asks for as text: the outline of a site, numbers of landing areas, a region."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from aeroscene.scene import SceneError
 
 if TYPE_CHECKING:
+    from aeroscene.feasibility.region import Region
     from aeroscene.learning.generation import AreaCounts
 
 _CLASSES = ("small", "medium", "large")
@@ -62,6 +63,30 @@ def outline_sides_m(text: str) -> tuple[float, float]:
     if len(sides) != 2 or not all(math.isfinite(side) and side > 0 for side in sides):
         raise GenerateError(f"outline is {text!r}, valid: {valid}")
     return sides[0], sides[1]
+
+
+def asked_region(text: str) -> Region:
+    """Region of a scene that a user asks for.
+
+    Args:
+        text: `X0,Y0,X1,Y1` in metres, ENU, and where it has a height `Z0,Z1` behind that.
+
+    Raises:
+        SceneError: If the text is none.
+    """
+    from aeroscene.feasibility.region import Region  # noqa: PLC0415 - shapely
+
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in {4, 6}:
+        raise GenerateError(
+            f"region is {text!r}, valid: X0,Y0,X1,Y1 in metres such as -10,0,5,12.5, with Z0,Z1 "
+            "behind that where it ends at a height"
+        )
+    x0, y0, x1, y1, z0, z1 = (*numbers, -math.inf, math.inf)[:6]
+    return Region(low_enu_m=(x0, y0, z0), high_enu_m=(x1, y1, z1))
 
 
 def _bounding_sides_m(path: Path, valid: str) -> list[float]:

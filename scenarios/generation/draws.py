@@ -105,7 +105,7 @@ class Tally:
     measured: dict[str, dict[str, AttributeValue]] = field(default_factory=dict)
     """What was measured of the scenes that are kept, by file."""
     n_rejected: int = 0
-    guided: list[float] = field(default_factory=list)
+    sampled: list[float] = field(default_factory=list)
     """Collision rates of all draws."""
     feasible: list[float] = field(default_factory=list)
     """Collision rates of the finished scenes."""
@@ -113,7 +113,7 @@ class Tally:
 
     def keep(self, found: Generated, judge: Judge) -> bool:
         """Write the scene of a draw; return whether the draw gave one that is kept."""
-        self.guided.append(collision_rate(found.raw))
+        self.sampled.append(collision_rate(found.raw))
         scene, reason = found.scene, str(found.report.rejection)
         if scene is not None:
             scene, unfit = judge.judged(scene)

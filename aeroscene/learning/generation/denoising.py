@@ -13,7 +13,7 @@ from torch import Tensor
 from aeroscene.learning.diffusion.loss import Denoiser
 from aeroscene.learning.diffusion.sampling import Fixed, Moment, SamplerCfg, sample
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.generation.given import GivenPart
+from aeroscene.learning.generation.given import PlacedPart
 from aeroscene.learning.generation.proposal import OnStep
 from aeroscene.learning.program import Program, decode
 from aeroscene.learning.program.batch import channels_in, program_batch, slots_of
@@ -35,8 +35,8 @@ class Draft:
 
     example: ProgramExample
     wish: Wish
-    given: GivenPart | None = None
-    """Its first tokens, where they are given."""
+    given: PlacedPart | None = None
+    """Those of its tokens that are given."""
     outline_m: tuple[float, float] | None = None
     """Sides of its site, where they are given."""
 
@@ -66,9 +66,10 @@ class ProgramProposal:
     def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
         """The scene as decoded, without areas; `rng` draws the looks."""
         program = self.language.vocabulary.with_looks(self.program, rng)
-        decoded = decode(program, scene_id, seed)
         given = self.draft.given
-        return decoded.scene if given is None else given.restored_in(decoded)
+        if given is not None:
+            return given.furnished(program, scene_id, seed)
+        return decode(program, scene_id, seed).scene
 
 
 class Denoising:
@@ -125,14 +126,14 @@ class Denoising:
         return proposed(x0)
 
     def _fixed(self, drafts: Sequence[Draft], batch: TokenBatch) -> Fixed | None:
-        """Channels of given coarse parts, and those that outlines decide."""
+        """Channels of given parts, and those that outlines decide."""
         mask = np.zeros((*batch.mask.shape, N_CHANNELS), dtype=bool)
         x0 = np.zeros(mask.shape, dtype=np.float32)
         for row, draft in enumerate(drafts):
-            slots, part = slots_of(draft.example.skeleton, batch.n_coarse_slots), draft.given
-            if part is not None:
-                mask[row, slots[: part.n_tokens]] = True
-                x0[row, slots[: part.n_tokens]] = part.example.x0[: part.n_tokens]
+            slots, given = slots_of(draft.example.skeleton, batch.n_coarse_slots), draft.given
+            if given is not None:
+                mask[row, slots[given.places]] = True
+                x0[row, slots[given.places]] = given.part.example.x0[given.own]
             elif draft.outline_m is not None:
                 place, channels = frame_of(draft.example, self._language)
                 number, known = draft.example.skeleton.kind_id[place], self._language.statistics

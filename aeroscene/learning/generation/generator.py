@@ -14,7 +14,7 @@ import numpy as np
 
 from aeroscene.areas.landing import AreaLimits
 from aeroscene.corpus.corpus import scene_domain
-from aeroscene.feasibility import FeasibilityReport, make_feasible
+from aeroscene.feasibility import FeasibilityReport
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
@@ -162,7 +162,7 @@ class Generator:
         rng: np.random.Generator,
     ) -> Generated:
         raw = proposal.scene(f"aeroscene-{request.seed:04d}", request.seed, rng)
-        feasible = make_feasible(request.prepared(raw, rng), request.demands(limits))
+        feasible = request.projected(raw, rng, limits)
         return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
 
 

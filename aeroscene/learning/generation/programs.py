@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from aeroscene.learning.generation.denoising import Denoising, Draft, ProgramProposal
-from aeroscene.learning.generation.given import GivenPart
-from aeroscene.learning.generation.proposal import OnStep, noise_of
+from aeroscene.feasibility.region import Region
+from aeroscene.learning.generation.denoising import Denoising, Draft
+from aeroscene.learning.generation.given import GivenPart, PlacedPart, unread_in
+from aeroscene.learning.generation.proposal import OnStep, Proposal, noise_of
+from aeroscene.learning.generation.redo import MOST_ROUNDS, NEARLY, Redo, RedoneProposal
 from aeroscene.learning.generation.request import Request, Themes
 from aeroscene.learning.program.program import N_CHANNELS
 from aeroscene.learning.program.statistics import ProgramExample
@@ -38,28 +41,71 @@ class ProgramProposer:
         wishes: Sequence[Wish],
         rngs: Sequence[np.random.Generator],
         on_step: OnStep | None = None,
-    ) -> list[ProgramProposal]:
+    ) -> list[Proposal]:
         """Programs by wish, then the diffusion of all their channels at once.
 
+        Regions that are drawn anew are drawn one by one.
+
         Raises:
-            RequestError: If a scene to complete has objects of categories that the model never
-                saw, or no program.
+            RequestError: If a scene that is given has objects of categories that the model never
+                saw.
             WriterError: If the model never saw a scene of the domain, or of the theme.
         """
-        given = [
-            None if request.kept is None else GivenPart.of(request.kept, self._language)
-            for request in requests
-        ]
-        drafts = [self._draft(*each) for each in zip(requests, wishes, rngs, given, strict=True)]
-        noise = noise_of(rngs, self._denoising.device)
-        return self._denoising.denoise(drafts, noise, on_step)
+        redone = {
+            row: self._redone(request.redo, wishes[row], rngs[row], on_step)
+            for row, request in enumerate(requests)
+            if request.redo is not None
+        }
+        rest = [row for row in range(len(requests)) if row not in redone]
+        drafts = [self._draft(requests[row], wishes[row], rngs[row]) for row in rest]
+        denoised: list[Proposal] = []
+        if drafts:
+            noise = noise_of([rngs[row] for row in rest], self._denoising.device)
+            denoised += self._denoising.denoise(drafts, noise, on_step)
+        found = dict(zip(rest, denoised, strict=True)) | redone
+        return [found[row] for row in range(len(requests))]
 
-    def _draft(
-        self, request: Request, wish: Wish, rng: np.random.Generator, given: GivenPart | None
+    def _draft(self, request: Request, wish: Wish, rng: np.random.Generator) -> Draft:
+        kept = request.kept
+        if kept is not None:
+            return self._furnished(GivenPart.of(kept, self._language, unread_in(kept)), wish, rng)
+        syntax = self._language.syntax
+        growth = draw_program(self._writer, syntax, wish, rng, theme=request.theme)
+        return Draft(_example(growth, wish), wish, outline_m=request.outline_m)
+
+    def _furnished(
+        self,
+        part: GivenPart,
+        wish: Wish,
+        rng: np.random.Generator,
+        region: Region | None = None,
     ) -> Draft:
-        kept = None if given is None else given.growth(self._language, wish)
-        growth = draw_program(self._writer, self._language.syntax, wish, rng, kept, request.theme)
-        return Draft(_example(growth, wish), wish, given, request.outline_m)
+        """A program that goes on from what is given; in a region alone, where there is one."""
+        begun = part.furnishing(self._language, wish, region)
+        growth = draw_program(self._writer, self._language.syntax, wish, rng, begun)
+        return Draft(_example(growth, wish), wish, PlacedPart(part, begun.place_of))
+
+    def _redone(
+        self, redo: Redo, wish: Wish, rng: np.random.Generator, on_step: OnStep | None
+    ) -> RedoneProposal:
+        """Draw on in a region until it has about as much as is wished for.
+
+        The model knows no regions: of what it draws all that lies in this one stays, and it draws
+        again beside that.
+        """
+        scene, unread = redo.kept, unread_in(redo.kept)
+        n_wanted = len(redo.kept.objects) + wish.n_fine - redo.n_kept_fine
+        noise = noise_of([rng], self._denoising.device)
+        for number in range(MOST_ROUNDS):
+            part = replace(GivenPart.of(scene, self._language, unread), first_id=redo.first_id)
+            draft = self._furnished(part, wish, rng, redo.region)
+            seen = on_step if number == 0 else None
+            (proposal,) = self._denoising.denoise([draft], noise, seen)
+            scene = redo.kept_in(scene, proposal.scene(scene.scene_id, scene.seed, rng))
+            n_short = n_wanted - len(scene.objects)
+            if n_short <= NEARLY * (n_wanted - len(redo.kept.objects)):
+                break
+        return RedoneProposal(scene)
 
 
 def _example(growth: Growth, wish: Wish) -> ProgramExample:

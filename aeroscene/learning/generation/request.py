@@ -3,62 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from aeroscene.areas.needs import AreaLimits
-from aeroscene.corpus.curation.curate import Budget, draw_budget
-from aeroscene.feasibility import FeasibilityCfg
+from aeroscene.corpus.curation.curate import draw_budget
+from aeroscene.feasibility import FeasibilityCfg, Feasible, make_feasible
+from aeroscene.feasibility.insertion import insert, unsound
 from aeroscene.feasibility.wishes.clutter import cluttered
 from aeroscene.feasibility.wishes.passages import widened
+from aeroscene.learning.generation.asked import (
+    AREAS,
+    CLUTTER,
+    DENSITY,
+    OBJECTS,
+    OUTLINE_M,
+    PASSAGE_M,
+    AreaCounts,
+    RequestError,
+    area_limits,
+    in_all,
+    require_within,
+)
+from aeroscene.learning.generation.redo import Redo
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.tokens.skeleton import Wish
-from aeroscene.scene import AttributeValue, Scene, SceneDomain, SceneError
+from aeroscene.scene import AttributeValue, Scene, SceneDomain
 
-OBJECTS = (20, 250)
-"""Fewest and most objects that may be asked for."""
-AREAS = (1, 200)
-DENSITY = (0.2, 2.0)
-CLUTTER = (1.0, 10.0)
-PASSAGE_M = (0.5, 3.0)
-"""Least and greatest width of doors and corridors that may be asked for."""
-OUTLINE_M = (15.0, 150.0)
-"""Shortest and longest side of a site."""
 _MORE_COARSE, _MORE_FINE = 2, 4
 """Asked for beyond the budget of the corpus, whose structures bring some objects of their own."""
-_MORE_SMALL, _MORE_LARGE = 2, 1
-"""Areas asked for beyond those of the corpus: generated scenes, of which the indoor ones have less
-floor, cannot always offer as many. With it averages are within 5% of the paper's."""
 Themes = Mapping[SceneDomain, Collection[str]]
 """Themes that a model knows, by domain."""
 NO_THEMES: Themes = MappingProxyType({})
 """Those of a model that knows of none."""
-
-
-class RequestError(SceneError):
-    """A wish that cannot be met; one line with the field, the value and what is valid."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class AreaCounts:
-    """Landing areas of each class, at most; what is None is drawn."""
-
-    small: int | None = None
-    medium: int | None = None
-    large: int | None = None
-
-    def __post_init__(self) -> None:
-        for name, count in self.named.items():
-            _check(f"areas {name}", count, 0, AREAS[1])
-        if len(self.named) == len(fields(self)):
-            _check("areas in all", sum(self.named.values()), AREAS[0], 3 * AREAS[1])
-
-    @property
-    def named(self) -> dict[str, int]:
-        """Counts that are not left open."""
-        return {name: count for name, count in asdict(self).items() if count is not None}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +57,8 @@ class Request:
     """Sides of the site along x and y, m."""
     complete: Scene | None = None
     """A scene whose coarse objects stay as they are; fine ones are made for them."""
+    redo: Redo | None = None
+    """A scene that stays as it is but for the fine objects in a region, which are drawn anew."""
     density: float | None = None
     """Factor on the number of fine objects that is drawn."""
     clutter: float | None = None
@@ -86,35 +67,56 @@ class Request:
     """Least clear width of doors and corridors, m."""
 
     def __post_init__(self) -> None:
-        _check("seed", self.seed, 0, 2**63 - 1)
+        require_within("seed", self.seed, 0, 2**63 - 1)
         if self.n_objects is not None:
-            _check("objects", self.n_objects, *OBJECTS)
+            require_within("objects", self.n_objects, *OBJECTS)
         if isinstance(self.n_areas, int):
-            _check("areas", self.n_areas, *AREAS)
+            require_within("areas", self.n_areas, *AREAS)
         for name, value, limits in (
             ("density", self.density, DENSITY),
             ("clutter", self.clutter, CLUTTER),
             ("min-passage", self.min_passage_m, PASSAGE_M),
         ):
             if value is not None:
-                _check(name, value, *limits)
+                require_within(name, value, *limits)
         if self.density is not None and self.n_objects is not None:
             raise RequestError(
                 f"density is {self.density:g} beside objects {self.n_objects}, "
                 "valid: one of the two; both say how many objects there are"
             )
         for side in self.outline_m or ():
-            _check("outline", side, *OUTLINE_M)
-        if self.complete is not None and self.outline_m is not None:
-            raise RequestError(
-                f"outline is {self.outline_m} beside a scene to complete, valid: one of the two; "
-                "the scene has an outline of its own"
-            )
-        if self.complete is not None and self.theme is not None:
-            raise RequestError(
-                f"theme is {self.theme!r} beside a scene to complete, valid: one of the two; "
-                "the scene stays the place that it is"
-            )
+            require_within("outline", side, *OUTLINE_M)
+        self._check_given()
+
+    def _check_given(self) -> None:
+        """Refuse what a scene that is given has of its own."""
+        if self.given is None:
+            return
+        what = "to complete" if self.redo is None else "to redo"
+        beside: dict[str, tuple[object, str]] = {
+            "outline": (_text(self.outline_m), "the scene has an outline of its own"),
+            "theme": (self.theme, "the scene stays the place that it is"),
+            "domain": (self.domain, "the scene stays the place that it is"),
+        }
+        if self.redo is not None:
+            stays = "what is outside of the region stays as it is"
+            beside |= {
+                "complete": (self.complete and self.complete.scene_id, "the two keep other things"),
+                "objects": (self.n_objects, "about as many come as go; density has a factor"),
+                "areas": (self.n_areas, stays),
+                "clutter": (self.clutter, stays),
+                "min-passage": (self.min_passage_m, stays),
+            }
+        for name, (value, reason) in beside.items():
+            if value is not None:
+                raise RequestError(
+                    f"{name} is {value!r} beside a scene {what}, valid: one of the two; {reason}"
+                )
+
+    @property
+    def given(self) -> Scene | None:
+        """The scene that is to be completed, or redone in a region."""
+        return self.complete if self.redo is None else self.redo.scene
 
     @property
     def kept(self) -> Scene | None:
@@ -122,7 +124,7 @@ class Request:
         if self.complete is None:
             return None
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
-        return replace(self.complete, objects=coarse, interaction_areas=())
+        return replace(self.complete, objects=coarse, interaction_areas=(), wishes={}, measured={})
 
     @property
     def wishes(self) -> dict[str, AttributeValue]:
@@ -132,6 +134,8 @@ class Request:
             "objects": self.n_objects,
             "outline": _text(self.outline_m),
             "complete": None if self.complete is None else self.complete.scene_id,
+            "redo": None if self.redo is None else self.redo.scene.scene_id,
+            "region": None if self.redo is None else str(self.redo.region),
             "density": self.density,
             "clutter": self.clutter,
             "min_passage": self.min_passage_m,
@@ -149,9 +153,28 @@ class Request:
             scene = widened(scene, self.min_passage_m)
         return scene if self.clutter is None else cluttered(scene, self.clutter, rng)
 
+    def projected(
+        self, raw: Scene, rng: np.random.Generator, limits: AreaLimits | None
+    ) -> Feasible:
+        """The scene as sampled made feasible, as far as it may be changed.
+
+        Args:
+            raw: The scene as sampled.
+            rng: Draws what is strewn.
+            limits: Greatest numbers of areas; a region drawn anew has at most as many as it had.
+        """
+        prepared = self.prepared(raw, rng)
+        if self.redo is not None:
+            return insert(prepared, self.redo.scene, self.redo.region)
+        return make_feasible(prepared, self.demands(limits))
+
     def demands(self, limits: AreaLimits | None) -> FeasibilityCfg:
-        """What the projected scene has to meet."""
-        return FeasibilityCfg(limits=limits, least_passage_m=self.min_passage_m or 0.0)
+        """What the projected scene has to meet; coarse objects that are given and sound stay."""
+        pinned = frozenset[int]()
+        if self.kept is not None and self.min_passage_m is None and not unsound(self.kept):
+            pinned = frozenset(obj.id for obj in self.kept.objects)
+        least_m = self.min_passage_m or 0.0
+        return FeasibilityCfg(limits=limits, least_passage_m=least_m, pinned=pinned)
 
     def drawn(
         self,
@@ -180,9 +203,9 @@ class Request:
         domains = self.domains(themes)
         domain = domains[int(rng.integers(len(DOMAINS))) % len(domains)]
         budget = draw_budget(rng)
-        limits = self._limits(budget)
+        limits = area_limits(self.n_areas, budget)
         n_coarse, n_fine = budget.n_coarse + _MORE_COARSE, budget.n_fine + _MORE_FINE
-        wish = self._with_objects(Wish(domain, n_coarse, n_fine, _in_all(limits)))
+        wish = self._with_objects(Wish(domain, n_coarse, n_fine, in_all(limits)))
         return wish, limits
 
     def _with_objects(self, wish: Wish) -> Wish:
@@ -193,9 +216,18 @@ class Request:
             n_fine = self.n_objects - n_coarse
         if self.complete is not None:
             n_coarse = sum(obj.is_coarse for obj in self.complete.objects)
+        if self.redo is not None:
+            return self._redone(wish, self.redo)
         if self.density is not None:
             n_fine = min(round(self.density * n_fine), max(0, OBJECTS[1] - n_coarse))
         return replace(wish, n_coarse=n_coarse, n_fine=n_fine, theme=self.theme or "")
+
+    def _redone(self, wish: Wish, redo: Redo) -> Wish:
+        """What a scene has that stays, and as many objects more as are to be drawn."""
+        n_new = max(1, round((self.density or 1.0) * redo.n_wanted(wish.n_fine)))
+        n_coarse = len(redo.kept.objects) - redo.n_kept_fine
+        n_areas = len(redo.scene.landing_areas)
+        return Wish(redo.scene.domain, n_coarse, redo.n_kept_fine + n_new, n_areas)
 
     def domains(self, themes: Themes) -> tuple[SceneDomain, ...]:
         """Domains that the scene may have: what is asked for, as far as it has the theme.
@@ -203,7 +235,7 @@ class Request:
         Raises:
             RequestError: If there is none, since the model knows no such theme there.
         """
-        domain = self.domain if self.complete is None else self.complete.domain
+        domain = self.domain if self.given is None else self.given.domain
         asked = DOMAINS if domain is None else (domain,)
         if self.theme is None:
             return asked
@@ -240,42 +272,12 @@ class Request:
         self, alike: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
     ) -> tuple[Wish, AreaLimits | None]:
         """The contents of one of these scenes, with what is asked for in their place."""
-        limits = self._limits(draw_budget(rng))
+        limits = area_limits(self.n_areas, draw_budget(rng))
         wish = self._with_objects(alike[int(rng.integers(len(alike)))])
         if self.n_areas is not None:
-            return replace(wish, n_areas=_in_all(limits)), limits
+            return replace(wish, n_areas=in_all(limits)), limits
         return wish, limits if is_corpus else None
-
-    def _limits(self, budget: Budget) -> AreaLimits:
-        """Areas by size in the proportions of the budget."""
-        drawn = replace(
-            budget.areas,
-            small=budget.areas.small + _MORE_SMALL,
-            large=budget.areas.large + _MORE_LARGE,
-        )
-        if self.n_areas is None:
-            return drawn
-        if isinstance(self.n_areas, AreaCounts):
-            return replace(drawn, **self.n_areas.named)
-        share = self.n_areas / (drawn.small + drawn.medium + drawn.large)
-        medium, large = round(share * drawn.medium), round(share * drawn.large)
-        return AreaLimits(
-            small=self.n_areas - medium - large,
-            medium=medium,
-            large=large,
-            perching=round(share * drawn.perching),
-        )
-
-
-def _in_all(limits: AreaLimits) -> int:
-    """Landing areas of all classes."""
-    return limits.small + limits.medium + limits.large
 
 
 def _text(sides_m: tuple[float, float] | None) -> str | None:
     return None if sides_m is None else f"{sides_m[0]:g},{sides_m[1]:g}"
-
-
-def _check(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise RequestError(f"{name} is {value}, valid: {low:g} to {high:g}")

@@ -82,13 +82,13 @@ class FlatProposer:
         """Layouts of as many objects as wished for.
 
         Raises:
-            RequestError: If an outline or a scene to complete is given: the paper has neither.
+            RequestError: If an outline or a scene is given: the paper has neither.
         """
         for request in requests:
-            if request.complete is not None or request.outline_m is not None:
+            if request.given is not None or request.outline_m is not None:
                 raise RequestError(
-                    "outline and scene to complete are given with the paper's preset, "
-                    "valid: neither; --preset default takes them"
+                    "an outline or a scene is given with the paper's preset, valid: neither; "
+                    "--preset default takes them"
                 )
         counts = [(wish.n_coarse, wish.n_fine) for wish in wishes]
         batch = empty_flat_batch(wishes, counts).to(self._device)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import torch
 from jaxtyping import Bool
@@ -11,6 +13,7 @@ from aeroscene.learning.program.kinds import theme_of
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.bucket import bucket
 from aeroscene.learning.writer.config import WriterError
+from aeroscene.learning.writer.furnishing import Furnishing
 from aeroscene.learning.writer.growth import Choice, Growth
 from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
 from aeroscene.learning.writer.model import Memory, Writer
@@ -23,7 +26,7 @@ def draw_program(
     syntax: Syntax,
     wish: Wish,
     rng: np.random.Generator,
-    kept: Growth | None = None,
+    given: Furnishing | None = None,
     theme: str | None = None,
 ) -> Growth:
     """A program as wished for.
@@ -33,19 +36,21 @@ def draw_program(
         syntax: What it keeps to.
         wish: Domain and numbers of objects, about.
         rng: Draws all of it.
-        kept: A growth with a coarse part, which is furnished; None where the writer draws one.
+        given: A part that is given, which is furnished; None where the writer draws all.
         theme: What the place is; None for any.
 
     Raises:
         WriterError: If it never saw a scene of the domain, or of the theme.
     """
-    growth = kept or Growth(syntax, _scene_kind(syntax, wish, theme, rng), wish)
     draw = _Draw(writer, syntax, wish, rng)
-    if kept is not None:
+    if given is None:
+        growth = Growth(syntax, _scene_kind(syntax, wish, theme, rng), wish)
+    else:
+        growth = given.growth
         draw.read(growth)
         growth.end()
     while not growth.is_done:
-        draw.step(growth)
+        draw.step(growth, given)
     return growth
 
 
@@ -71,6 +76,18 @@ def _scene_kind(syntax: Syntax, wish: Wish, theme: str | None, rng: np.random.Ge
     return fitting[int(rng.choice(len(fitting), p=counts / counts.sum()))]
 
 
+class _Next(NamedTuple):
+    """What comes after an element; at depth 0 the part ends."""
+
+    depth: int
+    kind: int | None
+    local: Tensor | None
+    """What the network knows there."""
+
+
+_END = _Next(0, None, None)
+
+
 class _Draw:
     """The network's memory of one program."""
 
@@ -86,14 +103,24 @@ class _Draw:
         self._kin: list[Bool[np.ndarray, " t"]] = []
         self._is_fine = False
 
-    def step(self, growth: Growth) -> None:
-        """Draw what comes after the latest element."""
+    def step(self, growth: Growth, given: Furnishing | None = None) -> None:
+        """Draw what comes after the latest element; what is given comes back in its turn."""
+        is_closed = given is not None and given.is_closed()
+        depth, kind, local = _END if is_closed else self._next(growth)
+        if depth < 2 and given is not None and given.comes_first(kind):
+            given.put_back()
+        elif kind is None or local is None:
+            growth.end()
+        else:
+            growth.add(depth, self._choice(kind, local))
+
+    def _next(self, growth: Growth) -> _Next:
+        """The depth and the kind of the token after the latest element."""
         self.read(growth)
         known = self._known[-1]
         depth = self._choose(self._writer.depth(known), growth.allowed_depths())
         if depth == 0:
-            growth.end()
-            return
+            return _END
         above = growth.parent_at(depth)
         recent, n_siblings = recent_of(growth, above)
         local = self._writer.local(
@@ -108,10 +135,14 @@ class _Draw:
         kind = self._choose(
             self._writer.kind_logits(local, self._table), growth.allowed_kinds(depth)
         )
+        return _Next(depth, kind, local)
+
+    def _choice(self, kind: int, local: Tensor) -> Choice:
+        """A token of a kind with its member, host and shape."""
         rest = self._writer.rest_logits(local, self._tensor([kind]), self._table)
         member, host, shape = (self._choose(logits) for logits in rest)
         is_group = self._syntax.vocabulary.kinds[kind].is_group
-        growth.add(depth, Choice(kind, member, host, shape if is_group else 0))
+        return Choice(kind, member, host, shape if is_group else 0)
 
     def read(self, growth: Growth) -> None:
         """Read the elements that are new."""

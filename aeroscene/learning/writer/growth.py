@@ -188,14 +188,6 @@ class Growth:
         return allowed
 
 
-def coarse_growth(syntax: Syntax, program: Program, wish: Wish) -> Growth:
-    """The growth of a program's coarse part, before it ends."""
-    written = _Written(syntax, program, wish)
-    for token in range(1, program.n_coarse):
-        written.grow(token)
-    return written.growth
-
-
 def replay(
     syntax: Syntax, program: Program, wish: Wish
 ) -> tuple[Growth, list[tuple[int, Choice | None]]]:
@@ -204,7 +196,7 @@ def replay(
     Returns:
         The growth at its end; for each element the depth that comes next and, from 1, the choice.
     """
-    written = _Written(syntax, program, wish)
+    written = Written(syntax, program, wish)
     growth = written.growth
     said: list[tuple[int, Choice | None]] = [
         written.grow(token) for token in range(1, program.n_coarse)
@@ -221,7 +213,7 @@ def replay(
     return growth, said
 
 
-class _Written:
+class Written:
     """A program that is known, token by token."""
 
     def __init__(self, syntax: Syntax, program: Program, wish: Wish) -> None:
@@ -231,10 +223,12 @@ class _Written:
         self._shapes = [vocabulary.nearest_shape(shape) for shape in program.shapes]
         self._parents = program.parent.tolist()
         self.growth = Growth(syntax, self._kinds[0], wish)
+        self.place_of = {0: 0}
+        """For each token of the program that has grown its place in the growth."""
 
     def grow(self, token: int) -> tuple[int, Choice]:
         """Add a token; its depth, and what it is."""
-        growth, above = self.growth, self._parents[token]
+        growth, above = self.growth, self.place_of[self._parents[token]]
         places = (growth.elements[element].token for element in growth.path)
         depth = 1 + next(depth for depth, place in enumerate(places) if place == above)
         choice = Choice(
@@ -243,10 +237,11 @@ class _Written:
             int(self._program.host[token]),
             self._shapes[token],
         )
+        self.place_of[token] = len(growth.kinds)
         growth.add(depth, choice)
         return depth, choice
 
     def is_next(self, token: int) -> bool:
         """Whether a token comes below what is being furnished."""
-        growth, above = self.growth, self._parents[token]
+        growth, above = self.growth, self.place_of.get(self._parents[token])
         return any(growth.elements[element].token == above for element in growth.path)

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import cv2
 import msgspec
@@ -10,6 +11,7 @@ import torch
 from safetensors.torch import load_file, safe_open, save_file
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.corpus.shipped import read_shipped
 from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.scene.io import read_scene, write_scene
@@ -72,7 +74,7 @@ def test_same_seeds_give_the_same_scenes_whatever_their_number(tmp_path, capsys)
     ]
     assert facts["seconds_per_scene"] > 0
     assert facts["failed"] == []
-    assert set(facts["stages"]) == {"guided", "feasible"}
+    assert set(facts["stages"]) == {"sampled", "feasible"}
     assert facts["stages"]["feasible"]["collision_rate"] < 0.01
     assert run(capsys, "--seed", 6, "--out", two)[0] == 0
     name = "aeroscene-0006.json"
@@ -170,16 +172,38 @@ def test_scenes_in_which_a_pilot_does_worst_are_kept(tmp_path, capsys, monkeypat
 
 
 def test_completed_scene_keeps_its_coarse_objects(tmp_path, capsys):
-    given = cached_scene(42)
-    write_scene(given, tmp_path / "given.json")
+    write_scene(cached_scene(42), tmp_path / "given.json")
+    given = read_scene(tmp_path / "given.json")
     out = tmp_path / "out"
     args = ("--seed", 9, "--complete", tmp_path / "given.json", "--out", out)
     assert run(capsys, *args)[0] == 0
     scene = read_scene(out / "aeroscene-0009.json")
-    coarse = sorted(obj.category for obj in given.objects if obj.is_coarse)
-    kept = sorted(obj.category for obj in scene.objects if obj.is_coarse)
-    assert len(set(coarse) & set(kept)) >= 0.9 * len(set(coarse))
-    assert abs(len(kept) - len(coarse)) <= 0.1 * len(coarse)
+    kept = [replace(obj, scene_id=given.scene_id) for obj in scene.objects if obj.is_coarse]
+    assert kept == [obj for obj in given.objects if obj.is_coarse]
+
+
+def test_region_of_a_scene_is_drawn_anew_and_the_rest_stays(tmp_path, capsys):
+    given, out = read_shipped(230), tmp_path / "out"
+    args = ("--seed", 9, "--redo", 230, "--region", "-8,-8,0,0", "--out", out, "--json")
+    status, text, errors = run(capsys, *args)
+    assert (status, errors) == (0, "")
+    assert json.loads(text)["scenes"] == [str(out / "aeroscene-0009.json")]
+    scene = read_scene(out / "aeroscene-0009.json")
+    assert scene.wishes == {"redo": given.scene_id, "region": "-8,-8,0,0"}
+    known = given.object_by_id
+    for obj in scene.objects:
+        x, y, _ = obj.bbox.p
+        if obj.id in known:
+            assert replace(obj, scene_id=given.scene_id) == known[obj.id]
+        else:
+            assert -8 <= x <= 0
+            assert -8 <= y <= 0
+    assert not set(scene.object_by_id) <= set(known)
+    left = {
+        obj.id for obj in given.objects if not (-8 <= obj.bbox.p[0] <= 0 >= obj.bbox.p[1] >= -8)
+    }
+    assert left <= set(scene.object_by_id)
+    assert validate(scene) == ()
 
 
 def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
@@ -222,6 +246,17 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
         (("--outline", "none.json"), "outline 'none.json' cannot be read"),
         (("--complete", "none.json"), "none.json"),
         (("--complete", "42", "--outline", "60,60"), "valid: one of the two"),
+        (("--complete", "42", "--domain", "indoor"), "domain is 'indoor' beside a scene to comp"),
+        (("--redo", "42"), "redo is '42' without --region, valid: the two together, such as"),
+        (("--region", "0,0,5,5"), "region is '0,0,5,5' without --redo, valid: the two together"),
+        (("--redo", "42", "--region", "0,0,5"), "region is '0,0,5', valid: X0,Y0,X1,Y1 in metres"),
+        (("--redo", "42", "--region", "0,0,5,5,2"), "region is '0,0,5,5,2', valid: X0,Y0,X1,Y1"),
+        (("--redo", "42", "--region", "a,0,5,5"), "region is 'a,0,5,5', valid: X0,Y0,X1,Y1"),
+        (("--redo", "42", "--region", "5,0,-5,5"), "region goes from 5 to -5 along x, valid: fin"),
+        (("--redo", "42", "--region", "0,0,inf,5"), "region goes from 0 to inf along x, valid: f"),
+        (("--redo", "42", "--region", "500,0,600,5"), "region 500,0,600,5 lies outside of scene"),
+        (("--redo", "none.json", "--region", "0,0,5,5"), "none.json"),
+        (("--redo", "42", "--region", "0,0,5,5", "--complete", "42"), "complete is 'aeroscene-00"),
         (("--progress", "strip.jpg"), "progress 'strip.jpg' is no .png file"),
         (("--domain", "sea"), "domain 'sea' is not valid; valid: "),
         (("--device", "cuda:9"), "device 'cuda:9' is not there, valid here: auto, cpu"),

@@ -38,7 +38,7 @@ from aeroscene.relations import Kind as RelationKind
 from aeroscene.relations import Unit
 from aeroscene.relations.hosts import AT_LEVELS, N_TURNS, turn_of
 from aeroscene.relations.relation import N_SIDES
-from aeroscene.scene import AttributeValue, OrientedBox, Scene
+from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject, Vector3
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
@@ -58,15 +58,14 @@ class DecodedProgram:
 
 def decode(program: Program, scene_id: str = "program", seed: int = 0) -> DecodedProgram:
     """The scene of a program, whatever its numbers; without interaction areas."""
-    builder = _Builder(program)
+    builder = Builder(program)
     builder.build()
     making = builder.making
     low, high = extent_of(making.objects, program.kinds[0].domain)
     objects = tuple(replace(obj, scene_id=scene_id) for obj in making.objects)
-    pad = next((obj for obj in objects if obj.attributes.get("is_start")), None)
-    start = (0.0, 0.0, 0.0) if pad is None else pad.bbox.p
-    top_m = 0.0 if pad is None else start[2] + pad.bbox.s[2] / 2
-    start = np.clip((start[0], start[1], round(top_m, 4)), low, high).tolist()
+    pad = start_pad(objects)
+    start = (0.0, 0.0, 0.0) if pad is None else top_of(pad)
+    start = np.clip(start, low, high).tolist()
     domain = program.kinds[0].domain
     scene = Scene(
         scene_id=scene_id,
@@ -75,7 +74,7 @@ def decode(program: Program, scene_id: str = "program", seed: int = 0) -> Decode
         extent_min_enu_m=low,
         extent_max_enu_m=high,
         start_position_enu_m=(start[0], start[1], start[2]),
-        start_yaw_rad=round(math.atan2(-start[1], -start[0]), 6),
+        start_yaw_rad=yaw_inwards(start),
         latitude_deg=LATITUDE_DEG,
         longitude_deg=LONGITUDE_DEG,
         altitude_m=ALTITUDE_M,
@@ -85,7 +84,23 @@ def decode(program: Program, scene_id: str = "program", seed: int = 0) -> Decode
     return DecodedProgram(scene=scene, object_ids=tuple(map(tuple, making.made)))
 
 
-class _Builder:
+def start_pad(objects: Sequence[SceneObject]) -> SceneObject | None:
+    """The pad from which flights start; None where there is none."""
+    return next((obj for obj in objects if obj.attributes.get("is_start")), None)
+
+
+def top_of(obj: SceneObject) -> Vector3:
+    """The middle of an object's upper face."""
+    x, y, z = obj.bbox.p
+    return x, y, round(z + obj.bbox.s[2] / 2, 4)
+
+
+def yaw_inwards(start: Sequence[float]) -> float:
+    """Heading from a place to the origin, rad."""
+    return round(math.atan2(-start[1], -start[0]), 6)
+
+
+class Builder:
     """Puts one object after the other."""
 
     def __init__(self, program: Program) -> None:
@@ -95,19 +110,25 @@ class _Builder:
         """Those with storeys, by what they are in."""
         self._slabs: list[tuple[int, OrientedBox]] = []
         """Upper slabs that were drawn of the building at hand, each with its token."""
+        self._n_given = 0
+        """Objects that stand as they are, and do not move."""
 
     def build(self) -> None:
-        """Everything, from the ground up: turn by turn, and object by object as it was read."""
+        """Everything, from the ground up: turn by turn, and object by object as it was read.
+
+        Where any objects are given, so are all that partitions make.
+        """
         making, kinds = self.making, self._program.kinds
-        for place in making.children[0]:
-            if kinds[place].node == "site":
-                add_site(making, place)
+        n_given = self._n_given = len(making.objects)
         n_built = 0
+        for place in making.children[0]:
+            if kinds[place].node == "site" and not n_given:
+                add_site(making, place)
         queue: list[int | None] = [None, *range(len(making.objects))]
         for turn in range(N_TURNS):
             for number, bearer in enumerate(queue):
                 before = len(making.objects)
-                if number >= n_built:
+                if number >= n_built and not n_given:
                     self._add_storeys(bearer)
                     n_built += 1
                 for place in making.below(bearer, "unit"):
@@ -119,8 +140,9 @@ class _Builder:
         objects = making.objects
         known = objects, boxes_of(objects), np.ones(len(objects), dtype=bool)
         for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
-            box = objects[row].bbox
-            making.move(row, replace(box, q=quat_from_yaw(box.yaw_rad + turn_rad)))
+            if row >= n_given:
+                box = objects[row].bbox
+                making.move(row, replace(box, q=quat_from_yaw(box.yaw_rad + turn_rad)))
 
     def _add_storeys(self, host: int | None) -> None:
         """Rooms and walls of the storeys in an object."""
@@ -244,7 +266,8 @@ class _Builder:
         taken = making.neighbours.taken(bearer, without=[table])
         own = making.objects[table].bbox
         within = None if bearer is None else making.outline(bearer)
-        shift = free_shift([own, *chairs], taken, within, ways_rad=None)
+        is_given = table < self._n_given
+        shift = None if is_given else free_shift([own, *chairs], taken, within, ways_rad=None)
         if shift is None:
             is_taken = clashing(chairs, taken)
             return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from aeroscene.feasibility.doors import air_of
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.decoding.neighbours import Neighbours
 from aeroscene.learning.program.kinds import CATEGORY_IDS
@@ -11,7 +13,19 @@ from aeroscene.learning.program.measures import site_rectangle
 from aeroscene.learning.program.program import Program
 from aeroscene.relations.hosts import Standing
 from aeroscene.relations.plane import Rectangle, footprint
-from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject
+from aeroscene.relations.relation import Kind
+from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """Objects that stand as they are, whatever a program says of them."""
+
+    scene: Scene
+    object_ids: Mapping[int, tuple[int, ...]]
+    """Those of each token that stands for any; some may have no token."""
+    first_id: int = 0
+    """Least id of what is new; ids of objects that have gone are not used again."""
 
 
 @dataclass(eq=False)
@@ -32,6 +46,45 @@ class Making:
         """The token of each object, and which of the token's objects it is."""
         heads = [i for i in self.children[0] if self.program.kinds[i].node == "site"]
         self._site = site_rectangle(self.program.channels[heads[0]] if heads else None)
+
+    def begin_with(self, given: Given) -> None:
+        """Let objects stand that are given, in the order of their scene."""
+        number_of: dict[int | None, int | None] = {None: None}
+        for number, obj in enumerate(given.scene.objects):
+            number_of[obj.id] = number
+            parent = number_of[obj.parent_id]
+            self.objects.append(replace(obj, id=number, parent_id=parent))
+            self.neighbours.add(obj.bbox, obj.category, parent)
+            self._place_of.append((None, 0))
+            air = air_of(obj.bbox, obj.attributes) if obj.category == "wall" else None
+            if air is not None:
+                self.neighbours.add_air(air)
+        for place in range(len(self.program)):
+            for object_id in given.object_ids.get(place, ()):
+                number = number_of[object_id]
+                assert number is not None
+                self._place_of[number] = place, len(self.made[place])
+                self.made[place].append(number)
+                bearer, category_id = self._bearer(place), self.objects[number].category_id
+                table = self._table(place, category_id, bearer)
+                self.standing.add(number, category_id, bearer, table)
+
+    def _bearer(self, place: int) -> int | None:
+        """The object that bears those of a token: of the first token above that stands for any."""
+        while place:
+            member, place = int(self.program.member[place]), int(self.program.parent[place])
+            if self.made[place]:
+                return self.made[place][min(member, len(self.made[place]) - 1)]
+        return None
+
+    def _table(self, place: int, category_id: int, bearer: int | None) -> int | None:
+        """The table of chairs that are given."""
+        kind = self.program.kinds[place]
+        if kind.relation != Kind.SEAT.name:
+            return None
+        hosts = self.standing.possible_hosts(Kind.SEAT, category_id, bearer)
+        rank = int(self.program.host[place])
+        return hosts[rank] if rank < len(hosts) else None
 
     def below(self, bearer: int | None, node: str) -> list[int]:
         """Tokens of a node on an object; on the last of its token those of objects not there."""

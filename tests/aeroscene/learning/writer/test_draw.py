@@ -12,7 +12,8 @@ from aeroscene.learning.writer.batch import lesson_batch
 from aeroscene.learning.writer.config import WriterError
 from aeroscene.learning.writer.draw import _Draw, draw_program
 from aeroscene.learning.writer.examples import written
-from aeroscene.learning.writer.growth import coarse_growth, replay
+from aeroscene.learning.writer.furnishing import Furnishing
+from aeroscene.learning.writer.growth import replay
 from aeroscene.learning.writer.lesson import lesson_of
 
 
@@ -57,9 +58,15 @@ def test_draws_keep_the_syntax_and_are_the_same_again(language, writer, wish):
 
 def test_what_is_kept_comes_first_and_is_furnished(corpus, language, writer, rng):
     program, wish = corpus[0][2].program, corpus[1][2]
-    kept = coarse_growth(language.syntax, program, wish)
-    before = list(kept.kinds)
-    grown = draw_program(writer, language.syntax, wish, rng, kept)
+    coarse = replace(
+        program,
+        kinds=program.kinds[: program.n_coarse],
+        shapes=program.shapes[: program.n_coarse],
+        parent=program.parent[: program.n_coarse],
+    )
+    given = Furnishing(language.syntax, coarse, wish)
+    before = list(given.growth.kinds)
+    grown = draw_program(writer, language.syntax, wish, rng, given)
     assert grown.n_coarse == len(before)
     assert grown.kinds[: len(before)] == before
     assert len(grown.kinds) > len(before)

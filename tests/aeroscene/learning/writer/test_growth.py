@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from aeroscene.learning.writer.growth import Choice, coarse_growth, replay
+from aeroscene.learning.writer.furnishing import Furnishing
+from aeroscene.learning.writer.growth import Choice, Growth, replay
 from aeroscene.learning.writer.syntax import required_children
 
 
 def steps(syntax, program, wish):
     """A program token by token: what was allowed before each, and what came."""
-    _, said = replay(syntax, program, wish)
-    growth = coarse_growth(syntax, program.with_channels(program.channels), wish)
-    again = type(growth)(syntax, growth.kinds[0], wish)
+    whole, said = replay(syntax, program, wish)
+    again = Growth(syntax, whole.kinds[0], wish)
     for depth, choice in said:
         yield again, depth, choice
         if choice is None:
@@ -33,7 +33,7 @@ def test_masks_allow_what_programs_say(corpus, language, number):
 
 def test_coarse_part_grows_to_the_tokens_that_are_coarse(corpus, language):
     program, wish = corpus[0][0].program, corpus[1][0]
-    growth = coarse_growth(language.syntax, program, wish)
+    growth = Furnishing(language.syntax, program, wish).growth
     assert len(growth.kinds) == growth.n_coarse == program.n_coarse
     assert growth.parents == program.parent[: program.n_coarse].tolist()
 

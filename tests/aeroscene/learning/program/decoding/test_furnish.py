@@ -1,0 +1,59 @@
+"""Programs decoded beside objects that stand already."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from aeroscene.learning.program import encode
+from aeroscene.learning.program.decoding.furnish import furnish
+from aeroscene.learning.program.decoding.making import Given
+from tests.aeroscene.conftest import cached_scene
+
+
+def with_given(number, is_given):
+    """A scene's program, of which the objects that are chosen are given; and the scene."""
+    scene = cached_scene(number)
+    encoded = encode(scene)
+    kept = tuple(obj for obj in scene.objects if is_given(obj))
+    known = {obj.id for obj in kept}
+    ids = {token: own for token, own in enumerate(encoded.object_ids) if own and set(own) <= known}
+    kept = tuple(obj for obj in kept if any(obj.id in own for own in ids.values()))
+    given = Given(replace(scene, objects=kept, interaction_areas=()), ids)
+    return scene, given, encoded.program
+
+
+@pytest.mark.parametrize("number", [7, 42, 311])
+def test_what_is_all_given_is_what_comes_out(number):
+    scene, given, program = with_given(number, lambda _: True)
+    made = furnish(program, given, scene.scene_id, scene.seed)
+    assert made.objects == scene.objects
+    assert made.start_position_enu_m == scene.start_position_enu_m
+
+
+@pytest.mark.parametrize("number", [7, 42, 311])
+def test_fine_objects_come_back_beside_given_coarse_ones(number):
+    scene, given, program = with_given(number, lambda obj: obj.is_coarse)
+    made = furnish(program, given, "again", 5)
+    n = len(given.scene.objects)
+    assert [replace(o, scene_id=scene.scene_id) for o in made.objects[:n]] == list(
+        given.scene.objects
+    )
+    assert (made.scene_id, made.seed) == ("again", 5)
+    assert min(obj.id for obj in made.objects[n:]) > max(obj.id for obj in given.scene.objects)
+    wanted = np.array([obj.bbox.p for obj in scene.objects if not obj.is_coarse])
+    found = np.array([obj.bbox.p for obj in made.objects[n:]])
+    assert len(found) == len(wanted)
+    away_m = np.linalg.norm(found[:, None] - wanted, axis=2).min(axis=1)
+    assert np.median(away_m) < 0.01
+    assert (away_m < 0.3).mean() > 0.97
+
+
+def test_a_given_table_stays_when_chairs_are_drawn_up():
+    scene, given, program = with_given(311, lambda obj: obj.category != "chair")
+    made = furnish(program, given, scene.scene_id, scene.seed)
+    n = len(given.scene.objects)
+    assert made.objects[:n] == given.scene.objects
+    assert {obj.category for obj in made.objects[n:]} == {"chair"}
