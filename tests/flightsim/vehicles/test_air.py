@@ -39,14 +39,30 @@ def test_arms_and_legs_add_drag_along_every_axis(name):
     assert np.all(whole > 1.3 * bare)
 
 
-def test_arms_from_above_are_round_bars():
-    """Across the flow, CdA is 1.1 d l of what sticks out of the fuselage."""
-    frame = replace(IRIS, body_size_m=(0.0, 0.0, 0.0), leg_length_m=0.009, leg_spread_m=1e-9)
-    with np.errstate(invalid="ignore"):
-        area_m2 = frame_drag(frame, has_arms=True) / (0.5 * 1.225)
-    arms_m = sum(math.hypot(*r.position_flu_m[:2]) for r in IRIS.quadrotor.rotors)
-    legs_m = 0.7 * 4 * 1e-9
-    assert area_m2[2] == pytest.approx(1.1 * (0.020 * arms_m + 0.018 * legs_m), rel=1e-6)
+def without_legs(name, **more):
+    return replace(AIRFRAMES[name], leg_length_m=0.009, leg_spread_m=1e-9, **more)
+
+
+def area_m2(airframe):
+    return frame_drag(airframe, has_arms=True) / (0.5 * 1.225)
+
+
+def test_arms_are_round_bars_at_an_angle_to_the_flow():
+    """CdA is 1.1 d l sin^3: all of it from above, from ahead by the angle of the arm."""
+    area = area_m2(without_legs("iris", body_size_m=(0.0, 0.0, 0.0)))
+    hubs = np.array([rotor.position_flu_m for rotor in IRIS.quadrotor.rotors])
+    length_m = np.hypot(hubs[:, 0], hubs[:, 1])
+    motors = 0.7 * 2.0 * 0.018 * hubs[:, 2].sum()
+    assert area[2] == pytest.approx(1.1 * 0.020 * length_m.sum(), rel=1e-6)
+    ahead = 1.1 * 0.020 * np.sum(length_m * np.abs(hubs[:, 1] / length_m) ** 3)
+    assert area[0] == pytest.approx(ahead + motors, rel=1e-6)
+
+
+def test_only_what_sticks_out_of_the_fuselage_counts():
+    """The Hummingbird's arms lie along x and y: from ahead, two of them show 0.115 m each."""
+    area = area_m2(without_legs("hummingbird"))
+    box, arms, motors = 1.05 * 0.11 * 0.06, 1.1 * 0.020 * 2.0 * 0.115, 0.7 * 4.0 * 0.036 * 0.0095
+    assert area[0] == pytest.approx(box + arms + motors, rel=1e-6)
 
 
 @given(st.floats(0.0, 10.0), st.floats(0.0, 10.0))
