@@ -30,7 +30,7 @@ _PRESSURE_GRADIENT_PAPM = 11.6
 
 _USUAL_CURRENT_A = 15.0
 """Current of the motors in hover."""
-_DISTURBANCE_LASTS_S = 10.0
+_DISTURBANCE_LASTS_S = 6.0
 """Correlation time of the disturbance of the heading by motors, and by steel that is flown past."""
 
 _AIDED_BY = {"gnss": ("gnss", "auto"), "vio": ("vio", "auto"), "mocap": ("mocap",)}
