@@ -8,6 +8,7 @@ from typing import Literal, Self
 
 from aeroscene.scene import Scene
 from flightsim.autopilot.autopilot import Autopilot
+from flightsim.environment.effects import Effects
 from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.parameters import follow_parameters, wind_parameters
 from flightsim.environment.traffic import TrafficCfg
@@ -54,6 +55,8 @@ class TestbenchCfg:
     """Movers besides the vehicle, such as people=3,cars=2,drones=1."""
     depth_camera: Literal["exact", "d435", "d455"] = "exact"
     """Depth of the cameras: exact, or with the errors of a RealSense D435 or D455."""
+    without: str = ""
+    """Effects of the physics to leave out, such as ground,ceiling; docs/physics.md names them."""
     speed: float | Literal["max"] = 1.0
     """Simulated seconds per wall second, or max for as fast as it goes."""
     instance: int = 0
@@ -64,7 +67,7 @@ class TestbenchCfg:
     def __post_init__(self) -> None:
         """Refuse invalid settings before anything is built."""
         airframe_by_name(self.vehicle)
-        _ = self.wind_cfg, self.traffic_cfg
+        _ = self.wind_cfg, self.traffic_cfg, self.effects
         if self.speed != "max" and not 0.0 < self.speed < float("inf"):
             raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
         if not 0 <= self.instance < MAX_INSTANCES:
@@ -96,6 +99,15 @@ class TestbenchCfg:
             TrafficError: If it is invalid.
         """
         return TrafficCfg.parse(self.traffic, self.seed)
+
+    @property
+    def effects(self) -> Effects:
+        """Physics of these settings.
+
+        Raises:
+            EffectError: If there is no effect of a name.
+        """
+        return Effects.without(self.without)
 
 
 class Testbench:
@@ -139,7 +151,14 @@ class Testbench:
             self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
         self.plant = Plant(
-            self.world, PlantCfg(seed=cfg.seed, gnss=cfg.gnss, aiding=cfg.aiding, wind=cfg.wind_cfg)
+            self.world,
+            PlantCfg(
+                seed=cfg.seed,
+                gnss=cfg.gnss,
+                aiding=cfg.aiding,
+                wind=cfg.wind_cfg,
+                effects=cfg.effects,
+            ),
         )
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from autonomy.estimation.error_state import ACCEL_BIAS, ATTITUDE, BARO_OFFSET, GNSS_WANDER, N_STATES
-from autonomy.estimation.fusion import correlate_with_wander
+from autonomy.estimation.fusion import correlate_with_wander, relative_field_excess
 from autonomy.estimation.past import restart_past
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, quat_from_rotation_vector, quat_multiply
@@ -125,6 +125,10 @@ def _start_covariance(f: np.record) -> None:
             P[yaw, j] = leak * (field[0] * P[ATTITUDE, j] + field[1] * P[ATTITUDE + 1, j])
             P[j, yaw] = P[yaw, j]
     P[yaw, yaw] += leak * (field[0] * P[yaw, ATTITUDE] + field[1] * P[yaw, ATTITUDE + 1])
+    for i in range(3):
+        f.mag_sum[i] /= f.n_mag
+    f.field_excess = relative_field_excess(f, f.mag_sum)
+    P[yaw, yaw] += f.field_excess * f.field_excess
 
 
 @kernel

@@ -37,7 +37,12 @@ class EstimatorCfg:
     """Random walk by weather and warming up, m/s/sqrt(Hz)."""
     baro_sigma_m: float = 0.15
     heading_sigma_rad: float = 0.03
-    """Standard deviation of one magnetometer sample."""
+    """Standard deviation of the noise of one magnetometer sample."""
+    heading_disturbance_rad: float = 0.0
+    """Standard deviation of what steel and currents add to the heading; a field of another strength
+    than the Earth's adds to it."""
+    heading_disturbance_samples: float = 0.0
+    """Number of samples that share a disturbance, which their mean does not lessen."""
     gate_sigma: float = 5.0
     """Innovations beyond this many standard deviations are rejected."""
     max_gnss_rejections: int = 20

@@ -120,6 +120,9 @@ FILTER_DTYPE = np.dtype(
         ("baro_offset_variance_rate", "f8"),
         ("baro_variance_m2", "f8"),
         ("heading_variance_rad2", "f8"),
+        ("heading_disturbance_rad", "f8"),
+        ("heading_disturbance_samples", "f8"),
+        ("field_excess", "f8"),  # low-passed, over the horizontal field
         ("gate_sigma", "f8"),
         ("max_gnss_rejections", "i8"),
         ("wander_variance_m2", "f8", 3),
@@ -138,6 +141,8 @@ FILTER_DTYPE = np.dtype(
         ("drag_rotor_mps_per_rad", "f8", 4),
         ("drag_fuselage_per_m", "f8", 2),
         ("thrust_m", "f8", 4),
+        ("drag_accel_sum", "f8", 2),  # specific force along x and y since the last use
+        ("n_drag_accel", "i8"),
         ("range_variance_m2", "f8"),
         ("terrain_slope", "f8"),
         ("field_enu_ut", "f8", 3),

@@ -25,6 +25,7 @@ from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, wrap_angle
 
 _GNSS_POSITION, _GNSS_VELOCITY, _BARO, _HEADING = 0, 1, 2, 3  # rows of MEASUREMENTS
+_FIELD_SMOOTHING = 0.04  # of a sample of the field's strength: half a second at 50 Hz
 
 
 @kernel
@@ -174,6 +175,23 @@ def heading_innovation(f: np.record, field_flu_ut: np.ndarray) -> float:
 
 @kernel
 def fuse_magnetometer(f: np.record, field_flu_ut: np.ndarray) -> None:
-    """Fuse the heading of a measured field; the tilt stays with gravity and GNSS."""
+    """Fuse the heading of a measured field; the tilt stays with gravity and GNSS.
+
+    The less its strength is the Earth's, the less it is believed: steel or currents disturb it.
+    """
+    excess = relative_field_excess(f, field_flu_ut)
+    f.field_excess += _FIELD_SMOOTHING * (excess - f.field_excess)
+    slow = f.heading_disturbance_rad * f.heading_disturbance_rad + f.field_excess * f.field_excess
+    variance = f.heading_variance_rad2 + f.heading_disturbance_samples * slow
     innovation = heading_innovation(f, field_flu_ut)
-    f.ratio_heading = scalar_update(f, _HEADING, innovation, f.heading_variance_rad2)
+    f.ratio_heading = scalar_update(f, _HEADING, innovation, variance)
+
+
+@kernel
+def relative_field_excess(f: np.record, field_flu_ut: np.ndarray) -> float:
+    """Strength of a field (3,) beyond the model's, over the model's horizontal part."""
+    square = model = 0.0
+    for i in range(3):
+        square += field_flu_ut[i] * field_flu_ut[i]
+        model += f.field_enu_ut[i] * f.field_enu_ut[i]
+    return (math.sqrt(square) - math.sqrt(model)) / math.hypot(f.field_enu_ut[0], f.field_enu_ut[1])

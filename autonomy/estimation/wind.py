@@ -25,9 +25,23 @@ _LEAST_LOAD = 0.5
 
 @kernel
 def fuse_drag(f: np.record, accel_flu_mps2: np.ndarray, rotor_speed_radps: np.ndarray) -> None:
-    """Fuse the specific force (3,) of the present tick, for rotors at these speeds (4,)."""
-    if f.drag_ticks == 0 or f.tick % f.drag_ticks != 0:
+    """Add the specific force (3,) of the present tick; fuse its mean when a use is due.
+
+    The mean since the last use takes out most of the vibration by rotors at these speeds (4,).
+    """
+    if f.drag_ticks == 0:
         return
+    f.n_drag_accel += 1
+    for i in range(2):
+        f.drag_accel_sum[i] += accel_flu_mps2[i]
+    if f.tick % f.drag_ticks == 0:
+        _fuse_mean(f, rotor_speed_radps)
+        f.n_drag_accel = 0
+        f.drag_accel_sum[:] = 0.0
+
+
+@kernel
+def _fuse_mean(f: np.record, rotor_speed_radps: np.ndarray) -> None:
     thrust = linear = 0.0
     for k in range(4):
         thrust += f.thrust_m[k] * rotor_speed_radps[k] * rotor_speed_radps[k]
@@ -37,7 +51,7 @@ def fuse_drag(f: np.record, accel_flu_mps2: np.ndarray, rotor_speed_radps: np.nd
     for i in range(2):
         f.covariance[WIND + i, WIND + i] += f.wind_variance_rate * f.drag_ticks * f.dt_s
     for i in range(2):
-        _fuse_axis(f, i, accel_flu_mps2[i], linear)
+        _fuse_axis(f, i, f.drag_accel_sum[i] / f.n_drag_accel, linear)
 
 
 @kernel

@@ -3,7 +3,9 @@
 A gust is a "one minus cosine" bump, v(t) = A / 2 (1 - cos(2 pi t / D)) for 0 <= t <= D
 (CS-25.341, there over the distance flown), along the wind.
 
-No wind blows in a room; within a metre of its walls and doors it grows to the outside wind.
+Among buildings the steady wind and its gusts follow the flow around them
+(`flightsim.environment.shelter`). No wind blows in a room; within a metre of its walls and doors it
+grows to the outside wind.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from autonomy.jit import fields, kernel
 from autonomy.types import ZERO3, Vector3
 from flightsim.environment.dryden import N_NORMALS, N_STATES, stationary_states, step_turbulence
 from flightsim.environment.rooms import exposure
+from flightsim.environment.shelter import flow_at
 
 MAX_WIND_MPS = 30.0
 MAX_TURBULENCE_MPS = 5.0
@@ -143,7 +146,10 @@ AIR_DTYPE = np.dtype(
     [
         ("is_steady", "i8"),  # nothing to do in a tick
         ("first_normal", "i8"),  # of its block among the plant's normals
+        ("is_sheltered", "i8"),  # by buildings
         *fields("dt_s", "gust_clock_s", *_TAKEN_OVER),
+        *fields("speed_mps", "up_mps", "shelter_cell_m"),
+        *fields("shelter_origin_enu_m", "flow", shape=(3,)),  # velocity over the open wind's
         ("steady_enu_mps", "f8", 3),
         ("axis_enu", "f8", 2),
         ("states", "f8", N_STATES),
@@ -167,17 +173,22 @@ def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
     return airs
 
 
-def set_wind(air: np.void, cfg: WindCfg, *, has_rooms: bool = False) -> None:
+def set_wind(
+    air: np.void, cfg: WindCfg, *, has_rooms: bool = False, is_sheltered: bool = False
+) -> None:
     """Change the wind from the next tick on; the clock of the gusts restarts.
 
     Args:
         air: Record of `AIR_DTYPE`, changed.
         cfg: Wind under the open sky.
         has_rooms: Whether there are rooms without wind.
+        is_sheltered: Whether the field of buildings holds for this direction.
     """
     is_steady = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
     is_still = cfg.steady_enu_mps == ZERO3
-    air["is_steady"] = is_steady and (is_still or not has_rooms)
+    air["is_steady"] = is_steady and (is_still or not (has_rooms or is_sheltered))
+    air["is_sheltered"] = is_sheltered
+    air["speed_mps"], air["up_mps"] = cfg.speed_mps, cfg.up_mps
     air["steady_enu_mps"] = cfg.steady_enu_mps
     air["axis_enu"] = cfg.axis_enu
     for name in _TAKEN_OVER:
@@ -191,6 +202,7 @@ def move_air(
     position_enu_m: np.ndarray,
     velocity_enu_mps: np.ndarray,
     rooms: np.ndarray,
+    shelter: np.ndarray,
     normals: np.ndarray,
     wind_enu_mps: np.ndarray,
 ) -> None:
@@ -201,6 +213,7 @@ def move_air(
         position_enu_m: True position of the vehicle; its height is above the ground plane.
         velocity_enu_mps: True velocity.
         rooms: Rooms without wind (n, 8), see `flightsim.environment.rooms`.
+        shelter: Velocity over the open wind's (nx, ny, nz, 3), where the air is sheltered.
         normals: Standard normals (5,).
         wind_enu_mps: Velocity of the air (3,), written.
     """
@@ -224,12 +237,22 @@ def move_air(
     else:
         air.turbulence_wind_mps[:] = 0.0
     air.gust_clock_s += air.dt_s
-    along = air.turbulence_wind_mps[0] + _gust(air)
-    left = air.turbulence_wind_mps[1]
-    share = exposure(rooms, position_enu_m)
-    wind_enu_mps[0] = share * (steady[0] + along * air.axis_enu[0] - left * air.axis_enu[1])
-    wind_enu_mps[1] = share * (steady[1] + along * air.axis_enu[1] + left * air.axis_enu[0])
-    wind_enu_mps[2] = share * (steady[2] + air.turbulence_wind_mps[2])
+    along, left, up = air.turbulence_wind_mps
+    share, mean, flow = exposure(rooms, position_enu_m), air.speed_mps + _gust(air), air.flow
+    _follow_buildings(air, position_enu_m, shelter)
+    wind_enu_mps[0] = share * (mean * flow[0] + along * air.axis_enu[0] - left * air.axis_enu[1])
+    wind_enu_mps[1] = share * (mean * flow[1] + along * air.axis_enu[1] + left * air.axis_enu[0])
+    wind_enu_mps[2] = share * (mean * flow[2] + air.up_mps + up)
+
+
+@kernel
+def _follow_buildings(air: np.record, position_enu_m: np.ndarray, shelter: np.ndarray) -> None:
+    """Set the flow at a position: the open wind's but near buildings."""
+    if air.is_sheltered == 1 and flow_at(
+        shelter, air.shelter_origin_enu_m, air.shelter_cell_m, position_enu_m, air.flow
+    ):
+        return
+    air.flow[0], air.flow[1], air.flow[2] = air.axis_enu[0], air.axis_enu[1], 0.0
 
 
 @kernel

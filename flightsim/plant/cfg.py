@@ -9,6 +9,7 @@ from typing import Literal
 from autonomy.control import ControllerCfg
 from autonomy.estimation import EstimatorCfg
 from autonomy.model.quadrotor import GRAVITY_MPS2
+from flightsim.environment.effects import ALL_EFFECTS, Effects
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.wind import CALM, WindCfg
 from flightsim.plant.sensing import SENSORS
@@ -26,6 +27,11 @@ ADVANCE_HZ = 50
 
 _PRESSURE_GRADIENT_PAPM = 11.6
 """Pressure gradient of the standard atmosphere near 400 m above the sea."""
+
+_USUAL_CURRENT_A = 15.0
+"""Current of the motors in hover."""
+_DISTURBANCE_LASTS_S = 6.0
+"""Correlation time of the disturbance of the heading by motors, and by steel that is flown past."""
 
 _AIDED_BY = {"gnss": ("gnss", "auto"), "vio": ("vio", "auto"), "mocap": ("mocap",)}
 
@@ -61,8 +67,10 @@ class PlantCfg:
     control_hz: int = 250
     """Rate of the IMU, the estimator and the controller."""
     wind: WindCfg = CALM
+    effects: Effects = ALL_EFFECTS
+    """What of the physics is on."""
     rotor_axial_limit_mps: float = 25.0
-    """Axial speed at which a rotor makes no thrust any more (PX4's model)."""
+    """Axial speed at which a rotor makes no thrust any more, by the loss at low speeds (PX4's)."""
     barometer: BarometerCfg = field(default_factory=BarometerCfg)
     magnetometer: MagnetometerCfg = field(default_factory=MagnetometerCfg)
     rangefinder: RangefinderCfg = field(default_factory=RangefinderCfg)
@@ -129,6 +137,11 @@ def estimator_cfg_for(plant: PlantCfg) -> EstimatorCfg:
         initial_gyro_bias_sigma_radps=gyro_noise,
         initial_accel_bias_sigma_mps2=max(imu.accel_turn_on_sigma_mps2, 5e-3),
         heading_sigma_rad=mag.noise_density * math.sqrt(mag.rate_hz) / horizontal_ut,
+        # Of a direction of chance, the part across the field turns the heading.
+        heading_disturbance_rad=mag.motor_ut_per_a
+        * _USUAL_CURRENT_A
+        / (math.sqrt(3.0) * horizontal_ut),
+        heading_disturbance_samples=2.0 * _DISTURBANCE_LASTS_S * mag.rate_hz,
         baro_sigma_m=1.05 * plant.barometer.noise_pa / _PRESSURE_GRADIENT_PAPM,
         gnss_wander_sigma_m=gnss.drift_sigma_m,
         gnss_wander_correlation_s=gnss.drift_correlation_s,

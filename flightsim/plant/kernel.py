@@ -14,6 +14,7 @@ from flightsim.environment.motion import move_traffic
 from flightsim.environment.wind import AIR_NORMALS, move_air
 from flightsim.plant.mujoco_calls import call_mj_step, doubles, integers
 from flightsim.plant.sensing import sense
+from flightsim.plant.surfaces import feel_surfaces
 from flightsim.vehicles.rotor_model import step_rotors
 
 
@@ -23,6 +24,8 @@ def advance(
     movers: np.ndarray,
     mover_points: np.ndarray,
     rooms: np.ndarray,
+    shelter: np.ndarray,
+    steel: np.ndarray,
     normals: np.ndarray,
     history: np.ndarray,
 ) -> None:
@@ -33,6 +36,8 @@ def advance(
         movers: `MOVER_DTYPE` (n,), a row for each moving obstacle.
         mover_points: Control points of their paths (k, 3).
         rooms: Without satellites and wind (n, 8), `flightsim.environment.rooms`.
+        shelter: Flow around buildings (nx, ny, nz, 3), `flightsim.environment.shelter`.
+        steel: Near the magnetometer (n, 5), `flightsim.environment.steel`.
         normals: Standard normals for one second, a block for each sensor and one for the air.
         history: `HISTORY_DTYPE`, a row for each control tick, written.
     """
@@ -40,15 +45,16 @@ def advance(
     e, f = p.engine, p.filter
     qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
     e.contact_ticks = 0
+    feel_surfaces(p.surfaces, e, p.rotors, qpos)
     for i in range(e.ticks_per_advance):
         _tell_state(p.state, e, f, qpos, qvel)
         control(p.controller, p.setpoint, p.state, e.has_new_setpoint == 1)
         e.has_new_setpoint = 0
-        _move_world(p, movers, mover_points, rooms, normals, qpos, qvel)
+        _move_world(p, movers, mover_points, rooms, shelter, normals, qpos, qvel)
         is_touching = _step_physics(e, p.rotors, p.controller, qpos, qvel)
         e.contact_ticks += is_touching
         e.tick += 1
-        sense(p, qpos, qvel, rooms, normals)
+        sense(p, qpos, qvel, rooms, steel, normals)
         if f.is_aligned == 0:
             align_when_ready(f)
         _log(history[i], p, qpos, qvel, is_touching)
@@ -77,6 +83,7 @@ def _move_world(
     movers: np.ndarray,
     mover_points: np.ndarray,
     rooms: np.ndarray,
+    shelter: np.ndarray,
     normals: np.ndarray,
     qpos: np.ndarray,
     qvel: np.ndarray,
@@ -85,7 +92,7 @@ def _move_world(
     e, air, n = p.engine, p.air, len(movers)
     first = air.first_normal + e.tick % e.tick_hz * AIR_NORMALS
     gusts = normals[first : first + AIR_NORMALS]
-    move_air(air, qpos[0:3], qvel[0:3], rooms, gusts, p.rotors.wind_enu_mps)
+    move_air(air, qpos[0:3], qvel[0:3], rooms, shelter, gusts, p.rotors.wind_enu_mps)
     if n > 0:
         move_traffic(
             p.traffic,

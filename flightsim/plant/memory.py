@@ -12,18 +12,26 @@ from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.motion import MOVER_DTYPE, new_movers, new_traffic, place_mover
 from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms
+from flightsim.environment.shelter import blocks_of, grid_for, kept_shelter
+from flightsim.environment.steel import STEEL_COLUMNS, steel_dipoles
 from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import ADVANCE_HZ, PlantCfg, estimator_cfg_for
 from flightsim.plant.mujoco_calls import function_addresses
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS
+from flightsim.plant.sky import new_sky
+from flightsim.plant.surfaces import new_surfaces
+from flightsim.sensors.gnss import GRADES
 from flightsim.sensors.sensor import NormalStream, SensorStart
+from flightsim.sensors.vibration import new_vibration
+from flightsim.vehicles.battery import amperes_per_cubed_speed
 from flightsim.vehicles.rotor_model import drag_model, new_rotors
 from flightsim.world import World
 
 # Numbers of the streams besides those in `SENSORS`; a number in use never changes.
-_AIR_STREAM, _FIRST_AIR_STREAM, _START_STREAM = 9, 10, 11
+_AIR_STREAM, _FIRST_AIR_STREAM, _START_STREAM, _VIBRATION_STREAM = 9, 10, 11, 13
+_SKY_STREAM = 14
 
 
 def example_arguments() -> tuple[np.ndarray, ...]:
@@ -33,6 +41,8 @@ def example_arguments() -> tuple[np.ndarray, ...]:
         np.zeros(1, MOVER_DTYPE),
         np.zeros((1, 3)),
         np.zeros((1, len(ROOM_COLUMNS))),
+        np.zeros((1, 1, 1, 3)),
+        np.zeros((1, len(STEEL_COLUMNS))),
         np.zeros(1),
         np.zeros(1, HISTORY_DTYPE),
     )
@@ -58,6 +68,10 @@ class PlantMemory:
         self.history = np.zeros(cfg.control_hz // ADVANCE_HZ, HISTORY_DTYPE)
         self.movers, self._mover_points = new_movers(world.obstacles)
         self._rooms = indoor_rooms(world.scene)
+        self._steel = steel_dipoles(world.scene)[: None if cfg.effects.steel else 0]
+        self._blocks = blocks_of(world.scene)[: None if cfg.effects.shelter else 0]
+        self._grid = grid_for(world.scene, self._blocks)
+        self._shelter = np.zeros((*self._grid.shape, 3))
         self._name_movers(world)
         self._connect(world, cfg, data)
         self._build_vehicle(world, cfg)
@@ -70,6 +84,8 @@ class PlantMemory:
             self.movers,
             self._mover_points,
             self._rooms,
+            self._shelter,
+            self._steel,
             self._normals,
             self.history,
         )
@@ -84,7 +100,10 @@ class PlantMemory:
     def set_wind(self, cfg: WindCfg) -> None:
         """Change the wind from the next advance on."""
         was_smooth = self.plant["air"]["turbulence_mps"] == 0.0
-        set_wind(self.plant["air"], cfg, has_rooms=len(self._rooms) > 0)
+        is_sheltered = len(self._blocks) > 0 and cfg.speed_mps + cfg.gust_mps > 0.0
+        if is_sheltered:
+            self._shelter[:] = kept_shelter(self._grid, self._blocks, cfg.axis_enu)
+        set_wind(self.plant["air"], cfg, has_rooms=len(self._rooms) > 0, is_sheltered=is_sheltered)
         self.plant["rotors"]["wind_enu_mps"] = cfg.steady_enu_mps
         if was_smooth and cfg.turbulence_mps > 0.0:
             self._air_stream.draw()
@@ -129,12 +148,21 @@ class PlantMemory:
         """Fill the records of the air, the rotors and the controller."""
         quadrotor, dt_s = world.airframe.quadrotor, 1.0 / cfg.control_hz
         self.plant["air"] = new_air(_generator(cfg, _FIRST_AIR_STREAM), dt_s=dt_s)[0]
+        self.plant["air"]["shelter_cell_m"] = self._grid.cell_m
+        self.plant["air"]["shelter_origin_enu_m"] = self._grid.origin_enu_m
         self.plant["traffic"] = new_traffic(dt_s)[0]
         self.plant["rotors"] = new_rotors(
-            quadrotor,
-            world.airframe.body_size_m,
+            world.airframe,
             dt_s=1.0 / cfg.physics_hz,
             axial_limit_mps=cfg.rotor_axial_limit_mps,
+            effects=cfg.effects,
+        )[0]
+        self.plant["surfaces"] = new_surfaces(cfg.effects)[0]
+        self.plant["vibration"] = new_vibration(
+            world.airframe,
+            _generator(cfg, _VIBRATION_STREAM),
+            dt_s=dt_s,
+            is_on=cfg.effects.vibration,
         )[0]
         gains = cfg.controller or controller_cfg_for(quadrotor)
         self.plant["controller"] = new_controller(quadrotor, gains, dt_s=dt_s)[0]
@@ -145,13 +173,19 @@ class PlantMemory:
             dt_s=dt_s,
             field_enu_ut=FIELD_ENU_UT,
             gravity_mps2=GRAVITY_MPS2,
-            drag=drag_model(quadrotor, world.airframe.body_size_m),
+            drag=drag_model(world.airframe, cfg.effects),
             start_enu_m=None if cfg.aiding == "gnss" else tuple(start.tolist()),
         )[0]
 
     def _switch_on(self, world: World, cfg: PlantCfg) -> None:
-        """Fill the records of the sensors, and give each its noise."""
-        bounds = [0]
+        """Fill the records of the sky and the sensors, and give each its noise."""
+        self.plant["sky"] = new_sky(
+            GRADES[cfg.gnss].constellations,
+            world.scene.latitude_deg,
+            _generator(cfg, _SKY_STREAM),
+            cfg.effects,
+        )[0]
+        bounds, amperes = [0], amperes_per_cubed_speed(world.airframe.battery)
         for sensor in SENSORS:
             start = SensorStart(
                 tick_hz=cfg.control_hz,
@@ -160,6 +194,7 @@ class PlantMemory:
                 velocity_enu_mps=self.qvel[:3],
                 quat_wxyz=self.qpos[3:7],
                 altitude_m=world.scene.altitude_m,
+                amperes_per_cubed_speed=amperes if cfg.effects.motor_field else 0.0,
             )
             self.plant[sensor.name] = sensor.new(sensor.cfg(cfg), start)[0]
             record = self.plant[sensor.name]

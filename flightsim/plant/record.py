@@ -10,6 +10,9 @@ from autonomy.jit import fields
 from flightsim.environment.motion import TRAFFIC_DTYPE
 from flightsim.environment.wind import AIR_DTYPE
 from flightsim.plant.sensing import SENSORS
+from flightsim.plant.sky import SKY_DTYPE
+from flightsim.plant.surfaces import SURFACES_DTYPE
+from flightsim.sensors.vibration import VIBRATION_DTYPE
 from flightsim.vehicles.rotor_model import ROTORS_DTYPE
 
 ENGINE_DTYPE = np.dtype(
@@ -52,6 +55,9 @@ PLANT_DTYPE = np.dtype(
     [
         ("engine", ENGINE_DTYPE),
         ("rotors", ROTORS_DTYPE),
+        ("surfaces", SURFACES_DTYPE),
+        ("vibration", VIBRATION_DTYPE),
+        ("sky", SKY_DTYPE),
         ("air", AIR_DTYPE),
         ("traffic", TRAFFIC_DTYPE),
         *((sensor.name, sensor.dtype) for sensor in SENSORS),

@@ -9,6 +9,7 @@ import numpy as np
 from autonomy.estimation.terrain import fuse_range
 from autonomy.jit import kernel
 from flightsim.plant.mujoco_calls import call_mj_ray
+from flightsim.plant.sky import look_up
 from flightsim.sensors.airspeed import AIRSPEED, AirspeedReading, sense_airspeed
 from flightsim.sensors.barometer import BAROMETER, BaroReading, sense_barometer
 from flightsim.sensors.gnss import GNSS, GnssReading, sense_gnss
@@ -17,6 +18,7 @@ from flightsim.sensors.magnetometer import MAGNETOMETER, MagReading, sense_magne
 from flightsim.sensors.mocap import MOCAP, sense_mocap
 from flightsim.sensors.rangefinder import RANGEFINDER, aim_ray, sample_rangefinder
 from flightsim.sensors.sensor import Sensor, is_due, noise
+from flightsim.sensors.vibration import shake
 from flightsim.sensors.vio import VIO, sense_vio
 
 SENSORS: tuple[Sensor, ...] = (
@@ -33,7 +35,12 @@ SENSORS: tuple[Sensor, ...] = (
 
 @kernel
 def sense(
-    p: np.record, qpos: np.ndarray, qvel: np.ndarray, rooms: np.ndarray, normals: np.ndarray
+    p: np.record,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    rooms: np.ndarray,
+    steel: np.ndarray,
+    normals: np.ndarray,
 ) -> None:
     """Let every sensor that is due measure, and the filter use the sample.
 
@@ -42,15 +49,19 @@ def sense(
         qpos: True pose (7,): position ENU, attitude wxyz.
         qvel: True velocity (6,): linear ENU, angular FLU.
         rooms: Rooms without satellite signals (n, 8).
+        steel: What disturbs the magnetometer (n, 5).
         normals: Standard normals of the present second for all sensors.
     """
     f, tick = p.filter, p.engine.tick
-    sense_imu(p.imu, f, tick, qpos, qvel, p.rotors.speed_radps, normals)
-    sense_gnss(p.gnss, f, tick, qpos, qvel, rooms, normals)
+    shake(p.vibration, p.rotors.speed_radps)
+    sense_imu(p.imu, f, tick, qpos, qvel, p.rotors.speed_radps, p.vibration, normals)
+    if is_due(p.gnss, tick):
+        look_up(p.sky, p.engine, qpos[0:3])
+    sense_gnss(p.gnss, f, tick, qpos, qvel, p.sky, rooms, normals)
     sense_vio(p.vio, f, tick, qpos, normals)
     sense_mocap(p.mocap, f, tick, qpos, normals)
     sense_barometer(p.baro, f, tick, qpos, normals)
-    sense_magnetometer(p.mag, f, tick, qpos, normals)
+    sense_magnetometer(p.mag, f, tick, qpos, p.rotors.speed_radps, steel, normals)
     _sense_range(p.range, f, p.engine, qpos, normals)
     sense_airspeed(p.airspeed, tick, qpos, qvel, p.rotors.wind_enu_mps, normals)
 

@@ -3,6 +3,10 @@
 The position error is a first-order Gauss-Markov process plus white noise; velocity has white
 noise. A fix is delivered `delay_s` after the time for which it is valid. In a room there is no
 fix; back under the sky the first one comes after `reacquire_s`, and its additional error decays.
+The same happens with fewer than four satellites in view (`flightsim.plant.sky`). All errors of
+position and velocity grow with the dilution of precision; with few satellites a receiver with
+corrections does not resolve their ambiguities, "float". Solids that hide satellites nearby reflect
+others: multipath, which wanders over seconds.
 """
 
 from __future__ import annotations
@@ -16,10 +20,21 @@ from autonomy.estimation.alignment import collect_fix
 from autonomy.estimation.fusion import fuse_gnss
 from autonomy.jit import fields, kernel
 from autonomy.types import Vector3
+from flightsim.environment.constellation import (
+    BEIDOU,
+    GALILEO,
+    GPS,
+    LEAST_SATELLITES,
+    Constellation,
+)
 from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, numbers
 
+_MULTIPATH_S = 5.0
+"""Correlation time of multipath of a receiver that flies past walls."""
+_FLOAT_TYPE = 5
+"""RTK float in MAVLink's GPS_FIX_TYPE."""
 N_GNSS_PAST = 64
 """IMU ticks that the receiver remembers; the longest delay."""
 
@@ -32,7 +47,6 @@ class GnssCfg:
     delay_s: float = 0.12
     fix_type: int
     """3 is a 3D fix, 6 is RTK fixed, as in MAVLink's GPS_FIX_TYPE."""
-    n_satellites: int
     drift_sigma_m: tuple[float, float]
     """Stationary standard deviation of the wandering position error."""
     drift_correlation_s: float = 60.0
@@ -45,6 +59,14 @@ class GnssCfg:
     take 1 to 2 s by their data sheets."""
     reacquired_sigma_m: float = 1.5
     """Additional white error of the first fix."""
+    constellations: tuple[Constellation, ...] = (GPS, GALILEO)
+    """What the receiver hears."""
+    least_fixed: int = 0
+    """Number of satellites below which corrections give metres less, not centimetres: float."""
+    float_sigma_m: float = 0.0
+    """White error of a float solution."""
+    multipath_sigma_m: float = 0.0
+    """Multipath with half of the sky hidden by things near."""
     settle_s: float = 1.5
     """Time in which that error falls to 1/e: below 1 cm after 8 s; the F9 has RTK fixed by its data
     sheet in less than 10 s."""
@@ -53,18 +75,22 @@ class GnssCfg:
 RTK = GnssCfg(
     rate_hz=10,
     fix_type=6,
-    n_satellites=18,
     drift_sigma_m=(0.03, 0.05),
     position_noise_m=(0.01, 0.02),
     velocity_noise_mps=(0.05, 0.08),
     reported_accuracy_m=(0.05, 0.08),
+    constellations=(GPS, GALILEO, BEIDOU),
+    # u-blox F9 integration manual: float is decimetres; ambiguities want some redundancy.
+    least_fixed=8,
+    float_sigma_m=0.3,
+    # A quarter of the 19 cm of the L1 carrier at most; half of that, as reflections are weaker.
+    multipath_sigma_m=0.024,
 )
 """A receiver with corrections whose antenna swings below a frame: decimetre grade."""
 
 STANDARD = GnssCfg(
     rate_hz=5,
     fix_type=3,
-    n_satellites=10,
     # u-blox M10 data sheet: 1.5 m CEP, which is 1.3 m along each axis. PX4's gazebo-classic
     # receiver wanders by 2.2 m and 4.4 m, and 0.2 m from one fix to the next.
     drift_sigma_m=(1.3, 2.2),
@@ -72,6 +98,8 @@ STANDARD = GnssCfg(
     position_noise_m=(2e-4 * math.sqrt(5.0), 4e-4 * math.sqrt(5.0)),
     velocity_noise_mps=(0.2, 0.4),
     reported_accuracy_m=(1.3, 2.2),
+    # Code multipath between buildings is some metres (Kaplan and Hegarty 2017, section 9.5).
+    multipath_sigma_m=3.0,
 )
 """A receiver without corrections: metre grade."""
 
@@ -93,6 +121,10 @@ def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
     r["reacquire_ticks"] = round(cfg.reacquire_s * start.tick_hz)
     r["settle_decay"] = math.exp(-1.0 / (cfg.settle_s * cfg.rate_hz))
     r["under_sky_ticks"] = r["reacquire_ticks"]
+    dt_s = 1.0 / cfg.rate_hz
+    r["multipath_decay"] = math.exp(-dt_s / _MULTIPATH_S)
+    r["multipath_samples"] = 2.0 * _MULTIPATH_S * cfg.rate_hz
+    r["dilution"] = 1.0
 
 
 @kernel
@@ -108,27 +140,52 @@ def follow_gnss(
 
 
 @kernel
-def hears_satellites(r: np.record, rooms: np.ndarray, position_enu_m: np.ndarray) -> bool:
+def hears_satellites(
+    r: np.record, sky: np.record, rooms: np.ndarray, position_enu_m: np.ndarray
+) -> bool:
     """Whether there is a fix at a true position, outside of all `rooms` (`ROOM_COLUMNS`)."""
-    if is_in_room(rooms, position_enu_m):
+    if is_in_room(rooms, position_enu_m) or sky.n_heard < LEAST_SATELLITES:
         r.under_sky_ticks = 0
         r.settling_sigma_m = r.reacquired_sigma_m
     return r.under_sky_ticks >= r.reacquire_ticks
 
 
 @kernel
+def suffer_sky(r: np.record, sky: np.record, normals: np.ndarray) -> None:
+    """Set what the satellites in view do to the next fix."""
+    r.n_heard = sky.n_heard
+    r.is_float = 1 if sky.n_heard < r.least_fixed else 0
+    r.dilution[0], r.dilution[1], r.dilution[2] = sky.horizontal, sky.horizontal, sky.vertical
+    decay = r.multipath_decay
+    sigma = 2.0 * r.multipath_sigma_m * sky.near_share * sky.has_multipath
+    for i in range(3):
+        step = math.sqrt(1.0 - decay * decay) * normals[9 + i]
+        r.multipath[i] = decay * r.multipath[i] + step
+        r.multipath_enu_m[i] = sigma * r.dilution[i] * r.multipath[i]
+        r.multipath_now_sigma_m[i] = sigma * r.dilution[i]
+
+
+@kernel
 def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
     """Deliver at `tick` the fix that is valid for `delay_ticks` before it."""
+    ambiguous = r.float_sigma_m * r.is_float
     r.tick = tick - r.delay_ticks
     r.settling_sigma_m *= r.settle_decay
     slot = r.tick % N_GNSS_PAST
     advance_drift(r.drift_enu_m, r.decay, r.drift_step_sigma_m, normals, 0)
     for i in range(3):
-        r.present_sigma_m[i] = math.hypot(r.position_sigma_m[i], r.settling_sigma_m)
-        noise = r.present_sigma_m[i] * normals[3 + i]
-        r.position_enu_m[i] = r.past_position_enu_m[slot, i] + r.drift_enu_m[i] + noise
-        noise = r.velocity_sigma_mps[i] * normals[6 + i]
+        white = math.hypot(r.position_sigma_m[i], ambiguous) * r.dilution[i]
+        white = math.hypot(white, r.settling_sigma_m)
+        slow = r.dilution[i] * r.drift_enu_m[i] + r.multipath_enu_m[i]
+        noise = white * normals[3 + i]
+        r.position_enu_m[i] = r.past_position_enu_m[slot, i] + slow + noise
+        r.present_velocity_sigma_mps[i] = r.dilution[i] * r.velocity_sigma_mps[i]
+        noise = r.present_velocity_sigma_mps[i] * normals[6 + i]
         r.velocity_enu_mps[i] = r.past_velocity_enu_mps[slot, i] + noise
+        # What fixes share counts more: multipath by its time, drift beyond what the filter expects.
+        shared = r.multipath_samples * r.multipath_now_sigma_m[i] ** 2
+        beyond = (r.dilution[i] * r.dilution[i] - 1.0) * r.drift_sigma_m[0 if i < 2 else 1] ** 2
+        r.present_sigma_m[i] = math.sqrt(white * white + shared + r.multipath_samples * beyond)
 
 
 @kernel
@@ -138,14 +195,19 @@ def sense_gnss(
     tick: int,
     qpos: np.ndarray,
     qvel: np.ndarray,
+    sky: np.record,
     rooms: np.ndarray,
     normals: np.ndarray,
 ) -> None:
     """Follow the vehicle, and let the filter use the fix if one is due."""
     follow_gnss(r, tick, qpos[0:3], qvel[0:3])
-    if not is_due(r, tick) or tick <= r.delay_ticks or not hears_satellites(r, rooms, qpos[0:3]):
+    if not is_due(r, tick) or tick <= r.delay_ticks:
         return
-    sample_gnss(r, tick, noise(r, tick, normals))
+    if not hears_satellites(r, sky, rooms, qpos[0:3]):
+        return
+    drawn = noise(r, tick, normals)
+    suffer_sky(r, sky, drawn)
+    sample_gnss(r, tick, drawn)
     if f.is_aligned == 1:
         fuse_gnss(
             f,
@@ -153,7 +215,7 @@ def sense_gnss(
             r.velocity_enu_mps,
             r.delay_ticks,
             r.present_sigma_m,
-            r.velocity_sigma_mps,
+            r.present_velocity_sigma_mps,
         )
     else:
         collect_fix(f, r.position_enu_m, r.present_sigma_m)
@@ -174,24 +236,31 @@ class GnssReading:
 
 
 _numbers = numbers(
-    *("tick", "position_enu_m", "velocity_enu_mps", "fix_type", "n_satellites"),
-    *("reported_accuracy_m", "settling_sigma_m"),
+    *("tick", "position_enu_m", "velocity_enu_mps", "fix_type"),
+    *("reported_accuracy_m", "settling_sigma_m", "dilution", "multipath_now_sigma_m"),
+    *("is_float", "float_sigma_m", "n_heard"),
     *("is_enabled", "under_sky_ticks", "reacquire_ticks"),
 )
 
 
 def _read(r: np.void, tick_us: int) -> GnssReading:
-    tick, position, velocity, fix_type, n_satellites, accuracy, settling, *heard = _numbers(r)
+    tick, position, velocity, fix_type, accuracy, settling, *rest = _numbers(r)
+    dilution, multipath, is_float, float_sigma, n_heard, *heard = rest
     is_enabled, under_sky_ticks, reacquire_ticks = heard
+    ambiguous = is_float * float_sigma
+    eph_m, epv_m = (
+        math.hypot(math.hypot(accuracy[k], ambiguous) * dilution[2 * k], multipath[2 * k], settling)
+        for k in (0, 1)
+    )
     is_fixed = is_enabled == 1 and under_sky_ticks >= reacquire_ticks and tick >= 0
     return GnssReading(
         time_us=max(0, tick) * tick_us,
         position_enu_m=position,
         velocity_enu_mps=velocity,
-        fix_type=fix_type if is_fixed else 1,
-        eph_m=math.hypot(accuracy[0], settling) if is_fixed else math.inf,
-        epv_m=math.hypot(accuracy[1], settling) if is_fixed else math.inf,
-        n_satellites=n_satellites if is_fixed else 0,
+        fix_type=(_FLOAT_TYPE if is_float else fix_type) if is_fixed else 1,
+        eph_m=eph_m if is_fixed else math.inf,
+        epv_m=epv_m if is_fixed else math.inf,
+        n_satellites=n_heard if is_fixed else 0,
     )
 
 
@@ -202,16 +271,21 @@ GNSS = Sensor(
     fields=(
         *fields("position_enu_m", "velocity_enu_mps", "drift_enu_m", shape=(3,)),
         *fields("drift_step_sigma_m", "position_sigma_m", "velocity_sigma_mps", shape=(3,)),
-        ("present_sigma_m", "f8", 3),  # white error of the last fix
+        ("present_sigma_m", "f8", 3),  # of the last fix, as if all its errors were white
+        *fields("present_velocity_sigma_mps", "dilution", "multipath", shape=(3,)),
+        *fields("multipath_enu_m", "multipath_now_sigma_m", shape=(3,)),
+        *fields("multipath_sigma_m", "multipath_decay", "multipath_samples", "float_sigma_m"),
+        *fields("n_heard", "least_fixed", "is_float", kind="i8"),
+        ("drift_sigma_m", "f8", 2),
         ("settle_decay", "f8"),  # from one fix to the next
         ("settling_sigma_m", "f8"),  # its additional error now
         ("under_sky_ticks", "i8"),  # since the last room
         *fields("decay", "reacquired_sigma_m"),
-        *fields("reacquire_ticks", "delay_ticks", "fix_type", "n_satellites", kind="i8"),
+        *fields("reacquire_ticks", "delay_ticks", "fix_type", kind="i8"),
         ("reported_accuracy_m", "f8", 2),
         *fields("past_position_enu_m", "past_velocity_enu_mps", shape=(N_GNSS_PAST, 3)),
     ),
-    n_normals=9,
+    n_normals=12,
     stream=3,
     start_stream=1,
     configure=_configure,

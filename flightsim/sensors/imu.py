@@ -2,7 +2,8 @@
 
 A sample is the mean over its interval, as from an IMU that integrates fast: the specific force
 from the change of velocity, the angular rate from the change of attitude, each with white noise
-N / sqrt(dt) and a drifting bias (`flightsim.sensors.drift`).
+N / sqrt(dt) and a drifting bias (`flightsim.sensors.drift`), and with what the rotors shake
+(`flightsim.sensors.vibration`).
 """
 
 from __future__ import annotations
@@ -131,10 +132,14 @@ def sense_imu(
     qpos: np.ndarray,
     qvel: np.ndarray,
     rotor_speed_radps: np.ndarray,
+    vibration: np.record,
     normals: np.ndarray,
 ) -> None:
     """Measure, and let the filter predict by it."""
     sample_imu(r, qpos[3:7], qvel[0:3], noise(r, tick, normals))
+    for i in range(3):
+        r.accel_flu_mps2[i] += vibration.accel_flu_mps2[i]
+        r.gyro_flu_radps[i] += vibration.gyro_flu_radps[i]
     r.tick = tick
     if f.is_aligned == 1:
         predict(f, r.accel_flu_mps2, r.gyro_flu_radps)

@@ -45,6 +45,8 @@ class SensorStart:
     altitude_m: float = 0.0
     """Altitude of the scene's z = 0 above mean sea level."""
     field_enu_ut: Vector3 = FIELD_ENU_UT
+    amperes_per_cubed_speed: float = 0.0
+    """Current of the motors over the sum of their cubed speeds, A s^3/rad^3."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

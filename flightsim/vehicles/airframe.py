@@ -49,6 +49,8 @@ class Airframe:
     body_size_m: Vector3
     """Collision box of the fuselage: length, width, height."""
     rotor_radius_m: float
+    rotor_inertia_kgm2: float
+    """Moment of inertia of a rotor with its motor's bell about its axis: how long it coasts."""
     leg_length_m: float
     """Distance from the centre of mass down to the soles: resting height of the body origin."""
     leg_spread_m: float

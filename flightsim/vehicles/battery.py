@@ -19,6 +19,7 @@ _CELL_OCV_V = (
 )  # fmt: skip
 _N_INTERVALS = len(_CELL_OCV_V) - 1
 _COULOMB_PER_MAH = 3.6
+_NOMINAL_CELL_V = 3.7
 
 
 class BatteryError(ValueError):
@@ -30,6 +31,12 @@ def cell_voltage_v(state_of_charge: float) -> float:
     position = min(max(state_of_charge, 0.0), 1.0) * _N_INTERVALS
     i = min(int(position), _N_INTERVALS - 1)
     return _CELL_OCV_V[i] + (position - i) * (_CELL_OCV_V[i + 1] - _CELL_OCV_V[i])
+
+
+def amperes_per_cubed_speed(params: BatteryParams) -> float:
+    """Current of the motors at the nominal voltage over the sum of their cubed speeds."""
+    nominal_v = _NOMINAL_CELL_V * params.cells
+    return params.hover_power_w / nominal_v / (4 * params.hover_rotor_speed_radps**3)
 
 
 class Battery:

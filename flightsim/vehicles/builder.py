@@ -24,8 +24,9 @@ _CYLINDER = mujoco.mjtGeom.mjGEOM_CYLINDER
 _ELLIPSOID = mujoco.mjtGeom.mjGEOM_ELLIPSOID
 
 _DISC_HALF_THICKNESS_M = 0.005
-_LEG_RADIUS_M = 0.009
-_ARM_RADIUS_M = 0.010
+LEG_RADIUS_M = 0.009
+ARM_RADIUS_M = 0.010
+MOTOR_RADIUS_M = 0.018
 
 # Contact of the vehicle with anything, chosen by dropping it from 0.3 m on slopes of 0 to 8 degrees
 # (tests/flightsim/vehicles/test_builder.py): overdamped legs rebound at 5 % of the impact's speed,
@@ -108,10 +109,10 @@ def sole_positions_flu_m(airframe: Airframe) -> tuple[Vector3, ...]:
     return tuple(soles)
 
 
-def _legs(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
-    """Ends of each leg's axis: at the arm, and one leg radius above the sole."""
+def leg_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
+    """Ends of each leg's axis in the body frame: at the arm, and one leg radius above the sole."""
     return [
-        ((0.7 * x, 0.7 * y, 0.0), (x, y, z + _LEG_RADIUS_M))
+        ((0.7 * x, 0.7 * y, 0.0), (x, y, z + LEG_RADIUS_M))
         for x, y, z in sole_positions_flu_m(airframe)
     ]
 
@@ -119,13 +120,15 @@ def _legs(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
 def _add_collision_shape(body: Any, airframe: Airframe) -> None:
     length, width, height = airframe.body_size_m
     body.add_geom(name="fuselage", type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
-    for i, (rotor, leg) in enumerate(zip(airframe.quadrotor.rotors, _legs(airframe), strict=True)):
+    for i, (rotor, leg) in enumerate(
+        zip(airframe.quadrotor.rotors, leg_axes_flu_m(airframe), strict=True)
+    ):
         hub = rotor.position_flu_m
         disc = (airframe.rotor_radius_m, _DISC_HALF_THICKNESS_M, 0.0)
         body.add_geom(name=f"disc{i}", type=_CYLINDER, pos=hub, size=disc, **_CONTACT)
         for name, ends, radius_m in (
-            (f"arm{i}", (0.0, 0.0, 0.0, hub[0], hub[1], 0.0), _ARM_RADIUS_M),
-            (f"leg{i}", (*leg[0], *leg[1]), _LEG_RADIUS_M),
+            (f"arm{i}", (0.0, 0.0, 0.0, hub[0], hub[1], 0.0), ARM_RADIUS_M),
+            (f"leg{i}", (*leg[0], *leg[1]), LEG_RADIUS_M),
         ):
             size = (radius_m, 0.0, 0.0)
             body.add_geom(name=name, type=_CAPSULE, fromto=ends, size=size, **_CONTACT)
@@ -141,8 +144,8 @@ def _add_fuselage_looks(body: Any, airframe: Airframe) -> None:
     _show(body, _CYLINDER, (0.22 * y, 0.09 * z, 0.0), _CARBON, (-0.25 * x, 0.0, 0.85 * z))
     for mount in airframe.cameras:
         _show(body, _ELLIPSOID, (0.014, 0.014, 0.014), _LENS, mount.position_flu_m)
-    for ends in _legs(airframe):
-        _show_tube(body, *ends, _LEG_RADIUS_M, _CARBON)
+    for ends in leg_axes_flu_m(airframe):
+        _show_tube(body, *ends, LEG_RADIUS_M, _CARBON)
 
 
 def _add_rotor_looks(body: Any, airframe: Airframe, hub_flu_m: Vector3, spin: int) -> None:
@@ -150,11 +153,11 @@ def _add_rotor_looks(body: Any, airframe: Airframe, hub_flu_m: Vector3, spin: in
     is_front = x > 0.05
     radius = airframe.rotor_radius_m
     arm_rgba = _FRONT if is_front else _SHELL
-    _show_tube(body, (0.0, 0.0, 0.0), (x, y, 0.0), _ARM_RADIUS_M, arm_rgba)
+    _show_tube(body, (0.0, 0.0, 0.0), (x, y, 0.0), ARM_RADIUS_M, arm_rgba)
     # The motor ends just below the disc.
     motor_half_m = (z + 0.012) / 2
     middle_flu_m = (x, y, z - motor_half_m - 0.002)
-    _show(body, _CYLINDER, (0.018, motor_half_m, 0.0), _METAL, middle_flu_m)
+    _show(body, _CYLINDER, (MOTOR_RADIUS_M, motor_half_m, 0.0), _METAL, middle_flu_m)
     blades = quat_about_up(math.atan2(y, x) + spin * math.radians(50.0))
     _show(body, _BOX, (0.97 * radius, 0.010, 0.0015), _CARBON, hub_flu_m, quat=blades)
     disc_rgba = _DISC_FRONT if is_front else _DISC_REAR

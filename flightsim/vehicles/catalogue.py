@@ -127,6 +127,8 @@ def _iris(name: str, title: str, inertia_flu_kgm2: Vector3, rotor: RotorParams) 
         ),
         # PX4 iris.sdf, rotor collision cylinder.
         rotor_radius_m=0.128,
+        # A rod of RotorS's 0.005 kg over the diameter.
+        rotor_inertia_kgm2=2.7e-5,
         name=name,
         title=title,
         drone_class="medium",
@@ -169,6 +171,8 @@ _HUMMINGBIRD = _airframe(
     ),
     # RotorS hummingbird.xacro.
     rotor_radius_m=0.1,
+    # A rod of RotorS's 0.009 kg over the diameter.
+    rotor_inertia_kgm2=3.0e-5,
     name="hummingbird",
     title="AscTec Hummingbird, RotorS parameters",
     drone_class="small",

@@ -1,19 +1,28 @@
 """Rotors and air: from speed commands to the wrench on the body, once per physics step.
 
-    symbol   name                                        unit
-    w        rotor speed                                 rad/s
-    v        hub velocity relative to the air, FLU       m/s
-    v_perp   its part across the rotor axis (body x, y)  m/s
+    symbol   name                                                unit
+    w        rotor speed, negative backwards                     rad/s
+    v        hub velocity relative to the air, FLU               m/s
+    v_perp   its part across the rotor axis (body x, y)          m/s
+    v_i      induced velocity, v_h in hover, kappa w             m/s
+    q        (pitch of the blades) - kappa                       m/rad
+    u        v_z / (3/4 R): speed along the axis as a rotation   rad/s
 
-    thrust           kf w^2 (1 - |v_z| / axial_limit) along body z
-    drag             -w k_drag v_perp, at the hub
+    thrust           kf sqrt(w^2 + u^2) (w - (v_z + v_i - v_h) / q) along body z
+    drag             -|w| k_drag v_perp, at the hub
     reaction torque  -spin c thrust about body z
-    rolling moment   -w k_roll v_perp
+    rolling moment   -|w| k_roll v_perp
     lag              first order on w, faster up than down
-    fuselage         -(rho / 2) CdA_i |v_i| v_i along each body axis i
+    coasting         J w' = -kappa thrust - kf (c - kappa) w |w| -+ friction, without power
 
-Sources: Furrer et al. 2016 (RotorS) for all but two; the axial loss is PX4's gazebo-classic
-motor model; the fuselage is a box.
+Thrust is that of a blade of constant pitch whose normal force is proportional to its angle of
+attack: kf w^2 in hover, 1 - v_z / 25 m/s of it in slow climb (PX4's axial limit gives q), nothing
+where the air meets no pitch, and about that of a flat plate on blades that stand still. Without
+power, the part of the torque that hover spends on induced velocity, kappa thrust, turns the rotor;
+the rest is profile drag. Ground and ceiling change thrust and v_i.
+
+Sources: Furrer et al. 2016 (RotorS) for drag, moments and lag; PX4's gazebo-classic motor model for
+the axial limit; Leishman 2006, chapters 2 and 3, for blade element and momentum theory.
 """
 
 from __future__ import annotations
@@ -24,13 +33,13 @@ import numpy as np
 
 from autonomy.estimation import DragModel
 from autonomy.jit import fields, kernel
-from autonomy.model.quadrotor import QuadrotorParams
+from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.rotation import matrix_from_quat
-from autonomy.types import Vector3
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
-
-# Drag coefficient of a box across the wind (Hoerner 1965, Fluid-Dynamic Drag, chapter 3).
-_BOX_DRAG_COEFFICIENT = 1.05
+from flightsim.environment.effects import ALL_EFFECTS, Effects
+from flightsim.vehicles.air.frame import frame_drag
+from flightsim.vehicles.air.inflow import induced_ratio
+from flightsim.vehicles.airframe import Airframe
 
 _COEFFICIENTS = (
     *("thrust_constant", "torque_per_thrust_m", "drag_coefficient"),
@@ -38,13 +47,24 @@ _COEFFICIENTS = (
 )
 """Fields of `RotorParams` that the record has too."""
 
+# Bearings and cogging of a motor of 900 turns a minute and volt: 0.2 A of its no-load current.
+_FRICTION_NM = 2e-3
+_REPRESENTATIVE_RADIUS = 0.75
+
 ROTORS_DTYPE = np.dtype(
     [
         ("effectiveness", "f8", 4),  # 1 sound, 0 failed
         *fields("share_up", "share_down", shape=(4,)),  # of the way to the command in one step
         *fields("speed_radps", "spin", *_COEFFICIENTS, shape=(4,)),
-        ("axial_limit_mps", "f8"),
-        ("fuselage_drag", "f8", 3),  # rho / 2 CdA, kg/m
+        *fields("has_inflow", "can_coast", kind="i8"),
+        ("axial_limit_mps", "f8"),  # of PX4's model
+        ("rad_per_m", "f8"),  # 1 / q, of inflow
+        ("blade_rad_per_m", "f8"),  # 1 / (3/4 R)
+        ("induced_m", "f8", 4),  # kappa
+        *fields("dt_per_inertia", "friction_radps"),  # of a rotor that coasts; a step of friction
+        *fields("ground_share", "ceiling_ratio", shape=(4,)),  # see flightsim.vehicles.air
+        *fields("radius_m", "neighbour_m", "opposite_m"),
+        ("frame_drag", "f8", 3),  # rho / 2 CdA, kg/m
         *fields("wind_enu_mps", "air_velocity_flu_mps", shape=(3,)),
         *fields("force_flu_n", "torque_flu_nm", shape=(3,)),
         ("position_flu_m", "f8", (4, 3)),
@@ -55,33 +75,56 @@ ROTORS_DTYPE = np.dtype(
 
 
 def new_rotors(
-    quadrotor: QuadrotorParams, body_size_m: Vector3, *, dt_s: float, axial_limit_mps: float = 25.0
+    airframe: Airframe,
+    *,
+    dt_s: float,
+    axial_limit_mps: float = 25.0,
+    effects: Effects = ALL_EFFECTS,
 ) -> np.ndarray:
     """Create rotors at rest, as one record in an array of shape (1,).
 
     Args:
-        quadrotor: Parameters of the vehicle.
-        body_size_m: Box of the fuselage, for its drag.
+        airframe: The vehicle.
         dt_s: Length of a physics step.
-        axial_limit_mps: Axial speed at which a rotor has no thrust; infinite for no such loss.
+        axial_limit_mps: Speed of climb, by the loss in slow climb at hover speed, at which a rotor
+            has no thrust; infinite for no such loss.
+        effects: What of the model is on.
     """
     records = np.zeros(1, ROTORS_DTYPE)
     r = records[0]
-    rotors = quadrotor.rotors
+    rotors = airframe.quadrotor.rotors
     r["effectiveness"] = 1.0
     for name in ("position_flu_m", "spin", *_COEFFICIENTS):
         r[name] = [getattr(rotor, name) for rotor in rotors]
     r["share_up"] = [1.0 - math.exp(-dt_s / rotor.time_constant_up_s) for rotor in rotors]
     r["share_down"] = [1.0 - math.exp(-dt_s / rotor.time_constant_down_s) for rotor in rotors]
     r["axial_limit_mps"] = axial_limit_mps
-    r["fuselage_drag"] = _fuselage_drag(body_size_m)
+    r["has_inflow"], r["can_coast"] = effects.inflow, effects.windmilling
+    # Half of a slow climb is made up by less induced velocity.
+    r["rad_per_m"] = 2.0 * hover_speed_radps(airframe.quadrotor) / axial_limit_mps
+    r["blade_rad_per_m"] = 1.0 / (_REPRESENTATIVE_RADIUS * airframe.rotor_radius_m)
+    disc_m2 = math.pi * airframe.rotor_radius_m**2
+    r["induced_m"] = np.sqrt(r["thrust_constant"] / (2.0 * AIR_DENSITY_KGPM3 * disc_m2))
+    r["dt_per_inertia"] = dt_s / airframe.rotor_inertia_kgm2
+    r["friction_radps"] = _FRICTION_NM * r["dt_per_inertia"]
+    r["ceiling_ratio"] = 1.0
+    r["radius_m"] = airframe.rotor_radius_m
+    r["neighbour_m"], r["opposite_m"] = _hub_distances_m(r["position_flu_m"])
+    r["frame_drag"] = frame_drag(airframe, has_arms=effects.frame_drag)
     return records
 
 
-def drag_model(quadrotor: QuadrotorParams, body_size_m: Vector3) -> DragModel:
+def hover_speed_radps(quadrotor: QuadrotorParams) -> float:
+    """Speed at which the rotors carry the weight."""
+    weight_n = quadrotor.mass_kg * GRAVITY_MPS2
+    return math.sqrt(weight_n / sum(rotor.thrust_constant for rotor in quadrotor.rotors))
+
+
+def drag_model(airframe: Airframe, effects: Effects = ALL_EFFECTS) -> DragModel:
     """Parameters of air resistance with which an estimator finds the wind."""
+    quadrotor = airframe.quadrotor
     mass = quadrotor.mass_kg
-    x, y, _ = (_fuselage_drag(body_size_m) / mass).tolist()
+    x, y, _ = (frame_drag(airframe, has_arms=effects.frame_drag) / mass).tolist()
     a, b, c, d = ((r.drag_coefficient / mass, r.thrust_constant / mass) for r in quadrotor.rotors)
     return DragModel(
         rotor_mps_per_rad=(a[0], b[0], c[0], d[0]),
@@ -90,10 +133,11 @@ def drag_model(quadrotor: QuadrotorParams, body_size_m: Vector3) -> DragModel:
     )
 
 
-def _fuselage_drag(body_size_m: Vector3) -> np.ndarray:
-    """Half the density times CdA of a box along each axis, kg/m."""
-    x, y, z = body_size_m
-    return np.array([y * z, x * z, x * y]) * (0.5 * AIR_DENSITY_KGPM3 * _BOX_DRAG_COEFFICIENT)
+def _hub_distances_m(hubs_flu_m: np.ndarray) -> tuple[float, float]:
+    """Mean distance of a rotor's axis to those of its neighbours, and to the opposite one."""
+    apart = np.linalg.norm(hubs_flu_m[:, None, :2] - hubs_flu_m[None, :, :2], axis=2)
+    ordered = np.sort(apart, axis=1).mean(axis=0)
+    return float(ordered[1:3].mean()), float(ordered[3])
 
 
 @kernel
@@ -109,7 +153,7 @@ def step_rotors(
 
     Args:
         r: Record of the rotors, changed.
-        command_radps: Speed commands (4,), clipped to the rotors' range.
+        command_radps: Speed commands (4,), clipped to the rotors' range; 0 is no power.
         quat_wxyz: True attitude.
         velocity_enu_mps: True velocity of the centre of mass.
         rate_flu_radps: True body rates.
@@ -122,11 +166,13 @@ def step_rotors(
     vz = velocity_enu_mps[2] - r.wind_enu_mps[2]
     for i in range(3):
         v[i] = R[0, i] * vx + R[1, i] * vy + R[2, i] * vz
-        r.force_flu_n[i] = -r.fuselage_drag[i] * abs(v[i]) * v[i]
+        r.force_flu_n[i] = -r.frame_drag[i] * abs(v[i]) * v[i]
         r.torque_flu_nm[i] = 0.0
     for i in range(4):
-        _follow(r, i, command_radps[i])
-        _add_rotor(r, i, rate_flu_radps)
+        is_coasting = r.can_coast == 1 and not command_radps[i] > 0.0
+        if not is_coasting:
+            _follow(r, i, command_radps[i])
+        _add_rotor(r, i, rate_flu_radps, is_coasting)
     F, M = r.force_flu_n, r.torque_flu_nm
     for i in range(3):
         wrench[i] = R[i, 0] * F[0] + R[i, 1] * F[1] + R[i, 2] * F[2]
@@ -144,20 +190,54 @@ def _follow(r: np.record, i: int, command_radps: float) -> None:
 
 
 @kernel
-def _add_rotor(r: np.record, i: int, rate: np.ndarray) -> None:
+def _add_rotor(r: np.record, i: int, rate: np.ndarray, is_coasting: bool) -> None:
     w, v, hub = r.speed_radps[i], r.air_velocity_flu_mps, r.position_flu_m[i]
     vx = v[0] + rate[1] * hub[2] - rate[2] * hub[1]
     vy = v[1] + rate[2] * hub[0] - rate[0] * hub[2]
     vz = v[2] + rate[0] * hub[1] - rate[1] * hub[0]
-    loss = min(max(1.0 - abs(vz) / r.axial_limit_mps, 0.0), 1.0)
-    thrust = r.thrust_constant[i] * w * w * loss * r.effectiveness[i]
-    fx = -w * r.drag_coefficient[i] * vx
-    fy = -w * r.drag_coefficient[i] * vy
-    roll = -w * r.rolling_moment_coefficient[i]
+    thrust = _thrust(r, i, vz, vx * vx + vy * vy) * r.effectiveness[i]
+    torque = 0.0
+    if is_coasting:
+        _coast(r, i, thrust)
+    else:
+        torque = r.spin[i] * r.torque_per_thrust_m[i] * thrust
+    fx = -abs(w) * r.drag_coefficient[i] * vx
+    fy = -abs(w) * r.drag_coefficient[i] * vy
+    roll = -abs(w) * r.rolling_moment_coefficient[i]
     F, M = r.force_flu_n, r.torque_flu_nm
     F[0] += fx
     F[1] += fy
     F[2] += thrust
     M[0] += hub[1] * thrust - hub[2] * fy + roll * vx
     M[1] += hub[2] * fx - hub[0] * thrust + roll * vy
-    M[2] += hub[0] * fy - hub[1] * fx - r.spin[i] * r.torque_per_thrust_m[i] * thrust
+    M[2] += hub[0] * fy - hub[1] * fx - torque
+
+
+@kernel
+def _thrust(r: np.record, i: int, vz: float, square_across: float) -> float:
+    """Thrust of a sound rotor at its hub's velocity along, and squared across, its axis."""
+    w = r.speed_radps[i]
+    if r.has_inflow == 0:
+        loss = min(max(1.0 - abs(vz) / r.axial_limit_mps, 0.0), 1.0)
+        return r.thrust_constant[i] * w * w * loss / (1.0 - r.ground_share[i])
+    hover = r.induced_m[i] * w
+    through, share = vz, r.ground_share[i]
+    if w > 1.0:
+        square_y = square_across / (hover * hover)
+        ratio = r.ceiling_ratio[i] * induced_ratio(vz / hover, square_y)
+        through += hover * (ratio - 1.0)
+        share /= 1.0 + square_y
+    u = r.blade_rad_per_m * vz
+    thrust = r.thrust_constant[i] * math.sqrt(w * w + u * u) * (w - r.rad_per_m * through)
+    return thrust / (1.0 - share)
+
+
+@kernel
+def _coast(r: np.record, i: int, thrust: float) -> None:
+    """Let the air and friction turn a rotor without power for a step."""
+    w = r.speed_radps[i]
+    kappa = min(r.induced_m[i], r.torque_per_thrust_m[i])
+    profile = r.thrust_constant[i] * (r.torque_per_thrust_m[i] - kappa)
+    w -= r.dt_per_inertia * (kappa * thrust + profile * w * abs(w))
+    slower = max(abs(w) - r.friction_radps, 0.0)
+    r.speed_radps[i] = math.copysign(slower, w)

@@ -37,7 +37,7 @@ _LAPS = 3
 _WIND_SETTLES_S = 4.0
 _TOO_FAST_MPS2 = (16.0, 20.0, 25.0, 30.0, 35.0)
 """Peak accelerations of eights beyond the limits of tilt and thrust."""
-_TOO_FAST_S, _COME_BACK_S = 25.0, 10.0
+_TOO_FAST_S, _COME_BACK_S = 25.0, 15.0  # at 10 m/s it brakes and returns over 20 m
 _LOST_RAD = math.radians(90.0)
 _BACK_M = 0.2
 

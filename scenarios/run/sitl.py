@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Self
 from aeroscene.files import replacing
 from aeroscene.scene import Scene, SceneError
 from aeroscene.sources import open_scene
+from flightsim.environment.effects import EffectError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
@@ -38,6 +39,7 @@ INPUT_ERRORS = (
     SceneError,
     AirframeError,
     WorldError,
+    EffectError,
     WindError,
     TrafficError,
     LinkError,

@@ -72,7 +72,20 @@ def test_on_the_ground_and_without_a_model_nothing_is_looked_for():
     fuse_drag(f, np.array([1.0, 1.0, G]), 0.6 * HOVER)
     f["tick"] = 1
     fuse_drag(f, np.array([1.0, 1.0, G]), HOVER)  # not its turn
+    f["drag_accel_sum"], f["n_drag_accel"] = 0.0, 0  # that was kept for its turn
     f["tick"] = f["drag_ticks"] = 0
     fuse_drag(f, np.array([1.0, 1.0, G]), HOVER)
     f["drag_ticks"] = with_drag(filter_at(np.random.default_rng(0)))["drag_ticks"]
     assert f.tobytes() == before
+
+
+def test_vibration_between_two_uses_is_averaged_away():
+    """At the rate of the uses, it would otherwise fold into what looks like a steady wind."""
+    f = with_drag(moving_filter(np.array([3.0, 0.0, 0.0]), sigma=0.02))
+    f["covariance"][23, 23] = f["covariance"][24, 24] = 25.0
+    force = specific_force(f)
+    for k in range(1, 2001):
+        f["tick"] = k
+        shake = 2.0 * np.cos(2.0 * np.pi * k / f["drag_ticks"])
+        fuse_drag(f, force + np.array([shake, 0.0, 0.0]), HOVER)
+    np.testing.assert_allclose(f["wind_enu_mps"], 0.0, atol=0.1)

@@ -19,6 +19,7 @@ from flightsim.environment.wind import (
 
 STILL = np.zeros(3)
 OPEN = np.zeros((0, 8))
+UNSHELTERED = np.zeros((1, 1, 1, 3))
 
 
 def air_of(cfg, seed=0, dt_s=0.004):
@@ -34,7 +35,7 @@ def blow(air, n, *, height_m=10.0, normals=None, rooms=OPEN):
     rows = []
     for k in range(n):
         noise = np.zeros(5) if normals is None else normals[k]
-        move_air(air, position, STILL, rooms, noise, wind)
+        move_air(air, position, STILL, rooms, UNSHELTERED, noise, wind)
         rows.append(wind.copy())
     return np.array(rows)
 

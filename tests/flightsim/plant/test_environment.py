@@ -1,9 +1,14 @@
 """The plant among movers and in moving air: it meets, sees and repeats them."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
+from aeroscene.scene import OrientedBox, SceneObject
+from aeroscene.scene.catalogue import category_id
+from flightsim.environment.effects import Effects
 from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
 from flightsim.plant import Plant, PlantCfg, PlantError
@@ -158,3 +163,24 @@ def test_a_wind_that_dies_down_leaves_calm_air(worlds):
     plant.wind = WindCfg()
     plant.advance()
     assert plant.air_velocity_true_enu_mps == (0.0, 0.0, 0.0)
+
+
+def test_a_building_keeps_the_wind_off_and_a_change_of_wind_is_followed():
+    box = OrientedBox(p=(-12.0, 0.0, 5.0), q=(1.0, 0.0, 0.0, 0.0), s=(10.0, 14.0, 10.0))
+    building = SceneObject(
+        id=1,
+        scene_id="handmade",
+        domain="outdoor",
+        category_id=category_id("building"),
+        parent_id=None,
+        bbox=box,
+    )
+    world = build_world(replace(empty_scene(), objects=(building,)), IRIS)
+    west, east = (WindCfg(speed_mps=6.0, from_deg=angle) for angle in (270.0, 90.0))
+    plant, _ = run(world, 0.1, wind=west)
+    assert plant.air_velocity_true_enu_mps[0] < 1.5
+    plant.wind = east
+    plant.advance()
+    assert plant.air_velocity_true_enu_mps[0] < -3.0
+    without, _ = run(world, 0.1, wind=west, effects=Effects.without("shelter"))
+    np.testing.assert_allclose(without.air_velocity_true_enu_mps, (6.0, 0.0, 0.0), atol=1e-9)

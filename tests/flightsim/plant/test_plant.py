@@ -191,7 +191,7 @@ def test_landing_neither_bounces_nor_slides_nor_tips(worlds, name, descent_mps):
     # what presses the reference down unloads the rotors: a landing detector can see it
     assert flight.plant.collective_thrust_fraction < 0.7 * hover_fraction(name)
     flight.fly(0.5, IDLE)
-    rest = flight.fly(1.0, OFF)
+    rest = flight.fly(2.0, OFF)  # in which the rotors coast to a halt
     assert np.linalg.norm(np.ptp(rest["position_true_enu_m"], axis=0)) < 0.002
     assert tilt_deg(rest).max() < 1.0
     np.testing.assert_allclose(flight.plant.rotor_speeds_radps, 0.0, atol=1e-6)

@@ -8,7 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from flightsim.environment.constellation import GPS
+from flightsim.environment.effects import ALL_EFFECTS
 from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms, is_in_room
+from flightsim.plant.sky import new_sky
 from flightsim.sensors.gnss import GNSS, RTK, follow_gnss, hears_satellites, sample_gnss
 from flightsim.sensors.mocap import MOCAP, MocapCfg, sample_mocap
 from flightsim.sensors.sensor import SensorStart
@@ -17,6 +20,7 @@ from scenarios.bench.manoeuvres import meadow
 
 HZ = 250
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
+OPEN_SKY = new_sky((GPS,), 47.4, np.random.default_rng(0), ALL_EFFECTS)[0]
 
 
 def odometry(rng, way_m, n_frames=100):
@@ -88,14 +92,14 @@ def test_a_receiver_loses_its_fix_in_a_room_and_finds_it_slowly():
     assert rooms.shape == (1, 8)
     inside, outside = np.array([18.0, 0.0, 3.0]), np.array([0.0, 0.0, 3.0])
     r = GNSS.new(RTK, SensorStart(tick_hz=HZ))[0]
-    assert hears_satellites(r, rooms, outside)
+    assert hears_satellites(r, OPEN_SKY, rooms, outside)
     sample_gnss(r, 100, np.zeros(9))
     assert r["present_sigma_m"][0] == pytest.approx(0.01)
-    assert not hears_satellites(r, rooms, inside)
+    assert not hears_satellites(r, OPEN_SKY, rooms, inside)
     first, sigmas = None, []
     for tick in range(1, 12 * HZ):
         follow_gnss(r, tick, outside, np.zeros(3))
-        if tick % 25 == 0 and hears_satellites(r, rooms, outside):
+        if tick % 25 == 0 and hears_satellites(r, OPEN_SKY, rooms, outside):
             first = first or tick
             sample_gnss(r, tick, np.zeros(9))
             sigmas.append(r["present_sigma_m"][0])

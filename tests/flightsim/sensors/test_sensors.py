@@ -10,7 +10,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
+from aeroscene.scene import OrientedBox, SceneObject
+from aeroscene.scene.catalogue import category_id
 from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa
+from flightsim.environment.steel import disturb, steel_dipoles
 from flightsim.plant.cfg import PlantCfg
 from flightsim.plant.record import PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS, SensorReadings
@@ -29,10 +32,13 @@ from flightsim.sensors.rangefinder import (
 )
 from flightsim.sensors.sensor import NormalStream, SensorStart
 from flightsim.sensors.vio import VIO
+from tests.flightsim.handmade import empty_scene
 
 HZ = 250
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
 NO_NORMALS = np.zeros(IMU.n_normals)
+STILL = np.zeros(4)
+NO_STEEL = np.zeros((0, 5))
 
 
 def rng():
@@ -41,6 +47,10 @@ def rng():
 
 def start(seed=7, **more):
     return SensorStart(tick_hz=HZ, rng=np.random.default_rng(seed), **more)
+
+
+def pose(quat=LEVEL, position=(0.0, 0.0, 0.0)):
+    return np.array([*position, *quat])
 
 
 def perfect_imu(quat=LEVEL, velocity=(0.0, 0.0, 0.0)):
@@ -203,7 +213,9 @@ def test_magnetometer_sees_the_field_in_body_axes(vector):
     field = (0.8, 21.5, -42.8)
     attitude = Rotation.from_rotvec(vector)
     r = MAGNETOMETER.new(MagnetometerCfg(), start(field_enu_ut=field))[0]
-    sample_magnetometer(r, 1, attitude.as_quat(scalar_first=True), np.zeros(6))
+    sample_magnetometer(
+        r, 1, pose(attitude.as_quat(scalar_first=True)), STILL, NO_STEEL, np.zeros(6)
+    )
     np.testing.assert_allclose(r["field_flu_ut"], attitude.inv().apply(field), atol=1e-9)
 
 
@@ -211,9 +223,52 @@ def test_magnetometer_noise_has_its_density():
     r = MAGNETOMETER.new(MagnetometerCfg(), start(field_enu_ut=(0.0, 20.0, 0.0)))[0]
     samples = []
     for row in rng().standard_normal((2000, 6)):
-        sample_magnetometer(r, 1, LEVEL, row)
+        sample_magnetometer(r, 1, pose(LEVEL), STILL, NO_STEEL, row)
         samples.append(r["field_flu_ut"].copy())
     assert np.std(samples, axis=0).mean() == pytest.approx(0.04 * math.sqrt(50.0), rel=0.05)
+
+
+def test_the_current_of_the_motors_disturbs_the_magnetometer():
+    """As strongly as the current, in one direction of the body that is drawn once."""
+    quiet = MagnetometerCfg(noise_density=0.0, drift_density=0.0)
+    earth = np.array((0.8, 21.5, -42.8))
+    added = []
+    for speed in (400.0, 800.0):
+        r = MAGNETOMETER.new(quiet, start(field_enu_ut=earth, amperes_per_cubed_speed=1e-8))[0]
+        sample_magnetometer(r, 1, pose(), np.full(4, speed), NO_STEEL, np.zeros(6))
+        added.append(r["field_flu_ut"] - earth)
+    np.testing.assert_allclose(added[1], 8.0 * added[0], rtol=1e-6)
+    current_a = 4.0 * 800.0**3 * 1e-8
+    assert np.linalg.norm(added[1]) == pytest.approx(0.03 * current_a)
+
+
+def test_a_car_disturbs_the_field_as_a_shell_of_steel():
+    """Above a shell in a vertical field the disturbance is 2 chi B (r / d)^3, upwards like B."""
+    box = OrientedBox(p=(0.0, 0.0, 0.75), q=(1.0, 0.0, 0.0, 0.0), s=(4.4, 1.8, 1.5))
+    car = SceneObject(
+        id=1,
+        scene_id="handmade",
+        domain="outdoor",
+        category_id=category_id("car"),
+        parent_id=None,
+        bbox=box,
+    )
+    dipoles = steel_dipoles(dataclasses.replace(empty_scene(), objects=(car,)))
+    ((*centre, radius, chi),) = dipoles
+    assert centre == [0.0, 0.0, 0.75]
+    earth = np.array((0.0, 0.0, -43.0))
+    for above in (1.0, 2.0, 3.0, 5.0):
+        field = np.zeros(3)
+        disturb(dipoles, np.array((0.0, 0.0, 0.75 + above)), earth, field)
+        share = min(1.0, radius / above) ** 3
+        np.testing.assert_allclose(field, (0.0, 0.0, -2.0 * chi * 43.0 * share))
+        beside = np.zeros(3)
+        disturb(dipoles, np.array((above, 0.0, 0.75)), earth, beside)
+        np.testing.assert_allclose(beside, (0.0, 0.0, chi * 43.0 * share))
+    assert 1.0 < 2.0 * chi * 43.0 * (radius / 2.0) ** 3 < 5.0
+    field = np.zeros(3)
+    disturb(dipoles, np.array((50.0, 0.0, 1.0)), earth, field)
+    np.testing.assert_array_equal(field, 0.0)
 
 
 def test_range_is_noisy_near_and_infinite_far():
@@ -289,7 +344,7 @@ def test_streams_go_on_and_sensors_with_more_draws_leave_the_others_alone():
 def test_no_two_sensors_share_a_stream_of_noise():
     streams = [(s.stream,) for s in SENSORS] + [s.start_streams for s in SENSORS]
     assert len(set(streams)) == 2 * len(SENSORS)
-    assert not {9, 10, 11} & {s.stream for s in SENSORS}  # the air's and the start's
+    assert not {9, 10, 11, 13, 14} & {s.stream for s in SENSORS}  # air, start, vibration, sky
 
 
 @pytest.mark.parametrize("sensor", SENSORS, ids=lambda s: s.name)

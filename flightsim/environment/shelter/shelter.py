@@ -1,0 +1,122 @@
+"""Local wind over the open wind, on a grid over a scene."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.scene import Scene
+from autonomy.jit import kernel
+from flightsim.environment.shelter.mass_consistent import mass_consistent
+from flightsim.environment.shelter.wakes import BLOCK_COLUMNS, add_wakes
+
+_CELL_M = 2.0
+_MARGIN_M = 12.0
+"""Of the grid around the scene's extent and above its blocks."""
+_BLOCKS = ("building", "house", "tower", "warehouse", "garage", "kiosk", "container")
+"""Categories that stand on the ground and keep the wind off."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Cells over a scene; the first begins at the origin, on the ground plane."""
+
+    origin_enu_m: tuple[float, float, float]
+    shape: tuple[int, int, int]
+    cell_m: float = _CELL_M
+
+    @property
+    def centres_m(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """East, north and up of the cells' middles, of shapes that broadcast to the grid's."""
+        x, y, z = (
+            start + self.cell_m * (np.arange(n) + 0.5)
+            for start, n in zip(self.origin_enu_m, self.shape, strict=True)
+        )
+        return x[:, None, None], y[None, :, None], z[None, None, :]
+
+
+def blocks_of(scene: Scene) -> Float[np.ndarray, "n 7"]:
+    """Buildings and the like as upright blocks, a row of `BLOCK_COLUMNS` each."""
+    rows = [
+        (
+            *thing.bbox.p[:2],
+            math.cos(thing.bbox.yaw_rad),
+            math.sin(thing.bbox.yaw_rad),
+            *thing.bbox.s[:2],
+            thing.bbox.p[2] + 0.5 * thing.bbox.s[2],
+        )
+        for thing in scene.objects
+        if thing.category in _BLOCKS
+    ]
+    return np.array(rows, dtype=float).reshape(-1, len(BLOCK_COLUMNS))
+
+
+def grid_for(scene: Scene, blocks: Float[np.ndarray, "n 7"]) -> Grid:
+    """Grid over a scene, up to above its blocks; a single cell if there are none."""
+    west, south, _ = scene.extent_min_enu_m
+    if len(blocks) == 0:
+        return Grid((west, south, 0.0), (1, 1, 1))
+    sides = np.subtract(scene.extent_max_enu_m[:2], (west, south)) + 2.0 * _MARGIN_M
+    height_m = float(blocks[:, 6].max()) + _MARGIN_M
+    nx, ny, nz = (math.ceil(side / _CELL_M) for side in (*sides, height_m))
+    return Grid((west - _MARGIN_M, south - _MARGIN_M, 0.0), (nx, ny, nz))
+
+
+def solve_shelter(
+    grid: Grid, blocks: Float[np.ndarray, "n 7"], axis: tuple[float, float]
+) -> Float[np.ndarray, "nx ny nz 3"]:
+    """Velocity of the air in each cell for an open wind of 1 m/s along a horizontal axis."""
+    along = np.ones(grid.shape)
+    add_wakes(along, grid.centres_m, blocks, axis)
+    is_solid = _solid(grid, blocks)
+    along[is_solid] = 0.0
+    guess = np.stack([along * axis[0], along * axis[1], np.zeros(grid.shape)], axis=-1)
+    return mass_consistent(guess, is_solid)
+
+
+def _solid(grid: Grid, blocks: np.ndarray) -> np.ndarray:
+    """Cells whose middle lies in a block."""
+    east, north, up = grid.centres_m
+    is_solid = np.zeros(grid.shape, dtype=bool)
+    for x, y, cosine, sine, length, width, top in blocks:
+        dx, dy = east - x, north - y
+        along, across = np.abs(cosine * dx + sine * dy), np.abs(cosine * dy - sine * dx)
+        is_solid |= (along < 0.5 * length) & (across < 0.5 * width) & (up < top)
+    return is_solid
+
+
+@kernel
+def flow_at(
+    field: np.ndarray,
+    origin_enu_m: np.ndarray,
+    cell_m: float,
+    position: np.ndarray,
+    out: np.ndarray,
+) -> bool:
+    """Interpolate a field (nx, ny, nz, 3) at a position (3,); False beyond the grid's middles.
+
+    Below the middle of the lowest cells it is theirs.
+    """
+    base, share = (0, 0, 0), (0.0, 0.0, 0.0)
+    nx, ny, nz = field.shape[0], field.shape[1], field.shape[2]
+    a = (position[0] - origin_enu_m[0]) / cell_m - 0.5
+    b = (position[1] - origin_enu_m[1]) / cell_m - 0.5
+    c = max((position[2] - origin_enu_m[2]) / cell_m - 0.5, 0.0)
+    if not (0.0 <= a < nx - 1 and 0.0 <= b < ny - 1 and c < nz - 1):
+        return False
+    base = (int(a), int(b), int(c))
+    share = (a - base[0], b - base[1], c - base[2])
+    for m in range(3):
+        total = 0.0
+        for i in range(2):
+            wx = share[0] if i == 1 else 1.0 - share[0]
+            for j in range(2):
+                wy = share[1] if j == 1 else 1.0 - share[1]
+                for k in range(2):
+                    wz = share[2] if k == 1 else 1.0 - share[2]
+                    total += wx * wy * wz * field[base[0] + i, base[1] + j, base[2] + k, m]
+        out[m] = total
+    return True

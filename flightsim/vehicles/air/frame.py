@@ -1,0 +1,61 @@
+"""Drag of the airframe: fuselage, arms, legs and motors, along each body axis.
+
+    F_i = -(rho / 2) CdA_i |v_i| v_i
+
+A part counts by its area across the flow times its drag coefficient; a round bar at an angle alpha
+to the flow has CdA = Cd d l sin^3(alpha), the cross-flow principle. Parts do not shelter others.
+
+Source: Hoerner 1965, Fluid-Dynamic Drag, chapter 3: drag of boxes, of round bars below the critical
+Reynolds number (1.1, at an angle by the cross-flow principle) and of short ones on a surface.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
+from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.builder import ARM_RADIUS_M, LEG_RADIUS_M, MOTOR_RADIUS_M, leg_axes_flu_m
+
+_BOX_DRAG_COEFFICIENT = 1.05
+_BAR_DRAG_COEFFICIENT = 1.1
+_SHORT_BAR_DRAG_COEFFICIENT = 0.7
+
+
+def frame_drag(airframe: Airframe, *, has_arms: bool) -> Float[np.ndarray, " 3"]:
+    """Half the density times CdA along each body axis, kg/m.
+
+    Args:
+        airframe: The vehicle.
+        has_arms: Whether arms, legs and motors count besides the fuselage.
+    """
+    x, y, z = airframe.body_size_m
+    area_m2 = _BOX_DRAG_COEFFICIENT * np.array([y * z, x * z, x * y])
+    if has_arms:
+        for rotor in airframe.quadrotor.rotors:
+            area_m2 += _arm(airframe, np.array(rotor.position_flu_m))
+        for top, foot in leg_axes_flu_m(airframe):
+            area_m2 += _bar(np.subtract(foot, top), LEG_RADIUS_M)
+    return 0.5 * AIR_DENSITY_KGPM3 * area_m2
+
+
+def _arm(airframe: Airframe, hub_flu_m: np.ndarray) -> np.ndarray:
+    """CdA of an arm outside of the fuselage and of the motor at its end."""
+    half_m = 0.5 * np.array(airframe.body_size_m[:2])
+    across_m = np.abs(hub_flu_m[:2])
+    with np.errstate(divide="ignore"):
+        inside = min(1.0, float(np.min(half_m / across_m)))
+    arm_m = np.array([*hub_flu_m[:2], 0.0]) * (1.0 - inside)
+    side_m2 = 2.0 * MOTOR_RADIUS_M * max(float(hub_flu_m[2]), 0.0)
+    motor_m2 = _SHORT_BAR_DRAG_COEFFICIENT * np.array([side_m2, side_m2, 0.0])
+    return _bar(arm_m, ARM_RADIUS_M) + motor_m2
+
+
+def _bar(axis_m: np.ndarray, radius_m: float) -> np.ndarray:
+    """CdA along each axis of a round bar of this direction and length."""
+    length_m = float(np.linalg.norm(axis_m))
+    if length_m == 0.0:
+        return np.zeros(3)
+    sine = np.sqrt(np.clip(1.0 - (axis_m / length_m) ** 2, 0.0, 1.0))
+    return _BAR_DRAG_COEFFICIENT * 2.0 * radius_m * length_m * sine**3
