@@ -25,13 +25,10 @@ from scenarios.generation.asked import GenerateError
 
 if TYPE_CHECKING:
     from scenarios.run.companion import Aboard, Companion
-    from scenarios.run.sitl import Sitl
 
 ORDER = (
     "failed first, then by the sum of ranks in touchdown_error_m, sim_seconds, least_clearance_m"
 )
-_AWAY_M = 1.5
-"""Positions nearer to the start or the resting place count for no clearance: there it lands."""
 _SETTINGS = "asked.json"
 
 MakePilot = Callable[["Aboard"], "Companion"]
@@ -102,7 +99,7 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
                 reason=result.reason,
                 touchdown_error_m=result.touchdown_error_m,
                 sim_seconds=result.sim_seconds,
-                least_clearance_m=_least_clearance_m(sitl),
+                least_clearance_m=result.least_clearance_m,
             )
     except INPUT_ERRORS as error:
         if not isinstance(error.__cause__, MissionError):
@@ -111,15 +108,6 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
     except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         return Flight(seed=scene.seed, success=False, reason=reason)
-
-
-def _least_clearance_m(sitl: Sitl) -> float | None:
-    from scenarios.mission.clearance import flown_clearance_m  # noqa: PLC0415 - as above
-
-    found = flown_clearance_m(
-        sitl.bench.scene, sitl.bench.airframe, sitl.log.positions_m(), _AWAY_M
-    )
-    return None if found is None else round(found, 3)
 
 
 def worst_first(flights: Sequence[Flight]) -> list[Flight]:

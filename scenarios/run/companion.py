@@ -11,9 +11,8 @@ import numpy as np
 from aeroscene.scene import InteractionArea, Scene
 from flightsim.mavlink.client import BytePipe, MavlinkClient
 from flightsim.vehicles import Airframe
-from scenarios.pilot import PilotVerdict
 from scenarios.pilot.eyes import DepthFrame
-from scenarios.run.trial import Verdict
+from scenarios.trials.verdict import Word
 
 
 class CameraImage(DepthFrame, Protocol):
@@ -49,8 +48,8 @@ class Companion(Protocol):
         ...
 
     @property
-    def verdict(self) -> Verdict | PilotVerdict:
-        """Result of the flight as far as the companion knows; read when the run is over."""
+    def verdict(self) -> Word:
+        """What the companion says of the flight; read when the run is over."""
         ...
 
     @property

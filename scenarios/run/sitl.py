@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -22,8 +23,11 @@ from flightsim.testbench import Testbench, TestbenchError
 from flightsim.vehicles import Airframe, AirframeError
 from flightsim.world import WorldError
 from scenarios.run.cfg import SitlCfg
-from scenarios.run.scoring import FlightLog
-from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge, rounded
+from scenarios.trials.flight_log import FlightLog
+from scenarios.trials.limits import LIMITS
+from scenarios.trials.result import TrialResult, decisions, figures
+from scenarios.trials.score import FlightScore, Goal
+from scenarios.trials.verdict import Code, Ending, Judgement, judge
 
 if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
@@ -166,74 +170,119 @@ class Sitl:
             _LOG.warning("%s", error)
             return []
 
-    def run(self, should_stop: Callable[[], bool] = lambda: False) -> TrialResult:
+    def run(self, should_stop: Callable[[], bool | str] = lambda: False) -> TrialResult:
         """Simulate, judge what was flown, and write the verdict into and beside the recording.
 
         Args:
             should_stop: Called every tick; the run ends when the demo is done, the time is up, or
-                this returns True.
+                this is true or says by what the run is stopped, such as SIGTERM.
 
         Returns:
             The verdict and the figures; without a demo there is no verdict, only figures.
         """
         wall_s, cpu_s = time.perf_counter(), time.process_time()
-        self._simulate(should_stop)
-        result = self._judge(time.perf_counter() - wall_s, time.process_time() - cpu_s)
+        stopped_by = self._simulate(should_stop)
+        wall_s, cpu_s = time.perf_counter() - wall_s, time.process_time() - cpu_s
+        goal = self._goal()
+        score = self.log.score(goal)
+        judgement = self._judge(score, goal, stopped_by)
+        result = self._result(score, judgement, goal, wall_s, cpu_s)
         self._write(result)
         return result
 
-    def _simulate(self, should_stop: Callable[[], bool]) -> None:
+    def _simulate(self, should_stop: Callable[[], bool | str]) -> str | None:
+        """Simulate to the end, and return what stopped the run before it, if anything did."""
         simulator, plant, companion = self.bench.simulator, self.bench.plant, self.companion
-        end_us = None
+        word: bool | str = False
+
+        def is_stopped() -> bool:
+            nonlocal word
+            word = word or should_stop()
+            return bool(word)
+
+        end_us = math.inf
         if self.cfg.headless_seconds is not None:
             end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        if companion is None:
-            simulator.run(until_us=end_us, stop=should_stop)
-            return
-        parts = ((MAX_TRIAL_S, lambda: companion.is_done), (SETTLE_S, lambda: False))
+        parts = [(math.inf, lambda: False)]
+        if companion is not None:
+            parts = [
+                (LIMITS.trial_s, lambda: companion.is_done),
+                (LIMITS.settle_s, lambda: False),
+                (LIMITS.longest_settle_s - LIMITS.settle_s, self._is_settled),
+            ]
         for seconds, is_done in parts:
-            until_us = plant.time_us + round(seconds * 1e6)
+            until_us = min(plant.time_us + seconds * 1e6, end_us)
             simulator.run(
-                until_us=min(until_us, end_us or until_us),
-                stop=lambda is_done=is_done: is_done() or should_stop(),
+                until_us=round(until_us) if until_us < math.inf else None,
+                stop=lambda is_done=is_done: is_done() or is_stopped(),
             )
+        return word if isinstance(word, str) else "the caller" if word else None
+
+    def _is_settled(self) -> bool:
+        wants_no_area = self.companion is None or self.companion.area is None
+        return wants_no_area or self.log.is_still()
 
     def _write(self, result: TrialResult) -> None:
         if self.recorder is not None:
             self.recorder.conclude(result.to_plain())
         if self.cfg.record is not None:
-            summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
+            summary = {
+                "config": self.cfg.to_plain(),
+                "limits": LIMITS.to_plain(),
+                "result": result.to_plain(),
+            }
             if self.pilot is not None:
                 summary |= decisions(self.pilot)
             with replacing(self.cfg.record.with_suffix(".json")) as file:
                 file.write(json.dumps(summary, indent=2).encode() + b"\n")
         self.pictures = self._draw(result.reason)
 
-    def _judge(self, wall_s: float, cpu_s: float) -> TrialResult:
-        companion, sim_s = self.companion, self.bench.plant.time_us * 1e-6
-        area = None if companion is None else companion.area
-        touchdown_enu_m = None if area is None else area.centroid
+    def _goal(self) -> Goal | None:
+        """Where the flight should have ended; None if nobody flew."""
+        if self.companion is None:
+            return None
+        area, chosen_enu_m = self.companion.area, None
         if self.pilot is not None:
-            touchdown_enu_m = self.pilot.touchdown_enu_m
-        score = self.log.score(area, touchdown_enu_m, self.bench.airframe.leg_length_m)
-        verdict = None if companion is None else judge(companion, score)
+            area = self.pilot.mission.area
+            # A pilot that went on to another area chose a point there.
+            chosen_enu_m = self.pilot.touchdown_enu_m if self.pilot.area is area else None
+        return Goal(area=area, chosen_enu_m=chosen_enu_m, others=self.bench.scene.interaction_areas)
+
+    def _judge(self, score: FlightScore, goal: Goal | None, stopped_by: str | None) -> Judgement:
+        companion = self.companion
+        if companion is None or goal is None:
+            reason = "ended" if stopped_by is None else f"ended by {stopped_by}"
+            return Judgement(code=Code.ENDED, reason=reason)
+        ending = Ending(word=companion.verdict, is_done=companion.is_done, stopped_by=stopped_by)
+        return judge(score, goal, ending)
+
+    def _result(
+        self,
+        score: FlightScore,
+        judgement: Judgement,
+        goal: Goal | None,
+        wall_s: float,
+        cpu_s: float,
+    ) -> TrialResult:
+        bench, area = self.bench, None if goal is None else goal.area
+        sim_s = bench.plant.time_us * 1e-6
+        x, y, z = (round(c, 3) for c in bench.scene.start_position_enu_m)
         return TrialResult(
-            success=None if verdict is None else verdict.success,
-            reason="ended" if verdict is None else verdict.reason,
-            scene=self.bench.scene.scene_id,
-            vehicle=self.bench.airframe.name,
+            success=judgement.success,
+            reason=judgement.reason,
+            code=judgement.code,
+            scene=bench.scene.scene_id,
+            vehicle=bench.airframe.name,
             seed=self.cfg.bench.seed,
+            start=(x, y, z),
             area=None if area is None else area.id,
             sim_seconds=round(sim_s, 2),
             wall_seconds=round(wall_s, 2),
             cpu_seconds=round(cpu_s, 2),
             real_time_factor=round(sim_s / wall_s, 2),
-            contacts_before_touchdown=None if area is None else score.contacts_before_touchdown,
-            touchdown_error_m=rounded(score.touchdown_error_m),
-            position_rmse_m=rounded(score.position_rmse_m),
-            attitude_rmse_deg=rounded(score.attitude_rmse_deg),
             state_hash=self.log.state_hash(),
             recording=None if self.cfg.record is None else str(self.cfg.record),
+            **figures(score, has_area=area is not None),
         )
 
     def close(self) -> None:
