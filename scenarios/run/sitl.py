@@ -112,7 +112,7 @@ class Sitl:
         """The vehicle's cameras, opened when first asked for."""
         if self._cameras is None:
             bench = self.bench
-            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed)
+            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed, bench.scene.scene_id)
             self._cameras = self._stack.enter_context(Cameras(bench.plant, depth_noise=noise))
         return self._cameras
 
