@@ -37,6 +37,8 @@ class Aboard:
     scene: Scene
     """The map."""
     airframe: Airframe
+    area: InteractionArea | None = None
+    """Assigned area; None leaves the choice to the companion."""
 
 
 class Companion(Protocol):

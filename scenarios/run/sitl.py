@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from aeroscene.files import replacing
 from aeroscene.scene import Scene, SceneError
@@ -20,8 +20,9 @@ from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
 from flightsim.sensors.cameras import CameraError, Cameras, depth_noise
 from flightsim.testbench import Testbench, TestbenchError
-from flightsim.vehicles import Airframe, AirframeError
+from flightsim.vehicles import Airframe, AirframeError, airframe_by_name
 from flightsim.world import WorldError
+from scenarios.mission.goals import find_area, with_start
 from scenarios.run.cfg import SitlCfg
 from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.limits import LIMITS
@@ -55,6 +56,7 @@ class Sitl:
     """One run of the testbench: opens its parts, runs it, judges it and closes it.
 
     Attributes:
+        area: Area that was assigned by its number; None leaves it to the draw, or to the companion.
         bench: The simulated world and its autopilot.
         pilot: Our own pilot, in a demo.
         companion: Pilot that flies, our own or the caller's; None in a run for clients alone.
@@ -91,7 +93,13 @@ class Sitl:
         self._cameras: Cameras | None = None
         with ExitStack() as stack:
             self._stack = stack
+            airframe = airframe or airframe_by_name(cfg.bench.vehicle)
             scene = scene or open_scene(cfg.scene)
+            if cfg.start is not None:
+                scene = with_start(scene, airframe, cfg.start)
+            self.area = None
+            if cfg.area is not None:
+                self.area = find_area(scene, airframe, cfg.area, "area")
             bench = Testbench(scene, cfg.bench, airframe=airframe, has_network=has_network)
             self.bench = stack.enter_context(bench)
             self.log = FlightLog(self.bench.plant)
@@ -127,6 +135,7 @@ class Sitl:
             render=lambda camera: self.cameras.render(camera),  # noqa: PLW0108
             scene=bench.scene,
             airframe=bench.airframe,
+            area=self.area,
         )
 
     def _our_pilot(self) -> Pilot:
@@ -143,6 +152,7 @@ class Sitl:
                 bench.scene,
                 bench.airframe,
                 seed=bench.cfg.seed,
+                area=self.area,
                 target=self.cfg.target,
                 map_source=self.cfg.map,
             )
@@ -186,7 +196,8 @@ class Sitl:
         goal = self._goal()
         score = self.log.score(goal)
         judgement = self._judge(score, goal, stopped_by)
-        result = self._result(score, judgement, goal, wall_s, cpu_s)
+        measured = figures(score, None if goal is None else goal.area)
+        result = self._result(measured, judgement, wall_s, cpu_s)
         self._write(result)
         return result
 
@@ -208,7 +219,10 @@ class Sitl:
             parts = [
                 (LIMITS.trial_s, lambda: companion.is_done),
                 (LIMITS.settle_s, lambda: False),
-                (LIMITS.longest_settle_s - LIMITS.settle_s, self._is_settled),
+                (
+                    LIMITS.longest_settle_s - LIMITS.settle_s,
+                    lambda: companion.area is None or self.log.is_still(),
+                ),
             ]
         for seconds, is_done in parts:
             until_us = min(plant.time_us + seconds * 1e6, end_us)
@@ -217,10 +231,6 @@ class Sitl:
                 stop=lambda is_done=is_done: is_done() or is_stopped(),
             )
         return word if isinstance(word, str) else "the caller" if word else None
-
-    def _is_settled(self) -> bool:
-        wants_no_area = self.companion is None or self.companion.area is None
-        return wants_no_area or self.log.is_still()
 
     def _write(self, result: TrialResult) -> None:
         if self.recorder is not None:
@@ -241,7 +251,7 @@ class Sitl:
         """Where the flight should have ended; None if nobody flew."""
         if self.companion is None:
             return None
-        area, chosen_enu_m = self.companion.area, None
+        area, chosen_enu_m = self.area or self.companion.area, None
         if self.pilot is not None:
             area = self.pilot.mission.area
             # A pilot that went on to another area chose a point there.
@@ -257,14 +267,9 @@ class Sitl:
         return judge(score, goal, ending)
 
     def _result(
-        self,
-        score: FlightScore,
-        judgement: Judgement,
-        goal: Goal | None,
-        wall_s: float,
-        cpu_s: float,
+        self, measured: dict[str, Any], judgement: Judgement, wall_s: float, cpu_s: float
     ) -> TrialResult:
-        bench, area = self.bench, None if goal is None else goal.area
+        bench = self.bench
         sim_s = bench.plant.time_us * 1e-6
         x, y, z = (round(c, 3) for c in bench.scene.start_position_enu_m)
         return TrialResult(
@@ -275,14 +280,13 @@ class Sitl:
             vehicle=bench.airframe.name,
             seed=self.cfg.bench.seed,
             start=(x, y, z),
-            area=None if area is None else area.id,
             sim_seconds=round(sim_s, 2),
             wall_seconds=round(wall_s, 2),
             cpu_seconds=round(cpu_s, 2),
             real_time_factor=round(sim_s / wall_s, 2),
             state_hash=self.log.state_hash(),
             recording=None if self.cfg.record is None else str(self.cfg.record),
-            **figures(score, has_area=area is not None),
+            **measured,
         )
 
     def close(self) -> None:

@@ -6,6 +6,7 @@ import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from aeroscene.scene import InteractionArea
 from autonomy.types import Vector3
 from scenarios.trials.score import N_SOLES, FlightScore
 from scenarios.trials.verdict import Code
@@ -62,20 +63,21 @@ class TrialResult:
         return asdict(self) | {"code": self.code.value}
 
 
-def figures(score: FlightScore, *, has_area: bool) -> dict[str, Any]:
+def figures(score: FlightScore, area: InteractionArea | None) -> dict[str, Any]:
     """Fields of a `TrialResult` that a score has.
 
     Args:
         score: Score of the flight.
-        has_area: Whether the flight had an area to land on.
+        area: Assigned area; None if there was none.
     """
     return {
+        "area": None if area is None else area.id,
         "landed_area": score.landed_area,
-        "contacts_before_touchdown": score.contacts_before_touchdown if has_area else None,
+        "contacts_before_touchdown": None if area is None else score.contacts_before_touchdown,
         "touchdown_error_m": rounded(score.touchdown_error_m),
         "touchdown_speed_mps": rounded(score.touchdown_speed_mps),
         "slide_m": rounded(score.slide_m),
-        "soles_inside": score.n_soles_inside == N_SOLES if has_area else None,
+        "soles_inside": None if area is None else score.n_soles_inside == N_SOLES,
         "tilt_at_rest_deg": rounded(score.tilt_at_rest_deg) if score.is_down else None,
         "stopped_after_s": rounded(score.stopped_after_s),
         "rotor_spin_ups": score.rotor_spin_ups if score.is_down else None,
