@@ -84,6 +84,14 @@ class World:
         name = mover_name(index, self.obstacles)
         return mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
 
+    def name_of(self, object_id: int) -> str:
+        """Name of a thing by its id in `geom_object_id`, such as "object 12 (tree)"."""
+        if object_id == VEHICLE_ID:
+            return "the vehicle"
+        if object_id <= FIRST_MOVER_ID:
+            return mover_name(FIRST_MOVER_ID - object_id, self.obstacles)
+        return _describe(self.scene, object_id)
+
     def new_data(self) -> mujoco.MjData:
         """State at time zero: the vehicle at the start, at rest on its legs."""
         data = mujoco.MjData(self.model)

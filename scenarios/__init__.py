@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from scenarios.run.cfg import SitlCfg
     from scenarios.run.companion import Aboard, Companion
     from scenarios.run.sitl import INPUT_ERRORS, Sitl
-    from scenarios.run.trial import TrialResult, Verdict
+    from scenarios.trials.result import TrialResult
+    from scenarios.trials.verdict import Verdict
 else:
     __getattr__, __dir__ = public_names(__name__, __file__)
 

@@ -19,9 +19,10 @@ from rich.table import Table
 COLUMNS = {
     "scene": "scene",
     "vehicle": "vehicle",
-    "success": "landed",
+    "code": "code",
     "contacts_before_touchdown": "contacts",
     "touchdown_error_m": "touchdown m",
+    "sim_seconds": "simulated s",
     "position_rmse_m": "position m",
     "attitude_rmse_deg": "attitude deg",
     "real_time_factor": "x real time",
@@ -64,10 +65,14 @@ def main(cfg: FlyCfg) -> None:
     table = Table(*COLUMNS.values())
     for result in results:
         table.add_row(*(_cell(result[column]) for column in COLUMNS))
-    console = Console(width=110)
+    console = Console(width=120)
     console.print(table)
-    landed = sum(result["success"] for result in results)
-    console.print(f"{landed} of {len(results)} landed without contact before touchdown")
+    failed = [result for result in results if not result["success"]]
+    console.print(f"{len(results) - len(failed)} of {len(results)} landed within every limit")
+    for result in failed:
+        console.print(
+            f"{result['scene']}, {result['vehicle']}: {result['code']}: {result['reason']}"
+        )
 
 
 def _cell(value: object) -> str:

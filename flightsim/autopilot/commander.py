@@ -207,12 +207,15 @@ class Commander:
         self._flight.events.say(Severity.INFO, text)
 
     def _rests(self) -> bool:
-        """Whether the ground carries a descending vehicle, so that its rotors should idle.
+        """Whether the ground carries a vehicle that came down, so that its rotors should idle.
 
-        Controlling attitude and position against the ground makes a vehicle dance on it.
+        Controlling attitude and position against the ground makes a vehicle dance on it. What
+        rests goes on resting until its behaviour leads up: gusts and noise are no reason.
         """
         flight = self._flight
-        is_resting = flight.land_detector.has_contact and self.behaviour.may_rest
+        is_resting = flight.land_detector.has_contact and (
+            self.behaviour.may_rest or (self._is_resting and not self.behaviour.ready_to_lift())
+        )
         if self._is_resting and not is_resting:
             flight.start_references_here()
         self._is_resting = is_resting

@@ -36,7 +36,7 @@ class LandDetector:
         has_contact: Whether something seems to carry the vehicle. It begins when a commanded
             descent ends within a hand's breadth of the ground, or when the rotors have carried too
             little for 0.1 s near the ground, 0.4 s where the rangefinder sees none. It ends when
-            the vehicle falls or is lifted.
+            the vehicle is lifted, or falls and is not near the ground.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -77,7 +77,8 @@ class LandDetector:
             is_lifted = _carries(vehicle) and (
                 up_mps > _LIFT_OFF_CLIMB_MPS or (height_m or 0.0) > _NEAR_GROUND_M
             )
-            self.has_contact = not is_lifted and up_mps > -_FALL_MPS
+            is_falling = up_mps < -_FALL_MPS and (height_m is None or height_m > _NEAR_GROUND_M)
+            self.has_contact = not is_lifted and not is_falling
             return
         is_touching = (
             height_m is not None

@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
+from flightsim.draws import seed_sequence
 from flightsim.environment.floor import CELL_M, CLEARANCE_CAP_M, Columns, Floor
 from flightsim.environment.movers import MAX_MOVERS, MOVER_KINDS, MoverName, MovingObstacle
 from flightsim.environment.paths import smooth_path
@@ -124,10 +125,11 @@ def plan_traffic(
     if not kinds:
         return ()
     streets = _Streets(scene, solids, surface_height)
-    seeds = np.random.SeedSequence(cfg.seed).spawn(len(kinds))
     return tuple(
-        streets.place(kind, np.random.default_rng(seed))
-        for kind, seed in zip(kinds, seeds, strict=True)
+        streets.place(
+            kind, np.random.default_rng(seed_sequence(cfg.seed, scene.scene_id, "traffic", number))
+        )
+        for number, kind in enumerate(kinds)
     )
 
 

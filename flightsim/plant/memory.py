@@ -9,6 +9,7 @@ from autonomy.control import new_controller
 from autonomy.control.cfg import controller_cfg_for
 from autonomy.estimation import new_filter
 from autonomy.model.quadrotor import GRAVITY_MPS2
+from flightsim.draws import generator, seed_sequence
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.motion import MOVER_DTYPE, new_movers, new_traffic, place_mover
 from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms
@@ -147,7 +148,9 @@ class PlantMemory:
     def _build_vehicle(self, world: World, cfg: PlantCfg) -> None:
         """Fill the records of the air, the rotors and the controller."""
         quadrotor, dt_s = world.airframe.quadrotor, 1.0 / cfg.control_hz
-        self.plant["air"] = new_air(_generator(cfg, _FIRST_AIR_STREAM), dt_s=dt_s)[0]
+        scene_id = world.scene.scene_id
+        first_air = generator(cfg.seed, scene_id, "plant", _FIRST_AIR_STREAM)
+        self.plant["air"] = new_air(first_air, dt_s=dt_s)[0]
         self.plant["air"]["shelter_cell_m"] = self._grid.cell_m
         self.plant["air"]["shelter_origin_enu_m"] = self._grid.origin_enu_m
         self.plant["traffic"] = new_traffic(dt_s)[0]
@@ -160,14 +163,15 @@ class PlantMemory:
         self.plant["surfaces"] = new_surfaces(cfg.effects)[0]
         self.plant["vibration"] = new_vibration(
             world.airframe,
-            _generator(cfg, _VIBRATION_STREAM),
+            generator(cfg.seed, scene_id, "plant", _VIBRATION_STREAM),
             dt_s=dt_s,
             is_on=cfg.effects.vibration,
         )[0]
         gains = cfg.controller or controller_cfg_for(quadrotor)
         self.plant["controller"] = new_controller(quadrotor, gains, dt_s=dt_s)[0]
         estimator = cfg.estimator or estimator_cfg_for(cfg)
-        start = _generator(cfg, _START_STREAM).normal(self.qpos[:3], estimator.start_sigma_m)
+        believed = generator(cfg.seed, scene_id, "plant", _START_STREAM)
+        start = believed.normal(self.qpos[:3], estimator.start_sigma_m)
         self.plant["filter"] = new_filter(
             estimator,
             dt_s=dt_s,
@@ -182,14 +186,14 @@ class PlantMemory:
         self.plant["sky"] = new_sky(
             GRADES[cfg.gnss].constellations,
             world.scene.latitude_deg,
-            _generator(cfg, _SKY_STREAM),
+            generator(cfg.seed, world.scene.scene_id, "plant", _SKY_STREAM),
             cfg.effects,
         )[0]
         bounds, amperes = [0], amperes_per_cubed_speed(world.airframe.battery)
         for sensor in SENSORS:
             start = SensorStart(
                 tick_hz=cfg.control_hz,
-                rng=_generator(cfg, *sensor.start_streams),
+                rng=generator(cfg.seed, world.scene.scene_id, "plant", *sensor.start_streams),
                 position_enu_m=self.qpos[:3],
                 velocity_enu_mps=self.qvel[:3],
                 quat_wxyz=self.qpos[3:7],
@@ -206,15 +210,6 @@ class PlantMemory:
         blocks = np.split(self._normals, bounds[1:])
         numbers = [*(sensor.stream for sensor in SENSORS), _AIR_STREAM]
         *self._streams, self._air_stream = (
-            NormalStream(_seed(cfg, number), block)
+            NormalStream(seed_sequence(cfg.seed, world.scene.scene_id, "plant", number), block)
             for number, block in zip(numbers, blocks, strict=True)
         )
-
-
-def _seed(cfg: PlantCfg, *stream: int) -> np.random.SeedSequence:
-    """Seed of a stream by its number, as `SeedSequence.spawn` counts them."""
-    return np.random.SeedSequence(cfg.seed, spawn_key=stream)
-
-
-def _generator(cfg: PlantCfg, *stream: int) -> np.random.Generator:
-    return np.random.default_rng(_seed(cfg, *stream))

@@ -29,7 +29,7 @@ from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import WorldError, build_world
 from scenarios.bench.configs import LandBenchCfg
-from scenarios.bench.landing_flight import Landing, fly_landing
+from scenarios.bench.landing_flight import fly_landing
 from scenarios.bench.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, LookRig
 from scenarios.bench.landing_truth import ExactGround
 from scenarios.bench.plan_pairs import scene_numbers
@@ -37,6 +37,7 @@ from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import rank_areas
 from scenarios.mission.surroundings import MissionError, Surroundings, survey
 from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
+from scenarios.trials.result import TrialResult
 
 MOST_UNSAFE_SITES, MOST_UNSAFE_CELLS = 0.5, 2.0
 MOST_TOUCHDOWN_ERROR_M, MOST_TOUCHDOWN_SPEED_MPS = 0.10, 0.5
@@ -179,7 +180,8 @@ def _update_ms(cfg: LandBenchCfg) -> float:
 
 
 def _flight_rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    landings: list[Landing] = []
+    landings: list[TrialResult] = []
+    n_aborts = 0
     n_without = 0
     for index, number in enumerate(scene_numbers(cfg.flights) if cfg.flights else []):
         share = _LOOK_SHARE + (1 - _LOOK_SHARE) * index / cfg.flights
@@ -191,27 +193,27 @@ def _flight_rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             depth_camera=cfg.camera,
         )
         try:
-            landings.append(fly_landing(open_scene(str(number)), bench))
+            result, n_calls = fly_landing(open_scene(str(number)), bench)
         except MissionError:
             n_without += 1
+            continue
+        landings.append(result)
+        n_aborts += n_calls
     if not landings:
         return
-    done = [landing for landing in landings if landing.is_success]
+    done = [landing for landing in landings if landing.success]
     yield higher(f"flown: landed, of {len(landings)}", _share(done, landings), "%")
-    for reason in (landing.reason for landing in landings if not landing.is_success):
+    for reason in (f"{flown.code}: {flown.reason}" for flown in landings if not flown.success):
         yield lower(f"flown: {reason}", 1, "flights")
     if n_without:
         yield lower("flown: scenes without a mission", n_without, "scenes")
     errors = [landing.touchdown_error_m or 0.0 for landing in done]
-    speeds = [landing.touchdown_speed_mps for landing in done]
-    tilts = [landing.tilt_at_rest_deg for landing in done]
+    speeds = [landing.touchdown_speed_mps or 0.0 for landing in done]
+    tilts = [landing.tilt_at_rest_deg or 0.0 for landing in done]
     yield lower("flown: touchdown error, median", _median(errors), "m", MOST_TOUCHDOWN_ERROR_M)
     yield lower("flown: touchdown error, worst", _worst(errors), "m")
-    yield lower(
-        "flown: vertical speed at touchdown, worst", _worst(speeds), "m/s", MOST_TOUCHDOWN_SPEED_MPS
-    )
+    yield lower("flown: speed at touchdown, worst", _worst(speeds), "m/s", MOST_TOUCHDOWN_SPEED_MPS)
     yield lower("flown: tilt at rest, worst", _worst(tilts), "deg")
-    n_aborts = sum(landing.n_aborts for landing in landings)
     yield lower("flown: descents called off", n_aborts, "descents")
 
 
@@ -244,7 +246,7 @@ def _cell_rows(tally: _Tally) -> Iterator[Row]:
     yield lower("slope error, p95", p95, "deg")
 
 
-def _share(part: list[Landing], whole: list[Landing]) -> float:
+def _share(part: list[TrialResult], whole: list[TrialResult]) -> float:
     return 100 * len(part) / len(whole)
 
 

@@ -27,7 +27,7 @@ from scenarios.cli.command_line import (
 from scenarios.cli.status_line import StatusLine
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
-from scenarios.run.trial import TrialResult
+from scenarios.trials.result import TrialResult
 
 if TYPE_CHECKING:
     from scenarios.recording.viewer import Viewer
@@ -147,12 +147,11 @@ def _announce(console: Console, sitl: Sitl) -> None:
 
 def _print_result(console: Console, result: TrialResult) -> None:
     if result.success is not None:
-        word = "[bold green]Done[/]" if result.success else "[bold red]Failed[/]"
+        word = "[bold green]Done[/]" if result.success else f"[bold red]Failed, {result.code}[/]"
         console.print(f"{word}: {result.reason}")
-        console.print(f"  landing area                  {result.area}")
-        console.print(f"  contacts before touchdown     {result.contacts_before_touchdown}")
-        if result.touchdown_error_m is not None:
-            console.print(f"  touchdown error               {result.touchdown_error_m:.2f} m")
+        for name, figure, unit in _figures(result):
+            if figure is not None:
+                console.print(f"  {name:<29} {figure}{unit}")
     if result.position_rmse_m is not None:
         console.print(
             f"  estimate against truth, RMS   {result.position_rmse_m:.2f} m, "
@@ -167,6 +166,19 @@ def _print_result(console: Console, result: TrialResult) -> None:
         console.print(f"Replay it with: aeroscene replay {result.recording}", soft_wrap=True)
 
 
+def _figures(result: TrialResult) -> Iterator[tuple[str, float | int | str | None, str]]:
+    """Name, value and unit of what the verdict rests on."""
+    yield "area, assigned", result.area, ""
+    yield "area, landed on", result.landed_area, ""
+    yield "contacts before touchdown", result.contacts_before_touchdown, ""
+    yield "touchdown error", result.touchdown_error_m, " m"
+    yield "touchdown speed", result.touchdown_speed_mps, " m/s"
+    yield "slide after touchdown", result.slide_m, " m"
+    yield "rotors still after", result.stopped_after_s, " s"
+    yield "least clearance", result.least_clearance_m, " m"
+    yield "nearest mover", result.nearest_mover_m, " m"
+
+
 def _keep_open(console: Console, viewer: Viewer) -> None:
     """Keep the viewer open until the user closes it or presses Ctrl-C."""
     page = "window" if viewer.url is None else "page"
@@ -176,17 +188,17 @@ def _keep_open(console: Console, viewer: Viewer) -> None:
 
 
 @contextlib.contextmanager
-def _stop_on_signals() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C and termination into a request; a second one interrupts at once."""
-    requested: list[int] = []
+def _stop_on_signals() -> Iterator[Callable[[], str]]:
+    """Turn Ctrl-C and termination into a request by name; a second one interrupts at once."""
+    requested: list[str] = []
 
     def request(number: int, _: FrameType | None) -> None:
         if requested:
             raise KeyboardInterrupt
-        requested.append(number)
+        requested.append(signal.Signals(number).name)
 
     with handling_signals(request):
-        yield lambda: bool(requested)
+        yield lambda: requested[0] if requested else ""
 
 
 if __name__ == "__main__":

@@ -25,13 +25,10 @@ from scenarios.generation.asked import GenerateError
 
 if TYPE_CHECKING:
     from scenarios.run.companion import Aboard, Companion
-    from scenarios.run.sitl import Sitl
 
 ORDER = (
     "failed first, then by the sum of ranks in touchdown_error_m, sim_seconds, least_clearance_m"
 )
-_AWAY_M = 1.5
-"""Positions nearer to the start or the resting place count for no clearance: there it lands."""
 _SETTINGS = "asked.json"
 
 MakePilot = Callable[["Aboard"], "Companion"]
@@ -95,8 +92,6 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
     cfg = SitlCfg(demo=make is None, bench=TestbenchCfg(vehicle="iris", speed="max"))
     try:
         with Sitl(cfg, scene=scene, pilot=make, has_network=False) as sitl:
-            plant, track_enu_m = sitl.bench.plant, []
-            sitl.bench.observers.append(lambda: track_enu_m.append(plant.truth.position_enu_m))
             result = sitl.run()
             return Flight(
                 seed=scene.seed,
@@ -104,7 +99,7 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
                 reason=result.reason,
                 touchdown_error_m=result.touchdown_error_m,
                 sim_seconds=result.sim_seconds,
-                least_clearance_m=_least_clearance_m(sitl, np.reshape(track_enu_m, (-1, 3))),
+                least_clearance_m=result.least_clearance_m,
             )
     except INPUT_ERRORS as error:
         if not isinstance(error.__cause__, MissionError):
@@ -113,13 +108,6 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
     except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         return Flight(seed=scene.seed, success=False, reason=reason)
-
-
-def _least_clearance_m(sitl: Sitl, track_enu_m: np.ndarray) -> float | None:
-    from scenarios.mission.clearance import flown_clearance_m  # noqa: PLC0415 - as above
-
-    found = flown_clearance_m(sitl.bench.scene, sitl.bench.airframe, track_enu_m, _AWAY_M)
-    return None if found is None else round(found, 3)
 
 
 def worst_first(flights: Sequence[Flight]) -> list[Flight]:

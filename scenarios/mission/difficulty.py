@@ -24,7 +24,7 @@ from scenarios.mission.surroundings import MissionError, Surroundings, survey
 Grade = Literal["easy", "medium", "hard"]
 
 N_WAYS = 4
-"""Ways of a scene that are measured, the demo's among them."""
+"""Ways of a scene that are measured."""
 _MOST_TRIED = 8
 """Areas to which a way is looked for."""
 _STEP_S = 0.1
@@ -107,7 +107,7 @@ def measure_difficulty(scene: Scene, airframe: Airframe) -> Difficulty:
 
 
 def measure_ways(scene: Scene, airframe: Airframe) -> list[Way]:
-    """Plan to the areas that the demo would choose, best first, and measure the first ways found.
+    """Plan to the areas of `rank_areas`, best first, and measure the first ways found.
 
     Raises:
         MissionError: If the vehicle cannot leave the start.

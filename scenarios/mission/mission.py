@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from aeroscene.scene import InteractionArea, Scene
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
+from scenarios.mission.goals import Target, draw_goals, fitting_areas, is_indoor
 from scenarios.mission.surroundings import (
     DESCENT_MARGIN_M,
     HOVER_MARGIN_M,
@@ -24,12 +24,9 @@ from scenarios.mission.surroundings import (
 TAKEOFF_HEIGHTS_M = (2.5, 2.0, 1.5, 3.0, 4.0, 1.2)
 FAR_ENOUGH_M = 15.0
 """Areas nearer to the start are chosen only where there is no other."""
-_MAX_ATTEMPTS = 8
+_MAX_ALTERNATES = 8
 _LUCK = 2.0
 """Greatest share of chance in an area's appeal, twice that of height above the ground."""
-_CLASSES = ("small", "medium", "large")
-Target = Literal["landing", "perching", "any"]
-"""Desired kind of area."""
 _WANTED = {"landing": "landing area", "perching": "place to perch", "any": "area"}
 
 
@@ -40,7 +37,7 @@ class Mission:
     surroundings: Surroundings
     area: InteractionArea
     alternates: tuple[InteractionArea, ...]
-    """Areas to try if the first turns out to be unsafe, best first."""
+    """Areas to try if the assigned one turns out to be unsafe, best first."""
     takeoff_enu_m: Vector3
     """End of the take-off, above the start."""
     hover_enu_m: Vector3
@@ -58,14 +55,14 @@ def plan_mission(
     target: Target = "landing",
     map_source: MapSource = "truth",
 ) -> Mission:
-    """Choose an area (unless one is given) and plan the way to it.
+    """Draw an area that can be flown to (unless one is given) and plan the way to it.
 
     Args:
         scene: Scene to fly in.
         airframe: Vehicle that flies.
-        seed: Seed of the choice among good areas.
-        area: Area to land on; None chooses one.
-        target: Kind of area to choose.
+        seed: Seed of the draw.
+        area: Area to land on; None draws one.
+        target: Kind of area to draw.
         map_source: Whether the map is given or grows with what the vehicle sees; a growing map is
             planned in from above the start, and its areas are those of the brief.
 
@@ -74,10 +71,12 @@ def plan_mission(
     """
     surroundings = survey(scene, airframe, map_source=map_source)
     takeoff = takeoff_point(surroundings)
-    candidates = [area] if area is not None else rank_areas(scene, airframe, seed, target)
+    candidates = [area] if area is not None else draw_goals(scene, airframe, seed, target)
+    # Whoever gives the task knows the place, though the pilot may not.
+    given = surroundings if surroundings.is_known else survey(scene, airframe)
     reason = f"no {_WANTED[target]} suits class {airframe.drone_class}"
-    for index, candidate in enumerate(candidates[:_MAX_ATTEMPTS]):
-        hover = surroundings.hover_point(candidate)
+    for candidate in candidates:
+        hover = given.hover_point(candidate) and surroundings.hover_point(candidate)
         if hover is None:
             reason = f"area {candidate.id} has no free place to hover above it"
             continue
@@ -86,10 +85,11 @@ def plan_mission(
         except PlanningError as error:
             reason = f"area {candidate.id}: {error}"
             continue
+        others = [each for each in rank_areas(scene, airframe, seed, target) if each != candidate]
         return Mission(
             surroundings=surroundings,
             area=candidate,
-            alternates=tuple(candidates[index + 1 : index + 1 + _MAX_ATTEMPTS]),
+            alternates=tuple(others[:_MAX_ALTERNATES]),
             takeoff_enu_m=takeoff,
             hover_enu_m=hover,
             trajectory=trajectory,
@@ -132,15 +132,12 @@ def takeoff_point(surroundings: Surroundings) -> Vector3:
 def rank_areas(
     scene: Scene, airframe: Airframe, seed: int, target: Target = "landing"
 ) -> list[InteractionArea]:
-    """Areas for the vehicle's class, best first: far, elevated, roomy, under the open sky.
+    """Areas for the vehicle's class, as a pilot prefers them where it may choose.
 
-    The seed settles the order among areas that are about as good.
+    The best are far, elevated, roomy and under the open sky; the seed settles the order among areas
+    that are about as good.
     """
-    fits = [
-        area
-        for area in _areas(scene, target)
-        if _CLASSES.index(area.drone_class) >= _CLASSES.index(airframe.drone_class)
-    ]
+    fits = fitting_areas(scene, airframe, target)
     start = scene.start_position_enu_m
     chance = np.random.default_rng(seed).uniform(0.0, _LUCK, len(fits)).tolist()
     score = {area.id: luck + _appeal(scene, area) for area, luck in zip(fits, chance, strict=True)}
@@ -151,15 +148,13 @@ def rank_areas(
     return sorted(fits, key=lambda area: (is_near(area), -score[area.id], area.id))
 
 
-def _areas(scene: Scene, target: Target) -> tuple[InteractionArea, ...]:
-    if target == "any":
-        return (*scene.landing_areas, *scene.perching_areas)
-    return scene.landing_areas if target == "landing" else scene.perching_areas
-
-
 def _appeal(scene: Scene, area: InteractionArea) -> float:
     bearer = None if area.object_id is None else scene.object_by_id[area.object_id]
-    is_indoor = bearer is not None and bearer.domain == "indoor"
     is_elevated = area.centroid[2] - scene.start_position_enu_m[2] > 1.5
     is_pad = bearer is not None and bearer.category == "landing_pad"
-    return 1.0 * is_elevated + 0.8 * is_pad + 0.5 * min(area.radius, 2.0) - 2.0 * is_indoor
+    return (
+        1.0 * is_elevated
+        + 0.8 * is_pad
+        + 0.5 * min(area.radius, 2.0)
+        - 2.0 * is_indoor(scene, area)
+    )

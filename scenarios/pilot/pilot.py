@@ -54,6 +54,7 @@ class Pilot:
     """Flies one mission; call `update` at the end of every tick.
 
     Attributes:
+        mission: Mission to fly; its area is the assigned one.
         phase: Present phase.
         verdict: Outcome of the flight; not done while it lasts.
         transitions: All changes of phase with their reasons.
@@ -81,6 +82,7 @@ class Pilot:
             alternates=list(mission.alternates),
             gaze=_gaze(mission, cfg),
         )
+        self.mission = mission
         self._ground, area = GroundPhases(flight), LandingPhases(flight)
         way = EnRoutePhases(flight, area)
         area.ways_out = way

@@ -90,6 +90,7 @@ def _scene_view(name: str, cameras: Sequence[str], eye: rrb.EyeControls3D) -> rr
             layout.EXECUTED: until_now,
             layout.EARLIER_PLANS: until_now,
             layout.CHOICES: until_now,
+            layout.CONTACTS: until_now,
             **dict.fromkeys(SWITCHED_OFF, rrb.EntityBehavior(visible=False)),
         },
     )
@@ -189,6 +190,7 @@ def _texts() -> rrb.Container:
     )
     return rrb.Tabs(
         rrb.TextLogView(name="Messages", origin=layout.STATUSTEXT, columns=columns),
+        rrb.TextLogView(name="Contacts", origin=layout.TOUCHED, columns=columns),
         rrb.TextDocumentView(name="Run", origin=layout.RUN),
         active_tab=0,
     )

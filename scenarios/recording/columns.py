@@ -62,7 +62,7 @@ def _values(
     """Values of a series; NaN, which plots leave out, as long as they mean nothing."""
     if series.column is None:
         (field,) = series.fields
-        return rows[field]
+        return rows[field].reshape(len(rows), -1)
     values = np.column_stack([rows[field][:, series.column] for field in series.fields])
     for k, by in enumerate(series.known_by):
         if by is not None:
@@ -74,7 +74,7 @@ def _send_errors(
     stream: rr.RecordingStream, rows: np.ndarray, is_aligned: Bool[np.ndarray, " n"]
 ) -> None:
     """Estimate and errors, from the estimator's alignment on."""
-    from scenarios.run.scoring import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
+    from scenarios.trials.score import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
 
     if not is_aligned.any():
         return

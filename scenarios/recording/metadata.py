@@ -23,6 +23,8 @@ class RunInfo:
     seed: int
     config: Mapping[str, Any] = field(default_factory=dict)
     """The fully resolved configuration, as plain data."""
+    limits: Mapping[str, float] = field(default_factory=dict)
+    """Thresholds of the verdict, so that whoever reads the recording can judge by them."""
 
     @property
     def title(self) -> str:
@@ -40,6 +42,7 @@ def log_run(stream: rr.RecordingStream, info: RunInfo, scene: Scene) -> None:
             vehicle=info.vehicle,
             seed=info.seed,
             config=json.dumps(info.config, sort_keys=True),
+            limits=json.dumps(info.limits, sort_keys=True),
         ),
     )
     # All of it, so that pictures can be drawn of the recording alone.
@@ -49,12 +52,13 @@ def log_run(stream: rr.RecordingStream, info: RunInfo, scene: Scene) -> None:
 
 
 def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any]) -> None:
-    """Write the result of the run: `success`, `reason`, and all figures as JSON."""
+    """Write the result of the run: `success`, `code`, `reason`, and all figures as JSON."""
     stream.send_property(
         layout.VERDICT_PROPERTY,
         rr.AnyValues(
             # Absent where nothing was to be judged.
             success=verdict.get("success"),
+            code=str(verdict.get("code", "")),
             reason=str(verdict.get("reason", "")),
             figures=json.dumps(verdict, sort_keys=True),
         ),
@@ -66,6 +70,8 @@ def _log_page(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, A
     sections = [f"# {info.title}"]
     if verdict is not None:
         sections.append("## Verdict\n\n" + _table(verdict))
+    if info.limits:
+        sections.append("## Limits of the verdict\n\n" + _table(info.limits))
     if info.config:
         sections.append("## Configuration\n\n" + _table(info.config))
     page = rr.TextDocument("\n\n".join(sections), media_type=rr.MediaType.MARKDOWN)

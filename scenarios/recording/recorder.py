@@ -20,6 +20,7 @@ from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
 from scenarios.recording.chase_log import ChaseLog
 from scenarios.recording.columns import ExecutedPath, send_history, set_sim_time
+from scenarios.recording.contact_log import log_contacts
 from scenarios.recording.frames import FrameLog
 from scenarios.recording.landing_log import LandingLog
 from scenarios.recording.metadata import RunInfo, log_run, log_verdict
@@ -194,6 +195,7 @@ class Recorder:
     def conclude(self, verdict: Mapping[str, Any]) -> None:
         """Write buffered data and the run's figures; without live viewers finish the file too."""
         self.flush()
+        log_contacts(self._stream, verdict.get("contacts", ()))
         log_verdict(self._stream, self._info, verdict)
         self._write_out()
         if self.url is None:

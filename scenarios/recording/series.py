@@ -70,6 +70,7 @@ SERIES: tuple[ScalarSeries, ...] = (
     ScalarSeries(
         layout.MOTOR_SPEED, ("rotor_speed_radps",), _rotors("speed"), _ROTORS, is_fast=True
     ),
+    ScalarSeries(layout.TOUCHING, ("is_touching",), ("touching",), (_RED,), is_fast=True),
 )
 
 DERIVED: tuple[ScalarSeries, ...] = (

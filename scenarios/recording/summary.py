@@ -41,6 +41,8 @@ class RecordingSummary:
     seed: int | None
     config: dict[str, Any] | None
     """The resolved configuration of the run."""
+    limits: dict[str, float] | None
+    """Thresholds by which the run was judged."""
     verdict: dict[str, Any] | None
     """Figures of the run; None if it never got one."""
     sim_seconds: float
@@ -109,6 +111,7 @@ def summarise(path: Path) -> RecordingSummary:
         vehicle=run.get("vehicle"),
         seed=run.get("seed"),
         config=json.loads(run["config"]) if "config" in run else None,
+        limits=json.loads(run["limits"]) if "limits" in run else None,
         verdict=json.loads(verdict["figures"]) if verdict else None,
         sim_seconds=round(end_ns * 1e-9, 6),
         entities=dict(sorted(rows.items())),

@@ -28,6 +28,12 @@ class SitlCfg:
     demo: bool = False
     """Fly our own mission: plan to a landing area, navigate, choose the touchdown point from
     depth, land, disarm; then print the verdict and end."""
+    start: Annotated[str | None, _UNSET] = None
+    """Where the vehicle stands at first: area:ID, or x,y,z (east, north, up in m; --start=-3,2,0)
+    on a surface; by default the scene's own start."""
+    area: Annotated[int | None, _UNSET] = None
+    """Number of the area to land on; by default the seed draws one among all that fit the vehicle
+    and can be flown to, indoors and outdoors with equal chance."""
     map: Literal["truth", "onboard"] = "truth"
     """What our mission knows of the place: truth is the scene's own map; onboard is nothing but the
     flight volume and the areas, and the map grows from depth."""

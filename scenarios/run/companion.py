@@ -11,9 +11,8 @@ import numpy as np
 from aeroscene.scene import InteractionArea, Scene
 from flightsim.mavlink.client import BytePipe, MavlinkClient
 from flightsim.vehicles import Airframe
-from scenarios.pilot import PilotVerdict
 from scenarios.pilot.eyes import DepthFrame
-from scenarios.run.trial import Verdict
+from scenarios.trials.verdict import Word
 
 
 class CameraImage(DepthFrame, Protocol):
@@ -38,6 +37,8 @@ class Aboard:
     scene: Scene
     """The map."""
     airframe: Airframe
+    area: InteractionArea | None = None
+    """Assigned area; None leaves the choice to the companion."""
 
 
 class Companion(Protocol):
@@ -49,8 +50,8 @@ class Companion(Protocol):
         ...
 
     @property
-    def verdict(self) -> Verdict | PilotVerdict:
-        """Result of the flight as far as the companion knows; read when the run is over."""
+    def verdict(self) -> Word:
+        """What the companion says of the flight; read when the run is over."""
         ...
 
     @property

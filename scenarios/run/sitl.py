@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import logging
+import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
-from aeroscene.files import replacing
 from aeroscene.scene import Scene, SceneError
 from aeroscene.sources import open_scene
 from flightsim.environment.effects import EffectError
@@ -20,11 +19,16 @@ from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
 from flightsim.sensors.cameras import CameraError, Cameras, depth_noise
 from flightsim.testbench import Testbench, TestbenchError
-from flightsim.vehicles import Airframe, AirframeError
+from flightsim.vehicles import Airframe, AirframeError, airframe_by_name
 from flightsim.world import WorldError
+from scenarios.mission.goals import find_area, with_start
 from scenarios.run.cfg import SitlCfg
-from scenarios.run.scoring import FlightLog
-from scenarios.run.trial import MAX_TRIAL_S, SETTLE_S, TrialResult, decisions, judge, rounded
+from scenarios.run.summary import write_summary
+from scenarios.trials.flight_log import FlightLog
+from scenarios.trials.limits import LIMITS
+from scenarios.trials.result import TrialResult, figures
+from scenarios.trials.score import FlightScore, Goal
+from scenarios.trials.verdict import Code, Ending, Judgement, judge
 
 if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
@@ -53,6 +57,7 @@ class Sitl:
     """One run of the testbench: opens its parts, runs it, judges it and closes it.
 
     Attributes:
+        area: Area that was assigned by its number; None leaves it to the draw, or to the companion.
         bench: The simulated world and its autopilot.
         pilot: Our own pilot, in a demo.
         companion: Pilot that flies, our own or the caller's; None in a run for clients alone.
@@ -91,7 +96,13 @@ class Sitl:
         self._cameras: Cameras | None = None
         with ExitStack() as stack:
             self._stack = stack
+            airframe = airframe or airframe_by_name(cfg.bench.vehicle)
             scene = scene or open_scene(cfg.scene)
+            if cfg.start is not None:
+                scene = with_start(scene, airframe, cfg.start)
+            self.area = None
+            if cfg.area is not None:
+                self.area = find_area(scene, airframe, cfg.area, "area")
             bench = Testbench(scene, cfg.bench, airframe=airframe, has_network=has_network)
             self.bench = stack.enter_context(bench)
             is_judged = cfg.demo or pilot is not None
@@ -113,7 +124,7 @@ class Sitl:
         """The vehicle's cameras, opened when first asked for."""
         if self._cameras is None:
             bench = self.bench
-            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed)
+            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed, bench.scene.scene_id)
             self._cameras = self._stack.enter_context(Cameras(bench.plant, depth_noise=noise))
         return self._cameras
 
@@ -128,6 +139,7 @@ class Sitl:
             render=lambda camera: self.cameras.render(camera),  # noqa: PLW0108
             scene=bench.scene,
             airframe=bench.airframe,
+            area=self.area,
         )
 
     def _our_pilot(self) -> Pilot:
@@ -144,6 +156,7 @@ class Sitl:
                 bench.scene,
                 bench.airframe,
                 seed=bench.cfg.seed,
+                area=self.area,
                 target=self.cfg.target,
                 map_source=self.cfg.map,
             )
@@ -171,85 +184,111 @@ class Sitl:
             self._miss(str(error))
             return []
 
-    def run(self, should_stop: Callable[[], bool] = lambda: False) -> TrialResult:
+    def run(self, should_stop: Callable[[], bool | str] = lambda: False) -> TrialResult:
         """Simulate, judge what was flown, and write the verdict into and beside the recording.
 
         Args:
             should_stop: Called every tick; the run ends when the demo is done, the time is up, or
-                this returns True.
+                this is true or says by what the run is stopped, such as SIGTERM.
 
         Returns:
-            The verdict and the figures; without a demo there is no verdict, only figures.
+            The verdict and the figures; without a pilot there is no verdict.
         """
         wall_s, cpu_s = time.perf_counter(), time.process_time()
-        self._simulate(should_stop)
-        result = self._judge(time.perf_counter() - wall_s, time.process_time() - cpu_s)
+        stopped_by = self._simulate(should_stop)
+        wall_s, cpu_s = time.perf_counter() - wall_s, time.process_time() - cpu_s
+        goal = self._goal()
+        score = self.log.score(goal)
+        measured = figures(score, None if goal is None else goal.area)
+        result = self._result(measured, self._judge(score, goal, stopped_by), wall_s, cpu_s)
         self._write(result)
         return result
 
-    def _simulate(self, should_stop: Callable[[], bool]) -> None:
+    def _simulate(self, should_stop: Callable[[], bool | str]) -> str | None:
+        """Simulate to the end, and return what stopped the run before it, if anything did."""
         simulator, plant, companion = self.bench.simulator, self.bench.plant, self.companion
-        end_us = None
+        word: bool | str = False
+
+        def is_stopped() -> bool:
+            nonlocal word
+            word = word or should_stop()
+            return bool(word)
+
+        end_us = math.inf
         if self.cfg.headless_seconds is not None:
             end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        if companion is None:
-            simulator.run(until_us=end_us, stop=should_stop)
-            return
-        parts = ((MAX_TRIAL_S, lambda: companion.is_done), (SETTLE_S, lambda: False))
+        parts = [(math.inf, lambda: False)]
+        if companion is not None:
+            rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
+            parts = [
+                (LIMITS.trial_s, lambda: companion.is_done),
+                (LIMITS.settle_s, lambda: False),
+                (rest_s, lambda: companion.area is None or self.log.is_still()),
+            ]
         for seconds, is_done in parts:
-            until_us = plant.time_us + round(seconds * 1e6)
+            until_us = min(plant.time_us + seconds * 1e6, end_us)
             simulator.run(
-                until_us=min(until_us, end_us or until_us),
-                stop=lambda is_done=is_done: is_done() or should_stop(),
+                until_us=round(until_us) if until_us < math.inf else None,
+                stop=lambda is_done=is_done: is_done() or is_stopped(),
             )
+        return word if isinstance(word, str) else "the caller" if word else None
 
     def _write(self, result: TrialResult) -> None:
         """Write all files; one that cannot be written costs neither the verdict nor the others."""
         if self.recorder is not None:
             self.recorder.conclude(result.to_plain())
-            if self.recorder.fault is not None:
-                self._miss(f"recording {self.recorder.path} lacks its end: {self.recorder.fault}")
-        if self.cfg.record is not None:
-            summary = {"config": self.cfg.to_plain(), "result": result.to_plain()}
-            if self.pilot is not None:
-                summary |= decisions(self.pilot)
-            path = self.cfg.record.with_suffix(".json")
-            try:
-                with replacing(path) as file:
-                    file.write(json.dumps(summary, indent=2).encode() + b"\n")
-            except OSError as error:
-                self._miss(f"summary {path} is not written: {error.strerror or error}")
+            if (fault := self.recorder.fault) is not None:
+                self._miss(f"recording {self.recorder.path} lacks its end: {fault}")
+        if (path := self.cfg.record) is not None:
+            fault = write_summary(path, self.cfg, result, self.pilot)
+            if fault is not None:
+                self._miss(fault)
         self.pictures = self._draw(result.reason)
 
     def _miss(self, line: str) -> None:
         self.missing.append(line)
         _LOG.warning("%s", line)
 
-    def _judge(self, wall_s: float, cpu_s: float) -> TrialResult:
-        companion, sim_s = self.companion, self.bench.plant.time_us * 1e-6
-        area = None if companion is None else companion.area
-        touchdown_enu_m = None if area is None else area.centroid
+    def _goal(self) -> Goal | None:
+        """Where the flight should have ended; None if nobody flew."""
+        if self.companion is None:
+            return None
+        area, chosen_enu_m = self.area or self.companion.area, None
         if self.pilot is not None:
-            touchdown_enu_m = self.pilot.touchdown_enu_m
-        score = self.log.score(area, touchdown_enu_m, self.bench.airframe.leg_length_m)
-        verdict = None if companion is None else judge(companion, score)
+            area = self.pilot.mission.area
+            # A pilot that went on to another area chose a point there.
+            chosen_enu_m = self.pilot.touchdown_enu_m if self.pilot.area is area else None
+        return Goal(area=area, chosen_enu_m=chosen_enu_m, others=self.bench.scene.interaction_areas)
+
+    def _judge(self, score: FlightScore, goal: Goal | None, stopped_by: str | None) -> Judgement:
+        companion = self.companion
+        if companion is None or goal is None:
+            reason = "ended" if stopped_by is None else f"ended by {stopped_by}"
+            return Judgement(code=Code.ENDED, reason=reason)
+        ending = Ending(word=companion.verdict, is_done=companion.is_done, stopped_by=stopped_by)
+        return judge(score, goal, ending)
+
+    def _result(
+        self, measured: dict[str, Any], judgement: Judgement, wall_s: float, cpu_s: float
+    ) -> TrialResult:
+        bench = self.bench
+        sim_s = bench.plant.time_us * 1e-6
+        x, y, z = (round(c, 3) for c in bench.scene.start_position_enu_m)
         return TrialResult(
-            success=None if verdict is None else verdict.success,
-            reason="ended" if verdict is None else verdict.reason,
-            scene=self.bench.scene.scene_id,
-            vehicle=self.bench.airframe.name,
+            success=judgement.success,
+            reason=judgement.reason,
+            code=judgement.code,
+            scene=bench.scene.scene_id,
+            vehicle=bench.airframe.name,
             seed=self.cfg.bench.seed,
-            area=None if area is None else area.id,
+            start=(x, y, z),
             sim_seconds=round(sim_s, 2),
             wall_seconds=round(wall_s, 2),
             cpu_seconds=round(cpu_s, 2),
             real_time_factor=round(sim_s / wall_s, 2),
-            contacts_before_touchdown=None if area is None else score.contacts_before_touchdown,
-            touchdown_error_m=rounded(score.touchdown_error_m),
-            position_rmse_m=rounded(score.position_rmse_m),
-            attitude_rmse_deg=rounded(score.attitude_rmse_deg),
             state_hash=self.log.state_hash(),
             recording=None if self.cfg.record is None else str(self.cfg.record),
+            **measured,
         )
 
     def close(self) -> None:

@@ -16,6 +16,7 @@ from flightsim.testbench import Testbench, TestbenchError
 from scenarios.recording import Recorder, RecordingError, RunInfo
 from scenarios.recording.viewer import DATA_PORT, Viewer, ViewerError, free_port
 from scenarios.run.cfg import SitlCfg
+from scenarios.trials.limits import LIMITS
 
 if TYPE_CHECKING:
     from scenarios.pilot import Pilot
@@ -67,6 +68,7 @@ def _recorder(bench: Testbench, cfg: SitlCfg, pilot: Pilot | None) -> Recorder:
             vehicle=bench.airframe.name,
             seed=cfg.bench.seed,
             config=cfg.to_plain(),
+            limits=LIMITS.to_plain(),
         ),
         goal_enu_m=None if pilot is None else pilot.area.centroid,
         serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),

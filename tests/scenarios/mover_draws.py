@@ -66,7 +66,7 @@ def draw(kind, camera, seed, *, gazes=False):
     rng = np.random.default_rng([seed, *kind.encode()])
     mover = drawn_path(kind, rng)
     world = build_world(empty_scene(start=(30.0, 30.0, 0.0)), AIRFRAMES["iris"], traffic=[mover])
-    data, noise = world.new_data(), depth_noise(camera, seed)
+    data, noise = world.new_data(), depth_noise(camera, seed, world.scene.scene_id)
     movers, points = new_movers([mover])
     size = np.array(MOVER_KINDS[kind].size_m)
     eye, drift = _passing_by(mover, rng)

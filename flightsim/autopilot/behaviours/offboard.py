@@ -47,8 +47,10 @@ class Offboard:
         z = setpoint.position_enu_m[2]
         up_mps = setpoint.velocity_enu_mps[2]
         if not isnan(z):
-            here_m = self._flight.vehicle.position_enu_m[2]
-            return z > here_m + _CLIMB_MARGIN_M or up_mps > _CLIMB_MARGIN_MPS
+            above_m = z - self._flight.vehicle.position_enu_m[2]
+            # A place below leads down, whatever its speed: frames drift against each other.
+            is_rising = up_mps > _CLIMB_MARGIN_MPS and above_m > -_CLIMB_MARGIN_M
+            return above_m > _CLIMB_MARGIN_M or is_rising
         if not isnan(up_mps):
             return up_mps > _CLIMB_MARGIN_MPS
         return setpoint.acceleration_enu_mps2[2] > 0.0

@@ -14,7 +14,6 @@ Izadi and Lovell 2012, eq. (1).
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -24,6 +23,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
+from flightsim.draws import generator
 from flightsim.sensors.cameras.view import RgbdFrame
 
 
@@ -82,19 +82,27 @@ class DepthNoise:
     Each frame has its own random stream, by camera and time, independent of other cameras.
     """
 
-    def __init__(self, cfg: DepthNoiseCfg, seed: int) -> None:
+    def __init__(self, cfg: DepthNoiseCfg, seed: int, scene_id: str) -> None:
         self._cfg = cfg
         self._seed = seed
+        self._scene_id = scene_id
 
     def frame(self, frame: RgbdFrame) -> RgbdFrame:
         """The frame with depth as the camera measures it."""
-        stream = [self._seed, zlib.crc32(frame.camera.encode()), frame.time_us]
-        measured = measured_depth(frame.depth_m, frame.fx, self._cfg, np.random.default_rng(stream))
+        stream = generator(self._seed, self._scene_id, "depth", frame.camera, frame.time_us)
+        measured = measured_depth(frame.depth_m, frame.fx, self._cfg, stream)
         return replace(frame, depth_m=measured)
 
 
-def depth_noise(camera: Literal["exact", "d435", "d455"], seed: int) -> DepthNoise | None:
+def depth_noise(
+    camera: Literal["exact", "d435", "d455"], seed: int, scene_id: str
+) -> DepthNoise | None:
     """Errors of a depth camera by its name, None for the exact one.
+
+    Args:
+        camera: Name of the camera.
+        seed: Seed of the run.
+        scene_id: Name of the scene.
 
     Raises:
         DepthNoiseError: If there is no such camera.
@@ -104,7 +112,7 @@ def depth_noise(camera: Literal["exact", "d435", "d455"], seed: int) -> DepthNoi
     if camera not in DEPTH_CAMERAS:
         valid = ", ".join(["exact", *DEPTH_CAMERAS])
         raise DepthNoiseError(f"depth camera {camera!r} is unknown; valid: {valid}")
-    return DepthNoise(DEPTH_CAMERAS[camera], seed)
+    return DepthNoise(DEPTH_CAMERAS[camera], seed, scene_id)
 
 
 def measured_depth(

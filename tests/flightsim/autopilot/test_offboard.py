@@ -144,3 +144,54 @@ def test_going_up_again_after_touching_the_ground_flies_on():
     bench.stream(velocity(0.0, 0.0, 1.0), 3.0)
     assert bench.position[2] > 1.5
     assert bench.pilot.is_armed
+
+
+def touching():
+    """A vehicle that a companion has just set down, before the autopilot calls it landed."""
+    bench = flying()
+    assert bench.stream(velocity(0.0, 0.0, -0.4), 20.0, lambda: bench.position[2] < 0.01)
+    bench.stream(velocity(0.0, 0.0, -0.4), 0.3)
+    assert bench.pilot.setpoint.level is ControlLevel.IDLE
+    assert not bench.is_on_ground
+    return bench
+
+
+def place_below(bench, up_mps):
+    """A place below the vehicle, in a frame that drifts upwards against the vehicle's own."""
+    x, y, z = bench.plant.estimate.position_enu_m
+    return Setpoint(
+        level=ControlLevel.TRAJECTORY,
+        position_enu_m=(x, y, z - 0.4),
+        velocity_enu_mps=(0.0, 0.0, up_mps),
+        yaw_rad=0.0,
+    )
+
+
+def test_rotors_that_rest_stay_idle_while_the_place_below_drifts_upwards():
+    bench = touching()
+    n = len(bench.setpoints)
+    bench.stream(place_below(bench, 0.16), 6.0, lambda: not bench.pilot.is_armed)
+    assert bench.says("Disarmed by landing")
+    assert all(setpoint.level <= ControlLevel.IDLE for setpoint in bench.setpoints[n:])
+
+
+def test_rotors_that_rest_stay_idle_when_the_mode_changes():
+    bench = touching()
+    n = len(bench.setpoints)
+    assert bench.pilot.set_mode(Mode.HOLD).is_accepted
+    assert bench.run(6.0, lambda: not bench.pilot.is_armed)
+    assert all(setpoint.level <= ControlLevel.IDLE for setpoint in bench.setpoints[n:])
+
+
+def test_a_place_that_rises_past_the_vehicle_lifts_it():
+    bench = touching()
+    x, y, z = bench.plant.estimate.position_enu_m
+    for k in range(200):
+        rising = Setpoint(
+            level=ControlLevel.TRAJECTORY,
+            position_enu_m=(x, y, z - 0.4 + 0.01 * k),
+            velocity_enu_mps=(0.0, 0.0, 0.5),
+            yaw_rad=0.0,
+        )
+        bench.stream(rising, 0.02)
+    assert bench.position[2] > 0.8

@@ -10,7 +10,6 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 from scenarios.bench.configs import LandBenchCfg
 from scenarios.bench.land import rows
-from scenarios.bench.landing_flight import touchdown_speed_mps
 from scenarios.bench.landing_look import Wander
 from scenarios.bench.landing_truth import ExactGround
 from scenarios.pilot.landing_watch import landing_needs
@@ -64,24 +63,6 @@ def test_errors_wander_as_slowly_and_as_far_as_told():
     assert np.all(x[:, 1] == 0.0)
     after = np.mean(x[:-50, 0] * x[50:, 0]) / x[:, 0].var()
     assert after == pytest.approx(math.exp(-1.0), abs=0.12)
-
-
-def test_touchdown_speed_is_that_before_the_last_contact():
-    history = np.zeros(
-        100,
-        dtype=[
-            ("time_us", "i8"),
-            ("position_true_enu_m", "f8", 3),
-            ("velocity_true_enu_mps", "f8", 3),
-            ("is_touching", "i8"),
-        ],
-    )
-    history["time_us"] = 4000 * np.arange(100)
-    history["position_true_enu_m"][10:60, 2] = np.linspace(1.0, 0.0, 50)
-    history["velocity_true_enu_mps"][50:60, 2] = np.linspace(-0.2, -0.4, 10)
-    history["is_touching"][:10] = history["is_touching"][60:] = 1
-    assert touchdown_speed_mps(history) == pytest.approx(0.4)
-    assert touchdown_speed_mps(history[:10]) == 0.0
 
 
 def test_every_measure_has_a_row():

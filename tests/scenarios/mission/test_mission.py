@@ -80,7 +80,7 @@ def test_a_mission_leads_from_above_the_start_to_above_the_area():
     assert world.clearance_m(dense).min() >= mission.trajectory.min_clearance_m > 0
 
 
-def test_without_a_choice_the_best_area_is_flown_to_and_others_are_kept():
+def test_without_a_choice_an_area_is_drawn_and_others_are_kept():
     mission = plan_mission(yard(), IRIS)
     assert mission.area in {ON_CONTAINER, ON_LAWN}
     assert mission.alternates

@@ -10,7 +10,8 @@ from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Pilot, PilotCfg
-from scenarios.run.scoring import FlightLog
+from scenarios.trials.flight_log import FlightLog
+from scenarios.trials.score import Goal
 from tests.scenarios.landing_scenes import ON_CONTAINER
 
 
@@ -88,8 +89,7 @@ class Demo:
         return next(c.reason for c in reversed(self.pilot.transitions) if c.target is phase)
 
     def score(self):
-        leg_m = self.bench.airframe.leg_length_m
-        return self.log.score(self.pilot.area, self.pilot.touchdown_enu_m, leg_m)
+        return self.log.score(Goal(area=self.pilot.area, chosen_enu_m=self.pilot.touchdown_enu_m))
 
 
 @pytest.fixture

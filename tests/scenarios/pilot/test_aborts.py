@@ -150,7 +150,7 @@ def test_a_place_that_does_not_let_it_come_to_rest_is_left_and_looked_at_again(d
     demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert demo.targets().count(Phase.SEARCH) == 2
-    assert demo.score().is_inside_area
+    assert demo.score().landed_area == demo.pilot.area.id
 
 
 def test_a_link_that_comes_back_lets_it_go_on(demo):

@@ -7,7 +7,8 @@ from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg
-from scenarios.run.scoring import FlightLog
+from scenarios.trials.flight_log import FlightLog
+from scenarios.trials.score import Goal
 from tests.scenarios.landing_scenes import ON_CONTAINER, yard
 
 
@@ -24,7 +25,7 @@ def test_a_container_that_nobody_told_of_is_seen_and_landed_on():
         log = FlightLog(bench.plant)
         bench.observers += [log.on_tick, lambda: pilot.update(bench.plant.time_us)]
         bench.simulator.run(until_us=round(90e6), stop=lambda: pilot.is_done)
-        score = log.score(pilot.area, pilot.touchdown_enu_m, bench.airframe.leg_length_m)
+        score = log.score(Goal(area=pilot.area, chosen_enu_m=pilot.touchdown_enu_m))
         cameras.close()
     assert pilot.phase is Phase.DONE
     assert score.contacts_before_touchdown == 0

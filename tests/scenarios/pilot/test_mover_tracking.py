@@ -28,7 +28,7 @@ def test_a_mover_of_the_simulator_is_where_the_tracker_has_it(mover, camera):
     world = build_world(scene, IRIS, traffic=[mover])
     plant, hovering = Plant(world, PlantCfg(seed=3)), world.new_data()
     hovering.qpos[2] = 2.0
-    noise, obstacles = depth_noise(camera, 3), scene_obstacles(scene, ())
+    noise, obstacles = depth_noise(camera, 3, scene.scene_id), scene_obstacles(scene, ())
     tracker, off_m, off_mps = MoverTracker(), [], []
     with closing(open_camera_renderer(world, 320, 240)) as renderer:
         for _ in range(25):

@@ -31,7 +31,7 @@ def test_it_lands_on_the_container_and_disarms_phase_by_phase(demo):
     assert not demo.bench.autopilot.is_armed
     score = demo.score()
     assert score.contacts_before_touchdown == 0
-    assert score.is_inside_area
+    assert score.landed_area == demo.pilot.area.id
     assert score.touchdown_error_m < 0.3
     assert pilot.verdict.touchdown_error_m < 0.15
     assert pilot.landing_map.is_safe.any()
@@ -45,7 +45,7 @@ def test_an_area_that_is_full_of_crates_is_given_up_for_the_next(demo):
     given_up = next(c for c in pilot.transitions if "on to area 1" in c.reason)
     assert given_up.source is Phase.SEARCH
     assert "no safe place seen on area 0" in given_up.reason
-    assert demo.score().is_inside_area
+    assert demo.score().landed_area == demo.pilot.area.id
 
 
 def test_with_no_area_left_it_flies_home_lands_there_and_says_why(demo):

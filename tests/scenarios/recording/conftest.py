@@ -32,7 +32,21 @@ FIRST_CHOICE_ENU_M, CHOICE_ENU_M = (0.1, 0.0, 0.0), (0.0, 0.1, 0.01)
 SEEN = MovingObstacles.balls(
     np.array([[1.0, 2.0, 3.0]]), np.array([[0.5, 0.0, 0.0]]), np.array([0.4])
 )
-VERDICT = {"success": True, "reason": "landed", "position_rmse_m": 0.25}
+CONTACT = {
+    "time_s": 3.1,
+    "until_s": 3.4,
+    "what": "object 7 (gate)",
+    "object_id": 7,
+    "position_enu_m": [1.0, 2.0, 3.0],
+}
+VERDICT = {
+    "success": False,
+    "code": "contact",
+    "reason": "touched object 7",
+    "position_rmse_m": 0.25,
+    "contacts": [CONTACT],
+}
+LIMITS = {"slide_m": 0.3}
 CONFIG = {"scene": "42", "speed": "max", "camera_hz": 2.0}
 FRAME_PERIOD_US = 500_000
 
@@ -98,7 +112,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
             scene=bench.scene,
             primitives=primitives,
             airframe=bench.airframe,
-            info=RunInfo(scene="42", vehicle="iris", seed=5, config=CONFIG),
+            info=RunInfo(scene="42", vehicle="iris", seed=5, config=CONFIG, limits=LIMITS),
         )
         renderer = open_camera_renderer(bench.world, 64, 48)
         plant, autopilot = bench.plant, bench.autopilot

@@ -1,3 +1,4 @@
+import json
 import socket
 from itertools import pairwise
 
@@ -8,11 +9,12 @@ from rerun.chunk import RrdReader
 from scipy.spatial.transform import Rotation
 
 from scenarios.recording import Recorder, RecordingError, RunInfo, layout
-from scenarios.run.scoring import rotation_angle_rad
+from scenarios.trials.score import rotation_angle_rad
 from tests.scenarios.recording.conftest import (
     CHOICE_ENU_M,
     FIRST_CHOICE_ENU_M,
     LANDING,
+    LIMITS,
     NEW_PLAN_ENU_M,
     PLAN_ENU_M,
     PLAN_S,
@@ -37,6 +39,7 @@ FAST = (
     ("sensors/imu/angular_rate", "gyro_flu_radps", 1, None, None),
     ("motors/command", "rotor_command_radps", 1, None, None),
     ("motors/speed", "rotor_speed_radps", 1, None, None),
+    ("contacts/touching", "is_touching", 1, None, None),
 )
 
 
@@ -57,7 +60,9 @@ def test_fast_data_comes_back_as_the_plant_logged_it(
     if whose is not None:
         rows = [[row[whose]] for row in rows]
     history = flight.history[step - 1 :: step]
-    expected = history[field] if column is None else history[field][:, column : column + 1]
+    expected = history[field].reshape(len(history), -1)
+    if column is not None:
+        expected = expected[:, column : column + 1]
     np.testing.assert_array_equal(times_us, history["time_us"])
     is_known = _is_known(history, field)
     np.testing.assert_array_equal(np.array(rows)[is_known], expected[is_known])
@@ -124,6 +129,22 @@ def test_the_eye_behind_looks_at_the_vehicle_25_times_a_second(flight, contents)
     np.testing.assert_allclose(ahead, to_vehicle / distance_m, atol=1e-5)
     np.testing.assert_allclose(right[:, 2], 0.0, atol=1e-6)
     assert camera.apply((0.0, 1.0, 0.0))[0, 2] < 0.0
+
+
+def test_contacts_stand_in_words_and_in_the_scene_at_their_times(contents):
+    times_us, texts = contents.column(layout.TOUCHED, "TextLog:text")
+    assert times_us.tolist() == [3_100_000]
+    assert texts == [["object 7 (gate), until 3.40 s"]]
+    times_us, points = contents.column(layout.CONTACTS, "Points3D:positions")
+    assert times_us.tolist() == [3_100_000]
+    np.testing.assert_array_equal(points[0], [[1.0, 2.0, 3.0]])
+
+
+def test_limits_and_code_of_the_verdict_are_in_the_file(contents):
+    _, limits = contents.column("__properties/run", "limits")
+    assert json.loads(limits[0][0]) == LIMITS
+    _, code = contents.column("__properties/verdict", "code")
+    assert code[0] == ["contact"]
 
 
 def test_everything_in_time_is_on_one_timeline(contents):

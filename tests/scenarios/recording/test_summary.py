@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from scenarios.recording.summary import UnreadableRecordingError, readable, summarise
+from tests.scenarios.recording.conftest import LIMITS, VERDICT
 
 SCRIPT = Path(__file__).with_name("record_until_killed.py")
 PROMISED = {
@@ -34,7 +35,8 @@ def test_summary_says_which_run_what_is_in_it_and_how_it_ended(flight):
     summary = summarise(flight.path)
     assert (summary.scene, summary.vehicle, summary.seed) == ("42", "iris", 5)
     assert summary.config == {"scene": "42", "speed": "max", "camera_hz": 2.0}
-    assert summary.verdict == {"success": True, "reason": "landed", "position_rmse_m": 0.25}
+    assert summary.verdict == VERDICT
+    assert summary.limits == LIMITS
     assert summary.is_complete
     assert summary.sim_seconds == 3.5
     assert set(summary.entities) >= PROMISED

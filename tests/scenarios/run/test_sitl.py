@@ -56,8 +56,20 @@ def recorded_demo(tmp_path_factory):
 def test_the_demo_lands_on_the_chosen_area_without_touching_anything(recorded_demo):
     result, _ = recorded_demo
     assert result["success"] is True
+    assert result["code"] == "landed"
+    assert result["landed_area"] == result["area"]
+    assert result["soles_inside"] is True
     assert result["contacts_before_touchdown"] == 0
     assert result["touchdown_error_m"] < 0.3
+    assert 0.1 < result["touchdown_speed_mps"] < 0.6
+    assert result["slide_m"] < 0.05
+    assert result["stopped_after_s"] < 2.0
+    assert result["rotor_spin_ups"] == 0
+    assert 0.0 < result["least_clearance_m"] < 5.0
+    assert result["nearest_mover_m"] is None
+    (touched,) = result["contacts"]
+    assert touched["what"].startswith(("object", "the ground"))
+    assert touched["until_s"] == result["sim_seconds"]
     assert result["position_rmse_m"] < 1.5
     assert result["attitude_rmse_deg"] < 2.0
     assert result["cpu_seconds"] > 0.0
@@ -72,7 +84,7 @@ def test_the_recording_and_its_summary_hold_the_same_verdict(recorded_demo):
     assert beside["config"]["scene"] == "42"
     reasons = [change["reason"] for change in beside["transitions"]]
     assert all(reasons)
-    assert reasons[-1] == result["reason"]
+    assert beside["limits"]["slide_m"] == 0.3
     assert beside["replans"] == []
     assert summarise(path).is_complete
 
@@ -194,7 +206,25 @@ def test_a_demo_ends_when_its_time_is_up():
     result = json.loads(done.stdout)
     assert done.returncode == 1
     assert result["sim_seconds"] == 2.0
-    assert result["reason"].startswith("not finished, still in ")
+    assert result["code"] == "time_up"
+    assert "not finished, still in " in result["reason"]
+
+
+def test_a_demo_that_is_told_to_end_says_by_what():
+    process = subprocess.Popen(
+        [*COMMAND, "--instance", str(instance()), "--demo", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None
+    assert any("pilot: arm" in line for line in process.stderr)
+    process.send_signal(signal.SIGTERM)
+    output, _ = process.communicate(timeout=20)
+    result = json.loads(output)
+    assert process.returncode == 1
+    assert result["code"] == "stopped"
+    assert result["reason"].startswith("stopped by SIGTERM: not finished, still in ")
 
 
 @pytest.fixture

@@ -103,24 +103,25 @@ def frame(camera="down", time_us=0):
     )
 
 
-def test_a_frame_errs_by_seed_camera_and_time_alone():
-    one, other = DepthNoise(D435, 3), DepthNoise(D435, 3)
+def test_a_frame_errs_by_seed_scene_camera_and_time_alone():
+    one, other = DepthNoise(D435, 3, "42"), DepthNoise(D435, 3, "42")
     other.frame(frame("forward"))
     first = one.frame(frame()).depth_m
     np.testing.assert_array_equal(first, other.frame(frame()).depth_m)
     for different in (
         one.frame(frame("forward")),
         one.frame(frame(time_us=20_000)),
-        DepthNoise(D435, 4).frame(frame()),
+        DepthNoise(D435, 4, "42").frame(frame()),
+        DepthNoise(D435, 3, "43").frame(frame()),
     ):
         assert not np.array_equal(first, different.depth_m)
 
 
 def test_an_exact_camera_has_no_errors_and_an_unknown_one_is_refused():
-    assert depth_noise("exact", 0) is None
-    assert depth_noise("d455", 0) is not None
+    assert depth_noise("exact", 0, "42") is None
+    assert depth_noise("d455", 0, "42") is not None
     with pytest.raises(DepthNoiseError, match="'kinect' is unknown; valid: exact, d435, d455"):
-        depth_noise("kinect", 0)  # pyright: ignore[reportArgumentType]
+        depth_noise("kinect", 0, "42")  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize(("field", "value"), [("baseline_m", 0.0), ("window_px", 2)])

@@ -1,0 +1,30 @@
+"""Contacts in a recording: what was touched, when and where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import rerun as rr
+
+from scenarios.recording import layout
+from scenarios.recording.columns import set_sim_time
+
+_RGB, _RADIUS_M = (230, 60, 60), 0.06
+
+
+def log_contacts(stream: rr.RecordingStream, contacts: Iterable[Mapping[str, Any]]) -> None:
+    """Write contacts at their times, as text and as a point.
+
+    Args:
+        stream: Recording.
+        contacts: Plain data of each `scenarios.trials.contacts.Contact`.
+    """
+    for contact in contacts:
+        set_sim_time(stream, round(1e6 * contact["time_s"]))
+        words = f"{contact['what']}, until {contact['until_s']:.2f} s"
+        stream.log(layout.TOUCHED, rr.TextLog(words))
+        point = rr.Points3D(
+            [contact["position_enu_m"]], colors=_RGB, radii=_RADIUS_M, labels=[contact["what"]]
+        )
+        stream.log(layout.CONTACTS, point)

@@ -1,0 +1,45 @@
+"""The JSON file beside a recording: configuration, limits and verdict of a run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from aeroscene.files import replacing
+from scenarios.run.cfg import SitlCfg
+from scenarios.trials.limits import LIMITS
+from scenarios.trials.result import TrialResult, decisions
+
+if TYPE_CHECKING:
+    from scenarios.pilot import Pilot
+
+
+def write_summary(
+    recording: Path, cfg: SitlCfg, result: TrialResult, pilot: Pilot | None
+) -> str | None:
+    """Write what a run was and how it ended, whole or not at all.
+
+    Args:
+        recording: File of the recording, whose name the summary takes.
+        cfg: Configuration of the run.
+        result: Verdict and figures.
+        pilot: Our own pilot, in a demo: its decisions are told too.
+
+    Returns:
+        A line that says why there is no summary; None if there is one.
+    """
+    summary = {
+        "config": cfg.to_plain(),
+        "limits": LIMITS.to_plain(),
+        "result": result.to_plain(),
+    }
+    if pilot is not None:
+        summary |= decisions(pilot)
+    path = recording.with_suffix(".json")
+    try:
+        with replacing(path) as file:
+            file.write(json.dumps(summary, indent=2).encode() + b"\n")
+    except OSError as error:
+        return f"summary {path} is not written: {error.strerror or error}"
+    return None

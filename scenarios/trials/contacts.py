@@ -1,0 +1,125 @@
+"""What the vehicle touched in a flight, and when.
+
+The plant logs at each control tick whether it touched something. What it was follows from the
+pose of that tick in a copy of the world, whose vehicle feels a centimetre beyond its hull: a
+contact may begin and end within a tick.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import mujoco
+import numpy as np
+from jaxtyping import Bool, Float
+
+from autonomy.types import Vector3, vector3
+from flightsim.looks.movers import MOVER_CONTACT_BIT
+from flightsim.world import World
+from scenarios.trials.limits import LIMITS
+
+_FELT_M = 0.01
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Contact:
+    """Touch of one thing, from its first to its last moment."""
+
+    time_s: float
+    until_s: float
+    what: str
+    """Object with its number and category, the ground, or the mover."""
+    object_id: int | None
+    """Number of the object in the scene; None for the ground and for movers."""
+    position_enu_m: Vector3
+    """First point of contact."""
+
+    def to_plain(self) -> dict[str, Any]:
+        """The contact as plain data, rounded to a millimetre and a millisecond."""
+        x, y, z = (round(c, 3) for c in self.position_enu_m)
+        times = {"time_s": round(self.time_s, 3), "until_s": round(self.until_s, 3)}
+        return asdict(self) | times | {"position_enu_m": [x, y, z]}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoverPoses:
+    """Poses of k movers, as MuJoCo has them, at n times."""
+
+    position_enu_m: Float[np.ndarray, "n k 3"]
+    quat_wxyz: Float[np.ndarray, "n k 4"]
+
+
+class ContactFinder:
+    """Finds what a vehicle touched in a world."""
+
+    def __init__(self, world: World) -> None:
+        """Copy the world, with a vehicle that feels somewhat beyond its hull."""
+        self._world = world
+        self._model = model = copy.copy(world.model)
+        model.geom_margin[_hull(world)] = _FELT_M
+        is_mover = model.body_mocapid >= 0
+        model.geom_conaffinity[is_mover[model.geom_bodyid]] = MOVER_CONTACT_BIT
+        self._data = mujoco.MjData(model)
+        # Bounds and masks of bodies follow from those of their geoms.
+        mujoco.mj_setConst(model, self._data)
+        mujoco.mj_forward(model, self._data)
+
+    def find(
+        self, history: np.ndarray, movers: MoverPoses, counts: Bool[np.ndarray, " n"]
+    ) -> tuple[Contact, ...]:
+        """Contacts of a flight in the order of time.
+
+        Args:
+            history: Rows of control ticks (`flightsim.plant.record`), n of them.
+            movers: Poses of the movers at the same rows.
+            counts: Rows at which contacts count.
+        """
+        found: list[Contact] = []
+        latest: dict[int, int] = {}
+        for row in np.flatnonzero(counts & (history["is_touching"] > 0)).tolist():
+            time_s = float(history["time_us"][row]) * 1e-6
+            self._data.mocap_pos[:] = movers.position_enu_m[row]
+            self._data.mocap_quat[:] = movers.quat_wxyz[row]
+            for thing, point_enu_m in self._touched(history[row]).items():
+                last = latest.get(thing)
+                if last is not None and time_s - found[last].until_s <= LIMITS.contact_gap_s:
+                    found[last] = replace(found[last], until_s=time_s)
+                    continue
+                latest[thing] = len(found)
+                contact = Contact(
+                    time_s=time_s,
+                    until_s=time_s,
+                    what=self._world.name_of(thing),
+                    object_id=thing if thing >= 0 else None,
+                    position_enu_m=point_enu_m,
+                )
+                found.append(contact)
+        return tuple(found)
+
+    def _touched(self, row: np.void) -> dict[int, Vector3]:
+        """Points of contact by the id of what is touched; the nearest thing if none quite is."""
+        data, world = self._data, self._world
+        joint = self._model.body_jntadr[world.vehicle_body_id]
+        pose = data.qpos[self._model.jnt_qposadr[joint] :][:7]
+        pose[:3], pose[3:] = row["position_true_enu_m"], row["quat_true_wxyz"]
+        mujoco.mj_fwdPosition(self._model, data)
+        felt: dict[int, tuple[float, Vector3]] = {}
+        for contact in data.contact[: data.ncon] if data.ncon else ():
+            things = world.geom_object_id[contact.geom]
+            bodies = self._model.geom_bodyid[contact.geom]
+            thing = int(things[bodies != world.vehicle_body_id][0])
+            before_m, _ = felt.get(thing, (np.inf, None))
+            if contact.dist < before_m:
+                felt[thing] = (float(contact.dist), vector3(contact.pos))
+        nearest_m = min((dist_m for dist_m, _ in felt.values()), default=0.0)
+        return {
+            thing: point for thing, (dist_m, point) in felt.items() if dist_m <= max(nearest_m, 0.0)
+        }
+
+
+def _hull(world: World) -> Bool[np.ndarray, " ngeom"]:
+    """Geoms of the vehicle that can touch something."""
+    model = world.model
+    return (model.geom_bodyid == world.vehicle_body_id) & (model.geom_contype > 0)

@@ -1,0 +1,175 @@
+"""Log of a flight: everything that is needed to score it afterwards."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from flightsim.environment.movers import ObstacleStates
+from flightsim.plant import Plant
+from flightsim.plant.cfg import ADVANCE_HZ
+from flightsim.vehicles.airframe import Airframe
+from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
+from scenarios.trials.limits import LIMITS
+from scenarios.trials.score import (
+    EstimationErrors,
+    FlightScore,
+    Goal,
+    is_at_rest,
+    rotors_turn,
+    score_flight,
+)
+
+_AWAY_M = 1.5
+"""Positions nearer to the start or the resting place count for no clearance: there it lands."""
+
+
+_TICKS_AT_ONCE = 50
+"""Ticks that are added up together: numpy has the same cost for one row as for a hundred."""
+
+
+class FlightLog:
+    """Keeps what score and hash need; call `on_tick` after every simulator tick."""
+
+    def __init__(self, plant: Plant, *, is_judged: bool = True) -> None:
+        """Follow a flight.
+
+        Args:
+            plant: The vehicle.
+            is_judged: Whether somebody flies, who is judged at the end. A flight that is not keeps
+                no rows, and takes no more memory after a day than after a minute.
+        """
+        self._plant = plant
+        self._is_judged = is_judged
+        self._ticks: list[bytes] = []
+        """Rows of each tick: all of a flight that is judged, else those not yet added up."""
+        self._digest = hashlib.blake2b(digest_size=16)
+        self._n_hashed = 0
+        """Ticks of those at hand that the digest has."""
+        self._errors = EstimationErrors()
+        self._mover_poses: list[tuple[np.ndarray, np.ndarray]] = []
+        self._room_to_movers_m: list[float] = []
+
+    def on_tick(self) -> None:
+        """Take the last 20 ms."""
+        plant = self._plant
+        # Bytes: numpy copies records of many fields one field at a time.
+        self._ticks.append(plant.history.tobytes())
+        if not self._is_judged:
+            if len(self._ticks) >= _TICKS_AT_ONCE:
+                self._add_up()
+            return
+        if not plant.world.obstacles:
+            return
+        self._mover_poses.append((plant.data.mocap_pos.copy(), plant.data.mocap_quat.copy()))
+        vehicle_enu_m = np.array(plant.truth.position_enu_m)
+        room_m = room_to_movers_m(vehicle_enu_m, plant.world.airframe, plant.obstacles_true)
+        self._room_to_movers_m.append(room_m)
+
+    def is_still(self) -> bool:
+        """Whether the vehicle and its rotors were at rest just now, in a flight that is judged."""
+        last = self._rows(-math.ceil(LIMITS.rest_s * ADVANCE_HZ))
+        return is_at_rest(last) and not rotors_turn(last, self._plant.world.airframe)[-1]
+
+    def state_hash(self) -> str:
+        """BLAKE2b of every row so far: what was true, measured, estimated and commanded."""
+        for rows in self._ticks[self._n_hashed :]:
+            self._digest.update(rows)
+        self._n_hashed = len(self._ticks)
+        return self._digest.hexdigest()
+
+    def score(self, goal: Goal | None) -> FlightScore:
+        """Measure the flight so far; without a goal, or a judge, only what needs none."""
+        if not self._is_judged:
+            self._add_up()
+            return FlightScore(
+                position_rmse_m=self._errors.position_rmse_m,
+                attitude_rmse_deg=self._errors.attitude_rmse_deg,
+            )
+        if not self._ticks:
+            return FlightScore()
+        history = self._rows(0)
+        score = score_flight(history, self._plant.world.airframe, goal or Goal())
+        if goal is None or not score.has_flown:
+            return score
+        return replace(
+            score,
+            contacts=self._contacts(history, score),
+            least_clearance_m=self._least_clearance_m(history),
+            nearest_mover_m=self._nearest_mover_m(history, score),
+        )
+
+    def _rows(self, first: int) -> np.ndarray:
+        """Rows from one tick on, one for each control tick."""
+        return np.frombuffer(b"".join(self._ticks[first:]), self._plant.history.dtype)
+
+    def _add_up(self) -> None:
+        """Take the ticks at hand into hash and errors, and forget them."""
+        if not self._ticks:
+            return
+        self.state_hash()
+        self._errors.add(self._rows(0))
+        self._ticks.clear()
+        self._n_hashed = 0
+
+    def _contacts(self, history: np.ndarray, score: FlightScore) -> tuple[Contact, ...]:
+        counts = history["time_us"] * 1e-6 >= (score.lift_off_s or 0.0)
+        if not np.any(counts & (history["is_touching"] > 0)):
+            return ()
+        n_rows, shape = (
+            len(self._plant.history),
+            (len(self._ticks), self._plant.world.model.nmocap),
+        )
+        positions_m = np.array([position for position, _ in self._mover_poses]).reshape(*shape, 3)
+        quats_wxyz = np.array([quat for _, quat in self._mover_poses]).reshape(*shape, 4)
+        movers = MoverPoses(
+            position_enu_m=positions_m.repeat(n_rows, axis=0),
+            quat_wxyz=quats_wxyz.repeat(n_rows, axis=0),
+        )
+        return ContactFinder(self._plant.world).find(history, movers, counts)
+
+    def _least_clearance_m(self, history: np.ndarray) -> float | None:
+        # Loads the planner's obstacles, which a run of a pilot of one's own may not need before.
+        from scenarios.mission.clearance import flown_clearance_m  # noqa: PLC0415
+
+        world, n_rows = self._plant.world, len(self._plant.history)
+        way_enu_m = history["position_true_enu_m"][n_rows - 1 :: n_rows]
+        return flown_clearance_m(world.scene, world.airframe, way_enu_m, _AWAY_M)
+
+    def _nearest_mover_m(self, history: np.ndarray, score: FlightScore) -> float | None:
+        """Least room in flight; none where nothing moves."""
+        if not self._room_to_movers_m or score.lift_off_s is None:
+            return None
+        n_rows = len(self._plant.history)
+        time_s = history["time_us"][n_rows - 1 :: n_rows] * 1e-6
+        until_s = time_s[-1] if score.touchdown_s is None else score.touchdown_s
+        flown = (time_s >= score.lift_off_s) & (time_s <= until_s)
+        return float(np.array(self._room_to_movers_m)[flown].min(initial=np.inf))
+
+
+def room_to_movers_m(
+    vehicle_enu_m: Float[np.ndarray, 3], airframe: Airframe, movers: ObstacleStates
+) -> float:
+    """Distance between an upright cylinder around the vehicle and the nearest mover's box.
+
+    Args:
+        vehicle_enu_m: Centre of mass of the vehicle.
+        airframe: Vehicle: its collision radius, its legs, and its fuselage above them.
+        movers: At least one.
+    """
+    away_m = vehicle_enu_m - movers.position_enu_m
+    c, s = np.cos(movers.yaw_rad), np.sin(movers.yaw_rad)
+    x_m, y_m = c * away_m[:, 0] + s * away_m[:, 1], c * away_m[:, 1] - s * away_m[:, 0]
+    half_m = movers.size_m / 2
+    beside_m = np.hypot(
+        np.maximum(np.abs(x_m) - half_m[:, 0], 0.0), np.maximum(np.abs(y_m) - half_m[:, 1], 0.0)
+    )
+    beside_m = np.maximum(beside_m - airframe.collision_radius_m, 0.0)
+    above_m = away_m[:, 2] - airframe.leg_length_m - half_m[:, 2]
+    below_m = -away_m[:, 2] - airframe.body_size_m[2] / 2 - half_m[:, 2]
+    gap_m = np.hypot(beside_m, np.maximum(np.maximum(above_m, below_m), 0.0))
+    return float(gap_m.min())

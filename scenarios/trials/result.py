@@ -1,0 +1,112 @@
+"""Result of a run, which `--json` prints and a recording keeps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from aeroscene.scene import InteractionArea
+from autonomy.types import Vector3
+from scenarios.trials.score import N_SOLES, FlightScore
+from scenarios.trials.verdict import Code
+
+if TYPE_CHECKING:
+    from scenarios.pilot import Pilot
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TrialResult:
+    """Result of a run; figures that do not apply are None. docs/verdict.md explains each."""
+
+    success: bool | None
+    reason: str
+    code: Code
+    scene: str
+    vehicle: str
+    seed: int
+    start: Vector3
+    """Point that the vehicle stood on at the start, ENU."""
+    area: int | None
+    """Assigned area."""
+    landed_area: int | None
+    """Area that all soles ended on."""
+    sim_seconds: float
+    wall_seconds: float
+    cpu_seconds: float
+    real_time_factor: float
+    contacts_before_touchdown: int | None
+    touchdown_error_m: float | None
+    """Horizontal distance of the resting place from the assigned area's chosen point."""
+    touchdown_speed_mps: float | None
+    slide_m: float | None
+    """Greatest horizontal distance, after the first contact with the area, from that place."""
+    soles_inside: bool | None
+    """Whether all soles ended on the assigned area."""
+    tilt_at_rest_deg: float | None
+    stopped_after_s: float | None
+    """Time from touchdown until the rotors stood still for good."""
+    rotor_spin_ups: int | None
+    """Times that the rotors took the weight again after the touchdown."""
+    least_clearance_m: float | None
+    nearest_mover_m: float | None
+    position_rmse_m: float | None
+    attitude_rmse_deg: float | None
+    contacts: tuple[dict[str, Any], ...]
+    """All that was touched after lift-off: what, when and where."""
+    state_hash: str
+    """Hash of every state of the flight: the same seed gives the same one on the same machine."""
+    recording: str | None
+
+    def to_plain(self) -> dict[str, Any]:
+        """The result as plain data."""
+        return asdict(self) | {"code": self.code.value}
+
+
+def figures(score: FlightScore, area: InteractionArea | None) -> dict[str, Any]:
+    """Fields of a `TrialResult` that a score has.
+
+    Args:
+        score: Score of the flight.
+        area: Assigned area; None if there was none.
+    """
+    return {
+        "area": None if area is None else area.id,
+        "landed_area": score.landed_area,
+        "contacts_before_touchdown": None if area is None else score.contacts_before_touchdown,
+        "touchdown_error_m": rounded(score.touchdown_error_m),
+        "touchdown_speed_mps": rounded(score.touchdown_speed_mps),
+        "slide_m": rounded(score.slide_m),
+        "soles_inside": None if area is None else score.n_soles_inside == N_SOLES,
+        "tilt_at_rest_deg": rounded(score.tilt_at_rest_deg) if score.is_down else None,
+        "stopped_after_s": rounded(score.stopped_after_s),
+        "rotor_spin_ups": score.rotor_spin_ups if score.is_down else None,
+        "least_clearance_m": rounded(score.least_clearance_m),
+        "nearest_mover_m": rounded(score.nearest_mover_m),
+        "position_rmse_m": rounded(score.position_rmse_m),
+        "attitude_rmse_deg": rounded(score.attitude_rmse_deg),
+        "contacts": tuple(contact.to_plain() for contact in score.contacts),
+    }
+
+
+def rounded(figure: float | None) -> float | None:
+    """Round to a millimetre or a thousandth of a degree; None where there is no figure."""
+    return None if figure is None or math.isnan(figure) else round(figure, 3)
+
+
+def decisions(pilot: Pilot) -> dict[str, list[dict[str, Any]]]:
+    """Every change of phase and every plan made anew, with its time and reason, as plain data."""
+    transitions = [
+        {
+            "time_s": round(change.time_us * 1e-6, 2),
+            "from": change.source.value,
+            "to": change.target.value,
+            "reason": change.reason,
+        }
+        for change in pilot.transitions
+    ]
+    replans = [
+        {"time_s": round(replan.time_us * 1e-6, 2), "reason": replan.reason}
+        for replan in pilot.replans
+    ]
+    return {"transitions": transitions, "replans": replans}

@@ -1,0 +1,281 @@
+"""Figures of a flight by the truth: errors, contacts, touchdown, resting place, rotors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from aeroscene.scene import InteractionArea
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.types import ControlLevel, Vector3
+from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.builder import sole_positions_flu_m
+from scenarios.trials.contacts import Contact
+from scenarios.trials.limits import LIMITS
+
+N_SOLES = 4
+_IMPACT_S = 0.02
+"""Time before the first contact in which its speed is measured: solids are a little soft."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FlightScore:
+    """Figures of one flight; the defaults are of a run that was stopped before its first step."""
+
+    position_rmse_m: float = math.nan
+    """Estimated against true position from arming on, root mean square of the 3-D distance."""
+    attitude_rmse_deg: float = math.nan
+    """Estimated against true attitude from arming on, root mean square of the angle between."""
+    lift_off_s: float | None = None
+    """Time at which the vehicle left the ground; None if it never did."""
+    touchdown_s: float | None = None
+    """Time of the first contact with the assigned area, else of the last time on the ground;
+    None if it ended in the air."""
+    contacts_before_touchdown: int = 0
+    """Separate contacts between lift-off and touchdown."""
+    contacts: tuple[Contact, ...] = ()
+    """All that was touched after lift-off."""
+    landed_area: int | None = None
+    """Area that all soles ended on, the assigned one or another; None if there is none."""
+    n_soles_inside: int = 0
+    """Soles that ended on the assigned area."""
+    touchdown_error_m: float | None = None
+    """Horizontal distance of the resting place from the chosen point of the assigned area."""
+    touchdown_speed_mps: float | None = None
+    """Speed at touchdown."""
+    slide_m: float | None = None
+    """Greatest horizontal distance, after the touchdown, from the place of the touchdown."""
+    tilt_at_rest_deg: float = 0.0
+    is_at_rest: bool = False
+    stopped_after_s: float | None = None
+    """Time from the touchdown until the rotors stood still for good; None if they still turn."""
+    rotor_spin_ups: int = 0
+    """Times that the rotors took the weight again after the touchdown had taken it from them."""
+    least_clearance_m: float | None = None
+    """Least distance of the vehicle's sphere from what stands, away from both ends of the way."""
+    nearest_mover_m: float | None = None
+    """Least distance in flight between the hulls of the vehicle and of what moves."""
+
+    @property
+    def has_flown(self) -> bool:
+        """Whether the vehicle left the ground."""
+        return self.lift_off_s is not None
+
+    @property
+    def is_down(self) -> bool:
+        """Whether the flight ended on the ground, or on something else."""
+        return self.touchdown_s is not None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Goal:
+    """Where a flight should end."""
+
+    area: InteractionArea | None = None
+    """Assigned area; None if no landing was asked for."""
+    chosen_enu_m: Vector3 | None = None
+    """Point of the area that the pilot chose; None takes the centroid."""
+    others: Sequence[InteractionArea] = ()
+    """Other areas that the flight may have ended on."""
+
+
+class EstimationErrors:
+    """Sums of the estimator's errors from arming on, over a history that grows."""
+
+    def __init__(self) -> None:
+        self._n_rows = 0
+        self._position_m2 = 0.0
+        self._angle_rad2 = 0.0
+
+    def add(self, history: np.ndarray) -> None:
+        """Add rows, one for each control tick (`flightsim.plant.record`)."""
+        armed = history[history["setpoint_level"] > ControlLevel.OFF]
+        error_m = armed["position_est_enu_m"] - armed["position_true_enu_m"]
+        angle_rad = rotation_angle_rad(armed["quat_est_wxyz"], armed["quat_true_wxyz"])
+        self._n_rows += len(armed)
+        self._position_m2 += float(np.sum(error_m**2))
+        self._angle_rad2 += float(np.sum(angle_rad**2))
+
+    @property
+    def position_rmse_m(self) -> float:
+        """Root mean square of the 3-D distance; NaN before arming."""
+        return self._root(self._position_m2)
+
+    @property
+    def attitude_rmse_deg(self) -> float:
+        """Root mean square of the angle between estimated and true attitude; NaN before arming."""
+        return math.degrees(self._root(self._angle_rad2))
+
+    def _root(self, sum_of_squares: float) -> float:
+        return math.sqrt(sum_of_squares / self._n_rows) if self._n_rows else math.nan
+
+
+def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightScore:
+    """Measure a flight by its history, a row for each control tick (`flightsim.plant.record`)."""
+    is_touching, time_s = history["is_touching"] > 0, history["time_us"] * 1e-6
+    lift_off, touchdown = _bounds(history, airframe, goal.area)
+    errors = EstimationErrors()
+    errors.add(history)
+    rest = history[-1]
+    soles_enu_m = _soles_enu_m(rest, airframe)
+    candidates = goal.others if goal.area is None else (goal.area, *goal.others)
+    end = touchdown if touchdown < len(history) else None
+    brushes = _episodes(is_touching[lift_off:touchdown], _ticks(history, LIMITS.contact_gap_s))
+    landed = (area.id for area in candidates if is_over_area(soles_enu_m, area).all())
+    return FlightScore(
+        position_rmse_m=errors.position_rmse_m,
+        attitude_rmse_deg=errors.attitude_rmse_deg,
+        lift_off_s=float(time_s[lift_off]) if lift_off < len(history) else None,
+        touchdown_s=None if end is None else float(time_s[end]),
+        contacts_before_touchdown=brushes,
+        landed_area=next(landed, None) if end is not None else None,
+        n_soles_inside=_n_soles_inside(soles_enu_m, goal.area) if end is not None else 0,
+        touchdown_error_m=_error_m(rest, goal) if end is not None else None,
+        touchdown_speed_mps=None if end is None else _impact_mps(history, end),
+        slide_m=None if end is None else _slide_m(history[end:]),
+        tilt_at_rest_deg=math.degrees(_tilt_rad(rest["quat_true_wxyz"])),
+        is_at_rest=is_at_rest(history),
+        stopped_after_s=None if end is None else _stopped_after_s(history[end:], airframe),
+        rotor_spin_ups=0 if end is None else _spin_ups(history[end:], airframe),
+    )
+
+
+def _bounds(
+    history: np.ndarray, airframe: Airframe, area: InteractionArea | None
+) -> tuple[int, int]:
+    """Rows of lift-off and touchdown; the number of rows for what never happened."""
+    is_touching = history["is_touching"] > 0
+    flights = _runs(~is_touching, _ticks(history, LIMITS.lift_off_s))
+    if not flights:
+        return len(history), len(history)
+    (lift_off, _), (_, touchdown) = flights[0], flights[-1]
+    if area is None or touchdown == len(history):
+        return lift_off, touchdown
+    flown = history[lift_off:]
+    soles_enu_m = flown["position_true_enu_m"] - [0.0, 0.0, airframe.leg_length_m]
+    on_area = np.flatnonzero(is_touching[lift_off:] & is_over_area(soles_enu_m, area))
+    return lift_off, lift_off + int(on_area[0]) if on_area.size else touchdown
+
+
+def _n_soles_inside(soles_enu_m: np.ndarray, area: InteractionArea | None) -> int:
+    return 0 if area is None else int(is_over_area(soles_enu_m, area).sum())
+
+
+def _error_m(rest: np.void, goal: Goal) -> float | None:
+    if goal.area is None:
+        return None
+    chosen_enu_m = goal.chosen_enu_m or goal.area.centroid
+    return math.dist(rest["position_true_enu_m"][:2], chosen_enu_m[:2])
+
+
+def _soles_enu_m(row: np.void, airframe: Airframe) -> Float[np.ndarray, "4 3"]:
+    scalar, axis = row["quat_true_wxyz"][0], row["quat_true_wxyz"][1:]
+    soles_flu_m = np.array(sole_positions_flu_m(airframe))
+    across = 2.0 * np.cross(axis, soles_flu_m)
+    return row["position_true_enu_m"] + soles_flu_m + scalar * across + np.cross(axis, across)
+
+
+def _impact_mps(history: np.ndarray, touchdown: int) -> float:
+    """Greatest speed just before the first contact."""
+    before = history[max(0, touchdown - _ticks(history, _IMPACT_S)) : touchdown]
+    return float(np.linalg.norm(before["velocity_true_enu_mps"], axis=1).max(initial=0.0))
+
+
+def _slide_m(landed: np.ndarray) -> float:
+    """Greatest horizontal distance from where a part of a history begins."""
+    places_m = landed["position_true_enu_m"][:, :2]
+    return float(np.linalg.norm(places_m - places_m[0], axis=1).max())
+
+
+def is_at_rest(history: np.ndarray) -> bool:
+    """Whether the vehicle was at rest in the last part of a history."""
+    last = history[-_ticks(history, LIMITS.rest_s) :]
+    speed_mps = np.linalg.norm(last["velocity_true_enu_mps"], axis=1)
+    rate_radps = np.linalg.norm(last["angular_rate_true_flu_radps"], axis=1)
+    return bool(speed_mps.max() <= LIMITS.rest_mps and rate_radps.max() <= LIMITS.rest_radps)
+
+
+def rotors_turn(history: np.ndarray, airframe: Airframe) -> Bool[np.ndarray, " n"]:
+    """Whether any rotor turns, for each row of a history."""
+    rotors = airframe.quadrotor.rotors
+    hover_radps = math.sqrt(_weight_n(airframe) / sum(rotor.thrust_constant for rotor in rotors))
+    return np.max(history["rotor_speed_radps"], axis=1) > LIMITS.rotor_share * hover_radps
+
+
+def _stopped_after_s(landed: np.ndarray, airframe: Airframe) -> float | None:
+    turning = np.flatnonzero(rotors_turn(landed, airframe))
+    if not turning.size:
+        return 0.0
+    last = landed[turning[-1]]
+    is_turning = last["time_us"] == landed["time_us"][-1]
+    return None if is_turning else float(last["time_us"] - landed["time_us"][0]) * 1e-6
+
+
+def _spin_ups(landed: np.ndarray, airframe: Airframe) -> int:
+    """Times that thrust rose above the upper share of the weight, each after the lower one."""
+    constants = np.array([rotor.thrust_constant for rotor in airframe.quadrotor.rotors])
+    share = (landed["rotor_speed_radps"] ** 2 @ constants) / _weight_n(airframe)
+    # Only rows beyond one of the shares matter; what follows a low one and is high is a spin-up.
+    is_high = share[(share < LIMITS.unloaded_share) | (share > LIMITS.loaded_share)] > (
+        LIMITS.loaded_share
+    )
+    return int(np.count_nonzero(is_high[1:] & ~is_high[:-1]))
+
+
+def _weight_n(airframe: Airframe) -> float:
+    return airframe.quadrotor.mass_kg * GRAVITY_MPS2
+
+
+def is_over_area(
+    soles_enu_m: Float[np.ndarray, "n 3"], area: InteractionArea
+) -> Bool[np.ndarray, " n"]:
+    """Whether each point lies over (or under) an area's polygon and close to its plane."""
+    import shapely  # noqa: PLC0415 - only scored flights need it
+
+    footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
+    height_m = np.abs(soles_enu_m[:, 2] - area.centroid[2])
+    reach_m = np.linalg.norm(soles_enu_m[:, :2] - np.array(area.centroid[:2]), axis=1)
+    is_level = height_m <= LIMITS.surface_tolerance_m + reach_m * math.tan(area.slope_rad)
+    return shapely.contains_xy(footprint, soles_enu_m[:, 0], soles_enu_m[:, 1]) & is_level
+
+
+def rotation_angle_rad(
+    a_wxyz: Float[np.ndarray, "n 4"], b_wxyz: Float[np.ndarray, "n 4"]
+) -> Float[np.ndarray, " n"]:
+    """Angle of the rotation between two attitudes."""
+    # Both parts of conj(a) b, because the scalar part alone loses small angles to rounding.
+    scalar = np.abs(np.sum(a_wxyz * b_wxyz, axis=1))
+    vector = (
+        a_wxyz[:, :1] * b_wxyz[:, 1:]
+        - b_wxyz[:, :1] * a_wxyz[:, 1:]
+        - np.cross(a_wxyz[:, 1:], b_wxyz[:, 1:])
+    )
+    return 2.0 * np.arctan2(np.linalg.norm(vector, axis=1), scalar)
+
+
+def _tilt_rad(quat_wxyz: np.ndarray) -> float:
+    _, x, y, _ = quat_wxyz
+    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
+
+
+def _ticks(history: np.ndarray, seconds: float) -> int:
+    """Number of rows of a history in a time."""
+    tick_s = (history["time_us"][1] - history["time_us"][0]) * 1e-6
+    return round(seconds / tick_s)
+
+
+def _runs(is_true: np.ndarray, n_least: int) -> list[tuple[int, int]]:
+    """Begin and end of each stretch of at least so many true values; the end is the row after."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_true, [False]]).astype(np.int8)))
+    pairs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    return [(begin, end) for begin, end in pairs if end - begin >= n_least]
+
+
+def _episodes(is_touching: np.ndarray, gap_ticks: int) -> int:
+    """Stretches of contact, counting those that are closer than `gap_ticks` as one."""
+    ticks = np.flatnonzero(is_touching)
+    return 0 if ticks.size == 0 else 1 + int(np.count_nonzero(np.diff(ticks) > gap_ticks))

@@ -1,0 +1,198 @@
+"""The verdict on a flight: a code of a fixed set, by the truth alone.
+
+A pilot's own word counts only where it wanted no landing, and explains why one did not come about.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+from aeroscene.scene import InteractionArea
+from scenarios.trials.limits import LIMITS
+from scenarios.trials.score import N_SOLES, FlightScore, Goal
+
+
+class Code(StrEnum):
+    """Outcome of a run, for programs; docs/verdict.md explains each."""
+
+    LANDED = "landed"
+    """On the assigned area, as every limit wants it."""
+    DONE = "done"
+    """A pilot that wanted no landing says that it is done."""
+    ENDED = "ended"
+    """Nobody flew: nothing is to be judged."""
+
+    STOPPED = "stopped"
+    """A signal ended the run before the pilot was done."""
+    NEVER_FLEW = "never_flew"
+    CONTACT = "contact"
+    """The vehicle touched something before touchdown."""
+    NEAR_MISS = "near_miss"
+    """Something that moves came too near in flight."""
+    FELL_OVER = "fell_over"
+    TIME_UP = "time_up"
+    """The time was up before it had landed."""
+    GAVE_UP = "gave_up"
+    """The pilot ended the flight elsewhere, or in the air, and says why."""
+    ALTERNATE = "alternate"
+    """On another area than the assigned one."""
+    OUTSIDE_AREA = "outside_area"
+    """Not all soles on any area."""
+    MOVING = "moving"
+    """Not at rest in the end."""
+    ROTORS_TURN = "rotors_turn"
+    """The rotors never stopped."""
+    SPUN_UP = "spun_up"
+    """The rotors took the weight again after the touchdown."""
+    HARD_TOUCHDOWN = "hard_touchdown"
+    SLID = "slid"
+    OFF_TARGET = "off_target"
+    """On the area, but too far from the chosen point."""
+
+
+SUCCESSES = frozenset({Code.LANDED, Code.DONE})
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What a pilot says of its own flight."""
+
+    success: bool
+    reason: str
+
+
+class Word(Protocol):
+    """What any pilot says of its flight."""
+
+    @property
+    def success(self) -> bool:
+        """Whether it did what it wanted."""
+        ...
+
+    @property
+    def reason(self) -> str:
+        """Why, or why not."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Ending:
+    """How a run ended, besides what the truth says."""
+
+    word: Word
+    """What the pilot says."""
+    is_done: bool
+    """Whether the pilot was done."""
+    stopped_by: str | None = None
+    """What ended the run before that, such as SIGTERM."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Judgement:
+    """Code and words of a verdict."""
+
+    code: Code
+    reason: str
+
+    @property
+    def success(self) -> bool | None:
+        """Whether the flight counts as done; None where nothing was to be judged."""
+        return None if self.code is Code.ENDED else self.code in SUCCESSES
+
+
+_Objection = tuple[bool, Code, str]
+
+
+def judge(score: FlightScore, goal: Goal, ending: Ending) -> Judgement:
+    """Judge a flight: the first objection decides."""
+    objections = [*_to_any_flight(score, ending)]
+    if goal.area is None:
+        objections += _to_a_word(ending)
+        code, reason = Code.DONE, ending.word.reason
+    else:
+        objections += [*_to_the_way(score), *_to_the_place(score, goal.area, ending)]
+        objections += _to_the_touchdown(score)
+        error_m = score.touchdown_error_m or 0.0
+        code = Code.LANDED
+        reason = f"landed on area {goal.area.id}, {error_m:.2f} m from the chosen point"
+    found = (Judgement(code=code, reason=reason) for applies, code, reason in objections if applies)
+    return next(found, Judgement(code=code, reason=reason))
+
+
+def _to_any_flight(score: FlightScore, ending: Ending) -> Iterator[_Objection]:
+    word = ending.word.reason
+    is_stopped = ending.stopped_by is not None and not ending.is_done
+    yield is_stopped, Code.STOPPED, f"stopped by {ending.stopped_by}: {word}"
+    why = "" if ending.word.success else f": {word}"
+    is_grounded = ending.is_done and not score.has_flown
+    yield is_grounded, Code.NEVER_FLEW, f"never left the ground{why}"
+    has_fallen = score.is_down and score.tilt_at_rest_deg > LIMITS.tilt_deg
+    yield has_fallen, Code.FELL_OVER, f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest"
+
+
+def _to_a_word(ending: Ending) -> Iterator[_Objection]:
+    """Objections to a pilot that wanted no landing: its own."""
+    yield not ending.is_done, Code.TIME_UP, f"the time was up: {ending.word.reason}"
+    yield not ending.word.success, Code.GAVE_UP, ending.word.reason
+
+
+def _to_the_way(score: FlightScore) -> Iterator[_Objection]:
+    touched = ", ".join(_before_touchdown(score)) or "something"
+    n = score.contacts_before_touchdown
+    yield n > 0, Code.CONTACT, f"touched {touched} before touchdown"
+    gap_m = math.inf if score.nearest_mover_m is None else score.nearest_mover_m
+    yield gap_m < LIMITS.mover_m, Code.NEAR_MISS, f"something that moves came within {gap_m:.2f} m"
+
+
+def _before_touchdown(score: FlightScore) -> Iterator[str]:
+    """What was touched before touchdown, with its time."""
+    end_s = math.inf if score.touchdown_s is None else score.touchdown_s
+    for contact in score.contacts:
+        if contact.time_s < end_s:
+            yield f"{contact.what} at {contact.time_s:.1f} s"
+
+
+def _to_the_place(
+    score: FlightScore, area: InteractionArea, ending: Ending
+) -> Iterator[_Objection]:
+    word, n = ending.word.reason, score.n_soles_inside
+    is_there = score.landed_area == area.id
+    yield not is_there and not ending.is_done, Code.TIME_UP, f"the time was up: {word}"
+    gave_up = not score.is_down or not ending.word.success
+    yield not is_there and gave_up, Code.GAVE_UP, word
+    is_elsewhere = not is_there and score.landed_area is not None
+    elsewhere = f"landed on area {score.landed_area} instead of {area.id}"
+    yield is_elsewhere, Code.ALTERNATE, elsewhere
+    yield (
+        not is_there,
+        Code.OUTSIDE_AREA,
+        f"came to rest with {n} of {N_SOLES} soles inside",
+    )
+
+
+def _to_the_touchdown(score: FlightScore) -> Iterator[_Objection]:
+    yield not score.is_at_rest, Code.MOVING, "the vehicle still moves"
+    yield score.stopped_after_s is None, Code.ROTORS_TURN, "the rotors still turn"
+    n = score.rotor_spin_ups
+    yield n > 0, Code.SPUN_UP, f"the rotors spun up again {n} times after the touchdown"
+    for figure, most, code, says in (
+        (
+            score.touchdown_speed_mps,
+            LIMITS.touchdown_speed_mps,
+            Code.HARD_TOUCHDOWN,
+            "touched down at {:.2f} m/s",
+        ),
+        (score.slide_m, LIMITS.slide_m, Code.SLID, "slid {:.2f} m after the touchdown"),
+        (
+            score.touchdown_error_m,
+            LIMITS.touchdown_error_m,
+            Code.OFF_TARGET,
+            "came to rest {:.2f} m from the chosen point",
+        ),
+    ):
+        value = figure or 0.0
+        yield value > most, code, f"{says.format(value)}; at most {most} are allowed"
