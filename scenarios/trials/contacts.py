@@ -105,18 +105,16 @@ class ContactFinder:
         pose = data.qpos[self._model.jnt_qposadr[joint] :][:7]
         pose[:3], pose[3:] = row["position_true_enu_m"], row["quat_true_wxyz"]
         mujoco.mj_fwdPosition(self._model, data)
-        felt: dict[int, tuple[float, Vector3]] = {}
-        for contact in data.contact[: data.ncon] if data.ncon else ():
-            things = world.geom_object_id[contact.geom]
-            bodies = self._model.geom_bodyid[contact.geom]
-            thing = int(things[bodies != world.vehicle_body_id][0])
-            before_m, _ = felt.get(thing, (np.inf, None))
-            if contact.dist < before_m:
-                felt[thing] = (float(contact.dist), vector3(contact.pos))
-        nearest_m = min((dist_m for dist_m, _ in felt.values()), default=0.0)
-        return {
-            thing: point for thing, (dist_m, point) in felt.items() if dist_m <= max(nearest_m, 0.0)
-        }
+        if not data.ncon:
+            return {}
+        # Whole arrays: an object for each contact costs more than the physics.
+        geoms, dist_m, points_enu_m = data.contact.geom, data.contact.dist, data.contact.pos
+        is_vehicle = self._model.geom_bodyid[geoms[:, 0]] == world.vehicle_body_id
+        things = world.geom_object_id[np.where(is_vehicle, geoms[:, 1], geoms[:, 0])]
+        touched = np.flatnonzero(dist_m <= max(float(dist_m.min()), 0.0))
+        # The deepest contact of each thing comes last.
+        order = touched[np.argsort(-dist_m[touched], kind="stable")].tolist()
+        return {int(things[i]): vector3(points_enu_m[i]) for i in order}
 
 
 def _hull(world: World) -> Bool[np.ndarray, " ngeom"]:
