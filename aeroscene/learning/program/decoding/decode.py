@@ -140,9 +140,8 @@ class Builder:
         objects = making.objects
         known = objects, boxes_of(objects), np.ones(len(objects), dtype=bool)
         for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
-            if row >= n_given:
-                box = objects[row].bbox
-                making.move(row, replace(box, q=quat_from_yaw(box.yaw_rad + turn_rad)))
+            box = objects[row].bbox
+            making.move(row, replace(box, q=quat_from_yaw(box.yaw_rad + turn_rad)))
 
     def _add_storeys(self, host: int | None) -> None:
         """Rooms and walls of the storeys in an object."""

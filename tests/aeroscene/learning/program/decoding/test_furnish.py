@@ -11,6 +11,7 @@ from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.furnish import furnish
 from aeroscene.learning.program.decoding.making import Given
 from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.feasibility.scenes import LAWN, garden, thing
 
 
 def with_given(number, is_given):
@@ -51,9 +52,14 @@ def test_fine_objects_come_back_beside_given_coarse_ones(number):
     assert (away_m < 0.3).mean() > 0.97
 
 
-def test_a_given_table_stays_when_chairs_are_drawn_up():
-    scene, given, program = with_given(311, lambda obj: obj.category != "chair")
-    made = furnish(program, given, scene.scene_id, scene.seed)
-    n = len(given.scene.objects)
-    assert made.objects[:n] == given.scene.objects
-    assert {obj.category for obj in made.objects[n:]} == {"chair"}
+def test_chairs_without_room_at_a_given_table_are_left_out():
+    """A table that is drawn would move with its chair to where both have room."""
+    chair = thing(10, "chair", (-6.95, 0.0, 0.51), (0.5, 0.5, 0.9), LAWN)
+    scene = garden(chair)
+    encoded = encode(scene)
+    ids = {token: own for token, own in enumerate(encoded.object_ids) if own and own != (10,)}
+    crate = thing(11, "crate", (-7.1, 0.0, 0.56), (1.0, 1.0, 1.0), LAWN)
+    for kept, categories in ((garden(), ["chair"]), (garden(crate), [])):
+        made = furnish(encoded.program, Given(kept, ids), "garden", 0)
+        assert made.objects[: len(kept.objects)] == kept.objects
+        assert [obj.category for obj in made.objects[len(kept.objects) :]] == categories
