@@ -100,14 +100,12 @@ class Sitl:
             scene = scene or open_scene(cfg.scene)
             if cfg.start is not None:
                 scene = with_start(scene, airframe, cfg.start)
-            self.area = None
-            if cfg.area is not None:
-                self.area = find_area(scene, airframe, cfg.area, "area")
+            name = cfg.area
+            self.area = None if name is None else find_area(scene, airframe, name, "area")
             bench = Testbench(scene, cfg.bench, airframe=airframe, has_network=has_network)
             self.bench = stack.enter_context(bench)
-            is_judged = cfg.demo or pilot is not None
-            self.log = FlightLog(self.bench.plant, is_judged=is_judged)
-            self.bench.observers.append(self.log.on_tick)
+            self.log = FlightLog(bench.plant, is_judged=cfg.demo or pilot is not None)
+            bench.observers.append(self.log.on_tick)
             self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
             self.companion = self.pilot if pilot is None else pilot(self._aboard())
             if (companion := self.companion) is not None:
