@@ -118,7 +118,7 @@ def handling_signals(handler: Callable[[int, FrameType | None], None]) -> Iterat
 
 
 def print_json(facts: Mapping[str, Any]) -> None:
-    """Print one object on standard output, its figures rounded to four significant digits."""
+    """Print one object on standard output; figures keep four digits and three decimals."""
     print(json.dumps(_rounded(facts)), flush=True)
 
 
@@ -128,7 +128,7 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_rounded(item) for item in value]
     if isinstance(value, float) and math.isfinite(value) and value:
-        return round(value, max(0, 3 - math.floor(math.log10(abs(value)))))
+        return round(value, max(3, 3 - math.floor(math.log10(abs(value)))))
     return value
 
 

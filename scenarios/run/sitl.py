@@ -229,7 +229,7 @@ class Sitl:
                 until_us=round(until_us) if until_us < math.inf else None,
                 stop=lambda is_done=is_done: is_done() or is_stopped(),
             )
-        return word if isinstance(word, str) else "the caller" if word else None
+        return (word if isinstance(word, str) else "the caller") if word else None
 
     def _write(self, result: TrialResult) -> None:
         """Write all files; one that cannot be written costs neither the verdict nor the others."""

@@ -168,7 +168,8 @@ def test_without_a_position_it_comes_down_level():
     assert bench.run(60.0, lambda: bench.pilot.mode is Mode.DESCEND)
     assert bench.pilot.failsafe is FailsafeReason.POSITION_LOST
     assert bench.run(40.0, lambda: not bench.pilot.is_armed)
-    assert bench.position[2] == pytest.approx(0.0, abs=0.05)
+    # Beside the pad, where it may have drifted, the ground is a little lower.
+    assert -0.1 < bench.position[2] < 0.05
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,12 @@ from flightsim.testbench import Testbench, TestbenchCfg
 @pytest.fixture
 def bench():
     cfg = TestbenchCfg(
-        speed="max", wind=4.0, wind_from=90.0, turbulence="light", traffic="people=1"
+        speed="max",
+        wind=4.0,
+        wind_from=90.0,
+        turbulence="light",
+        traffic="people=1",
+        without="shelter",
     )
     with Testbench(open_scene("42"), cfg, has_network=False) as bench:
         yield bench

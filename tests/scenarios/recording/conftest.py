@@ -104,7 +104,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
     path = tmp_path_factory.mktemp("recording") / "flight.rrd"
     rows: list[np.ndarray] = []
     frames: list[RgbdFrame] = []
-    cfg = TestbenchCfg(seed=5, speed="max", wind=2.0, traffic="drones=1")
+    cfg = TestbenchCfg(seed=5, speed="max", wind=2.0, traffic="drones=1", without="shelter")
     with Testbench(open_scene("42"), cfg, has_network=False) as bench:
         primitives = tuple(scene_primitives(bench.scene))
         recorder = Recorder(
@@ -149,7 +149,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
             primitives=primitives,
             history=np.concatenate(rows),
             frames=tuple(frames),
-            story=tape.story("landed"),
+            story=tape.story(VERDICT["reason"]),
         )
 
 

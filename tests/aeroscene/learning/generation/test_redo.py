@@ -29,6 +29,12 @@ def quarter(scene: Scene, east: int = 0, north: int = 0) -> Region:
     return Region(low_enu_m=(x0, y0, -math.inf), high_enu_m=(x1, y1, math.inf))
 
 
+def fullest_quarter(scene: Scene) -> Region:
+    """The quarter in which most goes."""
+    quarters = [quarter(scene, east, north) for east in (0, 1) for north in (0, 1)]
+    return max(quarters, key=lambda region: len(Redo(scene=scene, region=region).gone))
+
+
 @pytest.fixture(scope="module")
 def generator() -> Generator:
     return Generator.load(device="cpu", n_steps=12)
@@ -40,7 +46,7 @@ SCENES = {"mixed": lambda: read_shipped(42), "indoor": lambda: read_shipped(230)
 @pytest.fixture(scope="module", params=sorted(SCENES))
 def made(request: pytest.FixtureRequest, generator: Generator) -> Generated:
     scene = SCENES[request.param]()
-    redo = Redo(scene=scene, region=quarter(scene))
+    redo = Redo(scene=scene, region=fullest_quarter(scene))
     return generator.sound_scene(Request(seed=42, redo=redo))
 
 
@@ -98,8 +104,7 @@ def test_areas_outside_of_the_region_stay(made):
 
 def test_same_seed_gives_the_same_and_another_another(generator):
     scene = read_shipped(230)
-    low = (-6.0, -6.0, -math.inf)
-    redo = Redo(scene=scene, region=Region(low_enu_m=low, high_enu_m=(0.0, 0.0, math.inf)))
+    redo = Redo(scene=scene, region=fullest_quarter(scene))
     requests = [Request(seed=seed, redo=redo) for seed in (3, 3, 4)]
     first, again, other = (next(generator.generate([each])).raw for each in requests)
     assert scene_to_json(first) == scene_to_json(again)
