@@ -151,8 +151,7 @@ def _stages(generator: Generator, costs: Sequence[_Cost]) -> _Stages:
 def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
     """Seconds of the program, of the sampling and of the rest.
 
-    Observing takes time. The first step ends as long after the program as the second after the
-    first; the sampling is the rest of the scene's time when unobserved.
+    The first step ends as long after the program as the others take each, observed as they are.
     """
     seen_s = [time.perf_counter()]
     list(
@@ -160,10 +159,10 @@ def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
             [cost.made.request], on_step=lambda *_: seen_s.append(time.perf_counter())
         )
     )
-    start_s, first_s, second_s, last_s = *seen_s[:3], seen_s[-1]
-    rest_s = time.perf_counter() - last_s
-    program_s = max(0.0, first_s - start_s - (second_s - first_s))
-    return program_s, max(0.0, cost.wall_s - program_s - rest_s), rest_s
+    rest_s = time.perf_counter() - seen_s[-1]
+    step_s = float(np.median(np.diff(seen_s[1:])))
+    sampling_s = step_s + seen_s[-1] - seen_s[1]
+    return max(0.0, seen_s[1] - seen_s[0] - step_s), sampling_s, rest_s
 
 
 def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, rest_s: float) -> Iterator[Row]:
