@@ -110,7 +110,7 @@ def test_rows_are_measured_on_the_same_noise(corpus, checkpoint):
 
 
 def test_gain_is_paired_over_the_scenes():
-    row = next(row for row in SAMPLED if row.name == "ddim_10")
+    row = next(row for row in SAMPLED if row.name == "ddim_20")
     found = line(row, outcome(50, 70), outcome(60, 84))
     assert found.figures["gain"] == pytest.approx(-12.0)
     assert found.figures["gain_noise"] == pytest.approx(2.0)
@@ -118,7 +118,7 @@ def test_gain_is_paired_over_the_scenes():
     base = line(replace(row, name="shipped"), outcome(60, 84), None)
     assert "gain" not in base.figures
     text = markdown_table([base, found])
-    assert "| `ddim_10` | DDIM, 10 steps | 60.0 | -12.0 ± 2.0 | 60.0 | 100.0 | 1.00 |" in text
+    assert "| `ddim_20` | DDIM, 20 steps | 60.0 | -12.0 ± 2.0 | 60.0 | 100.0 | 1.00 |" in text
     assert plain([found])[0]["gain"] == pytest.approx(-12.0)
 
 
@@ -132,15 +132,15 @@ def test_what_was_measured_of_something_else_is_measured_again(tmp_path):
 
 def test_rows_are_written_down(corpus, tmp_path, capsys):
     cfg = ablate.AblateCfg(
-        data=corpus, out=tmp_path, scenes=2, rows=("ddim_10", "no_fourier"), train=False, json=True
+        data=corpus, out=tmp_path, scenes=2, rows=("ddim_50", "no_fourier"), train=False, json=True
     )
     ablate.main(cfg)
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((tmp_path / "ablation.json").read_text())
     trained, sampled = printed.values()
     assert trained == []
-    assert [row["row"] for row in sampled] == ["shipped", "ddim_10"]
-    assert 0 < sampled[1]["scene_cpu_s"] < sampled[0]["scene_cpu_s"]
+    assert [row["row"] for row in sampled] == ["shipped", "ddim_50"]
+    assert 0 < sampled[0]["scene_cpu_s"] < sampled[1]["scene_cpu_s"]
     assert (tmp_path / "ablation.md").read_text().count("\n|") == 4
 
 
