@@ -8,7 +8,7 @@ import numpy as np
 
 from autonomy.estimation.terrain import fuse_range
 from autonomy.jit import kernel
-from flightsim.plant.mujoco_calls import call_mj_ray
+from flightsim.plant.rays import cast_ray_m
 from flightsim.plant.sky import look_up
 from flightsim.sensors.airspeed import AIRSPEED, AirspeedReading, sense_airspeed
 from flightsim.sensors.barometer import BAROMETER, BaroReading, sense_barometer
@@ -74,15 +74,7 @@ def _sense_range(
     if not is_due(r, e.tick):
         return
     aim_ray(r, qpos[0:3], qpos[3:7])
-    distance_m = call_mj_ray(
-        e.ray_address,
-        e.model_address,
-        e.data_address,
-        r.ray.ctypes.data,
-        r.ray[3:].ctypes.data,
-        e.vehicle_body,
-        r.ray_geom.ctypes.data,
-    )
+    distance_m = cast_ray_m(e, r)
     sample_rangefinder(r, e.tick, distance_m, noise(r, e.tick, normals))
     if f.is_aligned == 1:
         fuse_range(f, r.range_m, r.period_ticks * f.dt_s)

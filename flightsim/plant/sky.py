@@ -26,7 +26,7 @@ from flightsim.environment.constellation import (
     time_of_day_s,
 )
 from flightsim.environment.effects import Effects
-from flightsim.plant.mujoco_calls import call_mj_ray
+from flightsim.plant.rays import cast_ray_m
 
 _MOST_SATELLITES = 40
 _RAYS_PER_FIX = 2
@@ -103,15 +103,7 @@ def look_up(s: np.record, e: np.record, position_enu_m: np.ndarray) -> None:
 def _look_for(s: np.record, e: np.record, k: int, position: np.ndarray) -> None:
     for i in range(3):
         s.ray[i], s.ray[3 + i] = position[i], s.direction_enu[k, i]
-    distance_m = call_mj_ray(
-        e.ray_address,
-        e.model_address,
-        e.data_address,
-        s.ray.ctypes.data,
-        s.ray[3:].ctypes.data,
-        e.vehicle_body,
-        s.ray_geom.ctypes.data,
-    )
+    distance_m = cast_ray_m(e, s)
     s.is_heard[k] = 1 if distance_m < 0.0 else 0
     s.is_near[k] = 1 if 0.0 <= distance_m < _NEAR_M else 0
 

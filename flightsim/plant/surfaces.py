@@ -14,7 +14,7 @@ import numpy as np
 from autonomy.jit import fields, kernel
 from autonomy.rotation import matrix_from_quat
 from flightsim.environment.effects import Effects
-from flightsim.plant.mujoco_calls import call_mj_ray
+from flightsim.plant.rays import cast_ray_m
 from flightsim.vehicles.air.ground import GROUND_REACH, ground_share
 from flightsim.vehicles.air.inflow import CEILING_REACH, ceiling_ratio
 
@@ -96,13 +96,5 @@ def _set_effect(r: np.record, i: int, sign: float, distance_m: float, reach_m: f
 @kernel
 def _distance_m(s: np.record, e: np.record) -> float:
     """Distance along the ray to the first surface that is not the vehicle's; infinite for none."""
-    distance = call_mj_ray(
-        e.ray_address,
-        e.model_address,
-        e.data_address,
-        s.ray.ctypes.data,
-        s.ray[3:].ctypes.data,
-        e.vehicle_body,
-        s.ray_geom.ctypes.data,
-    )
-    return math.inf if distance < 0.0 else distance
+    distance_m = cast_ray_m(e, s)
+    return math.inf if distance_m < 0.0 else distance_m
