@@ -1,0 +1,1 @@
+"""Pilots that ship beside ours, as baselines to tell flight stacks apart by."""
