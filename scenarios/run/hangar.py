@@ -13,7 +13,15 @@ from typing import Self
 
 from aeroscene.scene import Scene
 from aeroscene.sources import open_scene
-from flightsim.sensors.cameras import HEIGHT_PX, WIDTH_PX, CameraRenderer, open_camera_renderer
+from flightsim.sensors.cameras import (
+    HEIGHT_PX,
+    WIDTH_PX,
+    CameraRenderer,
+    Cameras,
+    depth_noise,
+    open_camera_renderer,
+)
+from flightsim.testbench import Testbench
 from flightsim.vehicles import Airframe
 from flightsim.world import World
 
@@ -43,14 +51,18 @@ class Hangar:
             self._scenes.popitem(last=False)
         return scene
 
-    def renderer(self, world: World) -> CameraRenderer | None:
-        """Renderer of the cameras in a world, or in one that differs only by the start.
+    def cameras(self, bench: Testbench) -> Cameras:
+        """Cameras of the vehicle in a testbench.
 
-        It stays open, and the hangar's. None if something moves in the world: it is drawn by a
-        renderer of its own.
+        Worlds that differ only by the start have one renderer, which stays open, and the hangar's.
+        Where something moves, the cameras have a renderer of their own.
         """
-        if world.obstacles:
-            return None
+        plant, cfg = bench.plant, bench.cfg
+        noise = depth_noise(cfg.depth_camera, cfg.seed, bench.scene.scene_id)
+        renderer = None if plant.world.obstacles else self._renderer(plant.world)
+        return Cameras(plant, depth_noise=noise, renderer=renderer)
+
+    def _renderer(self, world: World) -> CameraRenderer:
         scene = world.scene
         corner = replace(scene, start_position_enu_m=scene.extent_min_enu_m, start_yaw_rad=0.0)
         key = (corner, world.airframe)

@@ -16,7 +16,7 @@ from flightsim.environment.effects import EffectError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
-from flightsim.sensors.cameras import CameraError, Cameras, depth_noise
+from flightsim.sensors.cameras import CameraError, Cameras
 from flightsim.testbench import Testbench, TestbenchError
 from flightsim.vehicles import Airframe, AirframeError, airframe_by_name
 from flightsim.world import WorldError
@@ -124,11 +124,7 @@ class Sitl:
     def cameras(self) -> Cameras:
         """The vehicle's cameras, opened when first asked for."""
         if self._cameras is None:
-            bench = self.bench
-            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed, bench.scene.scene_id)
-            renderer = self._hangar.renderer(bench.world)
-            cameras = Cameras(bench.plant, depth_noise=noise, renderer=renderer)
-            self._cameras = self._stack.enter_context(cameras)
+            self._cameras = self._stack.enter_context(self._hangar.cameras(self.bench))
         return self._cameras
 
     def _aboard(self) -> Aboard:
@@ -242,10 +238,9 @@ class Sitl:
             self.recorder.conclude(result.to_plain())
             if (fault := self.recorder.fault) is not None:
                 self._miss(f"recording {self.recorder.path} lacks its end: {fault}")
-        if (path := self.cfg.record) is not None:
-            fault = write_summary(path, self.cfg, result, self.pilot)
-            if fault is not None:
-                self._miss(fault)
+        path, cfg = self.cfg.record, self.cfg
+        if path is not None and (fault := write_summary(path, cfg, result, self.pilot)):
+            self._miss(fault)
         self.pictures = self._draw(result.reason)
 
     def _miss(self, line: str) -> None:
