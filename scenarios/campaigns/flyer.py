@@ -6,6 +6,7 @@ opened. A trial is the same, bit for bit, in a warm process and in a fresh one.
 
 from __future__ import annotations
 
+import logging
 import time
 from collections import OrderedDict
 from dataclasses import asdict, dataclass, field, replace
@@ -24,6 +25,8 @@ from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
 from scenarios.tasks.task import Task, trial_id
 from scenarios.trials.verdict import Code
+
+_LOG = logging.getLogger(__name__)
 
 Row = dict[str, Any]
 """A trial as a row of the results: its task, its verdict, its figures."""
@@ -114,6 +117,7 @@ class Flyer:
                 raise
             row |= failure(Code.NO_PLAN, _one_line(error))
         except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
+            _LOG.info("trial %s", trial.id, exc_info=True)
             row |= failure(Code.RAISED, f"{type(error).__name__}: {_one_line(error)}")
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 

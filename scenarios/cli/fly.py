@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -63,6 +64,8 @@ def run(cfg: FlyCfg) -> int:
         fail(_PROG, f"trial {cfg.trial} is negative; valid: 0 or more")
     airframe_by_name(cfg.vehicle)
     trial = Trial(cfg.scene, cfg.vehicle, cfg.trial)
+    # What a pilot raised is one line in a campaign; here it has its traceback.
+    logging.getLogger("scenarios.campaigns").setLevel(logging.INFO)
     try:
         suite, is_campaigns = _suite(cfg)
         before = row_of(cfg.out, trial) if is_campaigns else None
