@@ -1,7 +1,8 @@
 """A pilot of one's own: MAVLink and cameras in, setpoints out; the truth judges it in the end.
 
 It flies straight up, across and down onto the assigned area, or else onto the roomiest one under
-open sky, if the camera sees it flat. Each `yield` lasts 20 ms of simulated time. Run: python examples/own_pilot.py
+open sky, if the camera sees it flat. Each `yield` lasts 20 ms of simulated time.
+Run: python examples/own_pilot.py
 """
 
 import numpy as np
