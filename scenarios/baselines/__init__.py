@@ -1,1 +1,1 @@
-"""Pilots that ship beside ours, as baselines to tell flight stacks apart by."""
+"""Pilots by name: ours, those that ship as baselines to tell flight stacks apart by, one's own."""

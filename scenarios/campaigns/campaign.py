@@ -10,11 +10,11 @@ from typing import Any
 
 from aeroscene import __version__
 from aeroscene.files import replacing
+from scenarios.baselines.named import pilot_of
 from scenarios.campaigns.flyer import Row, Suite, Trial
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
 from scenarios.campaigns.summary import summarise_trials
 from scenarios.campaigns.workers import Workers
-from scenarios.run.pilots import pilot_of
 from scenarios.tasks.recipe import recipe_from
 
 MANIFEST = "campaign.json"
@@ -100,8 +100,7 @@ def read_suite(folder: Path) -> Suite | None:
         CampaignError: If its manifest cannot be read.
     """
     try:
-        plain = json.loads((folder / MANIFEST).read_bytes())
-        suite = plain["suite"]
+        suite = json.loads((folder / MANIFEST).read_bytes())["suite"]
         return Suite(recipe=recipe_from(suite["recipe"]), pilot=suite["pilot"])
     except FileNotFoundError:
         return None
@@ -127,15 +126,16 @@ def _claim(folder: Path, suite: Suite) -> None:
     Raises:
         CampaignError: If it holds a campaign of another suite or version.
     """
-    wanted = json.loads(json.dumps({"version": __version__, "suite": suite.to_plain()}))
     path = folder / MANIFEST
-    if not path.exists():
+    wanted = {"version": __version__, "suite": suite.to_plain()}
+    if read_suite(folder) is None:
         folder.mkdir(parents=True, exist_ok=True)
         with replacing(path) as file:
             file.write(json.dumps(wanted, indent=2).encode() + b"\n")
         return
     present = _flat(json.loads(path.read_bytes()))
-    for name, value in _flat(wanted).items():
+    # Through JSON, which knows no tuples.
+    for name, value in _flat(json.loads(json.dumps(wanted))).items():
         if present.get(name) != value:
             raise CampaignError(
                 f"out {str(folder)!r} holds a campaign with {name} {present.get(name)!r} instead "

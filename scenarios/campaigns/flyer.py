@@ -17,9 +17,9 @@ from aeroscene import __version__
 from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
+from scenarios.baselines.named import OURS, pilot_of
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
-from scenarios.run.pilots import OURS, pilot_of
 from scenarios.run.sitl import INPUT_ERRORS, Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler

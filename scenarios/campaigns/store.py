@@ -25,7 +25,7 @@ from scenarios.campaigns.flyer import Row
 _LOG = logging.getLogger(__name__)
 TABLES = "trials"
 JOURNAL = "trials.jsonl"
-ROWS_A_TABLE = 1000
+ROWS_A_TABLE = 5000
 _TEXT, _WHOLE, _REAL, _FLAG = pa.string(), pa.int64(), pa.float64(), pa.bool_()
 SCHEMA = pa.schema(
     [
@@ -76,9 +76,7 @@ class Store:
         """Read what is there; see `open_store`."""
         self._folder = folder
         self._journal = journal
-        for damaged in _set_damaged_aside(folder):
-            _LOG.warning("%s is damaged and set aside: its trials are flown again", damaged)
-        in_tables = set(_tables(folder)["trial_id"].to_pylist())
+        in_tables = _ids_in_sound_tables(folder)
         self._new = [row for row in _journalled(folder) if row["trial_id"] not in in_tables]
         self.done: set[str] = in_tables | {row["trial_id"] for row in self._new}
         self._rewrite_journal()
@@ -188,14 +186,16 @@ def _read_table(path: Path) -> pa.Table:
         raise StoreError(f"table {str(path)!r} is damaged: {reason}; valid: remove it") from None
 
 
-def _set_damaged_aside(folder: Path) -> Iterator[Path]:
-    """Rename the tables that cannot be read."""
+def _ids_in_sound_tables(folder: Path) -> set[str]:
+    """Ids of the trials in all tables; those that cannot be read are renamed, and told of."""
+    ids: set[str] = set()
     for path in _table_paths(folder):
         try:
-            _read_table(path)
+            ids.update(_read_table(path)["trial_id"].to_pylist())
         except StoreError:
             path.rename(path.with_suffix(".damaged"))
-            yield path
+            _LOG.warning("%s is damaged and set aside: its trials are flown again", path)
+    return ids
 
 
 def _journalled(folder: Path) -> list[Row]:

@@ -62,10 +62,10 @@ class CampaignCfg:
 def run(cfg: CampaignCfg) -> int:
     """Fly the campaign; exit status 2 with one line where input or folder do not allow it."""
     # Imported here because it is the whole simulator, which `--help` does not need.
+    from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
     from scenarios.campaigns.workers import WorkerError  # noqa: PLC0415
-    from scenarios.run.pilots import PilotError  # noqa: PLC0415
 
     # SIGTERM is handled as Ctrl-C is: processes and folder are left in order.
     signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -55,10 +55,10 @@ def run(cfg: FlyCfg) -> int:
     """Fly the trial; exit status 2 with one line where there is none."""
     # Imported here because it is the whole simulator, which `--help` does not need.
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415
+    from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
     from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
-    from scenarios.run.pilots import PilotError  # noqa: PLC0415
 
     if cfg.trial < 0:
         fail(_PROG, f"trial {cfg.trial} is negative; valid: 0 or more")

@@ -12,6 +12,7 @@ import tyro
 
 from aeroscene.learning import require_torch
 from aeroscene.scene import Scene, SceneDomain, SceneError
+from scenarios.baselines.named import MakePilot, PilotError, pilot_of
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, default_hint, fail, print_json
 from scenarios.cli.progress import progress_bar
 from scenarios.generation.asked import (
@@ -21,7 +22,6 @@ from scenarios.generation.asked import (
     outline_sides_m,
 )
 from scenarios.generation.worst import ORDER, Flight, Tries, worst_first
-from scenarios.run.pilots import MakePilot, PilotError, pilot_of
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generator, Request

@@ -19,8 +19,8 @@ import numpy as np
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from aeroscene.scene.io import read_scene, write_scene
+from scenarios.baselines.named import MakePilot
 from scenarios.generation.asked import GenerateError
-from scenarios.run.pilots import MakePilot
 
 ORDER = (
     "failed first, then by the sum of ranks in touchdown_error_m, sim_seconds, least_clearance_m"

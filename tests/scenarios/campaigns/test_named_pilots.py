@@ -2,7 +2,7 @@
 
 import pytest
 
-from scenarios.run.pilots import PilotError, pilot_of
+from scenarios.baselines.named import PilotError, pilot_of
 
 PILOT = """
 class Stay:
