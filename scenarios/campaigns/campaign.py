@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -48,7 +48,9 @@ class Campaign:
         """Those of some trials that are not in the folder yet."""
         return [trial for trial in trials if trial.id not in self._store.done]
 
-    def fly(self, trials: Sequence[Trial], *, workers: int, patience_s: float) -> Iterator[Row]:
+    def fly(
+        self, trials: Sequence[Trial], *, workers: int, patience_s: float
+    ) -> Generator[Row, None, None]:
         """Fly trials, and keep each row as its trial ends.
 
         Args:

@@ -7,7 +7,7 @@ import pytest
 from scenarios.campaigns.flyer import Suite, Trial
 from scenarios.campaigns.workers import WorkerError, Workers, in_blocks
 
-pytestmark = pytest.mark.timeout(300)
+pytestmark = pytest.mark.timeout(600)
 STUBS = "tests.scenarios.campaigns.stub_pilots"
 TWO = [Trial("field", "iris", 0), Trial("field", "hummingbird", 0)]
 
