@@ -11,15 +11,23 @@ from typing import TypeVar
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
+from aeroscene.solids.field_cache import kept_distance_field
+from aeroscene.solids.shapes import scene_primitives
 from autonomy.planning import PlanningError
-from autonomy.planning.openings import Opening
+from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import Vector3
 from flightsim.draws import generator
 from flightsim.vehicles import Airframe
 from flightsim.world import WorldError, build_world
 from scenarios.mission.goals import draw_goals, fitting_areas
 from scenarios.mission.mission import takeoff_point
-from scenarios.mission.surroundings import MissionError, Surroundings, survey
+from scenarios.mission.obstacles import distance_field, scene_obstacles
+from scenarios.mission.surroundings import (
+    FIELD_RESOLUTION_M,
+    MissionError,
+    Surroundings,
+    survey,
+)
 from scenarios.tasks.recipe import Range, Recipe
 from scenarios.tasks.task import Task
 from scenarios.tasks.way import GRADES, Grade, WayFigures, measure_way
@@ -27,6 +35,7 @@ from scenarios.tasks.way import GRADES, Grade, WayFigures, measure_way
 _MOST_DRAWS = 60
 """Draws of a start and an area for one trial, with those that no free space joins."""
 _SEEDS = 2**31
+_KEPT_SCENES = 2
 _T = TypeVar("_T")
 
 
@@ -146,7 +155,9 @@ class Sampler:
         if hover is None:
             return None
         try:
-            return measure_way(ground.world, ground.takeoff_enu_m, hover, lambda: self._openings)
+            return measure_way(
+                ground.world, ground.takeoff_enu_m, hover, lambda: _openings(self._scene)
+            )
         except PlanningError:
             return None
 
@@ -163,11 +174,13 @@ class Sampler:
             self._grounds[start] = ground
         return self._grounds[start]
 
-    @functools.cached_property
-    def _openings(self) -> Sequence[Opening]:
-        """Openings of the scene: the same from every start."""
-        world = next(ground.world for ground in self._grounds.values() if ground is not None)
-        return world.openings
+
+@functools.lru_cache(maxsize=_KEPT_SCENES)
+def _openings(scene: Scene) -> Sequence[Opening]:
+    """Openings of a scene: seconds of work, and the same for every vehicle and start."""
+    primitives = scene_primitives(scene)
+    voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
+    return find_openings(distance_field(voxels), scene_obstacles(scene, primitives))
 
 
 def _one(rng: np.random.Generator, words: Sequence[_T]) -> _T:
