@@ -142,13 +142,13 @@ class Workers(Generic[_T, _R]):
 
     def _submit(self) -> None:
         for item in self._items:
-            with _without_interrupts():
+            with without_interrupts():
                 self._pending.append(self._executor.submit(_call, item))
             return
 
 
 @contextmanager
-def _without_interrupts() -> Iterator[None]:
+def without_interrupts() -> Iterator[None]:
     """Block Ctrl-C and SIGTERM; processes started meanwhile inherit that."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
@@ -164,14 +164,15 @@ _function: Callable[[Any], Any]
 def _begin(function: Callable[[Any], Any]) -> None:
     global _function  # noqa: PLW0603 - a process has no other place for it
     _function = function
-    _end_with_parent()
+    end_with_parent()
 
 
 def _call(item: Any) -> Any:
     return _function(item)
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
+    """End this process, from now on, as soon as the one that started it ends in any way."""
     parent = multiprocessing.parent_process()
     assert parent is not None
 

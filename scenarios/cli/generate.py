@@ -12,13 +12,8 @@ import tyro
 
 from aeroscene.learning import require_torch
 from aeroscene.scene import Scene, SceneDomain, SceneError
-from scenarios.cli.command_line import (
-    EXIT_DONE,
-    EXIT_NEGATIVE,
-    default_hint,
-    fail,
-    print_json,
-)
+from scenarios.baselines.named import MakePilot, PilotError, pilot_of
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, default_hint, fail, print_json
 from scenarios.cli.progress import progress_bar
 from scenarios.generation.asked import (
     GenerateError,
@@ -26,7 +21,7 @@ from scenarios.generation.asked import (
     asked_region,
     outline_sides_m,
 )
-from scenarios.generation.worst import ORDER, Flight, MakePilot, Tries, pilot_of, worst_first
+from scenarios.generation.worst import ORDER, Flight, Tries, worst_first
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generator, Request
@@ -117,7 +112,7 @@ def run(cfg: GenerateCfg) -> int:
     """Generate; exit status 2 with one line where input, device or memory do not allow it."""
     try:
         return _run(cfg)
-    except SceneError as error:
+    except (SceneError, PilotError) as error:
         fail(_PROG, str(error))
     except OSError as error:
         where = f"file {error.filename!r}: " if error.filename else ""
@@ -131,7 +126,7 @@ def _run(cfg: GenerateCfg) -> int:
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
     from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy
 
-    pilot = pilot_of(cfg.worst_for) if cfg.worst_for else None
+    pilot = pilot_of(cfg.worst_for, "worst-for") if cfg.worst_for else None
     requests = _requests(cfg)
     generator = Generator.load(
         cfg.checkpoint, preset=cfg.preset, device=cfg.device, n_steps=cfg.steps

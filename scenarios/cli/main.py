@@ -16,6 +16,9 @@ from scenarios.cli.command_line import execute, parse
 PROG = "aeroscene"
 _COMMANDS: Mapping[str, str] = {
     "sitl": "SitlCommand",
+    "fly": "FlyCfg",
+    "campaign": "CampaignCfg",
+    "report": "ReportCfg",
     "replay": "ReplayCfg",
     "doctor": "DoctorCfg",
     "dataset": "DatasetCfg",

@@ -22,8 +22,8 @@ from rich.text import Text
 class Advance(Protocol):
     """Function that advances a progress bar."""
 
-    def __call__(self, count: int = 1, /) -> None:
-        """Advance the bar by one item or by several."""
+    def __call__(self, count: int = 1, /, title: str | None = None) -> None:
+        """Advance the bar by one item or by several, and give it another title."""
 
 
 class _Rate(ProgressColumn):
@@ -67,4 +67,4 @@ def progress_bar(title: str, total: int, unit: str = "scenes") -> Iterator[Advan
         *columns, console=console, transient=True, disable=not console.is_terminal
     ) as progress:
         task = progress.add_task(title, total=total, unit=unit)
-        yield lambda count=1: progress.advance(task, count)
+        yield lambda count=1, /, title=None: progress.update(task, advance=count, description=title)

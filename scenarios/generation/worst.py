@@ -7,13 +7,11 @@ rank, equal ones share theirs, and the lower seed goes first.
 
 from __future__ import annotations
 
-import importlib
 import math
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -21,17 +19,13 @@ import numpy as np
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from aeroscene.scene.io import read_scene, write_scene
+from scenarios.baselines.named import MakePilot
 from scenarios.generation.asked import GenerateError
-
-if TYPE_CHECKING:
-    from scenarios.run.companion import Aboard, Companion
 
 ORDER = (
     "failed first, then by the sum of ranks in touchdown_error_m, sim_seconds, least_clearance_m"
 )
 _SETTINGS = "asked.json"
-
-MakePilot = Callable[["Aboard"], "Companion"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,33 +40,6 @@ class Flight:
     least_clearance_m: float | None = None
     """Least distance between the vehicle's sphere and an obstacle on the way, 1.5 m and more from
     where it took off and came to rest."""
-
-
-def pilot_of(text: str) -> MakePilot | None:
-    """The pilot that a user names: None is the one of the demo.
-
-    Args:
-        text: `demo`, or `MODULE:CLASS`; modules are looked for where the command was started too.
-
-    Raises:
-        GenerateError: If there is no such pilot.
-    """
-    if text == "demo":
-        return None
-    valid = "valid: demo, or MODULE:CLASS such as my_pilot:Pilot, see docs/python.md"
-    module, _, name = text.partition(":")
-    if not module or not name.isidentifier():
-        raise GenerateError(f"worst-for is {text!r}, {valid}")
-    if (here := str(Path.cwd())) not in sys.path:
-        sys.path.insert(0, here)
-    try:
-        found = getattr(importlib.import_module(module), name)
-    except Exception as error:  # noqa: BLE001 - a user's module may raise anything
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise GenerateError(f"worst-for is {text!r}, but {reason}; {valid}") from None
-    if not callable(found):
-        raise GenerateError(f"worst-for is {text!r}, which is no class; {valid}")
-    return cast("MakePilot", found)
 
 
 def fly(scene: Scene, make: MakePilot | None) -> Flight:

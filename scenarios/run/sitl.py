@@ -12,17 +12,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from aeroscene.scene import Scene, SceneError
-from aeroscene.sources import open_scene
 from flightsim.environment.effects import EffectError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
-from flightsim.sensors.cameras import CameraError, Cameras, depth_noise
+from flightsim.sensors.cameras import CameraError, Cameras
 from flightsim.testbench import Testbench, TestbenchError
 from flightsim.vehicles import Airframe, AirframeError, airframe_by_name
 from flightsim.world import WorldError
 from scenarios.mission.goals import find_area, with_start
 from scenarios.run.cfg import SitlCfg
+from scenarios.run.hangar import Hangar
 from scenarios.run.summary import write_summary
 from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.limits import LIMITS
@@ -75,6 +75,7 @@ class Sitl:
         airframe: Airframe | None = None,
         pilot: Callable[[Aboard], Companion] | None = None,
         has_network: bool = True,
+        hangar: Hangar | None = None,
     ) -> None:
         """Open every part of the run, or none.
 
@@ -84,6 +85,7 @@ class Sitl:
             airframe: A vehicle of one's own, instead of the one that the configuration names.
             pilot: Makes a pilot of one's own, which flies instead of ours.
             has_network: Whether clients outside this process can connect.
+            hangar: Keeps what runs of this process share; None keeps it for this run alone.
 
         Raises:
             INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
@@ -96,8 +98,9 @@ class Sitl:
         self._cameras: Cameras | None = None
         with ExitStack() as stack:
             self._stack = stack
+            self._hangar = stack.enter_context(Hangar()) if hangar is None else hangar
             airframe = airframe or airframe_by_name(cfg.bench.vehicle)
-            scene = scene or open_scene(cfg.scene)
+            scene = scene or self._hangar.scene(cfg.scene)
             if cfg.start is not None:
                 scene = with_start(scene, airframe, cfg.start)
             name = cfg.area
@@ -121,9 +124,7 @@ class Sitl:
     def cameras(self) -> Cameras:
         """The vehicle's cameras, opened when first asked for."""
         if self._cameras is None:
-            bench = self.bench
-            noise = depth_noise(bench.cfg.depth_camera, bench.cfg.seed, bench.scene.scene_id)
-            self._cameras = self._stack.enter_context(Cameras(bench.plant, depth_noise=noise))
+            self._cameras = self._stack.enter_context(self._hangar.cameras(self.bench))
         return self._cameras
 
     def _aboard(self) -> Aboard:
@@ -237,10 +238,9 @@ class Sitl:
             self.recorder.conclude(result.to_plain())
             if (fault := self.recorder.fault) is not None:
                 self._miss(f"recording {self.recorder.path} lacks its end: {fault}")
-        if (path := self.cfg.record) is not None:
-            fault = write_summary(path, self.cfg, result, self.pilot)
-            if fault is not None:
-                self._miss(fault)
+        path, cfg = self.cfg.record, self.cfg
+        if path is not None and (fault := write_summary(path, cfg, result, self.pilot)):
+            self._miss(fault)
         self.pictures = self._draw(result.reason)
 
     def _miss(self, line: str) -> None:

@@ -20,6 +20,8 @@ class Limits:
     """A vehicle without contact for this long has left the ground."""
     contact_gap_s: float = 0.2
     """Contacts of one thing that are closer in time count as one."""
+    above_m: float = 5.0
+    """Height over an area within which a flight has come to it."""
     surface_tolerance_m: float = 0.15
     """Height from an area's plane within which a sole stands on the area."""
 

@@ -29,6 +29,8 @@ class TrialResult:
     """Point that the vehicle stood on at the start, ENU."""
     area: int | None
     """Assigned area."""
+    navigated: bool | None
+    """Whether it came above the assigned area, without a contact on the way."""
     landed_area: int | None
     """Area that all soles ended on."""
     sim_seconds: float
@@ -72,6 +74,7 @@ def figures(score: FlightScore, area: InteractionArea | None) -> dict[str, Any]:
     """
     return {
         "area": None if area is None else area.id,
+        "navigated": None if area is None else _has_navigated(score),
         "landed_area": score.landed_area,
         "contacts_before_touchdown": None if area is None else score.contacts_before_touchdown,
         "touchdown_error_m": rounded(score.touchdown_error_m),
@@ -87,6 +90,11 @@ def figures(score: FlightScore, area: InteractionArea | None) -> dict[str, Any]:
         "attitude_rmse_deg": rounded(score.attitude_rmse_deg),
         "contacts": tuple(contact.to_plain() for contact in score.contacts),
     }
+
+
+def _has_navigated(score: FlightScore) -> bool:
+    reached_s = score.reached_s
+    return reached_s is not None and all(each.time_s >= reached_s for each in score.contacts)
 
 
 def rounded(figure: float | None) -> float | None:

@@ -32,6 +32,8 @@ class FlightScore:
     """Estimated against true attitude from arming on, root mean square of the angle between."""
     lift_off_s: float | None = None
     """Time at which the vehicle left the ground; None if it never did."""
+    reached_s: float | None = None
+    """Time at which it was first in flight above the assigned area; None if it never was."""
     touchdown_s: float | None = None
     """Time of the first contact with the assigned area, else of the last time on the ground;
     None if it ended in the air."""
@@ -130,6 +132,7 @@ def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightS
         position_rmse_m=errors.position_rmse_m,
         attitude_rmse_deg=errors.attitude_rmse_deg,
         lift_off_s=float(time_s[lift_off]) if lift_off < len(history) else None,
+        reached_s=_reached_s(history[lift_off:], goal.area),
         touchdown_s=None if end is None else float(time_s[end]),
         contacts_before_touchdown=brushes,
         landed_area=next(landed, None) if end is not None else None,
@@ -159,6 +162,16 @@ def _bounds(
     soles_enu_m = flown["position_true_enu_m"] - [0.0, 0.0, airframe.leg_length_m]
     on_area = np.flatnonzero(is_touching[lift_off:] & is_over_area(soles_enu_m, area))
     return lift_off, lift_off + int(on_area[0]) if on_area.size else touchdown
+
+
+def _reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
+    """Time of the first row above an area, low enough to look at it."""
+    if area is None:
+        return None
+    x, y, z = flown["position_true_enu_m"].T
+    is_above = _footprint_contains(area, x, y) & (np.abs(z - area.centroid[2]) <= LIMITS.above_m)
+    rows = np.flatnonzero(is_above)
+    return float(flown["time_us"][rows[0]]) * 1e-6 if rows.size else None
 
 
 def _n_soles_inside(soles_enu_m: np.ndarray, area: InteractionArea | None) -> int:
@@ -234,13 +247,17 @@ def is_over_area(
     soles_enu_m: Float[np.ndarray, "n 3"], area: InteractionArea
 ) -> Bool[np.ndarray, " n"]:
     """Whether each point lies over (or under) an area's polygon and close to its plane."""
-    import shapely  # noqa: PLC0415 - only scored flights need it
-
-    footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
     height_m = np.abs(soles_enu_m[:, 2] - area.centroid[2])
     reach_m = np.linalg.norm(soles_enu_m[:, :2] - np.array(area.centroid[:2]), axis=1)
     is_level = height_m <= LIMITS.surface_tolerance_m + reach_m * math.tan(area.slope_rad)
-    return shapely.contains_xy(footprint, soles_enu_m[:, 0], soles_enu_m[:, 1]) & is_level
+    return _footprint_contains(area, soles_enu_m[:, 0], soles_enu_m[:, 1]) & is_level
+
+
+def _footprint_contains(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    import shapely  # noqa: PLC0415 - only scored flights need it
+
+    footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
+    return shapely.contains_xy(footprint, x_m, y_m)
 
 
 def rotation_angle_rad(

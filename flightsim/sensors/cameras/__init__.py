@@ -1,11 +1,13 @@
 """RGB-D cameras: frames with depth and object ids, exact or with the errors of a real sensor."""
 
-from flightsim.sensors.cameras.cameras import Cameras
+from flightsim.sensors.cameras.cameras import HEIGHT_PX, WIDTH_PX, Cameras
 from flightsim.sensors.cameras.depth_noise import DepthNoise, depth_noise
 from flightsim.sensors.cameras.renderer import CameraRenderer, open_camera_renderer
 from flightsim.sensors.cameras.view import CameraError, RgbdFrame, Viewpoint, look_at
 
 __all__ = [
+    "HEIGHT_PX",
+    "WIDTH_PX",
     "CameraError",
     "CameraRenderer",
     "Cameras",

@@ -9,8 +9,11 @@ import numpy as np
 
 from flightsim.plant import Plant
 from flightsim.sensors.cameras.depth_noise import DepthNoise
-from flightsim.sensors.cameras.renderer import open_camera_renderer
+from flightsim.sensors.cameras.renderer import CameraRenderer, open_camera_renderer
 from flightsim.sensors.cameras.view import RgbdFrame
+
+WIDTH_PX, HEIGHT_PX = 320, 240
+"""Size of an image, unless another one is asked for."""
 
 
 class Cameras:
@@ -24,9 +27,10 @@ class Cameras:
         self,
         plant: Plant,
         *,
-        width_px: int = 320,
-        height_px: int = 240,
+        width_px: int = WIDTH_PX,
+        height_px: int = HEIGHT_PX,
         depth_noise: DepthNoise | None = None,
+        renderer: CameraRenderer | None = None,
     ) -> None:
         """Open a renderer.
 
@@ -35,13 +39,16 @@ class Cameras:
             width_px: Width of the images.
             height_px: Height of the images.
             depth_noise: Errors of depth; None measures it exactly.
+            renderer: Renderer of the same world to use, which stays open and has its own size;
+                None opens one.
 
         Raises:
             CameraError: If the size is invalid.
         """
         self._plant = plant
         self._depth_noise = depth_noise
-        self._renderer = open_camera_renderer(plant.world, width_px, height_px)
+        self._is_ours = renderer is None
+        self._renderer = renderer or open_camera_renderer(plant.world, width_px, height_px)
         self.backend = self._renderer.backend
         self._listeners: list[Callable[[RgbdFrame], None]] = []
         self._latest: dict[str, RgbdFrame] = {}
@@ -71,8 +78,9 @@ class Cameras:
         return self._renderer.render_ids(self._plant.data, camera)
 
     def close(self) -> None:
-        """Release the rendering context."""
-        self._renderer.close()
+        """Release the rendering context, unless it is somebody else's."""
+        if self._is_ours:
+            self._renderer.close()
 
     def __enter__(self) -> Self:
         return self

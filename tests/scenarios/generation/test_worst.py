@@ -10,23 +10,10 @@ from flightsim.sensors.cameras import CameraError
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios import Verdict
 from scenarios.generation.asked import GenerateError, asked_areas
-from scenarios.generation.worst import Flight, Tries, fly, pilot_of, worst_first
+from scenarios.generation.worst import Flight, Tries, fly, worst_first
 from scenarios.mission.clearance import flown_clearance_m
 from scenarios.mission.surroundings import sphere_radius_m
 from tests.scenarios.landing_scenes import field, yard
-
-PILOT = """
-from scenarios import Verdict
-class Stay:
-    area = None
-    is_done = True
-    verdict = Verdict(success=True, reason="stayed")
-    def __init__(self, aboard):
-        pass
-    def update(self, time_us):
-        pass
-number = 3
-"""
 
 
 class Stay:
@@ -141,23 +128,6 @@ def test_what_was_flown_is_not_flown_again_and_the_document_tells_of_it(tmp_path
     with pytest.raises(GenerateError, match="holds tries of other wishes, valid: another folder"):
         Tries(tmp_path / "tried", asked | {"density": "2.0"})
     assert json.loads((tmp_path / "tried" / "asked.json").read_text()) == asked
-
-
-def test_pilots_are_named_by_module_and_class(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
-    (tmp_path / "stay_pilot_of_test.py").write_text(PILOT)
-    assert pilot_of("demo") is None
-    assert pilot_of("stay_pilot_of_test:Stay").__name__ == "Stay"
-    for text, reason in (
-        ("stay_pilot_of_test", "'stay_pilot_of_test', valid: demo, or MODULE:CLASS"),
-        ("stay_pilot_of_test:Go", "has no attribute 'Go'; valid: demo"),
-        ("stay_pilot_of_test:number", "is no class"),
-        ("no_such_module:Pilot", "No module named 'no_such_module'; valid: demo"),
-    ):
-        with pytest.raises(GenerateError, match=reason) as caught:
-            pilot_of(text)
-        assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("text", ["many", "small", "small=x", "huge=3", "small=1,small=2", "1.5"])

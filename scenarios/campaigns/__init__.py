@@ -1,0 +1,1 @@
+"""Campaigns: many trials of a pilot, flown in processes that stay warm, kept and scored."""

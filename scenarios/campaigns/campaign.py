@@ -1,0 +1,153 @@
+"""A campaign in its folder: what it flies, what is there, and what is left to fly."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from aeroscene import __version__
+from aeroscene.files import replacing
+from scenarios.baselines.named import pilot_of
+from scenarios.campaigns.flyer import Row, Suite, Trial
+from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
+from scenarios.campaigns.summary import summarise_trials
+from scenarios.campaigns.workers import Workers
+from scenarios.tasks.recipe import recipe_from
+
+MANIFEST = "campaign.json"
+SUMMARY = "summary.json"
+
+
+class CampaignError(ValueError):
+    """A campaign cannot be flown in a folder; one line says why, and what would be valid."""
+
+
+def all_trials(scenes: Iterable[str], vehicles: Iterable[str], count: int) -> list[Trial]:
+    """Trials of every scene with every vehicle, scene by scene."""
+    vehicles = tuple(vehicles)
+    return [
+        Trial(scene, vehicle, number)
+        for scene in scenes
+        for vehicle in vehicles
+        for number in range(count)
+    ]
+
+
+class Campaign:
+    """Trials of a suite in a folder, see `open_campaign`."""
+
+    def __init__(self, folder: Path, suite: Suite, store: Store) -> None:
+        self._folder = folder
+        self._suite = suite
+        self._store = store
+
+    def left(self, trials: Iterable[Trial]) -> list[Trial]:
+        """Those of some trials that are not in the folder yet."""
+        return [trial for trial in trials if trial.id not in self._store.done]
+
+    def fly(
+        self, trials: Sequence[Trial], *, workers: int, patience_s: float
+    ) -> Generator[Row, None, None]:
+        """Fly trials, and keep each row as its trial ends.
+
+        Args:
+            trials: Trials that are not in the folder yet.
+            workers: Number of processes.
+            patience_s: Wall time for one trial, after which its process is ended.
+
+        Raises:
+            WorkerError: If the machine does not allow any flight.
+            OSError: If a row cannot be written.
+        """
+        with Workers(self._suite, workers, patience_s) as pool:
+            for row in pool.fly(trials):
+                self._store.add(row)
+                yield row
+
+    def summary(self) -> dict[str, Any]:
+        """Summary of all trials in the folder, which is written there too."""
+        found = summarise_trials(read_results(self._folder))
+        with replacing(self._folder / SUMMARY) as file:
+            file.write(json.dumps(found, indent=2).encode() + b"\n")
+        return found
+
+
+@contextmanager
+def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
+    """Open a campaign to fly on, or begin one.
+
+    Args:
+        folder: Folder of the results; made where it is missing.
+        suite: Recipe and pilot.
+
+    Raises:
+        CampaignError: If the folder holds a campaign of another suite or version.
+        StoreError: If another process flies in the folder.
+        PilotError: If there is no such pilot.
+        OSError: If the folder cannot be written to.
+    """
+    pilot_of(suite.pilot)
+    _claim(folder, suite)
+    with open_store(folder) as store:
+        yield Campaign(folder, suite, store)
+
+
+def read_suite(folder: Path) -> Suite | None:
+    """The suite of the campaign in a folder; None if it holds none.
+
+    Raises:
+        CampaignError: If its manifest cannot be read.
+    """
+    try:
+        suite = json.loads((folder / MANIFEST).read_bytes())["suite"]
+        return Suite(recipe=recipe_from(suite["recipe"]), pilot=suite["pilot"])
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise CampaignError(
+            f"file {str(folder / MANIFEST)!r} is no campaign's: {' '.join(str(error).split())}; "
+            "valid: what `aeroscene campaign` has written"
+        ) from None
+
+
+def row_of(folder: Path, trial: Trial) -> Row | None:
+    """Row of a trial in the results of a folder; None if it is not there."""
+    if not (folder / JOURNAL).is_file():
+        return None
+    table = read_results(folder)
+    ids: list[str] = table["trial_id"].to_pylist()
+    return table.slice(ids.index(trial.id), 1).to_pylist()[0] if trial.id in ids else None
+
+
+def _claim(folder: Path, suite: Suite) -> None:
+    """Write what the folder's trials follow from, or refuse a folder of others.
+
+    Raises:
+        CampaignError: If it holds a campaign of another suite or version.
+    """
+    path = folder / MANIFEST
+    wanted = {"version": __version__, "suite": suite.to_plain()}
+    if read_suite(folder) is None:
+        folder.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as file:
+            file.write(json.dumps(wanted, indent=2).encode() + b"\n")
+        return
+    present = _flat(json.loads(path.read_bytes()))
+    # Through JSON, which knows no tuples.
+    for name, value in _flat(json.loads(json.dumps(wanted))).items():
+        if present.get(name) != value:
+            raise CampaignError(
+                f"out {str(folder)!r} holds a campaign with {name} {present.get(name)!r} instead "
+                f"of {value!r}; valid: another folder, or the same options"
+            )
+
+
+def _flat(plain: dict[str, Any]) -> dict[str, Any]:
+    """Values by their names alone."""
+    found: dict[str, Any] = {}
+    for name, value in plain.items():
+        found |= _flat(value) if isinstance(value, dict) else {name: value}
+    return found

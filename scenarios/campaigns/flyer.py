@@ -1,0 +1,162 @@
+"""Flies trials one after another in one process, which stays warm between them.
+
+Scene, distance field, renderer, kernels and the planner's programs are kept, and no network link is
+opened. A trial is the same, bit for bit, in a warm process and in a fresh one.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections import OrderedDict
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+from aeroscene import __version__
+from flightsim.environment.traffic import TrafficError
+from flightsim.vehicles import airframe_by_name
+from flightsim.world import WorldError
+from scenarios.baselines.named import OURS, pilot_of
+from scenarios.mission.surroundings import MissionError
+from scenarios.run.hangar import Hangar
+from scenarios.run.sitl import INPUT_ERRORS, Sitl
+from scenarios.tasks.recipe import Recipe
+from scenarios.tasks.sampler import NoTaskError, Sampler
+from scenarios.tasks.task import Task, trial_id
+from scenarios.trials.verdict import Code
+
+_LOG = logging.getLogger(__name__)
+
+Row = dict[str, Any]
+"""A trial as a row of the results: its task, its verdict, its figures."""
+_KEPT_SAMPLERS = 2
+
+
+class Trial(NamedTuple):
+    """Name of a trial in its parts."""
+
+    scene: str
+    vehicle: str
+    number: int
+
+    @property
+    def id(self) -> str:
+        """The name in one word."""
+        return trial_id(*self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suite:
+    """What decides the outcome of a trial, besides its name and the code."""
+
+    recipe: Recipe = field(default_factory=Recipe)
+    """What its task is drawn from."""
+    pilot: str = OURS
+    """Who flies: demo, a baseline, or MODULE:CLASS."""
+
+    def to_plain(self) -> dict[str, Any]:
+        """The suite as plain data."""
+        return asdict(self)
+
+
+class Flyer:
+    """Flies trials of a suite by their names."""
+
+    def __init__(self, suite: Suite) -> None:
+        """Prepare to fly.
+
+        Raises:
+            PilotError: If the suite's pilot is not there.
+        """
+        self._suite = suite
+        self._make_pilot = pilot_of(suite.pilot)
+        self._hangar = Hangar()
+        self._samplers: OrderedDict[tuple[str, str], Sampler] = OrderedDict()
+
+    def task(self, trial: Trial) -> Task:
+        """Task of a trial.
+
+        Raises:
+            NoTaskError: If the scene has none for the vehicle.
+            SceneError: If there is no such scene.
+        """
+        key = (trial.scene, trial.vehicle)
+        sampler = self._samplers.pop(key, None)
+        if sampler is None:
+            scene, airframe = self._hangar.scene(trial.scene), airframe_by_name(trial.vehicle)
+            sampler = Sampler(trial.scene, scene, airframe, self._suite.recipe)
+        self._samplers[key] = sampler
+        if len(self._samplers) > _KEPT_SAMPLERS:
+            self._samplers.popitem(last=False)
+        return sampler.task(trial.number)
+
+    def fly(self, trial: Trial, record: Path | None = None) -> Row:
+        """Draw the task of a trial, fly it and judge it.
+
+        Args:
+            trial: The trial.
+            record: File for a recording with everything; None records nothing.
+
+        Returns:
+            The row of the trial, also where no flight came of it.
+
+        Raises:
+            INPUT_ERRORS: If the machine does not allow any flight.
+        """
+        began_s = time.process_time()
+        row = blank_row(trial)
+        try:
+            task = self.task(trial)
+            row |= task.to_plain()
+            row |= self._flown(task, record)
+        except (NoTaskError, WorldError, TrafficError) as error:
+            row |= {"code": Code.NO_TASK.value, "reason": _one_line(error)}
+        except INPUT_ERRORS as error:
+            if not isinstance(error.__cause__, MissionError):
+                raise
+            row |= failure(Code.NO_PLAN, _one_line(error))
+        except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
+            _LOG.info("trial %s", trial.id, exc_info=True)
+            row |= failure(Code.RAISED, f"{type(error).__name__}: {_one_line(error)}")
+        return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
+
+    def _flown(self, task: Task, record: Path | None) -> Row:
+        make = self._make_pilot
+        cfg = replace(task.cfg(), demo=make is None, record=record)
+        scene = task.place(self._hangar.scene(task.scene))
+        with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
+            result = sitl.run().to_plain()
+        # The task names the scene as it was opened.
+        return result | {"scene": task.scene}
+
+    def close(self) -> None:
+        """Close what is kept."""
+        self._hangar.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def blank_row(trial: Trial) -> Row:
+    """What is known of a trial before it is flown."""
+    return {
+        "trial_id": trial.id,
+        "scene": trial.scene,
+        "vehicle": trial.vehicle,
+        "trial": trial.number,
+        "success": None,
+        "version": __version__,
+    }
+
+
+def failure(code: Code, reason: str) -> Row:
+    """Part of a row of a trial that failed without a flight to judge."""
+    return {"success": False, "code": code.value, "reason": reason}
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,215 @@
+"""Results of a campaign in its folder: tables in Parquet, and a journal of the newest rows.
+
+A row is appended to the journal the moment its trial ends, so that a process that is killed loses
+no finished trial. From time to time the journal becomes a table, `trials/NNNNN.parquet`, whole or
+not at all. A row that is in a table as well as in the journal, because the process was killed
+between the two, counts once.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from aeroscene.files import replacing
+from scenarios.campaigns.flyer import Row
+
+_LOG = logging.getLogger(__name__)
+TABLES = "trials"
+JOURNAL = "trials.jsonl"
+ROWS_A_TABLE = 5000
+_TEXT, _WHOLE, _REAL, _FLAG = pa.string(), pa.int64(), pa.float64(), pa.bool_()
+SCHEMA = pa.schema(
+    [
+        *((name, _TEXT) for name in ("trial_id", "scene", "vehicle")),
+        ("trial", _WHOLE),
+        ("success", _FLAG),
+        ("code", _TEXT),
+        ("reason", _TEXT),
+        ("navigated", _FLAG),
+        ("seed", _WHOLE),
+        ("start", pa.list_(_REAL, 3)),
+        ("start_yaw_rad", _REAL),
+        ("area", _WHOLE),
+        ("landed_area", _WHOLE),
+        ("difficulty", _TEXT),
+        *((name, _REAL) for name in ("way_m", "corridor_m", "clutter")),
+        ("openings", _WHOLE),
+        *((name, _REAL) for name in ("time_limit_s", "wind_mps", "wind_from_deg", "gust_mps")),
+        *((name, _TEXT) for name in ("turbulence", "traffic", "gnss", "depth_camera", "map")),
+        *((name, _REAL) for name in ("sim_seconds", "wall_seconds", "cpu_seconds")),
+        *((name, _REAL) for name in ("trial_cpu_seconds", "real_time_factor")),
+        ("contacts_before_touchdown", _WHOLE),
+        *((name, _REAL) for name in ("touchdown_error_m", "touchdown_speed_mps", "slide_m")),
+        ("soles_inside", _FLAG),
+        *((name, _REAL) for name in ("tilt_at_rest_deg", "stopped_after_s")),
+        ("rotor_spin_ups", _WHOLE),
+        *((name, _REAL) for name in ("least_clearance_m", "nearest_mover_m")),
+        *((name, _REAL) for name in ("position_rmse_m", "attitude_rmse_deg")),
+        ("contacts", _TEXT),
+        *((name, _TEXT) for name in ("state_hash", "recording", "version")),
+    ]
+)
+"""Columns of a table; `contacts` is JSON."""
+
+
+class StoreError(ValueError):
+    """A folder holds no results, or damaged ones; one line says which file."""
+
+
+class Store:
+    """Results in a folder that one process at a time adds to.
+
+    Attributes:
+        done: Ids of the trials that are there.
+    """
+
+    def __init__(self, folder: Path, journal: BinaryIO) -> None:
+        """Read what is there; see `open_store`."""
+        self._folder = folder
+        self._journal = journal
+        in_tables = _ids_in_sound_tables(folder)
+        self._new = [row for row in _journalled(folder) if row["trial_id"] not in in_tables]
+        self.done: set[str] = in_tables | {row["trial_id"] for row in self._new}
+        self._rewrite_journal()
+
+    def add(self, row: Row) -> None:
+        """Keep a row from now on, also if this process is killed.
+
+        Raises:
+            OSError: If it cannot be written.
+        """
+        self._journal.write(json.dumps(row).encode() + b"\n")
+        self._journal.flush()
+        self._new.append(row)
+        self.done.add(row["trial_id"])
+        if len(self._new) >= ROWS_A_TABLE:
+            self.fold()
+
+    def fold(self) -> None:
+        """Make a table of the journal."""
+        if not self._new:
+            return
+        folder = self._folder / TABLES
+        number = max((int(path.stem) for path in _table_paths(self._folder)), default=-1) + 1
+        with replacing(folder / f"{number:05d}.parquet") as file:
+            pq.write_table(_table_of(self._new), file)
+        self._new.clear()
+        self._rewrite_journal()
+
+    def _rewrite_journal(self) -> None:
+        """Leave nothing in the journal but whole lines that are in no table."""
+        lines = b"".join(json.dumps(row).encode() + b"\n" for row in self._new)
+        self._journal.seek(0)
+        if self._journal.read() != lines:
+            self._journal.seek(0)
+            self._journal.truncate()
+            self._journal.write(lines)
+            self._journal.flush()
+
+
+@contextmanager
+def open_store(folder: Path) -> Iterator[Store]:
+    """Open the results in a folder to add to them; made where there are none.
+
+    Raises:
+        StoreError: If another process adds to them at present.
+        OSError: If the folder cannot be written to.
+    """
+    (folder / TABLES).mkdir(parents=True, exist_ok=True)
+    with (folder / JOURNAL).open("a+b") as journal:
+        try:
+            fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise StoreError(
+                f"out {str(folder)!r}: another campaign is running there, "
+                "valid: wait for its end, or another folder"
+            ) from None
+        for unfinished in (folder / TABLES).glob(".*.parquet.*"):
+            unfinished.unlink(missing_ok=True)
+        store = Store(folder, journal)
+        try:
+            yield store
+        finally:
+            store.fold()
+
+
+def read_results(folder: Path) -> pa.Table:
+    """All rows in a folder, also while a campaign adds to it.
+
+    Raises:
+        StoreError: If there are none, or a table is damaged.
+    """
+    if not (folder / JOURNAL).is_file():
+        raise StoreError(f"{str(folder)!r} holds no campaign; valid: a folder of one")
+    journalled = _journalled(folder)
+    table = _tables(folder)
+    in_tables = set(table["trial_id"].to_pylist())
+    new = [row for row in journalled if row["trial_id"] not in in_tables]
+    return pa.concat_tables([table, _table_of(new)])
+
+
+def _table_paths(folder: Path) -> list[Path]:
+    return sorted((folder / TABLES).glob("[0-9]*.parquet"))
+
+
+def _tables(folder: Path) -> pa.Table:
+    """Rows of all tables."""
+    return pa.concat_tables([SCHEMA.empty_table(), *map(_read_table, _table_paths(folder))])
+
+
+def _read_table(path: Path) -> pa.Table:
+    """A table with the present columns.
+
+    Raises:
+        StoreError: If it is damaged.
+    """
+    try:
+        table = pq.read_table(path)
+        columns = [
+            table[each.name].cast(each.type)
+            if each.name in table.column_names
+            else pa.nulls(len(table), each.type)
+            for each in SCHEMA
+        ]
+        return pa.table(columns, schema=SCHEMA)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        reason = str(error).split("\n", 1)[0]
+        raise StoreError(f"table {str(path)!r} is damaged: {reason}; valid: remove it") from None
+
+
+def _ids_in_sound_tables(folder: Path) -> set[str]:
+    """Ids of the trials in all tables; those that cannot be read are renamed, and told of."""
+    ids: set[str] = set()
+    for path in _table_paths(folder):
+        try:
+            ids.update(_read_table(path)["trial_id"].to_pylist())
+        except StoreError:
+            path.rename(path.with_suffix(".damaged"))
+            _LOG.warning("%s is damaged and set aside: its trials are flown again", path)
+    return ids
+
+
+def _journalled(folder: Path) -> list[Row]:
+    """Whole rows of the journal: the last one of a process that was killed may be cut short."""
+    rows: dict[str, Row] = {}
+    for line in (folder / JOURNAL).read_bytes().split(b"\n"):
+        try:
+            row = json.loads(line)
+            rows.setdefault(row["trial_id"], row)
+        except (ValueError, KeyError, TypeError):
+            continue
+    return list(rows.values())
+
+
+def _table_of(rows: list[Row]) -> pa.Table:
+    flat = [row | {"contacts": json.dumps(row.get("contacts", []))} for row in rows]
+    return pa.Table.from_pylist(flat, schema=SCHEMA)

@@ -1,0 +1,118 @@
+"""`aeroscene fly`: one trial of a campaign, with a recording of everything."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+from rich.console import Console
+
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_NEGATIVE,
+    default_hint,
+    fail,
+    fail_on_file,
+    print_json,
+)
+
+if TYPE_CHECKING:
+    from scenarios.campaigns.flyer import Row, Suite
+
+_PROG = "aeroscene fly"
+_OUTCOME = ("success", "code", "state_hash")
+"""Columns by which two flights of a trial are compared."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlyCfg:
+    """Fly one trial and record it: the same flight as in the campaign, bit for bit.
+
+    The recording is OUT/recordings/SCENE-VEHICLE-TRIAL.rrd; exit status 1 if the trial failed.
+    """
+
+    out: Path
+    """Folder of a campaign, whose recipe and pilot are taken; or any other one."""
+    trial: int
+    """Number of the trial among those of the scene and the vehicle."""
+    scene: str = "42"
+    """Scene as the campaign names it: by its number."""
+    vehicle: str = "iris"
+    """Airframe by its name."""
+    pilot: Annotated[str | None, default_hint("the campaign's, else demo")] = None
+    """Who flies, see `aeroscene campaign`."""
+    recipe: Annotated[Path | None, default_hint("the campaign's")] = None
+    """TOML file that says what the task is drawn from."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: the row of the trial, and same_as_campaign, null where the campaign
+    has not flown it."""
+
+
+def run(cfg: FlyCfg) -> int:
+    """Fly the trial; exit status 2 with one line where there is none."""
+    # Imported here because it is the whole simulator, which `--help` does not need.
+    from flightsim.vehicles import airframe_by_name  # noqa: PLC0415
+    from scenarios.baselines.named import PilotError  # noqa: PLC0415
+    from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
+    from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
+    from scenarios.campaigns.store import StoreError  # noqa: PLC0415
+
+    if cfg.trial < 0:
+        fail(_PROG, f"trial {cfg.trial} is negative; valid: 0 or more")
+    airframe_by_name(cfg.vehicle)
+    trial = Trial(cfg.scene, cfg.vehicle, cfg.trial)
+    # What a pilot raised is one line in a campaign; here it has its traceback.
+    logging.getLogger("scenarios.campaigns").setLevel(logging.INFO)
+    try:
+        suite, is_campaigns = _suite(cfg)
+        before = row_of(cfg.out, trial) if is_campaigns else None
+        recording = cfg.out / "recordings" / f"{trial.id.replace('/', '-')}.rrd"
+        recording.parent.mkdir(parents=True, exist_ok=True)
+        with Flyer(suite) as flyer:
+            row = flyer.fly(trial, recording)
+    except (CampaignError, StoreError, PilotError) as error:
+        fail(_PROG, str(error))
+    except OSError as error:
+        fail_on_file(_PROG, error)
+    is_same = None if before is None else all(before[name] == row.get(name) for name in _OUTCOME)
+    if cfg.json:
+        print_json({**row, "same_as_campaign": is_same})
+    else:
+        _print_row(row, is_same)
+    return EXIT_NEGATIVE if row["success"] is False else EXIT_DONE
+
+
+def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
+    """What decides the trial, and whether it is what decides the campaign in the folder."""
+    from scenarios.campaigns.campaign import read_suite  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.flyer import Suite  # noqa: PLC0415
+    from scenarios.tasks.recipe import read_recipe  # noqa: PLC0415
+
+    campaigns = read_suite(cfg.out)
+    suite = campaigns or Suite()
+    if cfg.recipe is not None:
+        suite = replace(suite, recipe=read_recipe(cfg.recipe))
+    if cfg.pilot is not None:
+        suite = replace(suite, pilot=cfg.pilot)
+    return suite, suite == campaigns
+
+
+def _print_row(row: Row, is_same: bool | None) -> None:
+    """Print the verdict, the task and where the recording is."""
+    success = row["success"]
+    word = "No task" if success is None else "Done" if success else f"Failed, {row['code']}"
+    console = Console()
+    console.print(f"[bold]{row['trial_id']}[/] {word}: {row['reason']}", soft_wrap=True)
+    if "way_m" in row:
+        console.print(
+            f"  from {row['start']} to area {row['area']}: {row['way_m']:.0f} m, "
+            f"{row['difficulty']}, wind {row['wind_mps']:.1f} m/s",
+            soft_wrap=True,
+        )
+    if is_same is not None:
+        console.print(f"  {'the same' if is_same else 'ANOTHER'} flight as in the campaign")
+    if row.get("recording"):
+        console.print(f"Replay it with: aeroscene replay {row['recording']}", soft_wrap=True)

@@ -1,0 +1,80 @@
+"""`aeroscene report`: what a campaign has found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+
+_PROG = "aeroscene report"
+_MOST_SCENES = 12
+"""Scenes that a table names one by one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportCfg:
+    """Print what a campaign has found so far: success by groups and phases, and why others failed.
+
+    Each rate has its interval that covers the true one with 95% (Wilson).
+    """
+
+    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    """Folder of a campaign, also of one that is being flown."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object instead: trials, success_rate, interval_95, without_task, phases,
+    groups, codes, cpu_seconds_per_trial."""
+
+
+def run(cfg: ReportCfg) -> int:
+    """Print the report; exit status 2 with one line where the folder has none."""
+    # pyarrow and the simulator: half a second that `--help` does not need.
+    from scenarios.campaigns.store import StoreError, read_results  # noqa: PLC0415
+    from scenarios.campaigns.summary import summarise_trials  # noqa: PLC0415
+
+    try:
+        summary = summarise_trials(read_results(cfg.folder))
+    except StoreError as error:
+        fail(_PROG, str(error))
+    if cfg.json:
+        print_json({"folder": str(cfg.folder), **summary})
+    else:
+        print_summary(Console(), summary)
+    return EXIT_DONE
+
+
+def print_summary(console: Console, summary: Mapping[str, Any]) -> None:
+    """Print the summary of a campaign as tables."""
+    rates = Table("", "trials", "success", "95% interval", title_justify="left")
+    _add_rate(rates, "all", summary)
+    for phase, rate in summary["phases"].items():
+        _add_rate(rates, phase, rate)
+    for name, members in summary["groups"].items():
+        if len(members) < 2 or (name == "scene" and len(members) > _MOST_SCENES):
+            continue
+        rates.add_section()
+        for value, rate in members.items():
+            _add_rate(rates, f"{name} {value}", rate)
+    console.print(rates)
+    codes = Table("code", "trials")
+    for code, count in summary["codes"].items():
+        codes.add_row(code, str(count))
+    console.print(codes)
+    if summary["without_task"]:
+        console.print(f"{summary['without_task']} trials had no task and count nowhere.")
+
+
+def _add_rate(table: Table, name: str, rate: Mapping[str, Any]) -> None:
+    if not rate["trials"]:
+        table.add_row(name, "0", "", "")
+        return
+    low, high = rate["interval_95"]
+    table.add_row(
+        name, str(rate["trials"]), f"{rate['success_rate']:.1%}", f"{low:.1%} to {high:.1%}"
+    )

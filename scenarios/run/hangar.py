@@ -1,0 +1,86 @@
+"""What one process keeps between flights: opened scenes and renderers.
+
+Everything else that takes long is kept where it is made: distance fields, parts of objects, solved
+winds, compiled kernels and the planner's programs. A world is built anew for each flight, since it
+holds the start; that takes 15 ms.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import replace
+from typing import Self
+
+from aeroscene.scene import Scene
+from aeroscene.sources import open_scene
+from flightsim.sensors.cameras import (
+    HEIGHT_PX,
+    WIDTH_PX,
+    CameraRenderer,
+    Cameras,
+    depth_noise,
+    open_camera_renderer,
+)
+from flightsim.testbench import Testbench
+from flightsim.vehicles import Airframe
+from flightsim.world import World
+
+_KEPT = 2
+"""Scenes, and renderers, that are kept: whoever flies a campaign goes from scene to scene."""
+
+
+class Hangar:
+    """Keeps what flights in the same scene share.
+
+    A flight is the same, bit for bit, from a hangar that has served others and from an empty one.
+    """
+
+    def __init__(self) -> None:
+        self._scenes: OrderedDict[str, Scene] = OrderedDict()
+        self._renderers: OrderedDict[tuple[Scene, Airframe], CameraRenderer] = OrderedDict()
+
+    def scene(self, name: str) -> Scene:
+        """Scene of a name, see `open_scene`; a file is not read again.
+
+        Raises:
+            SceneError: If there is no such scene.
+        """
+        scene = self._scenes.pop(name, None) or open_scene(name)
+        self._scenes[name] = scene
+        if len(self._scenes) > _KEPT:
+            self._scenes.popitem(last=False)
+        return scene
+
+    def cameras(self, bench: Testbench) -> Cameras:
+        """Cameras of the vehicle in a testbench.
+
+        Worlds that differ only by the start have one renderer, which stays open, and the hangar's.
+        Where something moves, the cameras have a renderer of their own.
+        """
+        plant, cfg = bench.plant, bench.cfg
+        noise = depth_noise(cfg.depth_camera, cfg.seed, bench.scene.scene_id)
+        renderer = None if plant.world.obstacles else self._renderer(plant.world)
+        return Cameras(plant, depth_noise=noise, renderer=renderer)
+
+    def _renderer(self, world: World) -> CameraRenderer:
+        scene = world.scene
+        corner = replace(scene, start_position_enu_m=scene.extent_min_enu_m, start_yaw_rad=0.0)
+        key = (corner, world.airframe)
+        renderer = self._renderers.pop(key, None)
+        if renderer is None:
+            renderer = open_camera_renderer(world, WIDTH_PX, HEIGHT_PX)
+        self._renderers[key] = renderer
+        if len(self._renderers) > _KEPT:
+            self._renderers.popitem(last=False)[1].close()
+        return renderer
+
+    def close(self) -> None:
+        """Close every renderer."""
+        while self._renderers:
+            self._renderers.popitem()[1].close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

@@ -1,0 +1,135 @@
+"""Recipe by which tasks are drawn: a dataclass, and the TOML file that a user writes."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+
+from flightsim.environment.traffic import TrafficError
+from flightsim.environment.wind import WindError
+from flightsim.testbench import TestbenchCfg, TestbenchError
+from scenarios.mission.goals import Target
+from scenarios.mission.surroundings import MapSource
+from scenarios.tasks.way import GRADES, Grade
+from scenarios.trials.limits import LIMITS
+
+Range = tuple[float, float]
+"""Bounds between which a number is drawn, every one with equal chance."""
+
+
+class RecipeError(TestbenchError):
+    """A recipe from which no task can be drawn; one line says why, and what would be valid."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """What the tasks of a campaign are drawn from.
+
+    Where several words are allowed, each trial draws one of them with equal chance; a word that is
+    named twice is drawn twice as often.
+    """
+
+    seed: int = 0
+    """Seed of all draws; another one gives other tasks."""
+    start: tuple[Literal["own", "area"], ...] = ("own", "area")
+    """Where a flight begins: at the scene's own start, or on one of its areas."""
+    target: Target = "landing"
+    """What it is to land on."""
+    difficulty: tuple[Grade, ...] = GRADES
+    """Grades of the ways, which the trials take in turn as far as the scene has them."""
+    draws: int = 6
+    """Ways that are measured at most until one is of the grade whose turn it is."""
+    time_limit_s: float = LIMITS.trial_s
+    """Simulated time of a trial, up to that of every verdict."""
+    wind_mps: Range = (0.0, 5.0)
+    """Speed of the steady wind; its direction is any."""
+    turbulence: tuple[str, ...] = ("natural",)
+    """Dryden turbulence, as `aeroscene-sitl --turbulence` has it."""
+    gust_mps: Range = (0.0, 0.0)
+    """Peak speed of gusts."""
+    traffic: tuple[str, ...] = ("none",)
+    """Movers, as `aeroscene-sitl --traffic` has them."""
+    gnss: tuple[Literal["rtk", "standard"], ...] = ("rtk",)
+    depth_camera: tuple[Literal["exact", "d435", "d455"], ...] = ("exact",)
+    map: tuple[MapSource, ...] = ("truth",)
+
+    def __post_init__(self) -> None:
+        """Refuse values from which nothing can be drawn.
+
+        Raises:
+            RecipeError: Naming the first field that is wrong.
+        """
+        for each in fields(self):
+            if getattr(self, each.name) == ():
+                raise RecipeError(f"recipe: {each.name} is empty; valid: one value or several")
+        for name in ("wind_mps", "gust_mps"):
+            low, high = getattr(self, name)
+            if not 0.0 <= low <= high < float("inf"):
+                raise RecipeError(
+                    f"recipe: {name} {[low, high]} is no range; valid: [LOW, HIGH] from 0 m/s"
+                )
+        if self.seed < 0:
+            raise RecipeError(f"recipe: seed {self.seed} is negative; valid: 0 or more")
+        if self.draws < 1:
+            raise RecipeError(f"recipe: draws {self.draws} is too few; valid: 1 or more")
+        if not 0.0 < self.time_limit_s <= LIMITS.trial_s:
+            raise RecipeError(
+                f"recipe: time_limit_s {self.time_limit_s} is out of range; "
+                f"valid: above 0, at most {LIMITS.trial_s:g}"
+            )
+        self._try_words()
+
+    def _try_words(self) -> None:
+        """Refuse what the testbench would refuse."""
+        words: list[dict[str, Any]] = [{"turbulence": word} for word in self.turbulence]
+        words += [{"traffic": word} for word in self.traffic]
+        words.append({"wind": self.wind_mps[1], "gust": self.gust_mps[1]})
+        for word in words:
+            try:
+                TestbenchCfg(**word)
+            except (TestbenchError, TrafficError, WindError) as error:
+                raise RecipeError(f"recipe: {error}") from None
+
+    def to_plain(self) -> dict[str, Any]:
+        """The recipe as plain data."""
+        return asdict(self)
+
+
+def read_recipe(path: Path) -> Recipe:
+    """Read the recipe in a TOML file; what it does not name keeps its default.
+
+    Raises:
+        RecipeError: If it cannot be read, or is none.
+    """
+    try:
+        plain = tomllib.loads(path.read_text())
+    except OSError as error:
+        raise RecipeError(f"recipe {str(path)!r}: {error.strerror or error}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RecipeError(f"recipe {str(path)!r} is no TOML: {error}") from None
+    return recipe_from(plain)
+
+
+def recipe_from(plain: dict[str, Any]) -> Recipe:
+    """Recipe of plain data, as `Recipe.to_plain` writes it.
+
+    Raises:
+        RecipeError: If a name is unknown, or a value is of the wrong kind.
+    """
+    names = [each.name for each in fields(Recipe)]
+    if unknown := sorted(set(plain) - set(names)):
+        raise RecipeError(f"recipe: {unknown[0]!r} is unknown; valid: {', '.join(names)}")
+    try:
+        return msgspec.convert(plain, Recipe)
+    except msgspec.ValidationError as error:
+        if isinstance(error.__cause__, RecipeError):
+            raise error.__cause__ from None
+        what, _, where = str(error).partition(" - at ")
+        field = where.strip("`").removeprefix("$.").partition("[")[0]
+        raise RecipeError(
+            f"recipe: {field} is {plain.get(field)!r}: {what[:1].lower()}{what[1:]}"
+        ) from None

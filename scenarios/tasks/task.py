@@ -1,0 +1,89 @@
+"""Task of one trial: everything that its flight follows from, besides the pilot and the code."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+from aeroscene.scene import Scene
+from autonomy.types import Vector3
+from flightsim.testbench import TestbenchCfg
+from scenarios.mission.surroundings import MapSource
+from scenarios.run.cfg import SitlCfg
+from scenarios.tasks.way import WayFigures
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Task:
+    """A flight from a start to an area, and the conditions under which it is flown."""
+
+    scene: str
+    """Name of the scene, as `open_scene` takes it."""
+    vehicle: str
+    trial: int
+    """Number of the trial among those of this scene and vehicle."""
+    seed: int
+    """Seed of the flight: noise, turbulence, traffic."""
+    start: Vector3
+    """Point to stand on at first, ENU, m."""
+    start_yaw_rad: float
+    area: int
+    """Area to land on."""
+    time_limit_s: float
+    """Simulated time in which it must have landed."""
+    wind_mps: float
+    wind_from_deg: float
+    turbulence: str
+    gust_mps: float
+    traffic: str
+    gnss: Literal["rtk", "standard"]
+    depth_camera: Literal["exact", "d435", "d455"]
+    map: MapSource
+    """Whether the pilot is given the map, or has to make it."""
+    way: WayFigures
+    """Figures of the shortest way, and the grade that follows from them."""
+
+    @property
+    def trial_id(self) -> str:
+        """Name of the trial, one of a kind within a campaign: scene/vehicle/number."""
+        return trial_id(self.scene, self.vehicle, self.trial)
+
+    def cfg(self) -> SitlCfg:
+        """Configuration of the run that flies the task."""
+        return SitlCfg(
+            scene=self.scene,
+            area=self.area,
+            map=self.map,
+            headless_seconds=self.time_limit_s,
+            bench=TestbenchCfg(
+                vehicle=self.vehicle,
+                seed=self.seed,
+                gnss=self.gnss,
+                wind=self.wind_mps,
+                wind_from=self.wind_from_deg,
+                turbulence=self.turbulence,
+                gust=self.gust_mps,
+                traffic=self.traffic,
+                depth_camera=self.depth_camera,
+                speed="max",
+            ),
+        )
+
+    def place(self, scene: Scene) -> Scene:
+        """The scene with the start of the task.
+
+        Args:
+            scene: The scene that the task names.
+        """
+        return replace(scene, start_position_enu_m=self.start, start_yaw_rad=self.start_yaw_rad)
+
+    def to_plain(self) -> dict[str, Any]:
+        """The task as plain data, flat: the figures of the way stand beside the rest."""
+        plain = asdict(self)
+        way = plain.pop("way")
+        return {"trial_id": self.trial_id, **plain, **way, "difficulty": self.way.grade}
+
+
+def trial_id(scene: str, vehicle: str, trial: int) -> str:
+    """Name of a trial."""
+    return f"{scene}/{vehicle}/{trial}"

@@ -1,0 +1,151 @@
+"""How difficult the way of a task is, measured before anybody flies it.
+
+The way is the planner's shortest one through the cells of free space, straightened, but neither
+smoothed nor timed: 60 ms instead of 250, and the same for every pilot. Each of four figures earns
+points: none in the easiest third of ways between drawn starts and areas of the shipped scenes, one
+in the middle third, two in the hardest. The sum decides between easy, medium and hard.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.planning import DistanceField
+from autonomy.planning.corridor import straighten
+from autonomy.planning.openings import MAX_WIDTH_M, Opening
+from autonomy.planning.search import shortest_path
+from autonomy.types import Vector3
+from scenarios.mission.surroundings import Surroundings
+
+Grade = Literal["easy", "medium", "hard"]
+GRADES: tuple[Grade, ...] = ("easy", "medium", "hard")
+
+_STEP_M = 0.25
+_NEAR_M, _ABOUT_M = 1.5, 5.0
+"""Distance within which something is near, and width of the space about a way that counts."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class WayFigures:
+    """Figures of the shortest way from above the start to above the area."""
+
+    way_m: float
+    """Length."""
+    corridor_m: float
+    """Least width of free space about it, twice the least distance to what stands."""
+    clutter: float
+    """Share of the space about it that is within 1.5 m of something, 5 m and less to the side."""
+    openings: int
+    """Doors, windows and other openings that it passes."""
+
+    @property
+    def points(self) -> int:
+        """Sum of the points of the four figures, 0 to 8."""
+        return sum(_points(getattr(self, name), *bounds) for name, bounds in THIRDS.items())
+
+    @property
+    def grade(self) -> Grade:
+        """Class of the way."""
+        return next(grade for grade in GRADES if self.points <= MOST_POINTS[grade])
+
+
+# An Iris in 16 scenes spread over the shipped ones, 6 draws in each.
+THIRDS: Mapping[str, tuple[float, float]] = {
+    "way_m": (20.0, 42.0),
+    "corridor_m": (4.0, 2.0),
+    "clutter": (0.27, 0.43),
+    "openings": (0.0, 1.0),
+}
+"""Where the middle third begins and ends, from easy to hard."""
+MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 4, "hard": 8}
+"""Most points of a class; of the same ways 42, 29 and 29% are easy, medium and hard."""
+
+
+def _points(value: float, easy: float, hard: float) -> int:
+    """Points of a figure that is harder towards `hard`."""
+    sign = 1.0 if hard > easy else -1.0
+    return (sign * value > sign * easy) + (sign * value > sign * hard)
+
+
+def measure_way(
+    world: Surroundings,
+    takeoff_enu_m: Vector3,
+    hover_enu_m: Vector3,
+    find_openings: Callable[[], Sequence[Opening]],
+) -> WayFigures:
+    """Measure the shortest way between two points of free space.
+
+    Args:
+        world: Surroundings of the vehicle, with a given map.
+        takeoff_enu_m: Where the way begins.
+        hover_enu_m: Where it ends.
+        find_openings: Returns the openings of the scene; called only where the way is narrow.
+
+    Raises:
+        PlanningError: If free space does not join them.
+    """
+    points = _along(_shortest(world, takeoff_enu_m, hover_enu_m))
+    room_m = world.obstacles.signed_distance(points)[0]
+    corridor_m = 2.0 * float(room_m.min())
+    # Finding the openings takes seconds; a way with room to both sides passes none.
+    openings = find_openings() if corridor_m < MAX_WIDTH_M else ()
+    return WayFigures(
+        way_m=round(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()), 2),
+        corridor_m=round(corridor_m, 2),
+        clutter=round(_clutter(points, world.field), 3),
+        openings=_passed(points, openings),
+    )
+
+
+def _shortest(
+    world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3
+) -> Float[np.ndarray, "n 3"]:
+    """Corners of the way, with the least of the planner's margins."""
+    field, cfg = world.field, world.planner
+    ends = np.array([takeoff_enu_m, hover_enu_m])
+    start_cell, goal_cell = field.cells(ends)
+    needed_m = cfg.vehicle_radius_m + cfg.margins_m[-1]
+    at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
+    cells = shortest_path(
+        field,
+        start_cell,
+        goal_cell,
+        required_m=min(needed_m, max(at_ends_m, field.resolution_m / 4)),
+        comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
+    )
+    points = np.concatenate([ends[:1], field.centres(cells)[1:-1], ends[1:]])
+    return straighten(points, world.obstacles, enough_m=needed_m + cfg.comfortable_m)
+
+
+def _along(corners: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3"]:
+    """Points on a polyline, close to each other."""
+    parts = [corners[:1]]
+    for a, b in itertools.pairwise(corners):
+        n_steps = max(1, math.ceil(float(np.linalg.norm(b - a)) / _STEP_M))
+        parts.append(a + np.arange(1, n_steps + 1)[:, None] / n_steps * (b - a))
+    return np.concatenate(parts)
+
+
+def _clutter(points: Float[np.ndarray, "n 3"], field: DistanceField) -> float:
+    """Share of the cells about a way, in the box that holds it, that are near something."""
+    about = np.array([_ABOUT_M, _ABOUT_M, 0.0])
+    low, high = field.cells(np.array([points.min(axis=0) - about, points.max(axis=0) + about]))
+    (i, j, k), (u, v, w) = np.maximum(low, 0).tolist(), (high + 1).tolist()
+    return float(np.mean(field.distance_m[i:u, j:v, k:w] < _NEAR_M))
+
+
+def _passed(points: Float[np.ndarray, "n 3"], openings: Sequence[Opening]) -> int:
+    """Number of openings that a way leads through."""
+    if not openings:
+        return 0
+    centres = np.array([opening.center_enu_m for opening in openings])
+    reach_m = np.array([max(opening.width_m, opening.height_m) / 2 for opening in openings])
+    away_m = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=0)
+    return int(np.count_nonzero(away_m <= reach_m))

@@ -1,0 +1,130 @@
+"""`aeroscene campaign`, `fly` and `report` as a user runs them, killed in between."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from scenarios.campaigns.store import JOURNAL, TABLES, read_results
+from tests.scenarios.in_process import in_process
+
+STUBS = "tests.scenarios.campaigns.stub_pilots"
+TIMES = ("wall_seconds", "cpu_seconds", "trial_cpu_seconds", "real_time_factor")
+
+
+def command(folder, *args):
+    return [
+        *(sys.executable, "-m", "aeroscene", "campaign", "--out", str(folder)),
+        *("--scenes", "7", "--pilot", f"{STUBS}:Slow", "--workers", "2", *args),
+    ]
+
+
+def results(folder):
+    rows = read_results(folder).drop_columns(list(TIMES)).to_pylist()
+    assert len({row["trial_id"] for row in rows}) == len(rows)
+    return sorted(rows, key=lambda row: row["trial_id"])
+
+
+@pytest.mark.timeout(600)
+def test_a_campaign_that_is_killed_goes_on_as_if_nothing_had_been(tmp_path):
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    done = subprocess.run(
+        command(whole, "--trials", "5", "--json"), capture_output=True, text=True, check=True
+    )
+    summary = json.loads(done.stdout)
+    assert summary["trials"] == 10
+    assert summary["codes"] == {"never_flew": 10}
+    assert json.loads((whole / "summary.json").read_text())["codes"] == summary["codes"]
+    campaign = subprocess.Popen(command(killed, "--trials", "3"), stderr=subprocess.DEVNULL)
+    deadline_s = time.monotonic() + 300.0
+    journal = killed / JOURNAL
+    while not (journal.exists() and journal.read_bytes().count(b"\n") >= 2):
+        assert time.monotonic() < deadline_s
+        time.sleep(0.02)
+    os.kill(campaign.pid, signal.SIGKILL)
+    campaign.wait()
+    n_before = len(results(killed))
+    assert n_before >= 2
+    again = subprocess.run(
+        command(killed, "--trials", "5"), capture_output=True, text=True, check=True
+    )
+    assert f"{10 - n_before} of 10 trials to fly" in again.stderr
+    assert results(killed) == results(whole)
+    assert not journal.read_bytes()
+    assert all(path.suffix == ".parquet" for path in (killed / TABLES).iterdir())
+
+
+@pytest.fixture
+def campaign(tmp_path, capsys):
+    """Folder of a campaign of a pilot that flies."""
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text('start = ["own"]\nwind_mps = [0, 1]\n')
+    folder = tmp_path / "out"
+    options = ("--scenes", "7", "--trials", "1", "--vehicles", "iris", "--pilot", "straight")
+    status, _, err = in_process(
+        capsys, "campaign", "--out", folder, *options, "--recipe", recipe, "--workers", "1"
+    )
+    assert status == 0, err
+    return folder
+
+
+def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, capsys):
+    status, out, err = in_process(
+        capsys, "fly", "--out", campaign, "--scene", "7", "--trial", "0", "--json"
+    )
+    row = json.loads(out)
+    assert row["same_as_campaign"] is True, err
+    assert status == (0 if row["success"] else 1)
+    recording = campaign / "recordings" / "7-iris-0.rrd"
+    assert row["recording"] == str(recording)
+    assert (
+        json.loads(recording.with_suffix(".json").read_text())["result"]["state_hash"]
+        == (row["state_hash"])
+    )
+    status, out, _ = in_process(capsys, "report", campaign, "--json")
+    assert (status, json.loads(out)["trials"]) == (0, 1)
+    status, out, _ = in_process(capsys, "report", campaign)
+    assert status == 0
+    assert "95% interval" in out
+    status, _, err = in_process(
+        capsys, "campaign", "--out", campaign, "--scenes", "7", "--trials", "1"
+    )
+    assert status == 2
+    assert "holds a campaign with start ['own'] instead of ['own', 'area']; valid: another" in err
+
+
+@pytest.mark.parametrize(
+    ("args", "says"),
+    [
+        (("--trials", "0"), "trials 0 is out of range; valid: 1 to 1000000"),
+        (("--workers", "0"), "workers 0 is too few; valid: 1 or more"),
+        (("--patience", "0"), "patience 0.0 is not valid; valid: seconds above 0"),
+        (("--scenes", "5:5"), "scenes '5:5' is no range of scenes"),
+        (("--scenes", "2000"), "scenes '2000' has no scene 2000; valid: 0:1016"),
+        (("--vehicles", "iris,boat"), "'boat'"),
+        (("--pilot", "nobody"), "pilot is 'nobody', valid: demo, straight, or MODULE:CLASS"),
+        (("--recipe", "none.toml"), "recipe 'none.toml': No such file"),
+        (("--out", "/proc/none"), "file '/proc/none': no such file or directory"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(tmp_path, capsys, args, says):
+    status, out, err = in_process(capsys, "campaign", "--out", tmp_path / "out", *args)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert err.startswith("aeroscene campaign: error: ")
+    assert says in err
+
+
+def test_fly_and_report_refuse_what_is_not_there(tmp_path, capsys):
+    for args, says in (
+        (("report", tmp_path), "holds no campaign; valid: a folder of one"),
+        (("fly", "--out", tmp_path, "--trial", "-1"), "trial -1 is negative; valid: 0 or more"),
+        (("fly", "--out", tmp_path, "--trial", "0", "--scene", "x"), "scene 'x' is unknown"),
+    ):
+        status, out, err = in_process(capsys, *args)
+        assert (status, out, err.count("\n")) == (2, "", 1)
+        assert says in err

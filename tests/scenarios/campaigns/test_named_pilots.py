@@ -1,0 +1,30 @@
+"""Pilots by name: ours, those that ship, and a class in a module of one's own."""
+
+import pytest
+
+from scenarios.baselines.named import PilotError, pilot_of
+
+PILOT = """
+class Stay:
+    pass
+
+
+number = 3
+"""
+
+
+def test_pilots_are_named_by_module_and_class(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "stay_pilot_of_test.py").write_text(PILOT)
+    assert pilot_of("demo") is None
+    assert pilot_of("stay_pilot_of_test:Stay").__name__ == "Stay"
+    for text, reason in (
+        ("stay_pilot_of_test", "'stay_pilot_of_test', valid: demo, straight, or MODULE:CLASS"),
+        ("stay_pilot_of_test:Go", "has no attribute 'Go'; valid: demo"),
+        ("stay_pilot_of_test:number", "is no class"),
+        ("no_such_module:Pilot", "No module named 'no_such_module'; valid: demo"),
+    ):
+        with pytest.raises(PilotError, match=reason) as caught:
+            pilot_of(text)
+        assert "\n" not in str(caught.value)

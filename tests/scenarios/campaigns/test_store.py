@@ -1,0 +1,88 @@
+"""Results on disk: nothing lost, nothing twice, whatever ends the process."""
+
+import pytest
+
+from scenarios.campaigns import store
+from scenarios.campaigns.store import JOURNAL, TABLES, StoreError, open_store, read_results
+
+
+def row(number, **more):
+    return {
+        "trial_id": f"7/iris/{number}",
+        "scene": "7",
+        "vehicle": "iris",
+        "trial": number,
+        "success": number % 2 == 0,
+        "contacts": [{"what": "the ground", "time_s": 1.5}],
+        "start": (1.0, 2.0, 0.5),
+        **more,
+    }
+
+
+def ids(folder):
+    return read_results(folder)["trial_id"].to_pylist()
+
+
+def test_rows_are_there_at_once_and_become_tables(tmp_path, monkeypatch):
+    monkeypatch.setattr(store, "ROWS_A_TABLE", 3)
+    with open_store(tmp_path) as results:
+        for number in range(7):
+            results.add(row(number))
+            assert ids(tmp_path) == [f"7/iris/{n}" for n in range(number + 1)]
+        assert len(list((tmp_path / TABLES).iterdir())) == 2
+    assert len(list((tmp_path / TABLES).iterdir())) == 3
+    assert (tmp_path / JOURNAL).read_bytes() == b""
+    table = read_results(tmp_path)
+    assert table["start"].to_pylist()[0] == [1.0, 2.0, 0.5]
+    assert table["contacts"].to_pylist()[0] == '[{"what": "the ground", "time_s": 1.5}]'
+    assert table["success"].to_pylist()[:2] == [True, False]
+
+
+def test_a_journal_that_was_cut_short_loses_its_last_line_alone(tmp_path):
+    with open_store(tmp_path) as results:
+        pass
+    whole = b"".join(
+        line + b"\n" for line in (b'{"trial_id": "a"}', b'{"trial_id": "b"}', b'{"trial_id": "a"}')
+    )
+    (tmp_path / JOURNAL).write_bytes(whole + b'{"trial_id": "c')
+    assert ids(tmp_path) == ["a", "b"]
+    with open_store(tmp_path) as results:
+        assert results.done == {"a", "b"}
+        results.add(row(1))
+    assert ids(tmp_path) == ["a", "b", "7/iris/1"]
+
+
+def test_a_row_in_table_and_journal_counts_once(tmp_path):
+    """As where the process was killed after the table and before the journal."""
+    with open_store(tmp_path) as results:
+        results.add(row(1))
+        journal = (tmp_path / JOURNAL).read_bytes()
+    (tmp_path / JOURNAL).write_bytes(journal)
+    assert ids(tmp_path) == ["7/iris/1"]
+    with open_store(tmp_path) as results:
+        assert results.done == {"7/iris/1"}
+    assert ids(tmp_path) == ["7/iris/1"]
+
+
+def test_a_damaged_table_is_named_and_its_trials_are_to_fly_again(tmp_path, caplog):
+    for number in range(2):
+        with open_store(tmp_path) as results:
+            results.add(row(number))
+    path = tmp_path / TABLES / "00000.parquet"
+    path.write_bytes(path.read_bytes()[:-40])
+    with pytest.raises(StoreError, match=r"00000.parquet' is damaged: .*; valid: remove it"):
+        read_results(tmp_path)
+    with open_store(tmp_path) as results:
+        assert results.done == {"7/iris/1"}
+    assert "00000.parquet is damaged and set aside" in caplog.text
+    assert ids(tmp_path) == ["7/iris/1"]
+
+
+def test_only_one_process_at_a_time_adds_rows(tmp_path):
+    with open_store(tmp_path), pytest.raises(StoreError, match="another campaign is running"):
+        open_store(tmp_path).__enter__()
+
+
+def test_a_folder_without_a_campaign_is_named(tmp_path):
+    with pytest.raises(StoreError, match="holds no campaign; valid: a folder of one"):
+        read_results(tmp_path)

@@ -1,0 +1,63 @@
+"""Processes that fly: none of what a pilot does to one stops the campaign."""
+
+import multiprocessing
+
+import pytest
+
+from scenarios.campaigns.flyer import Suite, Trial
+from scenarios.campaigns.workers import WorkerError, Workers, in_blocks
+
+pytestmark = pytest.mark.timeout(600)
+STUBS = "tests.scenarios.campaigns.stub_pilots"
+TWO = [Trial("field", "iris", 0), Trial("field", "hummingbird", 0)]
+
+
+def rows_of(pilot, trials=TWO, n_workers=1, patience_s=100.0):
+    with Workers(Suite(pilot=f"{STUBS}:{pilot}"), n_workers, patience_s) as workers:
+        return {row["trial_id"]: row for row in workers.fly(trials)}
+
+
+def test_blocks_hold_every_trial_once_and_one_scene_each():
+    trials = [
+        Trial(scene, vehicle, n) for scene in "12" for vehicle in ("a", "b") for n in range(30)
+    ]
+    for n_workers in (1, 2, 7):
+        blocks = in_blocks(trials, n_workers)
+        assert [trial for block in blocks for trial in block] == trials
+        assert all(len({trial[:2] for trial in block}) == 1 for block in blocks)
+        assert len(blocks) >= n_workers
+
+
+def test_two_processes_fly_what_one_flies():
+    alone, together = rows_of("Idle"), rows_of("Idle", n_workers=2)
+    assert {key: row["state_hash"] for key, row in alone.items()} == {
+        key: row["state_hash"] for key, row in together.items()
+    }
+    assert [row["code"] for row in alone.values()] == ["never_flew", "never_flew"]
+    assert multiprocessing.active_children() == []
+
+
+def test_a_pilot_that_ends_its_process_fails_after_another_try():
+    rows = rows_of("Dying", TWO[:1])
+    assert [row["code"] for row in rows.values()] == ["died"]
+    assert rows["field/iris/0"]["reason"] == "its process ended with -9, 2 times"
+
+
+def test_a_process_that_ends_once_costs_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("DYING_ONCE", str(tmp_path / "mark"))
+    rows = rows_of("DyingOnce")
+    assert (tmp_path / "mark").exists()
+    assert [row["code"] for row in rows.values()] == ["never_flew", "never_flew"]
+
+
+def test_a_pilot_that_hangs_fails_and_the_next_trial_is_flown():
+    rows = rows_of("Hanging", patience_s=12.0)
+    assert [row["code"] for row in rows.values()] == ["hung", "hung"]
+    assert rows["field/iris/0"]["reason"] == "no end in 12 s"
+    assert multiprocessing.active_children() == []
+
+
+def test_what_no_process_can_do_is_said_in_a_line():
+    with pytest.raises(WorkerError, match="has no attribute 'Nobody'; valid: demo"):
+        rows_of("Nobody")
+    assert multiprocessing.active_children() == []

@@ -1,0 +1,46 @@
+"""Recipes: TOML in, one line about whatever is wrong with it."""
+
+import pytest
+
+from scenarios.tasks.recipe import Recipe, RecipeError, read_recipe, recipe_from
+
+
+def test_what_a_file_does_not_name_keeps_its_default(tmp_path):
+    path = tmp_path / "recipe.toml"
+    path.write_text('wind_mps = [3, 8.5]\ntraffic = ["none", "people=2"]\nstart = ["area"]\n')
+    recipe = read_recipe(path)
+    assert recipe == Recipe(wind_mps=(3, 8.5), traffic=("none", "people=2"), start=("area",))
+    assert recipe_from(recipe.to_plain()) == recipe
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("wind = 3", "recipe: 'wind' is unknown; valid: seed, start, "),
+        ("wind_mps = [5, 1]", r"wind_mps \[5.*\] is no range; valid: \[LOW, HIGH\] from 0 m/s"),
+        ("wind_mps = 5", "recipe: wind_mps is 5: expected `array`, got `int`"),
+        ("wind_mps = [0, 1000]", "recipe: wind"),
+        ('gnss = ["none"]', r"recipe: gnss is \['none'\]: invalid enum value 'none'"),
+        ("map = []", "recipe: map is empty; valid: one value or several"),
+        ('turbulence = ["wild"]', "recipe: turbulence 'wild'"),
+        ('traffic = ["horses=1"]', "recipe: traffic"),
+        (
+            "time_limit_s = 0",
+            "recipe: time_limit_s 0.0 is out of range; valid: above 0, at most 240",
+        ),
+        ("draws = 0", "recipe: draws 0 is too few"),
+        ("seed = -1", "recipe: seed -1 is negative"),
+        ("seed =", "is no TOML"),
+    ],
+)
+def test_a_recipe_that_is_wrong_is_refused_in_one_line(tmp_path, text, says):
+    path = tmp_path / "recipe.toml"
+    path.write_text(text)
+    with pytest.raises(RecipeError, match=says) as caught:
+        read_recipe(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_recipe_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(RecipeError, match=r"none.toml': No such file or directory"):
+        read_recipe(tmp_path / "none.toml")

@@ -1,0 +1,93 @@
+"""Tasks by number: always the same, within the recipe, of the grade whose turn it is."""
+
+import dataclasses
+
+import pytest
+
+from aeroscene.sources import open_scene
+from flightsim.vehicles.catalogue import AIRFRAMES
+from scenarios.mission.goals import fitting_areas
+from scenarios.tasks.recipe import Recipe
+from scenarios.tasks.sampler import NoTaskError, Sampler
+from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures
+from tests.scenarios.landing_scenes import field, thing
+
+IRIS = AIRFRAMES["iris"]
+RECIPE = Recipe(
+    wind_mps=(1.0, 2.0),
+    gust_mps=(0.0, 3.0),
+    gnss=("rtk", "standard"),
+    depth_camera=("exact", "d435"),
+    map=("truth", "onboard"),
+    draws=2,
+)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return open_scene("7")
+
+
+def test_a_task_depends_on_its_number_alone(scene):
+    """Not on what was drawn before, nor on the process."""
+    one, other = Sampler("7", scene, IRIS, RECIPE), Sampler("7", scene, IRIS, RECIPE)
+    first = [one.task(n) for n in range(6)]
+    assert [other.task(n) for n in (5, 0, 3)] == [first[5], first[0], first[3]]
+    reseeded = Sampler("7", scene, IRIS, dataclasses.replace(RECIPE, seed=1))
+    assert [reseeded.task(n) for n in range(6)] != first
+    assert [task.trial_id for task in first[:2]] == ["7/iris/0", "7/iris/1"]
+
+
+def test_tasks_keep_to_the_recipe(scene):
+    sampler = Sampler("7", scene, IRIS, RECIPE)
+    tasks = [sampler.task(n) for n in range(24)]
+    areas = {area.id: area for area in fitting_areas(scene, IRIS)}
+    starts = {scene.start_position_enu_m, *(area.centroid for area in areas.values())}
+    for task in tasks:
+        assert task.start in starts
+        assert task.start != areas[task.area].centroid
+        assert 1.0 <= task.wind_mps <= 2.0
+        assert 0.0 <= task.gust_mps <= 3.0
+        assert task.way.way_m > 0.0
+    for name in ("gnss", "depth_camera", "map"):
+        assert {getattr(task, name) for task in tasks} == set(getattr(RECIPE, name))
+    assert len({task.seed for task in tasks}) == len(tasks)
+    assert len({task.start for task in tasks}) > 2
+    own = Sampler("7", scene, IRIS, dataclasses.replace(RECIPE, start=("own",))).task(0)
+    assert (own.start, own.start_yaw_rad) == (scene.start_position_enu_m, scene.start_yaw_rad)
+
+
+def test_grades_follow_from_the_thirds():
+    middle = {name: (low + high) / 2 for name, (low, high) in THIRDS.items()}
+    easy = {name: low for name, (low, _) in THIRDS.items()}
+    hard = {name: high + (high - low) for name, (low, high) in THIRDS.items()}
+    assert [WayFigures(**each).points for each in (easy, middle, hard)] == [0, 4, 8]
+    assert WayFigures(**easy).grade == "easy"
+    assert WayFigures(**hard).grade == "hard"
+    assert list(MOST_POINTS) == list(GRADES)
+
+
+def test_a_wall_with_a_gap_makes_a_way_harder():
+    """Longer, narrower, with more about it, and through an opening."""
+    recipe = Recipe(start=("own",))
+    scene = field()
+    walls = (
+        thing(30, "wall", (10.0, 7.9, 6.0), (0.4, 14.2, 12.0)),
+        thing(31, "wall", (10.0, -7.9, 6.0), (0.4, 14.2, 12.0)),
+        thing(32, "wall", (10.0, 0.0, 7.2), (0.4, 1.6, 9.6)),
+    )
+    walls = tuple(dataclasses.replace(wall, scene_id="field") for wall in walls)
+    walled = dataclasses.replace(scene, objects=(*scene.objects, *walls))
+    free = Sampler("field", scene, IRIS, recipe).task(0).way
+    narrow = Sampler("field", walled, IRIS, recipe).task(0).way
+    assert narrow.corridor_m < 1.7 < free.corridor_m
+    assert (narrow.openings, free.openings) == (1, 0)
+    assert narrow.clutter > free.clutter
+    assert narrow.way_m > free.way_m
+    assert narrow.points > free.points
+
+
+def test_a_scene_that_leads_nowhere_is_named():
+    scene = dataclasses.replace(field(), interaction_areas=())
+    with pytest.raises(NoTaskError, match="scene field, iris: free space joins no start"):
+        Sampler("field", scene, IRIS, Recipe()).task(0)
