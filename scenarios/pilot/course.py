@@ -78,10 +78,14 @@ class Course:
 
     def has_arrived(self, time_us: int, telemetry: Telemetry) -> bool:
         """Whether the trajectory is over and the vehicle rests at its end."""
-        if self.elapsed_s(time_us) < self.trajectory.duration_s:
+        if self.is_under_way(time_us):
             return False
         away_m = math.dist(telemetry.position_enu_m, self.reference(time_us).position_enu_m)
         return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
+
+    def is_under_way(self, time_us: int) -> bool:
+        """Whether the trajectory is not over yet."""
+        return self.elapsed_s(time_us) < self.trajectory.duration_s
 
     def elapsed_s(self, time_us: int) -> float:
         """Time within the trajectory; negative before it takes over."""

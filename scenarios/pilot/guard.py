@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import PX4_OFFBOARD
@@ -23,6 +25,8 @@ LEAST_DEVIATION_M, MOST_DEVIATION_M = 0.5, 1.0
 """Bounds of the allowed deviation from the plan; between them, it is the plan's clearance."""
 DEVIATION_PERIOD_S = 1.0
 """Time between two plans from a deviating state."""
+_PULL_STEP_M = 0.1
+"""Step along the way back to the course."""
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
 _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAND_HOME})
 """Phases that reach the ground sooner than a return would."""
@@ -99,12 +103,15 @@ class Guard:
         flight = self._flight
         if flight.course.is_touching_down or flight.time_us < self._deviation_due_us:
             return None
+        if phase is Phase.TAKEOFF and flight.course.is_under_way(flight.time_us):
+            # Nothing is won by a stop: the higher, the less stands around.
+            return None
         here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
         # The rotors spin up while the plan already rises: a vertical lag is harmless.
         n = 2 if phase is Phase.TAKEOFF else 3
         away_m = math.dist(here[:n], should[:n])
         limit_m = deviation_limit_m(flight.course.trajectory)
-        if away_m <= limit_m:
+        if away_m <= limit_m or (phase not in ON_THE_WAY and self._is_free_between(here, should)):
             return None
         self._deviation_due_us = flight.time_us + round(1e6 * DEVIATION_PERIOD_S)
         reason = f"{away_m:.2f} m from the plan, {limit_m:.2f} m are allowed"
@@ -118,6 +125,12 @@ class Guard:
         except PlanningError as error:
             return self._way.hold(f"{reason}; {error}", start)
         return None
+
+    def _is_free_between(self, here_enu_m: Vector3, there_enu_m: Vector3) -> bool:
+        """Whether the autopilot can pull the vehicle straight back to its course."""
+        n = 2 + math.ceil(math.dist(here_enu_m, there_enu_m) / _PULL_STEP_M)
+        line = np.linspace(here_enu_m, there_enu_m, n)
+        return bool(np.all(self._flight.mission.surroundings.clearance_m(line) > 0.0))
 
     def _vehicle(self) -> FlatReference:
         """State of the vehicle when a new plan takes over, at its present velocity."""
