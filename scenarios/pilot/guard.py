@@ -96,7 +96,7 @@ class Guard:
         # The battery is NaN before the first report.
         if phase in _GOING_DOWN or flight.given_up is not None or not left < LEAST_BATTERY:
             return None
-        return self._way.go_home(f"the battery is down to {100 * left:.0f}%")
+        return self._go_home(phase, f"the battery is down to {100 * left:.0f}%")
 
     def _deviation(self, phase: Phase) -> Step:
         """Check that the vehicle is on its course; else plan from its state."""
@@ -168,7 +168,16 @@ class Guard:
             return Phase.FAILED, reason + flight.last_words()
         if flight.given_up is not None:
             return Phase.HAND_OVER, reason
-        return self._way.go_home(reason)
+        return self._go_home(phase, reason)
+
+    def _go_home(self, phase: Phase, reason: str) -> Step:
+        """Give up; a hold that is not at rest yet goes on, once more as long, and leads home."""
+        flight = self._flight
+        step = self._way.go_home(reason)
+        if phase is Phase.HOLD and step is not None and step[0] is Phase.HOLD:
+            flight.since_us = flight.time_us
+            return None
+        return step
 
 
 def deviation_limit_m(trajectory: Trajectory) -> float:

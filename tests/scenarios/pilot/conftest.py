@@ -1,6 +1,7 @@
 """Pilot in the whole stack, ready to fly."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -80,6 +81,12 @@ class Demo:
         self.fly(until=lambda: self.pilot.phase is phase)
         assert self.pilot.phase is phase, self.pilot.transitions[-1].reason
         return self.pilot
+
+    def deviation_m(self):
+        """Level distance of the vehicle from its setpoint."""
+        flight = self.pilot._flight
+        here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
+        return math.dist(here[:2], should[:2])
 
     def targets(self):
         return [change.target for change in self.pilot.transitions]
