@@ -28,6 +28,7 @@ DEVIATION_PERIOD_S = 1.0
 _PULL_STEP_M = 0.1
 """Step along the way back to the course."""
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
+_RISING = frozenset({Phase.TAKEOFF, Phase.CLIMB})
 _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAND_HOME})
 """Phases that reach the ground sooner than a return would."""
 
@@ -103,7 +104,7 @@ class Guard:
         flight = self._flight
         if flight.course.is_touching_down or flight.time_us < self._deviation_due_us:
             return None
-        if phase is Phase.TAKEOFF and flight.course.is_under_way(flight.time_us):
+        if phase in _RISING and flight.course.is_under_way(flight.time_us):
             # Nothing is won by a stop: the higher, the less stands around.
             return None
         here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
