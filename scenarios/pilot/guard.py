@@ -25,6 +25,8 @@ LEAST_DEVIATION_M, MOST_DEVIATION_M = 0.5, 1.0
 """Bounds of the allowed deviation from the plan; between them, it is the plan's clearance."""
 DEVIATION_PERIOD_S = 1.0
 """Time between two plans from a deviating state."""
+CARRIED_S = 60.0
+"""Time in one flight that gusts may carry it off for and that counts for no phase."""
 _PULL_STEP_M = 0.1
 """Step along the way back to the course."""
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
@@ -42,9 +44,16 @@ class Guard:
         self._position_ms = -1
         self._heard_us = 0
         self._deviation_due_us = 0
+        self._checked_us = 0
+        self._carried_us = 0
 
     def check(self, phase: Phase) -> Step:
         """Action needed before anything else, None if all is well."""
+        step = self._check(phase)
+        self._checked_us = self._flight.time_us
+        return step
+
+    def _check(self, phase: Phase) -> Step:
         if phase in IN_THE_AIR:
             checks = (
                 self._control,
@@ -112,7 +121,10 @@ class Guard:
         n = 2 if phase is Phase.TAKEOFF else 3
         away_m = math.dist(here[:n], should[:n])
         limit_m = deviation_limit_m(flight.course.trajectory)
-        if away_m <= limit_m or (phase not in ON_THE_WAY and self._is_free_between(here, should)):
+        if away_m <= limit_m:
+            return None
+        if phase not in ON_THE_WAY and self._is_free_between(here, should):
+            self._grant_time()
             return None
         self._deviation_due_us = flight.time_us + round(1e6 * DEVIATION_PERIOD_S)
         reason = f"{away_m:.2f} m from the plan, {limit_m:.2f} m are allowed"
@@ -126,6 +138,14 @@ class Guard:
         except PlanningError as error:
             return self._way.hold(f"{reason}; {error}", start)
         return None
+
+    def _grant_time(self) -> None:
+        """Do not count the present tick of a phase, in which a gust carries the vehicle off."""
+        flight = self._flight
+        if self._carried_us < 1e6 * CARRIED_S:
+            tick_us = flight.time_us - self._checked_us
+            self._carried_us += tick_us
+            flight.since_us += tick_us
 
     def _is_free_between(self, here_enu_m: Vector3, there_enu_m: Vector3) -> bool:
         """Whether the autopilot can pull the vehicle straight back to its course."""

@@ -95,16 +95,18 @@ class LandingPhases:
         return True
 
     def search(self) -> Step:
-        """Fuse depth images until a place is good enough."""
+        """Fuse depth images until a place is good enough, with room for gusts felt meanwhile."""
         flight, watch = self._flight, self._watching()
+        watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
         if not self._see(watch):
             return self._blind()
         if watch.n_frames < SEARCH_FRAMES:
             return None
         flight.site = watch.choose()
+        has_room = flight.site is not None and flight.site.clearance_m >= watch.sway_m
+        if not has_room and watch.n_frames < MAX_SEARCH_FRAMES:
+            return None
         if flight.site is None:
-            if watch.n_frames < MAX_SEARCH_FRAMES:
-                return None
             return self.give_up(f"no safe place seen on area {flight.area.id}")
         x, y, _ = flight.site.position_enu_m
         try:
@@ -153,10 +155,9 @@ class LandingPhases:
     def _keep_above(self) -> Step:
         """Sink only above the place: wait while a gust pushes, climb back if it carries off."""
         flight = self._flight
-        here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
+        should, away_m = flight.setpoint.position_enu_m, flight.level_deviation_m
         if should[2] - flight.resting_height_m < LAST_HEIGHT_M:
             return None
-        away_m = math.dist(here[:2], should[:2])
         if away_m > CARRIED_OFF_M:
             try:
                 x, y, _ = should

@@ -1,7 +1,6 @@
 """Pilot in the whole stack, ready to fly."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
@@ -84,9 +83,7 @@ class Demo:
 
     def deviation_m(self):
         """Level distance of the vehicle from its setpoint."""
-        flight = self.pilot._flight
-        here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
-        return math.dist(here[:2], should[:2])
+        return self.pilot._flight.level_deviation_m
 
     def targets(self):
         return [change.target for change in self.pilot.transitions]

@@ -230,6 +230,9 @@ def test_pushed_off_a_hover_it_is_pulled_back_without_a_stop_elsewhere(demo):
     push(demo, 25.0)
     demo.fly(until=lambda: demo.deviation_m() > 1.5)
     push(demo, 0.0)
+    elapsed_s = pilot._flight.elapsed_s
+    demo.fly(until=lambda: demo.deviation_m() < 1.2)
+    assert pilot._flight.elapsed_s == pytest.approx(elapsed_s)  # the time of a gust does not count
     demo.fly()
     assert Phase.HOLD not in demo.targets()
     assert pilot.verdict.success, pilot.verdict.reason
