@@ -19,9 +19,9 @@ class ControllerCfg:
     integral_gain: float = 3.0
     """Acceleration gained per second and metre of position error, 1/s^3."""
     max_integral_mps2: float = 1.0
-    max_disturbance_mps2: float = 6.0
-    """Horizontal acceleration, from wind for example, that is compensated; half of it downwards,
-    a quarter upwards."""
+    max_disturbance_mps2: float = 12.0
+    """Horizontal acceleration, from wind for example, that is compensated: on the Iris as much as
+    its thrust holds. A quarter of it downwards, an eighth upwards."""
     attitude_bandwidth_radps: float = 10.0
     """wR of roll and pitch: kR = J wR^2, kW = 2 J zeta wR."""
     attitude_damping: float = 0.9

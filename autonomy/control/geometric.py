@@ -34,7 +34,7 @@ def demand_force(c: np.record, x: np.record) -> None:
     """Specific thrust (m/s^2, world) that tracks the reference: the bracket of eq. (15) over mass.
 
     Feedback, integral, tilt and thrust are limited; the vertical part has a floor, so that a fast
-    descent never demands a steep tilt.
+    descent never demands a steep tilt. Where the thrust is not enough, it carries the weight first.
     """
     force, e_x = c.force_enu_mps2, c.position_error_enu_m
     estimate_acceleration(c, x)
@@ -54,7 +54,7 @@ def demand_force(c: np.record, x: np.record) -> None:
         held = c.integral_mps2[i] - c.disturbance_mps2[i]
         force[i] += c.reference_acceleration_enu_mps2[i] + drag * v_perp + held
     force[2] += c.gravity_mps2
-    _limit_force(c)
+    _limit_force(c, c.gravity_mps2 + c.integral_mps2[2] - c.disturbance_mps2[2])
     if factor < 1.0:
         c.is_limited[0] = 1
     if is_vertical:
@@ -87,7 +87,7 @@ def estimate_acceleration(c: np.record, x: np.record) -> None:
         c.acceleration_enu_mps2[i] = model + c.disturbance_mps2[i]
     _limit_horizontal(c.disturbance_mps2, c.max_disturbance_mps2)
     # Downwards the air costs thrust; upwards the ground may soon carry the vehicle.
-    least, most = -0.5 * c.max_disturbance_mps2, 0.25 * c.max_disturbance_mps2
+    least, most = -0.25 * c.max_disturbance_mps2, 0.125 * c.max_disturbance_mps2
     c.disturbance_mps2[2] = min(max(c.disturbance_mps2[2], least), most)
 
 
@@ -133,21 +133,45 @@ def _integrate(c: np.record, e_x: np.ndarray) -> None:
 
 
 @kernel
-def _limit_force(c: np.record) -> None:
+def _limit_force(c: np.record, weight_mps2: float) -> None:
     """Limit the vertical part, then the tilt and the thrust.
 
     With little thrust the tilt is limited to a few degrees: a vehicle that presses down on its legs
-    stays on them.
+    stays on them. `weight_mps2` is the thrust that neither climbs nor sinks.
     """
     force = c.force_enu_mps2
     least = _LEAST_VERTICAL_FRACTION * c.gravity_mps2
     wanted = force[2]
     force[2] = min(max(wanted, least), c.max_thrust_mps2)
-    room = math.sqrt(max(c.max_thrust_mps2 * c.max_thrust_mps2 - force[2] * force[2], 0.0))
     tangent = c.max_tilt_tangent * min(max(force[2] / least - 1.0, _LEAST_TILT_SHARE), 1.0)
-    factor = _limit_horizontal(force, min(tangent * force[2], max(room, 1.0)))
+    factor = _limit_horizontal(force, tangent * force[2])
+    factor *= _share_thrust(c, min(weight_mps2, force[2]))
     c.is_limited[0] = 1 if factor < 1.0 else 0
     c.is_limited[1] = 1 if wanted != force[2] else 0
+
+
+@kernel
+def _share_thrust(c: np.record, carried_mps2: float) -> float:
+    """Shrink what is demanded beyond the carried weight to the thrust there is; return the factor.
+
+    Climbing and holding the place shrink alike: neither a climb in a downdraught nor a gust takes
+    all the thrust from the other.
+    """
+    force, most = c.force_enu_mps2, c.max_thrust_mps2
+    square = force[0] * force[0] + force[1] * force[1]
+    if square + force[2] * force[2] <= most * most:
+        return 1.0
+    # The root s of |(s x, s y, carried + s climb)| = most.
+    climb = force[2] - carried_mps2
+    a, half_b = square + climb * climb, carried_mps2 * climb
+    room = max(most * most - carried_mps2 * carried_mps2, 0.0)
+    share = (math.sqrt(half_b * half_b + a * room) - half_b) / a
+    force[2] = carried_mps2 + share * climb
+    least = min(1.0 / math.sqrt(square), 1.0) if square > 0.0 else 1.0
+    share = max(share, least)
+    force[0] *= share
+    force[1] *= share
+    return share
 
 
 @kernel

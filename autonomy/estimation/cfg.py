@@ -52,7 +52,7 @@ class EstimatorCfg:
     gnss_wander_correlation_s: float = 60.0
     max_gnss_step_m: float = 0.03
     """Greatest change of each position axis by the position, and by the velocity, of a fix, while
-    there is odometry."""
+    there is odometry and once the vehicle has moved."""
     vio_position_walk: tuple[float, float] = (0.025, 0.02)
     """Drift of visual-inertial odometry, m/sqrt(m flown)."""
     vio_yaw_walk: float = 2.1e-3

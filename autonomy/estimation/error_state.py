@@ -83,6 +83,7 @@ FILTER_DTYPE = np.dtype(
         ("ratio_heading", "f8"),
         ("gnss_rejections", "i8"),
         ("last_gnss_tick", "i8"),
+        ("has_moved", "i8"),  # since the alignment
         ("last_wander_tick", "i8"),
         ("last_position_tick", "i8"),  # of whatever says where the vehicle is
         # Squared innovations over their variances, summed by kind of measurement: NIS.

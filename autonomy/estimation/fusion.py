@@ -25,6 +25,8 @@ from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, wrap_angle
 
 _GNSS_POSITION, _GNSS_VELOCITY, _BARO, _HEADING = 0, 1, 2, 3  # rows of MEASUREMENTS
+_MOVES_MPS = 0.5
+_STEP_AT_REST_M = 0.03
 _FIELD_SMOOTHING = 0.04  # of a sample of the field's strength: half a second at 50 Hz
 
 
@@ -89,10 +91,15 @@ def _variance_of_a_small_step(f: np.record, i: int, innovation: float) -> float:
     """Least variance with which a measurement moves position i by at most `max_gnss_step_m`.
 
     Only while odometry carries the position: after a flight indoors GNSS then takes over in steps
-    that a controller does not notice. The weight of Huber 1964, bounded on the correction.
+    that a controller does not notice. Before the vehicle first moves, steps may be larger: nobody
+    steers by them. The weight of Huber 1964, bounded on the correction.
     """
     if f.has_vio == 0:
         return 0.0
+    v = f.velocity_enu_mps
+    if v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > _MOVES_MPS * _MOVES_MPS:
+        f.has_moved = 1
+    most = f.max_gnss_step_m if f.has_moved == 1 else max(f.max_gnss_step_m, _STEP_AT_REST_M)
     P, h = f.covariance, f.measurement_row
     step = s = 0.0
     for j in range(N_STATES):
@@ -100,7 +107,7 @@ def _variance_of_a_small_step(f: np.record, i: int, innovation: float) -> float:
             step += P[i, j] * h[j]
             for k in range(N_STATES):
                 s += h[j] * P[j, k] * h[k]
-    return step * abs(innovation) / f.max_gnss_step_m - s
+    return step * abs(innovation) / most - s
 
 
 @kernel

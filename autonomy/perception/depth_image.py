@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from autonomy.jit import kernel
 from autonomy.types import Vector3
@@ -18,6 +18,11 @@ _APART = 6
 _EVERY_ROW = 20
 # Median of |x| of a normal variable is 0.6745 sigma; a half second difference has sigma sqrt(1.5).
 _SIGMA_PER_MEDIAN = 1.0 / (0.6745 * math.sqrt(1.5))
+_TINY_M = 0.02
+"""Width of a pixel below which what shows in a single one is no thing but a wrong match."""
+_ALIKE_SHARE = 0.05
+_ALIKE_SIGMAS = 6.0
+"""Difference of two inverse depths, over the larger and over the noise, within which they agree."""
 
 
 class Pixels(NamedTuple):
@@ -69,6 +74,17 @@ class DepthImage:
         if not is_seen.any():
             return 0.0
         return float(np.median(np.abs(curve[is_seen]))) * _SIGMA_PER_MEDIAN
+
+    def without_lone_pixels(self) -> DepthImage:
+        """The image without single pixels that no neighbour agrees with, where things are near.
+
+        A stereo camera matches a few pixels with something else altogether. From far away a thin
+        pole may show in a single pixel, so that only near pixels, of less than 2 cm, are dropped.
+        """
+        lone = lone_pixels(self.pixels, self.inverse_depth_sigma_pm)
+        if not lone.any():
+            return self
+        return replace(self, depth_m=np.where(lone, np.float32(np.inf), self.depth_m))
 
     def halved(self) -> DepthImage:
         """Image of every second pixel of every second row."""
@@ -125,6 +141,31 @@ def sample(
                 depths[n] = d
                 n += 1
     return points[:n], places[:n], depths[:n]
+
+
+@kernel
+def lone_pixels(pixels: Pixels, inverse_sigma: float) -> Bool[np.ndarray, "h w"]:
+    """Pixels with near neighbours of which none has about the same depth."""
+    depth, farthest = pixels.depth, _TINY_M * pixels.fx
+    rows, columns = depth.shape
+    lone = np.zeros(depth.shape, dtype=np.bool_)
+    for v in range(rows):
+        for u in range(columns):
+            d = depth[v, u]
+            if not 0.0 < d < np.inf:
+                continue
+            nearest, is_lone = np.inf, True
+            for row in range(max(v - 1, 0), min(v + 2, rows)):
+                for column in range(max(u - 1, 0), min(u + 2, columns)):
+                    other = depth[row, column]
+                    if (row == v and column == u) or not 0.0 < other < np.inf:
+                        continue
+                    nearest = min(nearest, other)
+                    away = abs(1.0 / d - 1.0 / other)
+                    alike = _ALIKE_SHARE / min(d, other)
+                    is_lone = is_lone and away > max(alike, _ALIKE_SIGMAS * inverse_sigma)
+            lone[v, u] = is_lone and nearest < farthest
+    return lone
 
 
 @kernel

@@ -102,6 +102,7 @@ class ElevationMap:
 
     def add(self, image: DepthImage) -> None:
         """Fuse one depth image."""
+        image = image.without_lone_pixels()
         points, eye = image.points_enu_m(), image.pixels.eye
         inverse_sigma = image.inverse_depth_sigma_pm
         n = len(self.height_m)

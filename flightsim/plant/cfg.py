@@ -145,6 +145,7 @@ def estimator_cfg_for(plant: PlantCfg) -> EstimatorCfg:
         baro_sigma_m=1.05 * plant.barometer.noise_pa / _PRESSURE_GRADIENT_PAPM,
         gnss_wander_sigma_m=gnss.drift_sigma_m,
         gnss_wander_correlation_s=gnss.drift_correlation_s,
+        max_gnss_step_m=gnss.most_step_m,
         vio_position_walk=vio.position_walk,
         vio_yaw_walk=vio.yaw_walk,
         vio_position_sigma_m=vio.position_noise_m,

@@ -65,6 +65,8 @@ class GnssCfg:
     """Number of satellites below which corrections give metres less, not centimetres: float."""
     float_sigma_m: float = 0.0
     """White error of a float solution."""
+    most_step_m: float = 0.03
+    """Most by which a fix should move an estimate that odometry carries, each axis."""
     multipath_sigma_m: float = 0.0
     """Multipath with half of the sky hidden by things near."""
     settle_s: float = 1.5
@@ -98,6 +100,9 @@ STANDARD = GnssCfg(
     position_noise_m=(2e-4 * math.sqrt(5.0), 4e-4 * math.sqrt(5.0)),
     velocity_noise_mps=(0.2, 0.4),
     reported_accuracy_m=(1.3, 2.2),
+    # 2.5 cm/s, as far as odometry drifts at 1 m/s: what is known of the place by other means
+    # stays known for seconds, while the receiver wanders by a metre in a minute.
+    most_step_m=0.005,
     # Code multipath between buildings is some metres (Kaplan and Hegarty 2017, section 9.5).
     multipath_sigma_m=3.0,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ _PRESS_M = 0.4
 _AT_PLACE_M = 0.25
 _AT_REST_MPS = 0.2
 _SOON_US = 1_500_000
+_PAUSE_US = 100_000
 
 
 class Course:
@@ -61,6 +63,12 @@ class Course:
         """
         self._touchdown = (time_us, self.reference(time_us), resting_height_m)
 
+    def pause(self, time_us: int) -> None:
+        """Sink no further for a moment; call it again to stay at a height for longer."""
+        if self._touchdown is not None:
+            begin = replace(self.reference(time_us), velocity_enu_mps=(0.0, 0.0, 0.0))
+            self._touchdown = (time_us + _PAUSE_US, begin, self._touchdown[2])
+
     def reference(self, time_us: int) -> FlatReference:
         """Setpoint at a given time."""
         if self._touchdown is not None:
@@ -78,10 +86,14 @@ class Course:
 
     def has_arrived(self, time_us: int, telemetry: Telemetry) -> bool:
         """Whether the trajectory is over and the vehicle rests at its end."""
-        if self.elapsed_s(time_us) < self.trajectory.duration_s:
+        if self.is_under_way(time_us):
             return False
         away_m = math.dist(telemetry.position_enu_m, self.reference(time_us).position_enu_m)
         return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
+
+    def is_under_way(self, time_us: int) -> bool:
+        """Whether the trajectory is not over yet."""
+        return self.elapsed_s(time_us) < self.trajectory.duration_s
 
     def elapsed_s(self, time_us: int) -> float:
         """Time within the trajectory; negative before it takes over."""
@@ -92,6 +104,8 @@ def _sinking(
     time_us: int, begun_us: int, begin: FlatReference, resting_height_m: float
 ) -> FlatReference:
     """Vertical descent at a steady speed, to a little below the surface."""
+    if time_us < begun_us:
+        return begin
     x, y, z = begin.position_enu_m
     lowest_m = resting_height_m - _PRESS_M
     height_m = z - TOUCHDOWN_SPEED_MPS * (time_us - begun_us) * 1e-6

@@ -162,11 +162,17 @@ class EnRoutePhases:
         return None
 
     def _brake(self, reason: str, start: FlatReference | None) -> Step:
-        """Brake, or hand over to the autopilot where no stop can be certified."""
+        """Brake, or hand over to the autopilot where no stop can be certified.
+
+        From a place that it was blown to, and that no stop leads away from, the vehicle is pulled
+        back to the stop of its course.
+        """
         flight = self._flight
         try:
             flight.brake(start)
         except PlanningError as error:
+            if start is not None:
+                return self._brake(reason, None)
             flight.given_up = flight.given_up or reason
             return Phase.HAND_OVER, f"{reason}; no certified stop: {error}"
         return None

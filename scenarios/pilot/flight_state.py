@@ -95,6 +95,11 @@ class FlightState:
         return self.course.reference(self.time_us)
 
     @property
+    def level_deviation_m(self) -> float:
+        """Horizontal distance of the vehicle from its setpoint."""
+        return math.dist(self.telemetry.position_enu_m[:2], self.setpoint.position_enu_m[:2])
+
+    @property
     def chosen(self) -> LandingSite:
         """Chosen landing site; valid only after one was chosen."""
         assert self.site is not None

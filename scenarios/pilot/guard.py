@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import PX4_OFFBOARD
@@ -23,7 +25,12 @@ LEAST_DEVIATION_M, MOST_DEVIATION_M = 0.5, 1.0
 """Bounds of the allowed deviation from the plan; between them, it is the plan's clearance."""
 DEVIATION_PERIOD_S = 1.0
 """Time between two plans from a deviating state."""
+CARRIED_S = 60.0
+"""Time in one flight that gusts may carry it off for and that counts for no phase."""
+_PULL_STEP_M = 0.1
+"""Step along the way back to the course."""
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
+_RISING = frozenset({Phase.TAKEOFF, Phase.CLIMB})
 _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAND_HOME})
 """Phases that reach the ground sooner than a return would."""
 
@@ -37,9 +44,16 @@ class Guard:
         self._position_ms = -1
         self._heard_us = 0
         self._deviation_due_us = 0
+        self._checked_us = 0
+        self._carried_us = 0
 
     def check(self, phase: Phase) -> Step:
         """Action needed before anything else, None if all is well."""
+        step = self._check(phase)
+        self._checked_us = self._flight.time_us
+        return step
+
+    def _check(self, phase: Phase) -> Step:
         if phase in IN_THE_AIR:
             checks = (
                 self._control,
@@ -92,12 +106,15 @@ class Guard:
         # The battery is NaN before the first report.
         if phase in _GOING_DOWN or flight.given_up is not None or not left < LEAST_BATTERY:
             return None
-        return self._way.go_home(f"the battery is down to {100 * left:.0f}%")
+        return self._go_home(phase, f"the battery is down to {100 * left:.0f}%")
 
     def _deviation(self, phase: Phase) -> Step:
         """Check that the vehicle is on its course; else plan from its state."""
         flight = self._flight
         if flight.course.is_touching_down or flight.time_us < self._deviation_due_us:
+            return None
+        if phase in _RISING and flight.course.is_under_way(flight.time_us):
+            # Nothing is won by a stop: the higher, the less stands around.
             return None
         here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
         # The rotors spin up while the plan already rises: a vertical lag is harmless.
@@ -105,6 +122,9 @@ class Guard:
         away_m = math.dist(here[:n], should[:n])
         limit_m = deviation_limit_m(flight.course.trajectory)
         if away_m <= limit_m:
+            return None
+        if phase not in ON_THE_WAY and self._is_free_between(here, should):
+            self._grant_time()
             return None
         self._deviation_due_us = flight.time_us + round(1e6 * DEVIATION_PERIOD_S)
         reason = f"{away_m:.2f} m from the plan, {limit_m:.2f} m are allowed"
@@ -118,6 +138,20 @@ class Guard:
         except PlanningError as error:
             return self._way.hold(f"{reason}; {error}", start)
         return None
+
+    def _grant_time(self) -> None:
+        """Do not count the present tick of a phase, in which a gust carries the vehicle off."""
+        flight = self._flight
+        if self._carried_us < 1e6 * CARRIED_S:
+            tick_us = flight.time_us - self._checked_us
+            self._carried_us += tick_us
+            flight.since_us += tick_us
+
+    def _is_free_between(self, here_enu_m: Vector3, there_enu_m: Vector3) -> bool:
+        """Whether the autopilot can pull the vehicle straight back to its course."""
+        n = 2 + math.ceil(math.dist(here_enu_m, there_enu_m) / _PULL_STEP_M)
+        line = np.linspace(here_enu_m, there_enu_m, n)
+        return bool(np.all(self._flight.mission.surroundings.clearance_m(line) > 0.0))
 
     def _vehicle(self) -> FlatReference:
         """State of the vehicle when a new plan takes over, at its present velocity."""
@@ -155,7 +189,16 @@ class Guard:
             return Phase.FAILED, reason + flight.last_words()
         if flight.given_up is not None:
             return Phase.HAND_OVER, reason
-        return self._way.go_home(reason)
+        return self._go_home(phase, reason)
+
+    def _go_home(self, phase: Phase, reason: str) -> Step:
+        """Give up; a hold that is not at rest yet goes on, once more as long, and leads home."""
+        flight = self._flight
+        step = self._way.go_home(reason)
+        if phase is Phase.HOLD and step is not None and step[0] is Phase.HOLD:
+            flight.since_us = flight.time_us
+            return None
+        return step
 
 
 def deviation_limit_m(trajectory: Trajectory) -> float:

@@ -27,6 +27,12 @@ MAX_LOOKS = 4
 MAX_AREAS = 3
 MAX_BLIND_FRAMES = 5
 """Number of consecutive images without depth after which the area is abandoned for now."""
+LAST_HEIGHT_M = 0.15
+"""Height of the soles above the surface below which the vehicle sinks, come what may."""
+STEADY_M, STEADY_MPS = 0.15, 0.3
+"""Distance from the vertical above the place, and level speed, beyond which it sinks no further."""
+CARRIED_OFF_M = 0.5
+"""Distance from that vertical beyond which it climbs back: as far off as a landing may end."""
 LEAVE_M = 1.0
 """Height above a touched place up to which the map is not checked."""
 
@@ -89,16 +95,18 @@ class LandingPhases:
         return True
 
     def search(self) -> Step:
-        """Fuse depth images until a place is good enough."""
+        """Fuse depth images until a place is good enough, with room for gusts felt meanwhile."""
         flight, watch = self._flight, self._watching()
+        watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
         if not self._see(watch):
             return self._blind()
         if watch.n_frames < SEARCH_FRAMES:
             return None
         flight.site = watch.choose()
+        has_room = flight.site is not None and flight.site.clearance_m >= watch.sway_m
+        if not has_room and watch.n_frames < MAX_SEARCH_FRAMES:
+            return None
         if flight.site is None:
-            if watch.n_frames < MAX_SEARCH_FRAMES:
-                return None
             return self.give_up(f"no safe place seen on area {flight.area.id}")
         x, y, _ = flight.site.position_enu_m
         try:
@@ -141,8 +149,28 @@ class LandingPhases:
     def touch_down(self) -> Step:
         """Sink through the last metre."""
         if self._flight.telemetry.landed_state != LANDED_ON_GROUND:
-            return None
+            return self._keep_above()
         return Phase.DISARM, "on the ground"
+
+    def _keep_above(self) -> Step:
+        """Sink only above the place: wait while a gust pushes, climb back if it carries off."""
+        flight = self._flight
+        should, away_m = flight.setpoint.position_enu_m, flight.level_deviation_m
+        if should[2] - flight.resting_height_m < LAST_HEIGHT_M:
+            return None
+        if away_m > CARRIED_OFF_M:
+            try:
+                x, y, _ = should
+                up = flight.leg((x, y, flight.hover_enu_m[2]), exempt_m=LEAVE_M)
+            except PlanningError as error:
+                _LOG.info("%s", error)
+            else:
+                flight.begin_with(up)
+                return Phase.CLIMB, f"carried {away_m:.2f} m off above the touchdown point"
+        speed_mps = math.hypot(*flight.telemetry.velocity_enu_mps[:2])
+        if away_m > STEADY_M or speed_mps > STEADY_MPS:
+            flight.course.pause(flight.time_us)
+        return None
 
     def leave(self, reason: str) -> Step:
         """Climb from a place that does not allow a landing."""

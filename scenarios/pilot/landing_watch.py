@@ -50,6 +50,7 @@ class LandingWatch:
 
     Attributes:
         n_frames: Depth images fused so far.
+        sway_m: Greatest level deviation from the hover point while it was observed.
         elevation: Elevation map fused so far.
         is_allowed: Cells that may be landed on: within the area, and free above.
         map: Latest assessment of the area, None before the first.
@@ -80,6 +81,7 @@ class LandingWatch:
         self.is_allowed = self.elevation.cells_within(area.polygon) & is_open
         self._due_us = 0
         self.n_frames = 0
+        self.sway_m = 0.0
         self.map: LandingMap | None = None
 
     def is_due(self, time_us: int) -> bool:

@@ -90,7 +90,31 @@ def test_lost_thrust_is_made_up_for_further_than_a_push_from_below():
             estimate_acceleration(c, x)
         held.append(c["disturbance_mps2"][2])
     limit = c["max_disturbance_mps2"]
-    np.testing.assert_allclose(held, (-0.5 * limit, 0.25 * limit))
+    np.testing.assert_allclose(held, (-0.25 * limit, 0.125 * limit))
+
+
+def test_a_storm_that_the_thrust_can_hold_is_held_without_an_error():
+    c, f = hovering()
+    f["acceleration_enu_mps2"] = (10.0, 0.0, 0.0)
+    for _ in range(500):
+        demand_force(c, f)
+    np.testing.assert_allclose(c["force_enu_mps2"], (-10.0, 0.0, G), atol=1e-3)
+
+
+@given(st.floats(2.0, 12.0), st.floats(1.0, 6.0))
+def test_a_climb_leaves_thrust_to_hold_the_place_and_a_gust_thrust_to_climb(push, climb):
+    c, f = hovering()
+    c["max_thrust_mps2"] = 17.5
+    c["disturbance_mps2"] = f["acceleration_enu_mps2"] = (push, 0.0, 0.0)
+    f["position_enu_m"] = (0.0, 0.0, -climb / c["position_gain"])
+    c["integral_gain"] = 0.0
+    demand_force(c, f)
+    east, _, up = c["force_enu_mps2"]
+    assert np.hypot(east, up) <= 17.5 + 1e-9
+    # Both get the same share of what they ask for beyond the weight.
+    against, weight = -c["disturbance_mps2"][0], G - c["disturbance_mps2"][2]
+    assert east / against == pytest.approx((up - weight) / climb, abs=1e-6)
+    assert east / against > 0.5
 
 
 def test_integral_removes_a_lasting_error_within_its_limit():

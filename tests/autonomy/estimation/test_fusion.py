@@ -68,16 +68,17 @@ def test_a_fix_is_filterpys_prediction_and_update():
     np.testing.assert_allclose(f["covariance"], oracle.P, atol=1e-9)
 
 
-def test_beside_odometry_a_far_fix_moves_the_estimate_by_a_small_step():
-    f = moving_filter(np.zeros(3), sigma=0.5, max_gnss_step_m=0.03)
-    f["has_vio"] = 1
+@pytest.mark.parametrize(("has_moved", "limit_m"), [(0, 0.03), (1, 0.01)])
+def test_beside_odometry_a_far_fix_moves_the_estimate_by_a_small_step(has_moved, limit_m):
+    f = moving_filter(np.zeros(3), sigma=0.5, max_gnss_step_m=0.01)
+    f["has_vio"], f["has_moved"] = 1, has_moved
     far = np.array([0.8, -0.6, 0.4])
     last, steps = np.zeros(3), []
-    for _ in range(60):
+    for _ in range(180):
         fuse_gnss(f, far, np.zeros(3), 0, SIGMA_M, SIGMA_MPS)
         steps.append(np.abs(f["position_enu_m"] - last).max())
         last = f["position_enu_m"].copy()
-    assert max(steps) <= 0.03 + 1e-9
+    assert max(steps) == pytest.approx(limit_m)
     np.testing.assert_allclose(last, far, atol=0.1)
 
 

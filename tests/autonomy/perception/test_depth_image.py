@@ -64,6 +64,16 @@ def test_half_of_an_image_shows_points_of_the_whole():
     )
 
 
+def test_a_pixel_alone_is_dropped_only_where_it_is_too_small_to_be_a_thing():
+    near, far = look_down((0.0, 0.0, 1.0)), look_down((0.0, 0.0, 5.0))
+    for image in (near, far):
+        image.depth_m[100, 90] = 7.0
+        image.depth_m[50, 60:62] = 0.7
+    assert np.isinf(near.without_lone_pixels().depth_m[100, 90])
+    assert np.isfinite(near.without_lone_pixels().depth_m).sum() == near.depth_m.size - 1
+    assert far.without_lone_pixels() is far
+
+
 def test_lines_of_sight_end_where_their_depth_is_sure():
     ends = np.array([[3.0, 0.0, 0.0]])
     eye = np.array([0.0, 0.0, 3.0])

@@ -160,6 +160,29 @@ def test_one_pixel_that_was_matched_wrong_moves_nothing():
     assert elevation.top_m[elevation.is_observed].max() > 1.9
 
 
+def matched_wrong(image, rng, share):
+    """The image with some pixels at any other depth, as a stereo camera has them."""
+    depth_m = image.depth_m.copy()
+    wrong = rng.random(depth_m.shape) < share
+    depth_m[wrong] = rng.uniform(0.3, 10.0, np.count_nonzero(wrong))
+    return dataclasses.replace(image, depth_m=depth_m)
+
+
+def test_pixels_matched_wrong_near_the_ground_raise_and_sink_nothing_beside_the_view():
+    rng = np.random.default_rng(11)
+    # Along its line of sight a wrong point lies where the camera sees nothing else any more.
+    above = [noisy(look_down((0.0, 0.0, 4.0)), rng, 0.0003) for _ in range(3)]
+    below = [
+        matched_wrong(noisy(look_down((0.0, 0.0, 0.8)), rng, 0.003), rng, 0.0005)
+        for _ in range(MEMORY_FRAMES)
+    ]
+    elevation = mapped(*above, *below, half_extent_m=1.5)
+    assert elevation.is_observed.all()
+    assert np.abs(elevation.height_m).max() < 0.05
+    assert elevation.top_m.max() < 0.05
+    assert elevation.bottom_m.min() > -0.05
+
+
 def test_a_second_frame_from_elsewhere_adds_its_own_cells():
     west, east = look_down((-1.5, 0.0, 3.0)), look_down((1.5, 0.0, 3.0))
     both = mapped(west, east, half_extent_m=4.0)

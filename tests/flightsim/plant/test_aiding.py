@@ -37,6 +37,16 @@ def test_curves_are_flown_by_every_aiding(field, aiding, limit_m):
     assert plant.sensors.gnss.fix_type == (6 if aiding == "auto" else 1)
 
 
+def test_beside_odometry_a_receiver_of_metre_grade_hardly_moves_the_estimate_in_seconds(field):
+    plant = Plant(field, PlantCfg(seed=3, aiding="auto", gnss="standard"))
+    errors = [
+        np.subtract(plant.estimate.position_enu_m, plant.truth.position_enu_m)[:2]
+        for _ in fly(plant, curves(np.random.default_rng(3)), 30.0)
+    ]
+    late = np.array(errors[250:])
+    assert np.abs(late[150:] - late[:-150]).max() < 0.25
+
+
 def test_odometry_keeps_the_position_valid_without_satellites(field):
     plant, _ = flown(field, seconds=2.0, aiding="auto")
     plant.set_sensor_enabled("gnss", is_enabled=False)

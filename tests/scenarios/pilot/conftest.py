@@ -81,6 +81,10 @@ class Demo:
         assert self.pilot.phase is phase, self.pilot.transitions[-1].reason
         return self.pilot
 
+    def deviation_m(self):
+        """Level distance of the vehicle from its setpoint."""
+        return self.pilot._flight.level_deviation_m
+
     def targets(self):
         return [change.target for change in self.pilot.transitions]
 

@@ -6,8 +6,10 @@ import math
 import numpy as np
 import pytest
 
+from autonomy.planning import CertificateError
 from flightsim.autopilot.modes import Mode
 from scenarios.pilot import Phase
+from scenarios.pilot.landing_phases import LAST_HEIGHT_M
 from tests.scenarios.landing_scenes import yard
 
 
@@ -19,6 +21,11 @@ def blind(render):
         return dataclasses.replace(frame, depth_m=np.full_like(frame.depth_m, np.inf))
 
     return see
+
+
+def push(demo, force_n):
+    """Push the vehicle to the north, until the next call."""
+    demo.bench.plant.data.qfrc_applied[1] = force_n
 
 
 def also_stands(pilot, center_enu_m, size_m):
@@ -119,6 +126,27 @@ def test_a_hold_without_a_way_on_ends_after_20_s_in_a_landing_at_home(demo):
     assert demo.targets()[-3:] == [Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
 
 
+def test_a_hold_that_ends_on_the_move_goes_on_and_leads_home(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly(until=lambda: False, limit_s=7.0)
+    push(demo, 30.0)
+    demo.fly_to(Phase.HOLD)
+    push(demo, 0.0)
+    flight, held_us = pilot._flight, pilot.transitions[-1].time_us
+
+    def no_way(*_):
+        raise CertificateError("no way")
+
+    flight.is_resting, flight.plan_to = lambda: False, no_way
+    demo.fly(limit_s=held_us * 1e-6 + 22.0)
+    assert pilot.phase is Phase.HOLD
+    del flight.is_resting, flight.plan_to
+    demo.fly()
+    assert pilot.verdict.reason == "phase hold took more than 20 s"
+    assert demo.targets()[-4:] == [Phase.RETURN, Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
+
+
 def test_an_estimator_that_loses_its_place_is_held_for_until_the_autopilot_acts(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
@@ -193,6 +221,80 @@ def test_carried_far_off_it_stops_where_it_is_and_goes_on_from_there(demo):
     assert math.dist(begin, demo.bench.plant.truth.position_enu_m) < 1.2
     demo.bench.plant.data.qfrc_applied[1] = 0.0
     demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+
+
+def test_pushed_off_a_hover_it_is_pulled_back_without_a_stop_elsewhere(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.SEARCH)
+    push(demo, 25.0)
+    demo.fly(until=lambda: demo.deviation_m() > 1.5)
+    push(demo, 0.0)
+    elapsed_s = pilot._flight.elapsed_s
+    demo.fly(until=lambda: demo.deviation_m() < 1.2)
+    assert pilot._flight.elapsed_s == pytest.approx(elapsed_s)  # the time of a gust does not count
+    demo.fly()
+    assert Phase.HOLD not in demo.targets()
+    assert pilot.verdict.success, pilot.verdict.reason
+
+
+def test_pushed_aside_at_take_off_it_goes_on_climbing(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.TAKEOFF)
+    demo.fly(until=lambda: demo.bench.plant.truth.position_enu_m[2] > 0.6)
+    push(demo, 25.0)
+    demo.fly(until=lambda: demo.deviation_m() > 0.7)
+    push(demo, 0.0)
+    demo.fly_to(Phase.NAVIGATE)
+    assert Phase.HOLD not in demo.targets()
+    demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+
+
+def test_pushed_aside_in_the_last_metre_it_waits_at_its_height(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.TOUCHDOWN)
+    push(demo, 22.0)
+    demo.fly(until=lambda: demo.deviation_m() > 0.06)
+    push(demo, 0.0)
+    flight = pilot._flight
+    demo.fly(until=lambda: flight.setpoint.velocity_enu_mps == (0.0, 0.0, 0.0))
+    assert flight.setpoint.position_enu_m[2] > flight.resting_height_m + LAST_HEIGHT_M
+    demo.fly()
+    assert Phase.CLIMB not in demo.targets()
+    assert pilot.verdict.success, pilot.verdict.reason
+    assert demo.score().touchdown_speed_mps < 0.5
+
+
+def test_carried_off_in_the_last_metre_it_climbs_back(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.TOUCHDOWN)
+    push(demo, 22.0)
+    demo.fly(until=lambda: demo.deviation_m() > 0.6)
+    push(demo, 0.0)
+    demo.fly()
+    assert demo.reason(Phase.CLIMB).endswith("off above the touchdown point")
+    assert pilot.verdict.success, pilot.verdict.reason
+    assert demo.score().touchdown_error_m < 0.2
+
+
+def test_blown_where_no_stop_is_proved_it_is_pulled_back_to_its_course(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly(until=lambda: False, limit_s=7.0)
+    stop = pilot._flight.brake
+
+    def only_on_the_course(start=None):
+        if start is not None:
+            raise CertificateError("no stop from here")
+        stop()
+
+    pilot._flight.brake = only_on_the_course
+    push(demo, 30.0)
+    demo.fly_to(Phase.HOLD)
+    push(demo, 0.0)
+    demo.fly()
+    assert Phase.HAND_OVER not in demo.targets()
     assert pilot.verdict.success, pilot.verdict.reason
 
 

@@ -54,6 +54,19 @@ def test_the_last_metre_is_steady_and_ends_below_the_surface():
     assert course.reference(begin_us + 6 * SECOND_US).velocity_enu_mps == (0.0, 0.0, 0.0)
 
 
+def test_a_pause_of_the_last_metre_keeps_its_height():
+    course = Course(leg((2, 3, 6), (2, 3, 4)))
+    course.fly(course.trajectory, 0)
+    course.touch_down(10 * SECOND_US, resting_height_m=3.1)
+    for time_us in range(11 * SECOND_US, 13 * SECOND_US, 20_000):
+        course.pause(time_us)
+        reference = course.reference(time_us)
+        assert reference.position_enu_m == pytest.approx((2, 3, 3.6))
+        assert reference.velocity_enu_mps == (0.0, 0.0, 0.0)
+    later = course.reference(13 * SECOND_US + SECOND_US // 2)
+    assert later.position_enu_m[2] == pytest.approx(3.6 - 0.42 * TOUCHDOWN_SPEED_MPS)
+
+
 def test_until_a_plan_takes_over_the_one_before_is_followed():
     first, second = leg((0, 0, 1), (4, 0, 1)), leg((1, 2, 1), (1, 2, 5))
     course = Course(first)

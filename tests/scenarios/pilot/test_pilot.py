@@ -8,6 +8,7 @@ import pytest
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.client.client import MavlinkClient
 from scenarios.pilot import Phase, Pilot
+from scenarios.pilot.landing_phases import MAX_SEARCH_FRAMES, SEARCH_FRAMES
 from tests.scenarios.landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, thing, yard
 
 
@@ -57,6 +58,25 @@ def test_with_no_area_left_it_flies_home_lands_there_and_says_why(demo):
     assert not demo.bench.autopilot.is_armed
     assert math.dist(demo.bench.plant.truth.position_enu_m[:2], (0.0, 0.0)) < 0.3
     assert demo.score().contacts_before_touchdown <= 1
+
+
+@pytest.mark.parametrize(("sway_m", "n_frames"), [(0.0, SEARCH_FRAMES), (9.0, MAX_SEARCH_FRAMES)])
+def test_a_place_with_less_room_than_gusts_take_is_looked_for_longer(demo, sway_m, n_frames):
+    demo = demo(yard())
+    watch = demo.fly_to(Phase.SEARCH)._flight.watch
+    watch.sway_m = sway_m
+    demo.fly_to(Phase.ALIGN)
+    assert watch.n_frames == n_frames
+
+
+def test_how_far_gusts_carry_it_while_it_searches_is_noticed(demo):
+    demo = demo(yard())
+    watch = demo.fly_to(Phase.SEARCH)._flight.watch
+    demo.bench.plant.data.qfrc_applied[1] = 15.0
+    demo.fly(until=lambda: demo.deviation_m() > 0.3)
+    demo.bench.plant.data.qfrc_applied[1] = 0.0
+    demo.fly_to(Phase.ALIGN)
+    assert watch.sway_m > 0.3
 
 
 def test_it_starts_again_from_the_top_when_the_place_turns_bad_on_the_way_down(demo):
