@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from aeroscene import __version__
+from aeroscene.solids import field_cache
 from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
@@ -84,6 +85,8 @@ class Flyer:
         key = (trial.scene, trial.vehicle)
         sampler = self._samplers.pop(key, None)
         if sampler is None:
+            # What fields have flooded from each start adds up to hundreds of megabytes a scene.
+            field_cache.forget()
             scene, airframe = self._hangar.scene(trial.scene), airframe_by_name(trial.vehicle)
             sampler = Sampler(trial.scene, scene, airframe, self._suite.recipe)
         self._samplers[key] = sampler

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -36,6 +37,8 @@ _MOST_DRAWS = 60
 """Draws of a start and an area for one trial, with those that no free space joins."""
 _SEEDS = 2**31
 _KEPT_SCENES = 2
+_KEPT_GROUNDS = 4
+"""Starts whose surroundings are kept: each holds as many cells as the scene."""
 _T = TypeVar("_T")
 
 
@@ -47,8 +50,6 @@ class NoTaskError(ValueError):
 class _Ground:
     """A start that the vehicle can stand on and leave."""
 
-    scene: Scene
-    """The scene with that start."""
     world: Surroundings
     takeoff_enu_m: Vector3
 
@@ -69,7 +70,9 @@ class Sampler:
         self._scene = scene
         self._airframe = airframe
         self._recipe = recipe
-        self._grounds: dict[Vector3, _Ground | None] = {}
+        self._grounds: OrderedDict[Vector3, _Ground] = OrderedDict()
+        self._barred: set[Vector3] = set()
+        """Starts that the vehicle cannot stand on, or not leave."""
         self._ways: dict[tuple[Vector3, int], WayFigures | None] = {}
 
     def task(self, trial: int) -> Task:
@@ -135,11 +138,8 @@ class Sampler:
         return areas[place % len(areas)].centroid, round(yaw_rad, 3)
 
     def _draw_area(self, start: Vector3, seed: int) -> InteractionArea | None:
-        """The area that a seed draws for a start; None if there is none, or no such start."""
-        ground = self._ground(start)
-        if ground is None:
-            return None
-        goals = draw_goals(ground.scene, self._airframe, seed, self._recipe.target)
+        """The area that a seed draws for a start; None if there is none."""
+        goals = draw_goals(self._from(start), self._airframe, seed, self._recipe.target)
         return goals[0] if goals else None
 
     def _way(self, start: Vector3, area: InteractionArea) -> WayFigures | None:
@@ -163,16 +163,25 @@ class Sampler:
 
     def _ground(self, start: Vector3) -> _Ground | None:
         """What is known of a start; None if the vehicle cannot stand there, or not leave it."""
-        if start not in self._grounds:
-            scene = replace(self._scene, start_position_enu_m=start)
+        if start in self._barred:
+            return None
+        ground = self._grounds.pop(start, None)
+        if ground is None:
             try:
-                build_world(scene, self._airframe)
-                world = survey(scene, self._airframe)
-                ground = _Ground(scene=scene, world=world, takeoff_enu_m=takeoff_point(world))
+                build_world(self._from(start), self._airframe)
+                world = survey(self._from(start), self._airframe)
+                ground = _Ground(world=world, takeoff_enu_m=takeoff_point(world))
             except (MissionError, WorldError):
-                ground = None
-            self._grounds[start] = ground
-        return self._grounds[start]
+                self._barred.add(start)
+                return None
+        self._grounds[start] = ground
+        if len(self._grounds) > _KEPT_GROUNDS:
+            self._grounds.popitem(last=False)
+        return ground
+
+    def _from(self, start: Vector3) -> Scene:
+        """The scene with another start."""
+        return replace(self._scene, start_position_enu_m=start)
 
 
 @functools.lru_cache(maxsize=_KEPT_SCENES)
