@@ -15,7 +15,15 @@ from jaxtyping import Bool, Float, Int
 from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked, slices
 from autonomy.mapping.exploring import plan_towards
-from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, Cells, integrate
+from autonomy.mapping.rays import (
+    FREE_AT,
+    HIT,
+    MOST_FREE,
+    MOST_OCCUPIED,
+    OCCUPIED_AT,
+    Cells,
+    integrate,
+)
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
@@ -73,6 +81,8 @@ class SeenMap:
         x, y, z = ((np.array(low_enu_m) + high_enu_m) / 2).tolist()
         self.eye_enu_m: Vector3 = (x, y, z)
         self._seen_in = np.zeros(shape, dtype=np.int8)
+        # Cells that were seen free since they were last known to stand.
+        self._was_free = np.zeros(shape, dtype=np.bool_)
         self._distance_m = np.zeros(shape, dtype=np.float32)
         self._route_m = np.full(shape, self.cfg.cap_m, dtype=np.float32)
         self._needed_m = 0.0
@@ -92,7 +102,11 @@ class SeenMap:
             image.inverse_depth_sigma_pm,
         )
         self.eye_enu_m = image.position_enu_m
-        self._change(self._view_block(image))
+        block = self._view_block(image)
+        evidence, was_free = self.evidence[slices(block)], self._was_free[slices(block)]
+        was_free |= evidence <= FREE_AT
+        was_free &= evidence < MOST_OCCUPIED
+        self._change(block)
 
     def assume_free_column(
         self, foot_enu_m: Vector3, *, radius_m: float = 1.1, height_m: float = 3.4
@@ -111,9 +125,29 @@ class SeenMap:
         is_above = z >= foot_enu_m[2] - _SURFACE_M
         is_assumed = (across <= radius_m) & is_above & (z <= foot_enu_m[2] + height_m)
         part = self.evidence[slices(block)]
-        part[is_assumed & (part < OCCUPIED_AT)] = FREE_AT
+        part[is_assumed & (part < OCCUPIED_AT)] = MOST_FREE
         self.eye_enu_m = foot_enu_m
         self._change(block)
+
+    def be_at(self, position_enu_m: Vector3, radius_m: float) -> None:
+        """Take the air that a vehicle fills for free, but for cells that several images hit.
+
+        A camera that looks ahead does not see the air around the vehicle again, so what noise
+        marked there would stay.
+        """
+        at = np.array(position_enu_m)
+        block = self._within(np.array([self.cells(at - radius_m), self.cells(at + radius_m) + 1]))
+        half = self.cfg.resolution_m / 2
+        gaps = (
+            np.maximum(np.abs(axis - at[n]) - half, 0.0) for n, axis in enumerate(self._axes(block))
+        )
+        x, y, z = np.meshgrid(*gaps, indexing="ij", sparse=True)
+        part = self.evidence[slices(block)]
+        is_filled = (x * x + y * y + z * z < radius_m**2) & (part > FREE_AT)
+        is_filled &= part < MOST_OCCUPIED
+        if np.any(is_filled):
+            part[is_filled] = FREE_AT
+            self._change(block)
 
     def give_up(self, cells: Int[np.ndarray, "n 3"]) -> None:
         """Assume that cells that could not be seen are occupied, until they are seen."""
@@ -145,10 +179,17 @@ class SeenMap:
         return self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
 
     def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """`distance_to_standing_m`, but 0 where nothing was seen free: no mover counts there."""
-        is_known_free = self.obstacles.signed_distance(points_enu_m)[0] > 0.0
-        is_new = ~is_known_free & (self.distance_to_seen_m(points_enu_m) > 0.0)
-        return np.where(is_new, 0.0, self.distance_to_standing_m(points_enu_m))
+        """`distance_to_standing_m`, but 0 where nothing was ever free: no mover counts there."""
+        return np.where(
+            self._at(self._was_free, points_enu_m), self.distance_to_standing_m(points_enu_m), 0.0
+        )
+
+    def distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Distance to everything that was not seen free, at most 0 within it."""
+        away_m = self._obstacles_about(points_enu_m).signed_distance(points_enu_m)[0]
+        # Of what was not seen free the boxes hold the skin only.
+        is_free = self._at(self.evidence <= FREE_AT, points_enu_m)
+        return np.where(is_free, away_m, np.minimum(away_m, 0.0))
 
     def find_openings(self) -> Sequence[Opening]:
         """No passages: a growing map does not look for them."""
@@ -178,7 +219,7 @@ class SeenMap:
             self._obstacles = self.obstacles_in(block)
         return self._obstacles
 
-    def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
+    def _obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
         """Boxes over everything about some points that was not seen free, and all beyond that."""
         away = np.abs(points_enu_m - np.array(self.eye_enu_m))
         if np.all(away < self.cfg.nearby_m - self.cfg.cap_m):
@@ -213,6 +254,14 @@ class SeenMap:
         """First cell, and the cell beyond the last, of a block that holds cells and a margin."""
         n = math.ceil(margin_m / self.cfg.resolution_m)
         return self._within(np.array([cells.min(axis=0) - n, cells.max(axis=0) + 1 + n]))
+
+    def _at(
+        self, cells: Bool[np.ndarray, "nx ny nz"], points_enu_m: Float[np.ndarray, "k 3"]
+    ) -> Bool[np.ndarray, " k"]:
+        """Values of the cells that hold the points; False outside the map."""
+        at = self.cells(points_enu_m)
+        is_inside = np.all((at >= 0) & (at < cells.shape), axis=1)
+        return is_inside & cells[tuple(np.where(is_inside[:, None], at, 0).T)]
 
     def _as_field(self, distance_m: np.ndarray, first: np.ndarray) -> DistanceField:
         x, y, z = self.centres(first).tolist()
