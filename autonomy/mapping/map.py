@@ -45,12 +45,16 @@ class Map(Protocol):
         """Update the map with a depth image of any camera."""
         ...
 
-    def be_at(self, position_enu_m: Vector3, radius_m: float) -> None:
-        """Take the air that a vehicle fills for free."""
+    def be_at(self, position_enu_m: Vector3, radius_m: float, sole_m: float) -> None:
+        """Take the air that a vehicle fills for free, down to its soles."""
         ...
 
     def distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
         """Distance to obstacles to avoid, at most 0 within them."""
+        ...
+
+    def rough_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """The same for many points, quickly: up to a cell off in a growing map."""
         ...
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
@@ -91,7 +95,7 @@ class GivenMap:
     def observe(self, image: DepthImage) -> None:
         """Learn nothing from an image."""
 
-    def be_at(self, position_enu_m: Vector3, radius_m: float) -> None:
+    def be_at(self, position_enu_m: Vector3, radius_m: float, sole_m: float) -> None:
         """Learn nothing from the place of a vehicle."""
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
@@ -100,6 +104,7 @@ class GivenMap:
 
     static_distance_m = distance_to_seen_m
     distance_m = distance_to_seen_m
+    rough_distance_m = distance_to_seen_m
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
         """Whether free cells join a point to the start."""

@@ -83,7 +83,7 @@ class Surroundings:
             position_enu_m: Position of the vehicle that takes it.
         """
         self.map.observe(image)
-        self.map.be_at(position_enu_m, self.planner.vehicle_radius_m + self.planner.min_margin_m)
+        self.map.be_at(position_enu_m, self.craft.keep_m, self.airframe.leg_length_m)
 
     @functools.cached_property
     def openings(self) -> Sequence[Opening]:

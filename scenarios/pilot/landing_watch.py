@@ -136,7 +136,8 @@ def _is_open_above(
     lowest_m = surface_m + surroundings.lift_m + surroundings.radius_m + _COLUMN_STEP_M
     heights = np.arange(lowest_m, top_m + _COLUMN_STEP_M / 2, _COLUMN_STEP_M)
     z, y, x = np.meshgrid(heights, north, east, indexing="ij")
-    room_m = surroundings.clearance_m(np.stack([x, y, z], axis=-1).reshape(-1, 3))
+    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    room_m = surroundings.map.rough_distance_m(points) - surroundings.radius_m
     is_open = np.all(room_m.reshape(z.shape) >= _COLUMN_MARGIN_M, axis=0)
     n = len(elevation.height_m)
     return np.kron(is_open, np.ones((stride, stride), dtype=bool))[:n, :n]

@@ -39,8 +39,8 @@ def growing():
 def test_a_given_map_knows_what_nobody_saw(given):
     assert given.is_given
     for place, room_m in ((BEFORE, 2.0), (BEHIND, 2.8)):
-        for distance in (given.distance_to_seen_m, given.static_distance_m, given.distance_m):
-            assert distance(place) == pytest.approx(room_m)
+        for kind in ("distance_m", "rough_distance_m", "distance_to_seen_m", "static_distance_m"):
+            assert getattr(given, kind)(place) == pytest.approx(room_m)
     assert given.may_be_reached(tuple(BEFORE[0]))
     assert not given.may_be_reached(tuple(BEHIND[0]))
 
@@ -62,6 +62,11 @@ def test_nothing_unseen_is_clear_however_far_from_what_was_seen():
     points = np.random.default_rng(0).uniform(LOW, HIGH, (500, 3))
     is_free = seen.evidence[tuple(seen.cells(points).T)] < 0
     assert np.array_equal(seen.distance_m(points) > 0.0, is_free)
+    assert (
+        np.abs(seen.rough_distance_m(points) - np.maximum(seen.distance_m(points), 0.0)).max()
+        < 0.22
+    )
+    assert np.all(seen.rough_distance_m(points + (100.0, 0.0, 0.0)) == 0.0)
 
 
 def test_a_surface_that_comes_into_view_does_not_move_but_what_comes_into_free_air_does():

@@ -135,14 +135,19 @@ def test_one_image_that_errs_does_not_close_the_air_above_the_start():
 @pytest.mark.parametrize(("evidence", "is_free"), [(HIT, True), (MOST_OCCUPIED, False)])
 def test_the_air_that_the_vehicle_fills_is_free_but_what_stands_there_is_not(evidence, is_free):
     seen = SeenMap(LOW, HIGH)
-    at, radius = (1.0, 0.0, 2.0), 0.4
     hit = tuple(seen.cells(np.array((1.1, 0.3, 2.1))))
     seen.evidence[hit] = evidence
-    seen.be_at(at, radius)
-    room_m = seen.obstacles.signed_distance(np.array([at]))[0]
-    assert (room_m >= radius) == is_free
+    seen.be_at((1.0, 0.0, 2.0), 0.4, 0.1)
     assert (seen.evidence[hit] <= FREE_AT) == is_free
+    assert state(seen, 1.0, 0.0, 2.0) == state(seen, 0.7, 0.0, 2.2) == "free"
     assert state(seen, 1.0, 0.7, 2.0) == "unknown"
+
+
+def test_what_the_vehicle_may_stand_on_is_not_free():
+    seen = SeenMap(LOW, HIGH)
+    seen.be_at((1.0, 0.0, 2.1), 0.4, 0.1)
+    assert state(seen, 1.0, 0.0, 2.1) == "free"
+    assert state(seen, 1.0, 0.0, 1.9) == "unknown"
 
 
 @given(seeds)
@@ -192,6 +197,6 @@ def test_what_stands_is_told_from_what_only_passed():
     wall, passer = (5.05, 0.0, 2.0), (2.85, 0.0, 2.0)
     points = np.array([wall, passer])
     assert seen.distance_to_seen_m(points)[0] == pytest.approx(0.0)
-    standing = seen.distance_to_standing_m(points)
+    standing = seen.distance_to_seen_m(points, MOST_OCCUPIED)
     assert standing[0] == pytest.approx(0.0)
     assert standing[1] == pytest.approx(1.25)
