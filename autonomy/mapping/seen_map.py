@@ -254,7 +254,7 @@ class SeenMap:
             origin_enu_m=(x, y, z), resolution_m=self.cfg.resolution_m, distance_m=distance_m
         )
 
-    def _away_from(self, point_enu_m: Vector3, block: np.ndarray) -> list[np.ndarray]:
+    def _away_from(self, point_enu_m: Vector3, block: np.ndarray) -> tuple[np.ndarray, ...]:
         """Coordinates of the cell centres of a block from a point, each along its own axis."""
         axes = [
             self.corner_enu_m[n] + (np.arange(*block[:, n]) + 0.5) * self.cfg.resolution_m
