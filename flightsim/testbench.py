@@ -109,6 +109,17 @@ class TestbenchCfg:
         """
         return Effects.without(self.without)
 
+    @property
+    def plant_cfg(self) -> PlantCfg:
+        """Plant of these settings."""
+        return PlantCfg(
+            seed=self.seed,
+            gnss=self.gnss,
+            aiding=self.aiding,
+            wind=self.wind_cfg,
+            effects=self.effects,
+        )
+
 
 class Testbench:
     """Builds every part of a run and owns what must be closed.
@@ -150,16 +161,7 @@ class Testbench:
         self.world: World = build_world(
             self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
-        self.plant = Plant(
-            self.world,
-            PlantCfg(
-                seed=cfg.seed,
-                gnss=cfg.gnss,
-                aiding=cfg.aiding,
-                wind=cfg.wind_cfg,
-                effects=cfg.effects,
-            ),
-        )
+        self.plant = Plant(self.world, cfg.plant_cfg)
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )

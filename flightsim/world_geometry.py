@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.solids.shapes import MATERIALS, Primitive
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 
 STATIC_CONTACT: dict[str, Any] = {
     "contype": 1,

@@ -51,7 +51,8 @@ class EstimatorCfg:
     """Stationary standard deviation of the receiver's slow error."""
     gnss_wander_correlation_s: float = 60.0
     max_gnss_step_m: float = 0.03
-    """Greatest change of each position axis by a fix, while there is odometry."""
+    """Greatest change of each position axis by the position, and by the velocity, of a fix, while
+    there is odometry."""
     vio_position_walk: tuple[float, float] = (0.025, 0.02)
     """Drift of visual-inertial odometry, m/sqrt(m flown)."""
     vio_yaw_walk: float = 2.1e-3

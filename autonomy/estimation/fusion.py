@@ -55,7 +55,9 @@ def fuse_gnss(
         h[:] = 0.0
         h[VELOCITY + i] = 1.0
         innovation = velocity_enu_mps[i] - past_velocity(f, age_ticks, i)
-        ratio = scalar_update(f, _GNSS_VELOCITY, innovation, sigma_mps[i] * sigma_mps[i])
+        variance = sigma_mps[i] * sigma_mps[i]
+        variance = max(variance, _variance_of_a_small_step(f, i, innovation))
+        ratio = scalar_update(f, _GNSS_VELOCITY, innovation, variance)
         f.ratio_gnss_velocity = max(f.ratio_gnss_velocity, ratio)
     if f.ratio_gnss_position <= 1.0:
         f.gnss_rejections = 0
@@ -84,7 +86,7 @@ def _let_wander(f: np.record) -> None:
 
 @kernel
 def _variance_of_a_small_step(f: np.record, i: int, innovation: float) -> float:
-    """Least variance with which a fix moves position i by at most `max_gnss_step_m`.
+    """Least variance with which a measurement moves position i by at most `max_gnss_step_m`.
 
     Only while odometry carries the position: after a flight indoors GNSS then takes over in steps
     that a controller does not notice. The weight of Huber 1964, bounded on the correction.

@@ -17,8 +17,8 @@ import numpy as np
 from aeroscene.scene import InteractionArea
 from flightsim.export.files import staged, write_png
 from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_name
-from flightsim.geom_groups import GeomGroup
 from flightsim.looks.drawing import add_looks
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.world import World, add_ground, add_vehicle_at_start, new_spec
 from flightsim.world_geometry import add_solids
 

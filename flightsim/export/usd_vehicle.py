@@ -10,7 +10,7 @@ from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from flightsim.export.meshes import pose_matrix
 from flightsim.export.usd_prims import define_xform, label, set_pose
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.world import World
 
 VEHICLE_PATH = "/World/Vehicle"

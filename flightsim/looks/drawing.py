@@ -16,7 +16,7 @@ import numpy as np
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.light import AMBIENT_RGB, SUN_DIRECTION, SUN_RGB
 from flightsim.looks.mesh import MeshBuilder, WorldMesh, add_solids
 from flightsim.looks.paint import Paint

@@ -16,7 +16,7 @@ from jaxtyping import Float
 
 from aeroscene.solids.shapes import MATERIALS, Primitive
 from flightsim.environment.movers import MovingObstacle, mover_name, mover_primitives
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.mesh import surface_enu
 from flightsim.looks.surfaces import FAST
 

@@ -18,7 +18,7 @@ from flightsim.environment.steel import STEEL_COLUMNS, steel_dipoles
 from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import ADVANCE_HZ, PlantCfg, estimator_cfg_for
-from flightsim.plant.mujoco_calls import function_addresses
+from flightsim.plant.mujoco_calls import addresses
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.plant.sky import new_sky
@@ -126,7 +126,7 @@ class PlantMemory:
         e["ticks_per_advance"] = cfg.control_hz // ADVANCE_HZ
         e["has_power"] = 1
         e["knows_truth"] = cfg.state == "truth"
-        e["step_address"], e["ray_address"] = function_addresses()
+        e["step_address"], e["ray_address"], e["clock_address"] = addresses()
         e["model_address"], e["data_address"] = model._address, data._address
         joint = model.body_jntadr[body]
         self.qpos = data.qpos[model.jnt_qposadr[joint] :][:7]

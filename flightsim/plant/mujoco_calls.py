@@ -22,11 +22,15 @@ from autonomy.jit import kernel
 _POINTER = ir.IntType(8).as_pointer()
 
 
-def function_addresses() -> tuple[int, int]:
-    """Addresses of `mj_step` and `mj_ray` in the library that `mujoco` has loaded."""
+def addresses() -> tuple[int, int, int]:
+    """Addresses in the library that `mujoco` has loaded: of `mj_step`, `mj_ray` and `mjcb_time`.
+
+    The third is a variable with the clock by which MuJoCo times its stages; 0 in it is no clock.
+    """
     folder = Path(mujoco.__file__).parent
     library = ctypes.CDLL(str(next(folder.glob("libmujoco.*"))))
-    return _address(library.mj_step), _address(library.mj_ray)
+    clock = ctypes.addressof(ctypes.c_void_p.in_dll(library, "mjcb_time"))
+    return _address(library.mj_step), _address(library.mj_ray), clock
 
 
 def _address(function: Any) -> int:
@@ -104,3 +108,9 @@ def doubles(address: int, n: int) -> np.ndarray:
 def integers(address: int, n: int) -> np.ndarray:
     """The n integers of 32 bits at an address."""
     return carray(_pointer(address), (n,), np.int32)
+
+
+@kernel
+def pointers(address: int, n: int) -> np.ndarray:
+    """The n pointers at an address, as integers."""
+    return carray(_pointer(address), (n,), np.intp)

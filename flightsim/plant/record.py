@@ -21,7 +21,8 @@ ENGINE_DTYPE = np.dtype(
         *fields("tick_us", "tick_hz", "steps_per_tick", "ticks_per_advance", kind="i8"),
         *fields("has_new_setpoint", "has_power", "contact_ticks", kind="i8"),
         ("knows_truth", "i8"),  # the controller, instead of the estimate
-        *fields("step_address", "ray_address", "model_address", "data_address", kind="i8"),
+        *fields("step_address", "ray_address", "clock_address", kind="i8"),  # of MuJoCo
+        *fields("model_address", "data_address", kind="i8"),
         # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
         *fields("qpos_address", "qvel_address", "applied_address", kind="i8"),
         # of the world: constraint forces, poses of movers, what geoms and bodies may touch

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3, quat_about_up
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.vehicles.airframe import Airframe, CameraMount
 
 VEHICLE_BODY = "vehicle"

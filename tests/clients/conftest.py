@@ -1,7 +1,5 @@
-"""Real testbench process on real ports, a free set of them for each xdist worker."""
+"""Real testbench process on real ports."""
 
-import os
-import re
 import signal
 import socket
 import subprocess
@@ -11,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
+from tests.instances import own_instance
 
 SPEED = 4
 """Simulated seconds per wall second: clients use wall time."""
@@ -50,15 +50,9 @@ class Testbench:
         return errors
 
 
-def _instance() -> int:
-    # Ports of instances that differ by less than 10 never overlap.
-    worker = re.sub(r"\D", "", os.environ.get("PYTEST_XDIST_WORKER", "0"))
-    return 60 + int(worker or 0) % 10
-
-
 @pytest.fixture
 def testbench(tmp_path):
-    instance = _instance()
+    instance = own_instance()
     arguments = ["--scene", "field", "--speed", str(SPEED), "--instance", str(instance)]
     process = subprocess.Popen(
         [sys.executable, "-m", "scenarios.cli.sitl", *arguments, "--headless-seconds", "600"],

@@ -100,7 +100,6 @@ def flow_at(
 
     Below the middle of the lowest cells it is theirs.
     """
-    base, share = (0, 0, 0), (0.0, 0.0, 0.0)
     nx, ny, nz = field.shape[0], field.shape[1], field.shape[2]
     a = (position[0] - origin_enu_m[0]) / cell_m - 0.5
     b = (position[1] - origin_enu_m[1]) / cell_m - 0.5

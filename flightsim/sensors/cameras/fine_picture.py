@@ -5,8 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from flightsim.geom_groups import GeomGroup
 from flightsim.looks.drawing import drawn_mesh
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.pixel_light import PixelLight
 from flightsim.looks.sky import HORIZON_RGB, painted_sky
 from flightsim.looks.surfaces import FINE

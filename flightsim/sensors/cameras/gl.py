@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import FAST, FINE
 from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles

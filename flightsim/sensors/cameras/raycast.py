@@ -14,9 +14,9 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
-from flightsim.geom_groups import GeomGroup
 from flightsim.looks.bake import lit
 from flightsim.looks.drawing import drawn_mesh
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.light import light_rgb, surface_light
 from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.rays import RayScene

@@ -81,6 +81,16 @@ def test_beside_odometry_a_far_fix_moves_the_estimate_by_a_small_step():
     np.testing.assert_allclose(last, far, atol=0.1)
 
 
+def test_beside_odometry_a_fast_fix_moves_the_position_by_a_small_step():
+    f = moving_filter(np.zeros(3), sigma=0.2, max_gnss_step_m=0.03)
+    f["has_vio"] = 1
+    for i in range(3):
+        f["covariance"][i, 3 + i] = f["covariance"][3 + i, i] = 0.9 * 0.2**2
+    fuse_gnss(f, np.zeros(3), np.array([0.4, 0.0, 0.0]), 0, SIGMA_M, SIGMA_MPS)
+    assert 0.02 < f["position_enu_m"][0] <= 0.03 + 1e-9
+    assert f["ratio_gnss_velocity"] > 0.0
+
+
 def test_late_fixes_pull_a_wrong_estimate_onto_the_moving_truth():
     velocity = np.array([5.0, 0.0, 0.0])
     f = moving_filter(velocity)

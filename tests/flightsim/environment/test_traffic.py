@@ -8,7 +8,7 @@ from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
 from flightsim.environment.motion import new_movers, place_mover
 from flightsim.environment.traffic import TrafficCfg, TrafficError, plan_traffic
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import FIRST_MOVER_ID, build_world
 from flightsim.world_geometry import SurfaceProbe

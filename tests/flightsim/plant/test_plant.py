@@ -5,6 +5,7 @@ import math
 import subprocess
 import sys
 
+import mujoco
 import numba
 import numpy as np
 import pytest
@@ -284,6 +285,16 @@ def test_contact_is_counted_on_the_ground_and_not_in_the_air(worlds):
     flight.fly(1.0, position(*flight.hover))
     assert flight.plant.contact_ticks == 0
     assert flight.plant.total_contact_ticks == before
+
+
+def test_mujoco_times_its_stages_for_others_but_not_for_the_plant(worlds):
+    world = worlds["iris"]
+    plant = Plant(world, PlantCfg(seed=1))
+    plant.advance()
+    assert plant.data.timer[mujoco.mjtTimer.mjTIMER_STEP].duration == 0.0
+    data = world.new_data()
+    mujoco.mj_step(world.model, data)
+    assert data.timer[mujoco.mjtTimer.mjTIMER_STEP].duration > 0.0
 
 
 def test_setpoints_that_are_not_numbers_are_refused(worlds, caplog):

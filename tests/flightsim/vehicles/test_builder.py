@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from flightsim.geom_groups import GeomGroup
+from flightsim.looks.geom_groups import GeomGroup
 from flightsim.vehicles.builder import camera_quat_wxyz, sole_positions_flu_m
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world

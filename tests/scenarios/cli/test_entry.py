@@ -10,6 +10,8 @@ from importlib.metadata import version
 import psutil
 import pytest
 
+from tests.instances import own_instance
+
 SITL = "import sys; from scenarios.cli.entry import aeroscene_sitl; sys.exit(aeroscene_sitl())"
 AEROSCENE = "import sys; from scenarios.cli.entry import aeroscene; sys.exit(aeroscene())"
 
@@ -27,8 +29,8 @@ def test_every_way_in_says_the_version_in_one_line(command):
 
 
 def test_the_testbench_is_a_command_among_the_others():
-    command = ["sitl", "7", "--headless-seconds", "0.1", "--speed", "max", "--instance", "98"]
-    output, errors = start("-m", "aeroscene", *command).communicate(timeout=100)
+    flight = f"sitl 7 --headless-seconds 0.1 --speed max --instance {own_instance()}"
+    output, errors = start("-m", "aeroscene", *flight.split()).communicate(timeout=100)
     assert "Scene aeroscene-0007" in errors
     assert "simulated" in output
 
@@ -45,7 +47,7 @@ def test_output_that_is_not_read_to_its_end_leaves_no_traceback():
 @pytest.mark.parametrize("after_s", [0.2, 0.5, 0.9, 1.4, 2.0])
 def test_ctrl_c_while_starting_ends_without_a_word_and_leaves_nothing(tmp_path, after_s):
     record = str(tmp_path / "x.rrd")
-    args = ["--demo", "--viewer", "web", "--record", record, "--instance", "97"]
+    args = ["--demo", "--viewer", "web", "--record", record, "--instance", str(own_instance())]
     process = start("-c", SITL, *args)
     time.sleep(after_s)
     children = psutil.Process(process.pid).children(recursive=True)

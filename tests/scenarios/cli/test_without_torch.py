@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.instances import own_instance
+
 ROOT = Path(__file__).parents[3]
 WITHOUT_TORCH = """
 import sys
@@ -42,7 +44,7 @@ def run(tmp_path):
 
 
 def test_the_base_install_flies_a_shipped_scene(run):
-    flight = "--scene 42 --headless-seconds 2 --speed max --instance 57 --json"
+    flight = f"--scene 42 --headless-seconds 2 --speed max --instance {own_instance()} --json"
     done = run("scenarios.cli.sitl", *flight.split())
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["sim_seconds"] == pytest.approx(2.0, abs=0.1)

@@ -5,8 +5,9 @@ from scenarios.pictures.recorded import read_story
 from scenarios.pictures.tape import FlightTape
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
+from tests.instances import own_instance
 
-BENCH = TestbenchCfg(speed="max", instance=71)
+BENCH = TestbenchCfg(speed="max", instance=own_instance())
 
 
 def test_run_that_nobody_flies_leaves_a_picture(tmp_path):

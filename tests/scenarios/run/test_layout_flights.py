@@ -15,6 +15,7 @@ from tests.aeroscene.layouts.samples import (
     write_json,
     write_lines,
 )
+from tests.instances import own_instance
 
 FILES = {
     "house": lambda folder: f"{write_lines(folder / 'l.jsonl', block(), house())}#1",
@@ -27,7 +28,7 @@ FILES = {
 @pytest.mark.parametrize("name", FILES)
 def test_a_layout_is_flown_and_landed_in(tmp_path, name):
     vehicle = "hummingbird" if name == "house" else "iris"
-    bench = TestbenchCfg(vehicle=vehicle, speed="max", instance=79)
+    bench = TestbenchCfg(vehicle=vehicle, speed="max", instance=own_instance())
     with Sitl(SitlCfg(scene=FILES[name](tmp_path), bench=bench, demo=True)) as sitl:
         result = sitl.run()
     assert result.success, result.reason

@@ -2,8 +2,6 @@
 
 import http.client
 import json
-import os
-import re
 import signal
 import socket
 import subprocess
@@ -20,19 +18,14 @@ from flightsim.testbench import TestbenchCfg
 from scenarios.recording.summary import summarise
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
+from tests.instances import own_instance
 
 COMMAND = [sys.executable, "-m", "scenarios.cli.sitl"]
 
 
-def instance():
-    # Ports of instances that differ by less than 10 never meet.
-    worker = re.sub(r"\D", "", os.environ.get("PYTEST_XDIST_WORKER", "0"))
-    return 80 + int(worker or 0) % 10
-
-
 def sitl(*args, **options):
     return subprocess.run(
-        [*COMMAND, "--instance", str(instance()), *args],
+        [*COMMAND, "--instance", str(own_instance()), *args],
         capture_output=True,
         text=True,
         timeout=110,
@@ -138,7 +131,7 @@ def test_a_disk_that_fills_up_costs_the_recording_its_end_and_not_the_figures(tm
     path = tmp_path / "flight.rrd"
     args = ("--scene", "field", "--headless-seconds", "8", "--speed", "max", "--camera-hz", "0")
     done = subprocess.run(
-        [sys.executable, "-c", FILLING_UP, "--instance", str(instance())]
+        [sys.executable, "-c", FILLING_UP, "--instance", str(own_instance())]
         + [*args, "--json", "--record", str(path)],
         capture_output=True,
         text=True,
@@ -185,9 +178,9 @@ def test_a_recording_does_not_take_the_place_of_standard_output(tmp_path, name):
 
 def test_interrupting_closes_the_recording_and_gives_the_ports_back(tmp_path):
     path = tmp_path / "cut.rrd"
-    args = ["--instance", str(instance()), "--record", str(path), "--camera-hz", "0"]
+    args = ["--instance", str(own_instance()), "--record", str(path), "--camera-hz", "0"]
     process = subprocess.Popen([*COMMAND, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    port = 5760 + 10 * instance()
+    port = 5760 + 10 * own_instance()
     assert process.stderr is not None
     assert any(b"Ctrl-C ends" in line for line in process.stderr)
     time.sleep(2.0)
@@ -212,7 +205,7 @@ def test_a_demo_ends_when_its_time_is_up():
 
 def test_a_demo_that_is_told_to_end_says_by_what():
     process = subprocess.Popen(
-        [*COMMAND, "--instance", str(instance()), "--demo", "--json"],
+        [*COMMAND, "--instance", str(own_instance()), "--demo", "--json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -232,7 +225,7 @@ def watched():
     """A run with a web viewer whose flight has ended: the process and the page's address."""
     args = ["--viewer", "web", "--camera-hz", "0", "--speed", "max", "--headless-seconds", "0.5"]
     process = subprocess.Popen(
-        [*COMMAND, "--instance", str(instance()), *args, "--json"],
+        [*COMMAND, "--instance", str(own_instance()), *args, "--json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -269,7 +262,7 @@ def test_a_page_that_nobody_opened_ends_with_ctrl_c(watched):
 
 
 def test_a_run_that_is_stopped_before_its_first_step_ends_like_any_other():
-    with Sitl(SitlCfg(bench=TestbenchCfg(instance=instance()))) as run:
+    with Sitl(SitlCfg(bench=TestbenchCfg(instance=own_instance()))) as run:
         result = run.run(lambda: True)
     assert result.success is None
     assert result.sim_seconds == 0.0
@@ -278,10 +271,10 @@ def test_a_run_that_is_stopped_before_its_first_step_ends_like_any_other():
 
 def test_a_port_in_use_is_named_with_the_way_out():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
-        taken.bind(("127.0.0.1", 18570 + instance()))
+        taken.bind(("127.0.0.1", 18570 + own_instance()))
         done = sitl()
     assert done.returncode == 2
-    assert f"UDP port {18570 + instance()}" in done.stderr
+    assert f"UDP port {18570 + own_instance()}" in done.stderr
     assert "--instance" in done.stderr
     assert done.stderr.count("\n") == 1
 
@@ -302,12 +295,12 @@ def test_a_folder_that_is_missing_is_made_and_told(tmp_path):
 
 def test_nothing_listens_beyond_loopback():
     process = subprocess.Popen(
-        [*COMMAND, "--instance", str(instance())],
+        [*COMMAND, "--instance", str(own_instance())],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
     try:
-        wait_for(5760 + 10 * instance())
+        wait_for(5760 + 10 * own_instance())
         for connection in psutil.Process(process.pid).net_connections():
             assert connection.laddr.ip == "127.0.0.1"
     finally:
@@ -318,10 +311,10 @@ def test_nothing_listens_beyond_loopback():
 
 def test_the_first_heartbeat_comes_unasked():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
-        station.bind(("127.0.0.1", 14550 + instance()))
+        station.bind(("127.0.0.1", 14550 + own_instance()))
         station.settimeout(30.0)
         process = subprocess.Popen(
-            [*COMMAND, "--instance", str(instance())],
+            [*COMMAND, "--instance", str(own_instance())],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
