@@ -189,6 +189,18 @@ def distance_to_cells(
     return distance
 
 
+def distance_to_border(
+    block: Int[np.ndarray, "2 3"], shape: tuple[int, ...], resolution_m: float
+) -> Float[np.ndarray, "nx ny nz"]:
+    """Distance from the cell centres of a block to the border of the whole volume."""
+    gaps_m = []
+    for axis in range(3):
+        cells = np.arange(*block[:, axis])
+        gaps_m.append((np.minimum(cells, shape[axis] - 1 - cells) + 0.5) * resolution_m)
+    x, y, z = np.meshgrid(*gaps_m, indexing="ij", sparse=True)
+    return np.minimum(np.minimum(x, y), z).astype(np.float32)
+
+
 def slices(block: Int[np.ndarray, "2 3"]) -> tuple[slice, slice, slice]:
     """Slices of an array of cells for a block from its first cell to before its last."""
     (i, j, k), (u, v, w) = block.tolist()

@@ -82,15 +82,21 @@ def _next_plan(task: Task) -> Trajectory:
         _require_news(task)
         path = _way(task)
         n_open = _n_open(task, path)
+        is_near = task.away_m(task.point(path[n_open - 1])) < WORTHWHILE_M
         if n_open == len(path):
-            return task.fly(path, task.goal_enu_m)
-        if task.away_m(task.point(path[n_open - 1])) < WORTHWHILE_M:
+            try:
+                return task.fly(path, task.goal_enu_m)
+            except PlanningError:
+                # From nearer, or past the clutter, there may be a plan for the rest.
+                if is_near:
+                    raise
+        elif is_near:
             set_out(task, path[n_open:])
             continue
         try:
             return _fly_some(task, path[:n_open])
         except PlanningError:
-            if task.is_moving:
+            if task.is_moving or n_open == len(path):
                 raise
             seen.give_up(path[n_open - 1 : n_open])
     raise UnreachableError(

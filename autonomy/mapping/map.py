@@ -45,8 +45,16 @@ class Map(Protocol):
         """Update the map with a depth image of any camera."""
         ...
 
-    def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """Obstacles to avoid near some points."""
+    def be_at(self, position_enu_m: Vector3, radius_m: float, sole_m: float) -> None:
+        """Take the air that a vehicle fills for free, down to its soles."""
+        ...
+
+    def distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Distance to obstacles to avoid, at most 0 within them."""
+        ...
+
+    def rough_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """The same for many points, quickly: up to a cell off in a growing map."""
         ...
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
@@ -54,7 +62,7 @@ class Map(Protocol):
         ...
 
     def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """Distance to obstacles known not to move; 0 where nothing is known."""
+        """Distance to obstacles known not to move; 0 where nothing was ever known to be free."""
         ...
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
@@ -87,16 +95,16 @@ class GivenMap:
     def observe(self, image: DepthImage) -> None:
         """Learn nothing from an image."""
 
-    def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
-        """All obstacles of the map."""
-        del points_enu_m
-        return self.obstacles
+    def be_at(self, position_enu_m: Vector3, radius_m: float, sole_m: float) -> None:
+        """Learn nothing from the place of a vehicle."""
 
     def distance_to_seen_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
         """Exact distances to the obstacles."""
         return self.obstacles.signed_distance(points_enu_m)[0]
 
     static_distance_m = distance_to_seen_m
+    distance_m = distance_to_seen_m
+    rough_distance_m = distance_to_seen_m
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
         """Whether free cells join a point to the start."""

@@ -3,8 +3,10 @@
 Each image counts once for each cell, and a hit counts more than a pass, because many lines graze
 the neighbours of a surface. Lines are taken for blocks of pixels, as far as the nearest pixel of a
 block and its neighbours reaches, so that neither a thin pole between two lines is called free nor a
-cell that holds the edge of something; the ends of all pixels' lines count. A cell that is partly in
-the shadow of something is not called free by that image, because part of that thing may be in it.
+cell that holds the edge of something; the ends of all pixels' lines count, but of those that no
+pixel beside them bears out: stereo cameras match a few with something else altogether. A cell that
+is partly in the shadow of something is not called free by that image, because part of that thing
+may be in it.
 Where a block measured nothing, as towards the sky, it counts as free as far as the nearest
 measurement of its neighbourhood, at most the range.
 
@@ -32,6 +34,12 @@ BLOCK_PX = 3
 _NEIGHBOURHOOD = 6
 """Number of neighbouring blocks on each side."""
 _LEAST_DEPTH_M = 0.05
+_LEAST_ALIKE = 2
+"""Number of the eight pixels about one that must show the same surface."""
+_ALIKE_SHARE = 0.05
+"""Difference of depth within one surface from pixel to pixel, as a share of depth: a pixel is
+0.3 degrees wide, so this holds up to an angle of incidence of 84 degrees."""
+_ALIKE_SIGMAS = 4.0
 
 
 class Cells(NamedTuple):
@@ -96,6 +104,8 @@ def _mark_ends(
                 continue
             if 2.0 * inverse_sigma * d * d > resolution:
                 continue
+            if not _is_borne_out(depth, v, u, inverse_sigma):
+                continue
             p = eye[0] + d * (rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2])
             q = eye[1] + d * (rotation[1, 0] * x + rotation[1, 1] * y + rotation[1, 2])
             r = eye[2] + d * (rotation[2, 0] * x + rotation[2, 1] * y + rotation[2, 2])
@@ -105,6 +115,19 @@ def _mark_ends(
             if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
                 seen_in[i, j, k] = number
                 evidence[i, j, k] = min(evidence[i, j, k] + HIT, MOST_OCCUPIED)
+
+
+@kernel
+def _is_borne_out(depth: np.ndarray, v: int, u: int, inverse_sigma: float) -> bool:
+    """Whether enough pixels about one show the same surface as it does."""
+    d = depth[v, u]
+    most = _ALIKE_SHARE * d + _ALIKE_SIGMAS * inverse_sigma * d * d
+    n_alike = 0
+    for row in range(max(v - 1, 0), min(v + 2, depth.shape[0])):
+        for column in range(max(u - 1, 0), min(u + 2, depth.shape[1])):
+            n_alike += abs(depth[row, column] - d) <= most
+    # It is like itself, too.
+    return n_alike > _LEAST_ALIKE
 
 
 @kernel

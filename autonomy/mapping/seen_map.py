@@ -7,15 +7,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from autonomy.mapping.agenda import Agenda
-from autonomy.mapping.distances import boxes_about, distance_to_cells, distance_to_marked, slices
+from autonomy.mapping.distances import (
+    boxes_about,
+    distance_to_border,
+    distance_to_cells,
+    distance_to_marked,
+    slices,
+)
 from autonomy.mapping.exploring import plan_towards
-from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT, Cells, integrate
+from autonomy.mapping.rays import (
+    FREE_AT,
+    HIT,
+    MOST_FREE,
+    MOST_OCCUPIED,
+    OCCUPIED_AT,
+    Cells,
+    integrate,
+)
+from autonomy.mapping.seen_map_cfg import SeenMapCfg
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
@@ -28,22 +42,6 @@ UNSEEN_LACK = 0.25
 """Share of comfortable less needed distance that cells without seen room lack for the search."""
 _SURFACE_M = 0.05
 _N_NUMBERS = 127
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class SeenMapCfg:
-    """Settings of a map that grows."""
-
-    resolution_m: float = 0.25
-    max_range_m: float = 8.0
-    """Depth beyond which a measurement is not believed."""
-    cap_m: float = 1.5
-    """Cap of the distances to obstacles."""
-    nearby_m: float = 10.0
-    """Reach of `obstacles` from the last camera position."""
-    camera_pitch_down_rad: float = math.radians(15.0)
-    """Pitch of the camera that looks ahead, which decides from where it sees a place."""
-    camera_vertical_fov_rad: float = math.radians(60.0)
 
 
 class SeenMap:
@@ -73,6 +71,8 @@ class SeenMap:
         x, y, z = ((np.array(low_enu_m) + high_enu_m) / 2).tolist()
         self.eye_enu_m: Vector3 = (x, y, z)
         self._seen_in = np.zeros(shape, dtype=np.int8)
+        # Cells that were seen free since they were last known to stand.
+        self._was_free = np.zeros(shape, dtype=np.bool_)
         self._distance_m = np.zeros(shape, dtype=np.float32)
         self._route_m = np.full(shape, self.cfg.cap_m, dtype=np.float32)
         self._needed_m = 0.0
@@ -92,7 +92,12 @@ class SeenMap:
             image.inverse_depth_sigma_pm,
         )
         self.eye_enu_m = image.position_enu_m
-        self._change(self._view_block(image))
+        ends = np.array([image.position_enu_m, *image.corners_enu_m(cfg.max_range_m)])
+        block = self.block_about(self.cells(ends), cfg.resolution_m)
+        evidence, was_free = self.evidence[slices(block)], self._was_free[slices(block)]
+        was_free |= evidence <= FREE_AT
+        was_free &= evidence < MOST_OCCUPIED
+        self._change(block)
 
     def assume_free_column(
         self, foot_enu_m: Vector3, *, radius_m: float = 1.1, height_m: float = 3.4
@@ -105,15 +110,31 @@ class SeenMap:
         low = self.cells(np.array(foot_enu_m) - (radius_m, radius_m, 0.0))
         high = self.cells(np.array(foot_enu_m) + reach) + 1
         block = self._within(np.array([low, high]))
-        x, y, z = np.meshgrid(*self._axes(block), indexing="ij", sparse=True)
-        across = np.hypot(x - foot_enu_m[0], y - foot_enu_m[1])
+        x, y, z = self._away_from(foot_enu_m, block)
         # A cell whose middle the surface just reaches stands for the air above it.
-        is_above = z >= foot_enu_m[2] - _SURFACE_M
-        is_assumed = (across <= radius_m) & is_above & (z <= foot_enu_m[2] + height_m)
+        is_assumed = (np.hypot(x, y) <= radius_m) & (z >= -_SURFACE_M) & (z <= height_m)
         part = self.evidence[slices(block)]
-        part[is_assumed & (part < OCCUPIED_AT)] = FREE_AT
+        part[is_assumed & (part < OCCUPIED_AT)] = MOST_FREE
         self.eye_enu_m = foot_enu_m
         self._change(block)
+
+    def be_at(self, position_enu_m: Vector3, radius_m: float, sole_m: float) -> None:
+        """Take the air that a vehicle fills for free, but for cells that several images hit.
+
+        A camera that looks ahead does not see the air around the vehicle again, so what noise
+        marked there would stay. Nothing below the soles, `sole_m` lower than the position, counts.
+        """
+        at = np.array(position_enu_m)
+        block = self._within(np.array([self.cells(at - radius_m), self.cells(at + radius_m) + 1]))
+        half = self.cfg.resolution_m / 2
+        away = self._away_from(position_enu_m, block)
+        gaps = [np.maximum(np.abs(axis) - half, 0.0) for axis in away]
+        part = self.evidence[slices(block)]
+        is_marked = (part > FREE_AT) & (part < MOST_OCCUPIED) & (away[2] >= -sole_m - _SURFACE_M)
+        is_filled = is_marked & (sum(gap * gap for gap in gaps) < radius_m**2)
+        if np.any(is_filled):
+            part[is_filled] = FREE_AT
+            self._change(block)
 
     def give_up(self, cells: Int[np.ndarray, "n 3"]) -> None:
         """Assume that cells that could not be seen are occupied, until they are seen."""
@@ -138,17 +159,24 @@ class SeenMap:
             points, self.evidence, at_least, self.corner_enu_m, self.cfg.resolution_m
         )
 
-    def distance_to_standing_m(
-        self, points_enu_m: Float[np.ndarray, "k 3"]
-    ) -> Float[np.ndarray, " k"]:
-        """Distance to the nearest cell that was occupied in several images, so not by a mover."""
-        return self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
-
     def static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """`distance_to_standing_m`, but 0 where nothing was seen free: no mover counts there."""
-        is_known_free = self.obstacles.signed_distance(points_enu_m)[0] > 0.0
-        is_new = ~is_known_free & (self.distance_to_seen_m(points_enu_m) > 0.0)
-        return np.where(is_new, 0.0, self.distance_to_standing_m(points_enu_m))
+        """Distance to the nearest cell that several images hit, so that no mover did.
+
+        It is 0 where nothing was ever free: no mover counts there.
+        """
+        standing_m = self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
+        return np.where(self._at(self._was_free, points_enu_m), standing_m, 0.0)
+
+    def rough_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Distance from the middles of the points' cells to everything that was not seen free."""
+        return self._at(self.field.distance_m, points_enu_m)
+
+    def distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Distance to everything that was not seen free, at most 0 within it."""
+        away_m = self._obstacles_about(points_enu_m).signed_distance(points_enu_m)[0]
+        # Of what was not seen free the boxes hold the skin only.
+        is_free = self._at(self.evidence <= FREE_AT, points_enu_m)
+        return np.where(is_free, away_m, np.minimum(away_m, 0.0))
 
     def find_openings(self) -> Sequence[Opening]:
         """No passages: a growing map does not look for them."""
@@ -178,7 +206,7 @@ class SeenMap:
             self._obstacles = self.obstacles_in(block)
         return self._obstacles
 
-    def obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
+    def _obstacles_about(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Obstacles:
         """Boxes over everything about some points that was not seen free, and all beyond that."""
         away = np.abs(points_enu_m - np.array(self.eye_enu_m))
         if np.all(away < self.cfg.nearby_m - self.cfg.cap_m):
@@ -214,30 +242,28 @@ class SeenMap:
         n = math.ceil(margin_m / self.cfg.resolution_m)
         return self._within(np.array([cells.min(axis=0) - n, cells.max(axis=0) + 1 + n]))
 
+    def _at(self, cells: np.ndarray, points_enu_m: Float[np.ndarray, "k 3"]) -> np.ndarray:
+        """Values of the cells that hold the points; 0 or False outside the map."""
+        at = self.cells(points_enu_m)
+        is_inside = np.all((at >= 0) & (at < cells.shape), axis=1)
+        return is_inside * cells[tuple(np.where(is_inside[:, None], at, 0).T)]
+
     def _as_field(self, distance_m: np.ndarray, first: np.ndarray) -> DistanceField:
         x, y, z = self.centres(first).tolist()
         return DistanceField(
             origin_enu_m=(x, y, z), resolution_m=self.cfg.resolution_m, distance_m=distance_m
         )
 
-    def _axes(self, block: np.ndarray) -> list[np.ndarray]:
-        return [
+    def _away_from(self, point_enu_m: Vector3, block: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Coordinates of the cell centres of a block from a point, each along its own axis."""
+        axes = [
             self.corner_enu_m[n] + (np.arange(*block[:, n]) + 0.5) * self.cfg.resolution_m
             for n in range(3)
         ]
+        return np.meshgrid(*map(np.subtract, axes, point_enu_m), indexing="ij", sparse=True)
 
     def _within(self, block: np.ndarray) -> np.ndarray:
         return np.clip(block, 0, self.evidence.shape)
-
-    def _view_block(self, image: DepthImage) -> np.ndarray:
-        """Block of cells that an image may have changed: the pyramid of its view."""
-        height, width = image.depth_m.shape
-        ends = [np.array(image.position_enu_m, dtype=float)]
-        for u in (0, width):
-            for v in (0, height):
-                ray = np.array([(u - image.cx) / image.fx, (v - image.cy) / image.fy, 1.0])
-                ends.append(ends[0] + self.cfg.max_range_m * image.rotation_enu_from_optical @ ray)
-        return self.block_about(self.cells(np.array(ends)), self.cfg.resolution_m)
 
     def _change(self, block: np.ndarray) -> None:
         np.minimum(self._changed[0], block[0], out=self._changed[0])
@@ -256,14 +282,10 @@ class SeenMap:
         within = slices(inner - outer[0])
         free = _distances(evidence > FREE_AT, cfg)[within]
         route = _distances(evidence >= OCCUPIED_AT, cfg)[within]
-        for axis in range(3):
-            # Nothing outside the volume is free.
-            cells = np.arange(*inner[:, axis])
-            border = np.minimum(cells, self.evidence.shape[axis] - 1 - cells) + 0.5
-            border = (border * cfg.resolution_m).astype(np.float32)
-            border = border.reshape([-1 if n == axis else 1 for n in range(3)])
-            np.minimum(free, border, out=free)
-            np.minimum(route, border, out=route)
+        # Nothing outside the volume is free.
+        border = distance_to_border(inner, self.evidence.shape, cfg.resolution_m)
+        np.minimum(free, border, out=free)
+        np.minimum(route, border, out=route)
         self._distance_m[slices(inner)] = free
         comfortable = cfg.cap_m - UNSEEN_LACK * (cfg.cap_m - self._needed_m)
         is_unseen = (free < self._needed_m) & (route >= self._needed_m)

@@ -1,4 +1,4 @@
-"""Perception: from depth images to landing sites, moving obstacles and the place in a given map."""
+"""Perception: from depth images to landing sites, moving obstacles and the place in a map."""
 
 from autonomy.perception.camera_pose import camera_pose
 from autonomy.perception.depth_image import DepthImage
@@ -13,8 +13,10 @@ from autonomy.perception.landing import (
 )
 from autonomy.perception.map_anchor import AnchorFix, MapAnchor
 from autonomy.perception.map_anchor_cfg import MapAnchorCfg
+from autonomy.perception.map_match import MapMatcher
 from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg
 from autonomy.perception.needs import LandingNeeds
+from autonomy.perception.surface_match import SurfaceMatcher
 
 __all__ = [
     "AnchorFix",
@@ -25,8 +27,10 @@ __all__ = [
     "LandingSite",
     "MapAnchor",
     "MapAnchorCfg",
+    "MapMatcher",
     "MoverTracker",
     "MoverTrackerCfg",
+    "SurfaceMatcher",
     "assess",
     "camera_pose",
     "choose_site",

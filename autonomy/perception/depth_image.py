@@ -107,6 +107,13 @@ class DepthImage:
             np.ascontiguousarray(self.rotation_enu_from_optical, dtype=float),
         )
 
+    def corners_enu_m(self, depth_m: float) -> Float[np.ndarray, "4 3"]:
+        """Points at a depth that the corners of the image show."""
+        height, width = self.depth_m.shape
+        u, v = np.array([0, 0, width, width]), np.array([0, height, 0, height])
+        rays = np.stack([(u - self.cx) / self.fx, (v - self.cy) / self.fy, np.ones(4)], axis=1)
+        return depth_m * rays @ self.rotation_enu_from_optical.T + self.position_enu_m
+
     def points_enu_m(self) -> Float[np.ndarray, "n 3"]:
         """Point that each pixel with a measurement shows, row by row."""
         return sample(self.pixels, 1, math.inf)[0]

@@ -27,13 +27,14 @@ from jaxtyping import Float
 
 from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.map_anchor_cfg import MapAnchorCfg
-from autonomy.perception.map_match import MapMatcher, Match
-from autonomy.planning.obstacles import Obstacles
+from autonomy.perception.match import Match, Matcher
 from autonomy.rotation import wrap_angle
 from autonomy.types import FlatReference, Quaternion, Vector3
 
 _BARE_RECEIVER = MapAnchorCfg()
 _LONGEST_PAUSE_S = 60.0
+_LONGEST_STEP_S = 0.5
+"""Longest time over which a velocity tells a way."""
 _HEIGHT_TO_ACROSS = 1.5
 """Ratio of a receiver's vertical deviation to the horizontal one: ionosphere, no satellites
 below."""
@@ -60,21 +61,28 @@ class AnchorFix:
 
 
 class MapAnchor:
-    """Keeps the estimate of a vehicle tied to a map that was given.
+    """Keeps the estimate of a vehicle tied to a map, given or seen so far.
 
     Attributes:
         fix: Result of the latest image, None before the first.
     """
 
-    def __init__(self, obstacles: Obstacles, cfg: MapAnchorCfg = _BARE_RECEIVER) -> None:
-        """Start from the deviations that the estimate claims, without an image."""
+    def __init__(self, matcher: Matcher, cfg: MapAnchorCfg = _BARE_RECEIVER) -> None:
+        """Start from the deviations that the estimate claims, without an image.
+
+        Args:
+            matcher: Matches images with the map.
+            cfg: Error of the estimate.
+        """
         self._cfg = cfg
-        self._matcher = MapMatcher(obstacles)
+        self._matcher = matcher
         self._claimed_m = (math.nan, math.nan)
         self._x = np.zeros(4)
         self._covariance = self._claimed_covariance()
         self._in_use = np.zeros(4)
         self._rate = np.zeros(4)
+        self._placed_m = np.zeros(3)
+        self._followed: tuple[float, Vector3, Vector3] | None = None
         self._time_s: float | None = None
         self._used_at_s: float | None = None
         self.fix: AnchorFix | None = None
@@ -115,8 +123,23 @@ class MapAnchor:
         self._let_drift(time_s)
         there = np.subtract(position_map_m, position_est_m)
         self._fuse(there, np.eye(4)[:, :3], np.full(3, sigma_m**2))
+        self._placed_m = self._x[:3].copy()
         self._in_use, self._rate = self._x.copy(), np.zeros(4)
         self._used_at_s = time_s
+
+    def follow(self, time_s: float, position_est_m: Vector3, velocity_est_mps: Vector3) -> None:
+        """Take up into the offset what the estimate's position moves beyond its velocity.
+
+        Fixes of a poor receiver draw the position along, while the velocity is that of odometry.
+        """
+        before, self._followed = self._followed, (time_s, position_est_m, velocity_est_mps)
+        if before is None or not 0.0 < time_s - before[0] <= _LONGEST_STEP_S:
+            return
+        velocity = self.vector_to_map(velocity_est_mps)
+        way = np.add(velocity, self.vector_to_map(before[2])) / 2 * (time_s - before[0])
+        beyond = way - np.subtract(position_est_m, before[1])
+        self._x[:3] += beyond
+        self._in_use[:3] += beyond
 
     def update(self, time_s: float, image: DepthImage) -> AnchorFix:
         """Register a depth image, posed by the estimate, with the map, and fuse the result."""
@@ -128,6 +151,8 @@ class MapAnchor:
         reason = self._objection(match)
         if reason is None:
             self._fuse(match.measured, match.directions, self._variances(match))
+        if match.objection is not None or reason is None:
+            self._matcher.learn(image, self._x)
         east, north, up, yaw = self._x.tolist()
         self.fix = AnchorFix(
             accepted=reason is None,
@@ -139,6 +164,16 @@ class MapAnchor:
             sigma_m=self.sigma_m,
         )
         return self.fix
+
+    def rely(self, time_s: float, image: DepthImage) -> None:
+        """Take the estimate for as far off as it was where the vehicle stood, and learn an image.
+
+        This is for an estimate that is better than what images of a map seen so far would tell.
+        """
+        self._let_drift(time_s)
+        h, v = self._cfg.horizontal_sigma_m**2, self._cfg.vertical_sigma_m**2
+        self._fuse(self._placed_m, np.eye(4)[:, :3], np.array([h, h, v]))
+        self._matcher.learn(image, self._x)
 
     def advance(self, time_s: float) -> None:
         """Slew the offset in use towards the fused one: setpoints must not jump."""

@@ -6,10 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 _LEAST_SIGMA_M = 0.08
-_WALK_OF_SIGMA = 0.05
-"""A receiver that claims s wanders by 0.05 s per root second once odometry has smoothed it."""
-_LEAST_WALK = 0.02
-"""Walk of odometry at 1 m/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +22,11 @@ class MapAnchorCfg:
     """Random walk of the estimate's error, m/sqrt(s), each axis."""
     vertical_walk: float = 0.15
     """Random walk of the estimate's height error, m/sqrt(s)."""
+    walk_of_sigma: float = 0.05
+    """Random walk per claimed deviation, 1/sqrt(s): what a receiver wanders once odometry has
+    smoothed it; 0 where only the velocity is followed."""
+    least_walk: float = 0.02
+    """Random walk of the best estimate, m/sqrt(s): odometry at 1 m/s."""
     yaw_walk: float = math.radians(0.05)
     """Random walk of the estimate's yaw error, rad/sqrt(s)."""
     fix_sigma_m: float = 0.04
@@ -56,6 +57,11 @@ class MapAnchorCfg:
             self,
             horizontal_sigma_m=max(h, _LEAST_SIGMA_M),
             vertical_sigma_m=max(v, _LEAST_SIGMA_M),
-            horizontal_walk=max(_WALK_OF_SIGMA * h, _LEAST_WALK),
-            vertical_walk=max(_WALK_OF_SIGMA * v, _LEAST_WALK),
+            horizontal_walk=max(self.walk_of_sigma * h, self.least_walk),
+            vertical_walk=max(self.walk_of_sigma * v, self.least_walk),
         )
+
+
+SEEN_SO_FAR = MapAnchorCfg(fix_sigma_m=0.015, walk_of_sigma=0.0, least_walk=0.05)
+"""For a map that the same camera makes, with the velocity followed. It errs as the images do, and
+what a fix lags behind would be learned: so images are believed more than the velocity."""

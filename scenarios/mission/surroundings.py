@@ -72,12 +72,18 @@ class Surroundings:
         """Distances to the obstacles."""
         return self.map.field
 
-    def observe(self, image: DepthImage) -> None:
+    def observe(self, image: DepthImage, position_enu_m: Vector3) -> None:
         """Add a depth image of any camera to a growing map; a given map ignores it.
 
-        A cell counts as free from the second image that shows it free.
+        A cell counts as free from the second image that shows it free, or when the vehicle fills
+        it.
+
+        Args:
+            image: The image.
+            position_enu_m: Position of the vehicle that takes it.
         """
         self.map.observe(image)
+        self.map.be_at(position_enu_m, self.craft.keep_m, self.airframe.leg_length_m)
 
     @functools.cached_property
     def openings(self) -> Sequence[Opening]:
@@ -89,10 +95,14 @@ class Surroundings:
         """Radius of the sphere around the centre of mass that contains rotors and soles."""
         return sphere_radius_m(self.airframe)
 
+    @property
+    def lift_m(self) -> float:
+        """Height by which cells that were seen as occupied may extend above the surface in them."""
+        return 0.0 if self.is_known else FIELD_RESOLUTION_M
+
     def clearance_m(self, points_enu_m: np.ndarray) -> np.ndarray:
         """Distance from the vehicle's sphere at several positions to the nearest obstacle."""
-        about = self.map.obstacles_about(points_enu_m)
-        return about.signed_distance(points_enu_m)[0] - self.radius_m
+        return self.map.distance_m(points_enu_m) - self.radius_m
 
     @property
     def planner(self) -> PlannerCfg:
@@ -200,9 +210,8 @@ class Surroundings:
 
         In a growing map, unseen space counts as free: ask again when nearer.
         """
-        # A cell seen as occupied may extend above the surface in it.
-        lift_m = 0.0 if self.is_known else FIELD_RESOLUTION_M
-        for column in hover_columns(area.centroid, self.radius_m + 2 * DESCENT_MARGIN_M + lift_m):
+        lowest_m = self.radius_m + 2 * DESCENT_MARGIN_M + self.lift_m
+        for column in hover_columns(area.centroid, lowest_m):
             x, y, z = column[-1].tolist()
             if not self.field.contains(column[-1]) or not self.map.may_be_reached((x, y, z)):
                 continue

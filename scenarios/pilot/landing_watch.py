@@ -75,10 +75,11 @@ class LandingWatch:
         reach_m = max(math.dist(corner[:2], area.centroid[:2]) for corner in area.polygon)
         half_extent_m = min(reach_m + _BORDER_M, _MAX_HALF_EXTENT_M)
         self.elevation = ElevationMap(area.centroid, half_extent_m=half_extent_m)
-        is_open = _is_open_above(
-            self.elevation, surroundings, area.centroid[2], top_m=hover_enu_m[2]
+        self._world, self._span_m = surroundings, (area.centroid[2], hover_enu_m[2])
+        self._is_within = self.elevation.cells_within(area.polygon)
+        self.is_allowed = self._is_within & _is_open_above(
+            self.elevation, surroundings, *self._span_m
         )
-        self.is_allowed = self.elevation.cells_within(area.polygon) & is_open
         self._due_us = 0
         self.n_frames = 0
         self.sway_m = 0.0
@@ -97,6 +98,11 @@ class LandingWatch:
         self._due_us = time_us + FRAME_PERIOD_US
         self.elevation.add(image)
         self.n_frames += 1
+        if not self._world.is_known:
+            # Each image shows more of the air below.
+            self.is_allowed = self._is_within & _is_open_above(
+                self.elevation, self._world, *self._span_m
+            )
         self.map = assess(self.elevation, self._needs, self.is_allowed)
 
     def choose(self) -> LandingSite | None:
@@ -121,18 +127,19 @@ class LandingWatch:
 
 
 def _is_open_above(
-    elevation: ElevationMap, surroundings: Surroundings, surface_m: float, *, top_m: float
+    elevation: ElevationMap, surroundings: Surroundings, surface_m: float, top_m: float
 ) -> np.ndarray:
     """Cells above which the vehicle has room from just over the surface up to a height.
 
-    This uses the map of the scene, with branches and eaves that a camera below them cannot see.
+    A given map has branches and eaves that a camera below them cannot see.
     """
     stride = max(1, round(_COLUMN_STEP_M / elevation.resolution_m))
     east, north = (axis[::stride] for axis in elevation.cell_centres())
-    lowest_m = surface_m + surroundings.radius_m + _COLUMN_STEP_M
+    lowest_m = surface_m + surroundings.lift_m + surroundings.radius_m + _COLUMN_STEP_M
     heights = np.arange(lowest_m, top_m + _COLUMN_STEP_M / 2, _COLUMN_STEP_M)
     z, y, x = np.meshgrid(heights, north, east, indexing="ij")
-    room_m = surroundings.clearance_m(np.stack([x, y, z], axis=-1).reshape(-1, 3))
+    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    room_m = surroundings.map.rough_distance_m(points) - surroundings.radius_m
     is_open = np.all(room_m.reshape(z.shape) >= _COLUMN_MARGIN_M, axis=0)
     n = len(elevation.height_m)
     return np.kron(is_open, np.ones((stride, stride), dtype=bool))[:n, :n]

@@ -59,7 +59,7 @@ class Senses:
             expects_traffic: Whether to look out for movers.
         """
         self._world, self._frames = world, frames
-        self._anchor = _anchor(world) if world.is_known else None
+        self._anchor = _anchor(world)
         self._tracker = _tracker(world) if expects_traffic else None
         self.looks_ahead = expects_traffic or not world.is_known
         self._estimate = self.telemetry = Telemetry()
@@ -72,10 +72,13 @@ class Senses:
         """Convert telemetry to the map's frame."""
         self._time_us, self._estimate = time_us, estimate
         anchor = self._anchor
-        if anchor is None or not estimate.has_state:
+        if not estimate.has_state:
             self.telemetry = estimate
             return
         anchor.claim(estimate.horizontal_sigma_m)
+        if not self._world.is_known:
+            at_s = estimate.position_time_ms * 1e-3
+            anchor.follow(at_s, estimate.position_enu_m, estimate.velocity_enu_mps)
         anchor.advance(time_us * 1e-6)
         position_enu_m, _ = anchor.to_map(estimate.position_enu_m, estimate.yaw_rad)
         self.telemetry = dataclasses.replace(
@@ -87,14 +90,16 @@ class Senses:
 
     def stand_at(self, position_enu_m: Vector3) -> None:
         """Use a known resting place to measure the error of the estimate."""
-        if self._anchor is not None:
-            here = self._estimate.position_enu_m
-            self._anchor.stand_at(self._time_us * 1e-6, here, position_enu_m, PLACED_SIGMA_M)
-            self.locate(self._time_us, self._estimate)
+        here = self._estimate.position_enu_m
+        self._anchor.stand_at(self._time_us * 1e-6, here, position_enu_m, PLACED_SIGMA_M)
+        self.locate(self._time_us, self._estimate)
+        if not self._world.is_known:
+            # From here on it is tied to what it sees from this place.
+            self._glance("forward")
 
     def to_estimate(self, reference: FlatReference) -> FlatReference:
         """Convert a setpoint to the frame that the autopilot steers by."""
-        return reference if self._anchor is None else self._anchor.to_estimate(reference)
+        return self._anchor.to_estimate(reference)
 
     def look_about(self) -> bool:
         """Look where it is useful and due; return whether anything new may be known."""
@@ -105,7 +110,7 @@ class Senses:
             is_sure = not len(self.in_question())
             self._due_us = self._time_us + (LOOK_PERIOD_US if is_sure else LOOK_AGAIN_US)
             return True
-        if self._anchor is not None and self._estimate.horizontal_sigma_m > UNSURE_M:
+        if self._is_unsure:
             self._due_us = self._time_us + FIX_PERIOD_US
             self._glance(self._fix_camera)
             self._fix_camera = "down" if self._fix_camera == "forward" else "forward"
@@ -127,17 +132,24 @@ class Senses:
             raise
         if is_down:
             self.n_blind = 0
-        if self._anchor is not None:
+        if self._world.is_known or self._is_unsure:
             self._anchor.update(time_s, image)
-            image = self._anchor.image_to_map(image)
-        if self._tracker is not None and (self._anchor is None or self._anchor.sigma_m < SURE_M):
+        else:
+            self._anchor.rely(time_s, image)
+        image = self._anchor.image_to_map(image)
+        if self._tracker is not None and self._anchor.sigma_m < SURE_M:
             self._tracker.update(time_s, image, self._world.map.static_distance_m)
-        self._world.observe(image)
+        self._world.observe(image, self.telemetry.position_enu_m)
         return image
 
     def moving(self, time_us: int) -> MovingObstacles:
         """Movers, predicted from a given time on."""
         return NOTHING_MOVES if self._tracker is None else self._tracker.moving(time_us * 1e-6)
+
+    @property
+    def _is_unsure(self) -> bool:
+        """Whether the autopilot is unsure of its position."""
+        return self._estimate.horizontal_sigma_m > UNSURE_M
 
     def _now(self) -> Telemetry:
         """Estimate extrapolated to now: a turning vehicle looks elsewhere by then."""
@@ -176,10 +188,19 @@ def _turned(quat_wxyz: Quaternion, turn_flu_rad: Float[np.ndarray, " 3"]) -> lis
 
 
 def _anchor(world: Surroundings) -> MapAnchor:
-    # Compiled code that is needed only with a given map.
+    # Compiled code of which each kind of map needs a part.
     from autonomy.perception.map_anchor import MapAnchor  # noqa: PLC0415
 
-    return MapAnchor(world.obstacles)
+    if world.is_known:
+        from autonomy.perception.map_match import MapMatcher  # noqa: PLC0415
+
+        return MapAnchor(MapMatcher(world.obstacles))
+    from autonomy.perception.map_anchor_cfg import SEEN_SO_FAR  # noqa: PLC0415
+    from autonomy.perception.surface_match import SurfaceMatcher  # noqa: PLC0415
+
+    scene = world.scene
+    matcher = SurfaceMatcher(scene.extent_min_enu_m, scene.extent_max_enu_m)
+    return MapAnchor(matcher, SEEN_SO_FAR)
 
 
 def _tracker(world: Surroundings) -> MoverTracker:

@@ -10,7 +10,7 @@ import numpy as np
 from aeroscene.sources import open_scene
 from autonomy.jit import announce_if_cold
 from autonomy.mapping import SeenMap, plan_towards
-from autonomy.perception import MapAnchor, MoverTracker
+from autonomy.perception import MapAnchor, MapMatcher, MoverTracker, SurfaceMatcher
 from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.planning.openings import narrow_cells
 from autonomy.types import FlatReference
@@ -44,6 +44,8 @@ EXPLORING_MODULES = (
     "autonomy.mapping.distances",
     "autonomy.mapping.rays",
     "autonomy.mapping.views",
+    "autonomy.perception.seen_surfaces",
+    "autonomy.perception.surface_match",
 )
 """Modules with kernels that only a flight with a growing map uses."""
 SCENE = "42"
@@ -83,6 +85,10 @@ def explore_once() -> None:
     image = posed_image(wall, camera_mount(airframe, "forward"), telemetry)
     seen.observe(image)
     seen.observe(image)
+    anchor = MapAnchor(SurfaceMatcher((-4.0, -4.0, 0.0), (12.0, 4.0, 8.0)))
+    anchor.stand_at(0.0, telemetry.position_enu_m, telemetry.position_enu_m)
+    anchor.update(0.0, image)
+    anchor.update(0.2, image)
     seen.distance_to_seen_m(np.array([telemetry.position_enu_m]))
     cfg = PlannerCfg(vehicle_radius_m=airframe.collision_radius_m)
     # Ahead is free; above nothing was seen, so there it looks for a place to look from.
@@ -145,7 +151,7 @@ def _look_at_flat_ground(mission: Mission) -> None:
     mount = camera_mount(mission.surroundings.airframe, CAMERA)
     image = posed_image(_Frame(depth_m=depth_m), mount, telemetry)
     watch.fuse(0, image)
-    MapAnchor(mission.surroundings.obstacles).update(0.0, image)
+    MapAnchor(MapMatcher(mission.surroundings.obstacles)).update(0.0, image)
     MoverTracker().update(0.0, image, mission.surroundings.clearance_m)
     site = watch.choose()
     if site is not None:

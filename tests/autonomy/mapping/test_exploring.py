@@ -8,6 +8,7 @@ import pytest
 from autonomy.mapping import SeenMap, plan_towards
 from autonomy.planning import (
     BlockedError,
+    CertificateError,
     Craft,
     FlightLimits,
     Obstacles,
@@ -15,6 +16,7 @@ from autonomy.planning import (
     PlanningError,
     UnreachableError,
     certify,
+    plan_trajectory,
 )
 from autonomy.types import FlatReference
 from tests.autonomy.depth_scene import box, look_down
@@ -121,6 +123,21 @@ def test_a_plan_ends_within_what_was_seen_free():
     end = part.sample(part.duration_s)
     assert 3.0 < end.position_enu_m[0] < 8.0
     assert seen.obstacles.signed_distance(np.array([end.position_enu_m]))[0] > RADIUS_M
+
+
+def test_a_goal_in_sight_that_no_plan_reaches_at_once_is_approached(monkeypatch):
+    def plan_nearby(start, goal, *world):
+        if math.dist(start.position_enu_m, goal) > 3.0:
+            raise CertificateError("more than 14 obstacles crowd the leg; valid: less clutter")
+        return plan_trajectory(start, goal, *world)
+
+    monkeypatch.setattr("autonomy.mapping.task.plan_trajectory", plan_nearby)
+    seen, goal = SeenMap(LOW, HIGH), (5.0, 0.0, 2.0)
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    for _ in range(2):
+        seen.observe(look(START, SHELL))
+    way = plan(seen, START, goal)
+    assert math.dist(way.sample(way.duration_s).position_enu_m, goal) < 3.5
 
 
 def test_a_goal_in_what_was_seen_or_off_the_map_is_named():

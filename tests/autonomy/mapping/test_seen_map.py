@@ -8,7 +8,7 @@ from hypothesis import given, settings
 
 from autonomy.mapping import SeenMap
 from autonomy.mapping.distances import boxes_about, distance_to_marked
-from autonomy.mapping.rays import FREE_AT, OCCUPIED_AT
+from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT
 from tests.autonomy.depth_scene import box, look_down
 from tests.autonomy.planning_worlds import seeds
 
@@ -62,6 +62,29 @@ def test_a_hole_in_the_image_is_free_as_far_as_what_is_around_it():
     assert state(seen, 6.0, 0.0, 2.1) == "unknown"
 
 
+def mismatched(image, rng, share=0.0005):
+    """The image with a few pixels of any depth, as a stereo camera matches them."""
+    is_wrong = rng.random(image.depth_m.shape) < share
+    image.depth_m[is_wrong] = rng.uniform(0.3, 8.0, np.count_nonzero(is_wrong))
+    return image
+
+
+def test_pixels_that_matched_something_else_close_no_cell():
+    rng = np.random.default_rng(0)
+    plain = seen_by(*[look_ahead()] * 12)
+    noisy = seen_by(*[mismatched(look_ahead(), rng) for _ in range(12)])
+    was_free = plain.evidence <= FREE_AT
+    assert np.count_nonzero(was_free) > 2000
+    assert np.mean(noisy.evidence[was_free] <= FREE_AT) > 0.999
+    assert not np.any(noisy.evidence[was_free] >= OCCUPIED_AT)
+
+
+def test_a_thing_of_a_few_pixels_is_still_seen():
+    ball = box((4.05, 0.05, 2.05), (0.06, 0.06, 0.06))
+    seen = seen_by(*[look_ahead(boxes=(WALL, ball))] * 2)
+    assert state(seen, 4.05, 0.05, 2.05) == "occupied"
+
+
 def test_what_is_behind_a_thin_pole_is_not_free():
     pole = box((4.0, 0.05, 2.0), (0.03, 0.03, 4.0))
     seen = seen_by(*[look_ahead(boxes=(pole,))] * 2)
@@ -99,6 +122,32 @@ def test_the_air_above_the_start_is_free_until_something_is_seen_there():
     block = box((1.1, 0.0, 2.0), (0.2, 1.0, 1.0))
     seen.observe(look_ahead((-2.0, 0.0, 2.0), (block,)))
     assert state(seen, 1.05, 0.0, 2.0) != "free"
+
+
+def test_one_image_that_errs_does_not_close_the_air_above_the_start():
+    seen = SeenMap(LOW, HIGH)
+    seen.assume_free_column((1.0, 0.0, 0.0))
+    seen.observe(look_ahead((-2.0, 0.0, 2.0), (box((1.1, 0.0, 2.0), (0.2, 1.0, 1.0)),)))
+    seen.observe(look_ahead((-2.0, 0.0, 2.0)))
+    assert state(seen, 1.05, 0.0, 2.0) == "free"
+
+
+@pytest.mark.parametrize(("evidence", "is_free"), [(HIT, True), (MOST_OCCUPIED, False)])
+def test_the_air_that_the_vehicle_fills_is_free_but_what_stands_there_is_not(evidence, is_free):
+    seen = SeenMap(LOW, HIGH)
+    hit = tuple(seen.cells(np.array((1.1, 0.3, 2.1))))
+    seen.evidence[hit] = evidence
+    seen.be_at((1.0, 0.0, 2.0), 0.4, 0.1)
+    assert (seen.evidence[hit] <= FREE_AT) == is_free
+    assert state(seen, 1.0, 0.0, 2.0) == state(seen, 0.7, 0.0, 2.2) == "free"
+    assert state(seen, 1.0, 0.7, 2.0) == "unknown"
+
+
+def test_what_the_vehicle_may_stand_on_is_not_free():
+    seen = SeenMap(LOW, HIGH)
+    seen.be_at((1.0, 0.0, 2.1), 0.4, 0.1)
+    assert state(seen, 1.0, 0.0, 2.1) == "free"
+    assert state(seen, 1.0, 0.0, 1.9) == "unknown"
 
 
 @given(seeds)
@@ -148,6 +197,6 @@ def test_what_stands_is_told_from_what_only_passed():
     wall, passer = (5.05, 0.0, 2.0), (2.85, 0.0, 2.0)
     points = np.array([wall, passer])
     assert seen.distance_to_seen_m(points)[0] == pytest.approx(0.0)
-    standing = seen.distance_to_standing_m(points)
+    standing = seen.distance_to_seen_m(points, MOST_OCCUPIED)
     assert standing[0] == pytest.approx(0.0)
     assert standing[1] == pytest.approx(1.25)

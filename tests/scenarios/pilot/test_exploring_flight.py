@@ -1,9 +1,11 @@
 """The whole stack where nobody gave the pilot a map: it flies by what it sees."""
 
 import numpy as np
+import pytest
 
 from flightsim.mavlink.client.client import MavlinkClient
 from flightsim.sensors.cameras import Cameras
+from flightsim.sensors.cameras.depth_noise import depth_noise
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg
@@ -11,11 +13,19 @@ from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.score import Goal
 from tests.scenarios.landing_scenes import ON_CONTAINER, yard
 
+KINDS = {
+    "sure": TestbenchCfg(speed="max"),
+    "a poor receiver": TestbenchCfg(speed="max", gnss="standard"),
+    "a camera that errs": TestbenchCfg(speed="max", depth_camera="d435"),
+}
 
-def test_a_container_that_nobody_told_of_is_seen_and_landed_on():
-    bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False)
+
+@pytest.mark.parametrize("cfg", KINDS.values(), ids=KINDS)
+def test_a_container_that_nobody_told_of_is_seen_and_landed_on(cfg):
+    bench = Testbench(yard(), cfg, has_network=False)
     with bench:
-        cameras = Cameras(bench.plant)
+        noise = depth_noise(cfg.depth_camera, cfg.seed, "yard")
+        cameras = Cameras(bench.plant, depth_noise=noise)
         mission = plan_mission(yard(), bench.airframe, area=ON_CONTAINER, map_source="onboard")
         world = mission.surroundings
         hover = np.array(mission.hover_enu_m)
