@@ -16,6 +16,8 @@ TICK_US = 20_000
 
 _SHORTEST_SLEEP_S = 1e-3
 _FORGIVEN_LATENESS_S = 0.1
+_LOCKSTEP_WAIT_S = 0.05
+"""Time between two looks at what else could end a run while a client keeps the time."""
 
 Observer = Callable[[], None]
 
@@ -123,6 +125,8 @@ class Simulator:
                 return
             if stop is not None and stop():
                 return
+            if not self._may_step():
+                continue
             self.step()
             if self._tick_s > 0.0:
                 deadline_s = self._wait(deadline_s + self._tick_s)
@@ -130,6 +134,11 @@ class Simulator:
     def request_stop(self) -> None:
         """Make `run` return after the present step; safe in signal handlers."""
         self._is_stopping = True
+
+    def _may_step(self) -> bool:
+        """Whether time may pass; waits a moment for a client that keeps it."""
+        server = self._mavlink_server
+        return server is None or server.wait_for_tick(_LOCKSTEP_WAIT_S)
 
     def _wait(self, deadline_s: float) -> float:
         """Sleep until the deadline and return it, or return now if it is long past."""

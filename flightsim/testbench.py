@@ -16,6 +16,7 @@ from flightsim.environment.wind import WindCfg, turbulence_mps
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.client import MavlinkClient
 from flightsim.mavlink.links import InProcessLink, Link, TcpServerLink, UdpLink
+from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.plant import Plant, PlantCfg
 from flightsim.simulator import Simulator
@@ -63,6 +64,11 @@ class TestbenchCfg:
     """Number of this vehicle: shifts every port and the MAVLink system id (1 + instance)."""
     bind: str = "127.0.0.1"
     """Address that the MAVLink ports listen on; 0.0.0.0 opens them to the network."""
+    personality: str = "px4"
+    """Flight stack whose modes, parameters and habits clients meet: px4 or ardupilot."""
+    lockstep: bool = False
+    """Let time wait for a client that grants every tick, so that its flight can be repeated bit for
+    bit; the run ends when it leaves. See docs/lockstep.md."""
 
     def __post_init__(self) -> None:
         """Refuse invalid settings before anything is built."""
@@ -73,6 +79,10 @@ class TestbenchCfg:
         if not 0 <= self.instance < MAX_INSTANCES:
             raise TestbenchError(
                 f"instance {self.instance} is out of range; valid: 0 to {MAX_INSTANCES - 1}"
+            )
+        if self.personality not in PERSONALITIES:
+            raise TestbenchError(
+                f"personality {self.personality!r} is unknown; valid: {', '.join(PERSONALITIES)}"
             )
         if self.seed < 0:
             raise TestbenchError(f"seed {self.seed} is negative; valid: 0 or more")
@@ -166,24 +176,41 @@ class Testbench:
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )
         system_id = 1 + cfg.instance
+        personality = PERSONALITIES[cfg.personality]
         self.autopilot = Autopilot(
             self.plant,
             self.frame,
             airframe=self.airframe,
-            initial_parameters={"MAV_SYS_ID": system_id, **wind_parameters(cfg.wind_cfg)},
+            initial_parameters={
+                **personality.initial_parameters,
+                "MAV_SYS_ID": system_id,
+                **wind_parameters(cfg.wind_cfg),
+            },
         )
         follow_parameters(self.autopilot.parameters, self.plant)
         self.pilot_link = InProcessLink()
         links: list[Link] = [self.pilot_link, *extra_links]
         if has_network:
-            links += network_links(cfg.instance, cfg.bind)
+            links += network_links(cfg.instance, cfg.bind, is_lockstep=cfg.lockstep)
         self.server = MavlinkServer(
-            self.autopilot, self.plant, self.frame, links, system_id=system_id
+            self.autopilot,
+            self.plant,
+            self.frame,
+            links,
+            system_id=system_id,
+            personality=personality,
+            has_lockstep=cfg.lockstep,
         )
         self.observers: list[Callable[[], None]] = []
         self.simulator = Simulator(
             self.plant, self.autopilot, self.server, observers=self.observers, speed=cfg.speed
         )
+
+    @property
+    def is_over(self) -> bool:
+        """Whether a client that kept the time has left, so that no more of it will pass."""
+        lockstep = self.server.lockstep
+        return lockstep is not None and lockstep.is_over
 
     def connect(self) -> MavlinkClient:
         """Create a companion on `pilot_link`; `update` it with `plant.time_us` after each tick."""
@@ -204,15 +231,27 @@ class Testbench:
         self.close()
 
 
-def network_links(instance: int, bind: str) -> list[Link]:
-    """MAVLink ports of a PX4 SITL instance: UDP to 14550 and 14540, TCP server on 5760."""
+def network_links(instance: int, bind: str, *, is_lockstep: bool = False) -> list[Link]:
+    """MAVLink ports of both flight stacks' simulators.
+
+    UDP to 14550 and 14540 as PX4 has it, TCP servers on 5760, 5762 and 5763 as ArduPilot has them.
+    """
     return [
-        UdpLink(local_port=18570 + instance, remote_port=14550 + instance, bind_address=bind),
+        UdpLink(
+            local_port=18570 + instance,
+            remote_port=14550 + instance,
+            bind_address=bind,
+            is_lockstep=is_lockstep,
+        ),
         UdpLink(
             local_port=14580 + instance,
             remote_port=14540 + instance,
             profile="onboard",
             bind_address=bind,
+            is_lockstep=is_lockstep,
         ),
-        TcpServerLink(port=5760 + 10 * instance, bind_address=bind),
+        *(
+            TcpServerLink(port=port + 10 * instance, bind_address=bind, is_lockstep=is_lockstep)
+            for port in (5760, 5762, 5763)
+        ),
     ]

@@ -23,6 +23,8 @@ import psutil
 from fuzzing.frames import Traffic
 from fuzzing.vehicles import LINKS, LinkName, Vehicle
 
+from flightsim.mavlink.personalities import PERSONALITIES
+
 MOST_DEVIATION_M = 0.05
 MOST_GROWTH_MB = 20.0
 _CHECK_EVERY = 50
@@ -40,6 +42,7 @@ class Row:
 
     kind: Kind
     link: LinkName
+    personality: str
     seed: int
     n_frames: int
     """Frames that the vehicle received, decoded and handled."""
@@ -60,7 +63,15 @@ class Row:
         return self.n_faults == 0 and holds and self.growth_mb <= MOST_GROWTH_MB
 
 
-def fuzz(kind: Kind, link: LinkName, *, n_frames: int, seed: int = 0, n_clients: int = 1) -> Row:
+def fuzz(
+    kind: Kind,
+    link: LinkName,
+    *,
+    n_frames: int,
+    seed: int = 0,
+    n_clients: int = 1,
+    personality: str = "px4",
+) -> Row:
     """Send a number of frames that arrive, and see what becomes of the vehicle.
 
     Raises:
@@ -69,8 +80,8 @@ def fuzz(kind: Kind, link: LinkName, *, n_frames: int, seed: int = 0, n_clients:
     """
     cpu_s = time.process_time()
     traffic = Traffic(seed, is_obeyed=kind == "wild").frames()
-    vehicle = Vehicle(link, n_clients)
-    twin = Vehicle(None) if kind == "hover" else None
+    vehicle = Vehicle(link, n_clients, personality)
+    twin = Vehicle(None, personality=personality) if kind == "hover" else None
     deviation_m, n_before, n_restarts, n_faults, fault = 0.0, 0, 0, 0, None
     warm_bytes: int | None = None
     n_ticks = 0
@@ -91,7 +102,7 @@ def fuzz(kind: Kind, link: LinkName, *, n_frames: int, seed: int = 0, n_clients:
             n_before, n_restarts = n_before + vehicle.n_received, n_restarts + 1
             n_faults, fault = _faults(vehicle, n_faults, fault)
             vehicle.close()
-            vehicle = Vehicle(link, n_clients)
+            vehicle = Vehicle(link, n_clients, personality)
     n_faults, fault = _faults(vehicle, n_faults, fault)
     growth = psutil.Process().memory_info().rss - (warm_bytes or 0)
     for each in filter(None, (vehicle, twin)):
@@ -99,6 +110,7 @@ def fuzz(kind: Kind, link: LinkName, *, n_frames: int, seed: int = 0, n_clients:
     return Row(
         kind=kind,
         link=link,
+        personality=personality,
         seed=seed,
         n_frames=n_received,
         n_faults=n_faults,
@@ -126,6 +138,7 @@ def main() -> int:
     parser.add_argument("--frames", type=int, default=100_000, help="frames of each row")
     parser.add_argument("--link", choices=LINKS, action="append", help="default: each of them")
     parser.add_argument("--kind", choices=KINDS, action="append", help="default: both")
+    parser.add_argument("--personality", choices=tuple(PERSONALITIES), default="px4")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--clients", type=int, default=4, help="hostile clients at a time")
     options = parser.parse_args()
@@ -133,7 +146,12 @@ def main() -> int:
     for link in options.link or LINKS:
         for kind in options.kind or KINDS:
             row = fuzz(
-                kind, link, n_frames=options.frames, seed=options.seed, n_clients=options.clients
+                kind,
+                link,
+                n_frames=options.frames,
+                seed=options.seed,
+                n_clients=options.clients,
+                personality=options.personality,
             )
             print(json.dumps(asdict(row)), flush=True)
             is_sound &= row.is_sound

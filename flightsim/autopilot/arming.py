@@ -14,7 +14,9 @@ from flightsim.plant import Plant
 _STALE_US = 1_000_000
 _MAX_TILT_COSINE = 0.5
 _LOW_THROTTLE = 0.1
-_NOT_FOR_TAKEOFF = frozenset({Mode.LAND, Mode.RETURN, Mode.DESCEND, Mode.TERMINATION, Mode.ORBIT})
+_NOT_FOR_TAKEOFF = frozenset(
+    {Mode.LAND, Mode.RETURN, Mode.DESCEND, Mode.TERMINATION, Mode.ORBIT, Mode.FOLLOW}
+)
 _GNSS_FIX_3D = 3
 
 

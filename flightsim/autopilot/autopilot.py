@@ -38,10 +38,10 @@ class Autopilot:
         mission: Uploaded mission and its progress.
         fence: Uploaded geofence.
         rally: Uploaded rally points.
+        follow_target: Reports of the target of follow mode.
         setpoint: Setpoint applied last.
 
-    The requests `takeoff`, `land`, `goto`, `orbit`, `set_yaw`, `set_speed` and `set_home` are those
-    of `flightsim.autopilot.guided.GuidedRequests`.
+    Requests from `takeoff` to `set_home` are `flightsim.autopilot.guided.GuidedRequests`.
     """
 
     def __init__(
@@ -84,6 +84,7 @@ class Autopilot:
         self.mission = self._flight.mission
         self.fence = self._flight.fence
         self.rally = self._flight.rally
+        self.follow_target = self._flight.follow_target
         guided = GuidedRequests(self._flight, self._commander)
         self.takeoff = guided.takeoff
         self.land = guided.land
@@ -281,13 +282,12 @@ class Autopilot:
         """
         if not all(isfinite(c) for c in (pitch, roll, throttle, yaw)):
             return
-        sticks = Sticks(
-            pitch=min(max(pitch, -1.0), 1.0),
-            roll=min(max(roll, -1.0), 1.0),
-            throttle=min(max(throttle, 0.0), 1.0),
-            yaw=min(max(yaw, -1.0), 1.0),
-        )
+        sticks = Sticks.limited(pitch=pitch, roll=roll, throttle=throttle, yaw=yaw)
         self._flight.sticks.receive(sticks, self._plant.time_us)
+
+    def set_sticks_heard(self, *, is_heard: bool) -> None:
+        """Lose the sticks' signal, or find it again."""
+        self._flight.sticks.is_heard = is_heard
 
     def on_link_heartbeat(self, _source: object = None) -> None:
         """Accept the heartbeat of a ground station."""

@@ -20,7 +20,10 @@ from flightsim.autopilot.vehicle import TICK_S
 
 _WITHOUT_REFERENCES = (Offboard, Manual, Descend)
 _ONE_FLIGHT_MODES = frozenset(
-    {Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.DESCEND, Mode.TERMINATION}
+    {
+        *(Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.FOLLOW),
+        *(Mode.DESCEND, Mode.TERMINATION),
+    }
 )
 """Modes that end with the flight: disarming switches them to hold."""
 _ACTION_MODES = {
@@ -30,7 +33,6 @@ _ACTION_MODES = {
     Action.DESCEND: Mode.DESCEND,
     Action.TERMINATE: Mode.TERMINATION,
 }
-
 _MEASURES = {Mode.RETURN: Action.RETURN, Mode.LAND: Action.LAND, Mode.DESCEND: Action.DESCEND}
 """Modes that are themselves as strong as a failsafe action."""
 

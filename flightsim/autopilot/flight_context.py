@@ -13,7 +13,7 @@ from flightsim.autopilot.land_detector import LandDetector
 from flightsim.autopilot.mission import MissionStore
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.status import Home
-from flightsim.autopilot.streams import OffboardStream, StickStream
+from flightsim.autopilot.streams import OffboardStream, StickStream, TargetStream
 from flightsim.autopilot.trajectory import PathMotion
 from flightsim.autopilot.vehicle import TICK_S, Vehicle
 from flightsim.frames import LocalFrame
@@ -47,6 +47,7 @@ class FlightContext:
         self.rally = RallyStore(frame)
         self.sticks = StickStream(parameters)
         self.offboard = OffboardStream()
+        self.follow_target = TargetStream()
         self.land_detector = LandDetector(parameters)
         self.path = PathMotion()
         self.heading = HeadingMotion()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from flightsim.autopilot.behaviours import Behaviour
+from flightsim.autopilot.behaviours.follow import Follow
 from flightsim.autopilot.behaviours.hold import Hold
 from flightsim.autopilot.behaviours.land import Descend, Land
 from flightsim.autopilot.behaviours.manual import Manual, StickGuided
@@ -24,6 +25,7 @@ _BEHAVIOURS: dict[Mode, Callable[[FlightContext], Behaviour]] = {
     Mode.RETURN: ReturnHome,
     Mode.MISSION: MissionFlight,
     Mode.OFFBOARD: Offboard,
+    Mode.FOLLOW: Follow,
     Mode.DESCEND: Descend,
     Mode.TERMINATION: Descend,
     Mode.ALTITUDE: partial(StickGuided, holds_position=False),

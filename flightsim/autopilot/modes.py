@@ -21,6 +21,7 @@ class Mode(Enum):
     LAND = "Land"
     OFFBOARD = "Offboard"
     ORBIT = "Orbit"
+    FOLLOW = "Follow"
     DESCEND = "Descend"
     """Blind descent of a failsafe without a position; clients cannot choose it."""
     TERMINATION = "Termination"
@@ -34,7 +35,10 @@ THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
 """Modes in which the throttle is thrust, so that they need sticks."""
 
 POSITION_MODES = frozenset(
-    {Mode.POSITION, Mode.HOLD, Mode.TAKEOFF, Mode.MISSION, Mode.RETURN, Mode.LAND, Mode.ORBIT}
+    {
+        *(Mode.POSITION, Mode.HOLD, Mode.TAKEOFF, Mode.MISSION, Mode.RETURN, Mode.LAND),
+        *(Mode.ORBIT, Mode.FOLLOW),
+    }
 )
 """Modes that need a valid position estimate."""
 

@@ -148,6 +148,14 @@ class Parameters:
             raise UnknownParameterError(f"parameter {name[:32]!r} does not exist")
         return spec
 
+    def is_integer(self, name: str) -> bool:
+        """Whether the parameter is a whole number.
+
+        Raises:
+            UnknownParameterError: If there is none of this name.
+        """
+        return self.spec(name).type == "int"
+
     def set(self, name: str, value: float) -> float:
         """Change a parameter and return the value as stored (rounded to 32 bits).
 

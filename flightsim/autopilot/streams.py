@@ -1,15 +1,19 @@
-"""Continuous input from clients: offboard setpoints, sticks and heartbeats."""
+"""Continuous input from clients: offboard setpoints, sticks, a target to follow and heartbeats."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import copysign
 
-from autonomy.types import Setpoint
+from autonomy.types import ZERO3, Setpoint, Vector3
 from flightsim.autopilot.parameters import Parameters
 
 OFFBOARD_ENTRY_GAP_US = 500_000
 """Longest gap between setpoints for entering offboard mode: they must exceed 2 Hz."""
+
+
+TARGET_TIMEOUT_US = 3_000_000
+"""Time after which a target that reports nothing is no longer followed, as in PX4."""
 
 
 class OffboardStream:
@@ -38,6 +42,16 @@ class Sticks:
     throttle: float = 0.5
     yaw: float = 0.0
 
+    @classmethod
+    def limited(cls, *, pitch: float, roll: float, throttle: float, yaw: float) -> Sticks:
+        """Stick positions, each moved into its range."""
+        return cls(
+            pitch=min(max(pitch, -1.0), 1.0),
+            roll=min(max(roll, -1.0), 1.0),
+            throttle=min(max(throttle, 0.0), 1.0),
+            yaw=min(max(yaw, -1.0), 1.0),
+        )
+
 
 CENTRED = Sticks()
 
@@ -49,10 +63,12 @@ class StickStream:
         self._parameters = parameters
         self._sticks = CENTRED
         self._received_us: int | None = None
+        self.is_heard = True
+        """Whether anything is received at all; else its signal is lost."""
 
     def receive(self, sticks: Sticks, time_us: int) -> None:
         """Accept stick positions, unless parameters say to ignore them."""
-        if self._parameters["COM_RC_IN_MODE"] != 4:
+        if self.is_heard and self._parameters["COM_RC_IN_MODE"] != 4:
             self._sticks = sticks
             self._received_us = time_us
 
@@ -79,6 +95,31 @@ def with_dead_zone(deflection: float, dead_zone: float) -> float:
     if abs(deflection) <= dead_zone:
         return 0.0
     return copysign((abs(deflection) - dead_zone) / (1.0 - dead_zone), deflection)
+
+
+class TargetStream:
+    """The latest report of follow mode's target."""
+
+    def __init__(self) -> None:
+        self.velocity_enu_mps: Vector3 = ZERO3
+        self._position_enu_m: Vector3 | None = None
+        self._received_us = 0
+
+    def receive(self, position_enu_m: Vector3, velocity_enu_mps: Vector3, time_us: int) -> None:
+        """Accept a report."""
+        self._position_enu_m = position_enu_m
+        self.velocity_enu_mps = velocity_enu_mps
+        self._received_us = time_us
+
+    def at(self, time_us: int) -> Vector3 | None:
+        """Where the target is at a time, by its velocity; None if it is not known any more."""
+        age_us = time_us - self._received_us
+        if self._position_enu_m is None or age_us > TARGET_TIMEOUT_US:
+            return None
+        x, y, z = self._position_enu_m
+        vx, vy, vz = self.velocity_enu_mps
+        age_s = 1e-6 * age_us
+        return (x + vx * age_s, y + vy * age_s, z + vz * age_s)
 
 
 class DatalinkWatch:

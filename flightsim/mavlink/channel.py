@@ -80,6 +80,10 @@ class Channel:
             self._inbox = []
         return messages
 
+    def put_back(self, messages: Sequence[Message]) -> None:
+        """Return messages that are to be taken later, before all that come after them."""
+        self._inbox = [*messages, *self._inbox]
+
     def _collect(self) -> None:
         messages, self._budget = self._parser.take(self._budget)
         self._inbox += messages

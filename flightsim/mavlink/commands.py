@@ -51,6 +51,8 @@ class Command:
     z: float
     """Parameter 7; altitude if it is a place."""
     channel: Channel
+    sender: tuple[int, int]
+    """System and component id of the client."""
 
     @property
     def is_here(self) -> bool:
@@ -72,7 +74,8 @@ class Command:
         return self.z if self.frame in FRAME_GLOBAL else self.z + home_altitude_m
 
 
-Executor = Callable[[Command], Reply]
+Executor = Callable[[Command], Reply | None]
+"""Carries out a command; None says that it will be acknowledged later."""
 
 
 class CommandService:
@@ -88,14 +91,14 @@ class CommandService:
 
     def _on_long(self, channel: Channel, m: Message) -> None:
         values = (m.param1, m.param2, m.param3, m.param4, m.param5, m.param6, m.param7)
-        self._execute(m, Command(m.command, 0, *values, channel))
+        self._execute(Command(m.command, 0, *values, channel, _sender(m)))
 
     def _on_int(self, channel: Channel, m: Message) -> None:
         x, y = (coordinate_from_int(value, m.frame) for value in (m.x, m.y))
         values = (m.param1, m.param2, m.param3, m.param4, x, y, m.z)
-        self._execute(m, Command(m.command, m.frame, *values, channel))
+        self._execute(Command(m.command, m.frame, *values, channel, _sender(m)))
 
-    def _execute(self, message: Message, command: Command) -> None:
+    def _execute(self, command: Command) -> None:
         executor = self._executors.get(command.number)
         if executor is None:
             reply = UNSUPPORTED
@@ -103,18 +106,30 @@ class CommandService:
             reply = denied("a parameter is infinite")
         else:
             reply = executor(command)
+        if reply is None:
+            return
         if reply.reason:
             self._statustext.say(Severity.WARNING, _explanation(command, reply))
-        is_in_progress = reply.result is CommandResult.IN_PROGRESS
-        send(
-            command.channel,
-            "COMMAND_ACK",
-            command=command.number,
-            result=_RESULTS[reply.result],
-            progress=_PROGRESS_UNKNOWN if is_in_progress else 0,
-            target_system=message.get_srcSystem(),
-            target_component=message.get_srcComponent(),
-        )
+        acknowledge(command, reply)
+
+
+def acknowledge(command: Command, reply: Reply) -> None:
+    """Send the result of a command to the client that sent it."""
+    is_in_progress = reply.result is CommandResult.IN_PROGRESS
+    system, component = command.sender
+    send(
+        command.channel,
+        "COMMAND_ACK",
+        command=command.number,
+        result=_RESULTS[reply.result],
+        progress=_PROGRESS_UNKNOWN if is_in_progress else 0,
+        target_system=system,
+        target_component=component,
+    )
+
+
+def _sender(message: Message) -> tuple[int, int]:
+    return (message.get_srcSystem(), message.get_srcComponent())
 
 
 def _explanation(command: Command, reply: Reply) -> str:

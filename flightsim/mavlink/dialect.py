@@ -172,12 +172,27 @@ PROTOCOL_VERSION = Layout(
     0,
 )
 
+# Of ArduPilot's own dialect, whose thousands of lines need not be loaded for two messages.
+EKF_STATUS_REPORT = Layout(
+    "EKF_STATUS_REPORT",
+    193,
+    71,
+    "<fffffHf",
+    (
+        *("velocity_variance", "pos_horiz_variance", "pos_vert_variance", "compass_variance"),
+        *("terrain_alt_variance", "flags", "airspeed_variance"),
+    ),
+    (1,) * 7,
+    1,
+)
+RANGEFINDER = Layout("RANGEFINDER", 173, 83, "<ff", ("distance", "voltage"), (1, 1), 0)
+
 dialect.mavlink_map.setdefault(PlayTuneV2.id, PlayTuneV2)
 
 LAYOUTS: Mapping[str, Layout] = {
     message_class.msgname: _layout_of(message_class)
     for message_class in dialect.mavlink_map.values()
-} | {"PROTOCOL_VERSION": PROTOCOL_VERSION}
+} | {layout.name: layout for layout in (PROTOCOL_VERSION, EKF_STATUS_REPORT, RANGEFINDER)}
 MESSAGE_NAMES: Mapping[int, str] = {layout.message_id: name for name, layout in LAYOUTS.items()}
 
 

@@ -1,74 +1,219 @@
-"""File transfer and log download: both are empty, and clients learn that at once.
+"""File transfer: a small tree of the vehicle's own to read, in which there is nothing of the host.
 
-A well-formed refusal matters: MAVProxy waits 11 s after one that it cannot parse.
+https://mavlink.io/en/services/ftp.html. Files are bytes in memory, found by their whole path, so
+that no path leads out. A well-formed refusal matters: MAVProxy waits 11 s after one that it cannot
+parse.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import struct
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, send
 
-# https://mavlink.io/en/services/ftp.html: seq 0..1, session 2, opcode 3, size 4, request 5,
-# burst 6, offset 8..11, data from 12.
-_HEADER_BYTES = 12
-_PAYLOAD_BYTES = 251
-_NONE, _TERMINATE_SESSION, _RESET_SESSIONS, _LAST_REQUEST = 0, 1, 2, 15
+Tree = Callable[[], Mapping[str, bytes | bytearray]]
+"""Finds the files: bytes by path, such as `log/0.ulg`; they may grow, and none is copied whole."""
+
+_HEADER = struct.Struct("<HBBBBBxI")
+"""Sequence, session, opcode, size, request, burst complete, padding, offset; the data follow."""
+_DATA_BYTES = 239
+_NONE, _TERMINATE, _RESET, _LIST, _OPEN, _READ, _CRC, _BURST = 0, 1, 2, 3, 4, 5, 14, 15
+_WRITES = frozenset(range(6, 14))
 _ACK, _NAK = 128, 129
-_LIST_DIRECTORY = 3
-_END_OF_FILE, _UNKNOWN_COMMAND, _FILE_NOT_FOUND = 6, 7, 10
-_KNOWN_OPCODES = range(_LAST_REQUEST + 1)
+_INVALID_SESSION, _END_OF_FILE, _UNKNOWN_COMMAND, _PROTECTED, _NOT_FOUND = 4, 6, 7, 9, 10
+_CHUNKS_PER_TICK = 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Request:
+    """One request, with its sender."""
+
+    partner: tuple[int, int]
+    sequence: int
+    session: int
+    opcode: int
+    size: int
+    offset: int
+    data: bytes
+
+    @property
+    def path(self) -> str:
+        """Path in the data, without slashes around it."""
+        return self.data.split(b"\0")[0].decode("utf-8", "replace").strip("/.")
+
+
+@dataclass
+class _Burst:
+    """What is left of a file to be sent unasked."""
+
+    request: _Request
+    sequence: int
+    offset: int
+
+
+@dataclass(frozen=True)
+class _Open:
+    """A file that a partner reads, as long as it was when it was opened."""
+
+    data: bytes | bytearray
+    size: int
+
+
+class FtpError(Exception):
+    """A request is refused; the number is the protocol's."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(f"refused with error {code}")
+        self.code = code
 
 
 class FileService:
-    """An empty file system and an empty list of logs."""
+    """Answers requests to list and read; each partner may have one file open."""
 
-    def __init__(self) -> None:
-        self.handlers: Mapping[str, Handler] = {
-            "FILE_TRANSFER_PROTOCOL": self._on_ftp,
-            "LOG_REQUEST_LIST": self._on_log_list,
-            "LOG_REQUEST_DATA": self._on_log_data,
-        }
+    def __init__(self, tree: Tree) -> None:
+        self._tree = tree
+        self._open: dict[Channel, _Open] = {}
+        self._bursts: dict[Channel, _Burst] = {}
+        self.handlers: Mapping[str, Handler] = {"FILE_TRANSFER_PROTOCOL": self._on_ftp}
+
+    def update(self, channel: Channel) -> None:
+        """Go on with what a partner reads in a burst."""
+        for _ in range(_CHUNKS_PER_TICK):
+            burst = self._bursts.get(channel)
+            if burst is None:
+                return
+            file = self._open[channel]
+            end = min(burst.offset + _chunk_bytes(burst.request), file.size)
+            is_last = end >= file.size
+            piece = bytes(file.data[burst.offset : end])
+            _send(channel, burst.request, _ACK, piece, burst.offset, burst.sequence, is_last)
+            burst.offset = end
+            burst.sequence += 1
+            if is_last:
+                del self._bursts[channel]
+
+    def forget(self, channel: Channel) -> None:
+        """Close the file of a partner that left."""
+        self._open.pop(channel, None)
+        self._bursts.pop(channel, None)
 
     def _on_ftp(self, channel: Channel, message: Message) -> None:
-        opcode = message.payload[3]
+        payload = bytes(message.payload)
+        sequence, session, opcode, size, _, _, offset = _HEADER.unpack_from(payload)
         if opcode in {_ACK, _NAK}:
             return  # an answer meant for another system
-        send(
-            channel,
-            "FILE_TRANSFER_PROTOCOL",
-            target_system=message.get_srcSystem(),
-            target_component=message.get_srcComponent(),
-            payload=_answer(message.payload),
+        request = _Request(
+            partner=(message.get_srcSystem(), message.get_srcComponent()),
+            sequence=sequence,
+            session=session,
+            opcode=opcode,
+            size=size,
+            offset=offset,
+            data=payload[_HEADER.size : _HEADER.size + min(size, _DATA_BYTES)],
         )
+        self._bursts.pop(channel, None)
+        try:
+            data = self._answer(channel, request)
+        except FtpError as error:
+            _send(channel, request, _NAK, bytes((error.code,)), offset)
+            return
+        if data is not None:
+            _send(channel, request, _ACK, data, offset)
 
-    def _on_log_list(self, channel: Channel, _: Message) -> None:
-        send(channel, "LOG_ENTRY")  # log number 0 of 0
+    def _answer(self, channel: Channel, request: _Request) -> bytes | None:
+        """Data of the answer; None if it comes in a burst.
 
-    def _on_log_data(self, channel: Channel, message: Message) -> None:
-        # No bytes mean that the log has ended.
-        send(channel, "LOG_DATA", id=message.id, ofs=message.ofs, count=0)
+        Raises:
+            FtpError: If the request is refused.
+        """
+        opcode = request.opcode
+        if opcode in {_NONE, _TERMINATE, _RESET}:
+            self.forget(channel)
+            return b""
+        if opcode == _LIST:
+            return self._list(request)
+        if opcode in {_OPEN, _CRC}:
+            data = self._file(request.path)
+            if opcode == _CRC:
+                # Without the usual inversions, as PX4 computes it.
+                return struct.pack("<I", zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF)
+            self._open[channel] = _Open(data, len(data))
+            return struct.pack("<I", len(data))
+        if opcode in {_READ, _BURST}:
+            return self._read(channel, request)
+        raise FtpError(_PROTECTED if opcode in _WRITES else _UNKNOWN_COMMAND)
+
+    def _read(self, channel: Channel, request: _Request) -> bytes | None:
+        file = self._open.get(channel)
+        if file is None or request.session != 0:
+            raise FtpError(_INVALID_SESSION)
+        if request.offset >= file.size:
+            raise FtpError(_END_OF_FILE)
+        if request.opcode == _BURST:
+            self._bursts[channel] = _Burst(request, request.sequence + 1, request.offset)
+            return None
+        end = min(request.offset + _chunk_bytes(request), file.size)
+        return bytes(file.data[request.offset : end])
+
+    def _file(self, path: str) -> bytes | bytearray:
+        data = self._tree().get(path)
+        if data is None:
+            raise FtpError(_NOT_FOUND)
+        return data
+
+    def _list(self, request: _Request) -> bytes:
+        """Entries of a directory from the one that the offset counts, as many as fit."""
+        prefix = f"{request.path}/" if request.path else ""
+        below = {
+            path[len(prefix) :]: data
+            for path, data in self._tree().items()
+            if path.startswith(prefix)
+        }
+        if prefix and not below:
+            raise FtpError(_NOT_FOUND)
+        entries = sorted(
+            {
+                f"D{name.split('/', 1)[0]}" if "/" in name else f"F{name}\t{len(data)}"
+                for name, data in below.items()
+            }
+        )
+        if request.offset >= len(entries):
+            raise FtpError(_END_OF_FILE)
+        listed = b""
+        for entry in entries[request.offset :]:
+            line = entry.encode() + b"\0"
+            if len(listed) + len(line) > _DATA_BYTES:
+                break
+            listed += line
+        return listed
 
 
-def _answer(request: list[int]) -> bytes:
-    """Reply to an FTP request: its header with the next sequence number, and no data."""
-    sequence = (request[0] + (request[1] << 8) + 1) & 0xFFFF
-    session, opcode = request[2], request[3]
-    answer = bytearray(_PAYLOAD_BYTES)
-    answer[0:2] = sequence.to_bytes(2, "little")
-    answer[2], answer[5] = session, opcode
-    answer[8:12] = bytes(request[8:_HEADER_BYTES])
-    if opcode in {_NONE, _TERMINATE_SESSION, _RESET_SESSIONS}:
-        answer[3] = _ACK
-        return bytes(answer)
-    answer[3], answer[4] = _NAK, 1
-    answer[12] = _refusal(opcode, bytes(request[_HEADER_BYTES : _HEADER_BYTES + request[4]]))
-    return bytes(answer)
+def _chunk_bytes(request: _Request) -> int:
+    return min(request.size, _DATA_BYTES) or _DATA_BYTES
 
 
-def _refusal(opcode: int, path: bytes) -> int:
-    if opcode == _LIST_DIRECTORY and not path.strip(b"/.\0"):
-        return _END_OF_FILE  # the root directory exists and is empty
-    return _FILE_NOT_FOUND if opcode in _KNOWN_OPCODES else _UNKNOWN_COMMAND
+def _send(
+    channel: Channel,
+    request: _Request,
+    opcode: int,
+    data: bytes,
+    offset: int,
+    sequence: int | None = None,
+    is_last: bool = False,
+) -> None:
+    number = request.sequence + 1 if sequence is None else sequence
+    header = _HEADER.pack(
+        number & 0xFFFF, request.session, opcode, len(data), request.opcode, int(is_last), offset
+    )
+    send(
+        channel,
+        "FILE_TRANSFER_PROTOCOL",
+        target_system=request.partner[0],
+        target_component=request.partner[1],
+        payload=header + data,
+    )

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.modes import Mode
-from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.autopilot.results import ACCEPTED, CommandResult, Reply, denied, rejected
 from flightsim.frames import Geodetic, swap_yaw_enu_ned
 from flightsim.mavlink.commands import UNSUPPORTED, Command, Executor, choice, given
 from flightsim.mavlink.dialect import dialect as mav
-from flightsim.mavlink.parsing import Message
-from flightsim.mavlink.personality import Personality
+from flightsim.mavlink.mode_report import ModeReport
+from flightsim.mavlink.personalities import Personality
 from flightsim.mavlink.view import VehicleView
 
 _CUSTOM_MODE_FLAG = 1
@@ -34,8 +34,9 @@ def _yaw_of_degrees(heading_deg: float) -> float | None:
 class FlightCommands:
     """Executes flight commands by calling the autopilot."""
 
-    def __init__(self, view: VehicleView, personality: Personality) -> None:
+    def __init__(self, view: VehicleView, personality: Personality, modes: ModeReport) -> None:
         self._view = view
+        self._modes = modes
         self._autopilot: Autopilot = view.autopilot
         self._personality = personality
         self.executors: Mapping[int, Executor] = {
@@ -61,11 +62,18 @@ class FlightCommands:
             mav.MAV_CMD_RUN_PREARM_CHECKS: self._run_prearm_checks,
         }
 
-    def on_set_mode(self, message: Message) -> None:
-        """Handle SET_MODE, a message older than the command protocol; it has no acknowledgement."""
-        mode = self._personality.selectable(message.custom_mode)
-        if mode is not None and message.base_mode & _CUSTOM_MODE_FLAG:
-            self._autopilot.set_mode(mode)
+    def set_custom_mode(self, base_mode: int, custom_mode: int) -> Reply:
+        """Change to the mode with a number of the personality, if the base mode says it is one."""
+        if not base_mode & _CUSTOM_MODE_FLAG:
+            return denied(f"base mode {base_mode} has no custom mode flag (1)")
+        entry = self._personality.selectable(custom_mode)
+        if entry is None:
+            return denied(f"custom mode {custom_mode:#x} does not exist")
+        return self._modes.choose(entry)
+
+    def set_current_item(self, sequence: int) -> Reply:
+        """Continue the mission at an item, by its number on the wire."""
+        return self._autopilot.set_current_mission_item(self._index(sequence))
 
     # --- arming and modes ---
 
@@ -86,21 +94,18 @@ class FlightCommands:
 
     def _set_mode(self, c: Command) -> Reply:
         base, main, sub = choice(c.param1), choice(c.param2), choice(c.param3, default=0)
-        if base is None or not base & _CUSTOM_MODE_FLAG:
-            return denied(f"base mode {c.param1:g} has no custom mode flag (1)")
-        if main is None or sub is None or not 0 <= max(main, sub) <= _MAX_MODE_PART or sub < 0:
+        if base is None or main is None or sub is None:
             return denied(f"custom mode {c.param2:g}, {c.param3:g} does not exist")
-        mode = self._personality.selectable(self._personality.custom_mode(main, sub))
-        if mode is None:
-            return denied(f"custom mode {main}, {sub} does not exist")
-        return self._autopilot.set_mode(mode)
+        if not (0 <= main <= _MAX_MODE_PART and 0 <= sub <= _MAX_MODE_PART):
+            return denied(f"custom mode {c.param2:g}, {c.param3:g} does not exist")
+        return self.set_custom_mode(base, self._personality.custom_mode(main, sub))
 
     def _set_standard_mode(self, c: Command) -> Reply:
         standard = choice(c.param1)
-        mode = None if standard is None else self._personality.standard(standard)
-        if mode is None:
+        entry = None if standard is None else self._personality.standard(standard)
+        if entry is None:
             return denied(f"standard mode {c.param1:g} does not exist here")
-        return self._autopilot.set_mode(mode)
+        return self._modes.choose(entry)
 
     def _guided_enable(self, c: Command) -> Reply:
         return self._autopilot.set_mode(Mode.OFFBOARD if c.param1 > 0.5 else Mode.HOLD)
@@ -116,9 +121,12 @@ class FlightCommands:
         fault = c.place_fault()
         if fault:
             return denied(fault)
-        return self._autopilot.takeoff(
-            given(c.altitude_amsl_m(self._view.home_altitude_m)), yaw_rad=_yaw_of_degrees(c.param4)
-        )
+        altitude_m = c.altitude_amsl_m(self._view.home_altitude_m)
+        if self._personality.takes_off_above_home:
+            if not self._autopilot.is_armed:
+                return Reply(CommandResult.FAILED, "takeoff denied: not armed")
+            altitude_m = c.z + self._view.home_altitude_m
+        return self._autopilot.takeoff(given(altitude_m), yaw_rad=_yaw_of_degrees(c.param4))
 
     def _land(self, c: Command) -> Reply:
         fault = c.place_fault()
@@ -217,6 +225,8 @@ class FlightCommands:
     def _start_mission(self, c: Command) -> Reply:
         first, last = choice(c.param1, default=0), choice(c.param2, default=0)
         n_items = len(self._autopilot.mission)
+        if first is not None and last is not None:
+            first, last = self._index(first), self._index(last)
         if first is None or last is None or not 0 <= first < max(1, n_items):
             return denied(f"items {c.param1:g} to {c.param2:g}; there are {n_items}")
         return self._autopilot.start_mission(first, last if last > first else None)
@@ -225,7 +235,12 @@ class FlightCommands:
         index = choice(c.param1)
         if index is None:
             return denied(f"item {c.param1:g} does not exist")
-        return self._autopilot.set_current_mission_item(index)
+        return self.set_current_item(index)
+
+    def _index(self, sequence: int) -> int:
+        """Index in the mission of an item's number on the wire; home means the first item."""
+        n_home_items = self._personality.n_home_items
+        return max(0, sequence - n_home_items) if sequence >= 0 else sequence
 
     def _preflight_storage(self, c: Command) -> Reply:
         if choice(c.param1) != _RESET_PARAMETERS:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from flightsim.autopilot.events import Severity
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, CommandResult, Reply, rejected
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import Command, Executor, choice
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
-from flightsim.mavlink.personality import ModeEntry, Personality
+from flightsim.mavlink.personalities import ModeEntry, Personality
 from flightsim.mavlink.service import send
+from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.telemetry import TelemetryService
 
 _DENIED = Reply(CommandResult.DENIED)
@@ -23,6 +25,8 @@ _AUTOPILOT_VERSION = LAYOUTS["AUTOPILOT_VERSION"].message_id
 _PROTOCOL_VERSION = LAYOUTS["PROTOCOL_VERSION"].message_id
 _HOME_POSITION = LAYOUTS["HOME_POSITION"].message_id
 _ADVANCED_MODES = frozenset({Mode.MANUAL, Mode.ACRO, Mode.OFFBOARD})
+_DO_SEND_BANNER = 42428
+"""Command of ArduPilot's own dialect."""
 # MAV_MODE_PROPERTY
 _IS_ADVANCED, _NOT_SELECTABLE = 1, 2
 
@@ -30,8 +34,12 @@ _IS_ADVANCED, _NOT_SELECTABLE = 1, 2
 class MessageCommands:
     """Executes commands that request messages."""
 
-    def __init__(self, telemetry: TelemetryService, personality: Personality) -> None:
+    def __init__(
+        self, telemetry: TelemetryService, personality: Personality, statustext: StatustextSender
+    ) -> None:
         self._telemetry = telemetry
+        self._statustext = statustext
+        self._banner = personality.banner
         self._modes = _distinct(personality.modes)
         self.executors: Mapping[int, Executor] = {
             mav.MAV_CMD_GET_HOME_POSITION: lambda c: self._send_once(c.channel, _HOME_POSITION),
@@ -44,6 +52,7 @@ class MessageCommands:
             mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda c: self._send_once(
                 c.channel, _AUTOPILOT_VERSION
             ),
+            **({_DO_SEND_BANNER: self._send_banner} if personality.banner else {}),
         }
 
     def _request_message(self, c: Command) -> Reply:
@@ -58,6 +67,10 @@ class MessageCommands:
         if not self._telemetry.is_known(message_id):
             return _DENIED
         return ACCEPTED if self._telemetry.send_now(channel, message_id) else rejected("")
+
+    def _send_banner(self, _: Command) -> Reply:
+        self._statustext.say(Severity.INFO, self._banner)
+        return ACCEPTED
 
     def _get_interval(self, c: Command) -> Reply:
         message_id = choice(c.param1)
@@ -87,7 +100,7 @@ class MessageCommands:
                 standard_mode=entry.standard_mode,
                 custom_mode=entry.custom_mode,
                 properties=_properties(entry),
-                mode_name=entry.mode.value,
+                mode_name=entry.title or entry.mode.value,
             )
         return ACCEPTED
 

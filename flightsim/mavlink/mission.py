@@ -13,10 +13,16 @@ from flightsim.autopilot.events import Severity
 from flightsim.autopilot.fence import MAX_FENCE_ITEMS, MAX_RALLY_ITEMS
 from flightsim.autopilot.mission_check import MAX_MISSION_ITEMS
 from flightsim.autopilot.mission_item import MissionError, MissionItem
+from flightsim.autopilot.results import Reply
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
-from flightsim.mavlink.mission_items import check_frames, payload_of_item, result_of
+from flightsim.mavlink.mission_items import (
+    check_frames,
+    item_from_message,
+    payload_of_item,
+    result_of,
+)
 from flightsim.mavlink.mission_upload import Upload
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
@@ -28,6 +34,17 @@ RALLY = mav.MAV_MISSION_TYPE_RALLY
 _ALL = mav.MAV_MISSION_TYPE_ALL
 _MAX_ITEMS = {MISSION: MAX_MISSION_ITEMS, FENCE: MAX_FENCE_ITEMS, RALLY: MAX_RALLY_ITEMS}
 _REPEAT_ACK_S = 5.0
+_GUIDED_PLACE, _GUIDED_ALTITUDE = 2, 3
+_GUIDED = (_GUIDED_PLACE, _GUIDED_ALTITUDE)
+"""Values of "current" that ArduPilot's clients send instead of a command to go somewhere."""
+
+
+class Guide(Protocol):
+    """Flies to a single item."""
+
+    def __call__(self, item: MissionItem, *, is_altitude_only: bool) -> Reply:
+        """Accept or refuse the item."""
+        ...
 
 
 class ItemStore(Protocol):
@@ -47,10 +64,26 @@ class MissionService:
     """Transfers items between partners and the autopilot's stores."""
 
     def __init__(
-        self, stores: Mapping[int, ItemStore], partners: Partners, statustext: StatustextSender
+        self,
+        stores: Mapping[int, ItemStore],
+        partners: Partners,
+        statustext: StatustextSender,
+        guide: Guide | None = None,
+        *,
+        requests_int: bool = True,
     ) -> None:
-        """Serve one store for each mission type."""
+        """Serve one store for each mission type.
+
+        Args:
+            stores: The autopilot's stores by MAV_MISSION_TYPE.
+            partners: Everybody who is told of progress.
+            statustext: Says why items are refused.
+            guide: Flies single items outside any mission; None ignores them.
+            requests_int: Whether uploads are asked for with MISSION_REQUEST_INT.
+        """
         self._stores = stores
+        self._guide = guide
+        self._requests_int = requests_int
         self._partners = partners
         self._statustext = statustext
         self._uploads: dict[int, Upload] = {}
@@ -127,7 +160,13 @@ class MissionService:
             return
         self._finished.pop((channel, mission_type), None)
         self._uploads[mission_type] = Upload(
-            channel, _sender(message), mission_type, first=first, count=count, previous=previous
+            channel,
+            _sender(message),
+            mission_type,
+            first=first,
+            count=count,
+            previous=previous,
+            requests_int=self._requests_int,
         )
 
     def _refusal(self, channel: Channel, mission_type: int, count: int) -> int | None:
@@ -140,6 +179,12 @@ class MissionService:
         return mav.MAV_MISSION_DENIED if is_busy else None
 
     def _on_item(self, channel: Channel, message: Message) -> None:
+        if self._guide is not None and message.current in _GUIDED:
+            is_altitude_only = message.current == _GUIDED_ALTITUDE
+            reply = self._guide(item_from_message(message), is_altitude_only=is_altitude_only)
+            result = mav.MAV_MISSION_ACCEPTED if reply.is_accepted else mav.MAV_MISSION_DENIED
+            self._ack(channel, _sender(message), message.mission_type, result)
+            return
         upload = self._uploads.get(message.mission_type)
         if upload is None or not upload.is_from(channel, message):
             self._repeat_ack(channel, message)

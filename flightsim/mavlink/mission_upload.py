@@ -32,6 +32,7 @@ class Upload:
         first: int,
         count: int,
         previous: Sequence[MissionItem] = (),
+        requests_int: bool = True,
     ) -> None:
         """Start an upload.
 
@@ -42,6 +43,8 @@ class Upload:
             first: Index of the first item to request.
             count: Number of items to request, at least 1.
             previous: Items of the list that is replaced in part.
+            requests_int: Whether to ask with MISSION_REQUEST_INT; ArduPilot asks with
+                MISSION_REQUEST, to which clients may send either kind of item.
         """
         self.channel = channel
         self.partner = partner
@@ -51,7 +54,7 @@ class Upload:
         self._first = first
         self._count = count
         self._n_requests = 0
-        self._is_int = True
+        self._requests_int = self._is_int = requests_int
         self._last_request_s = 0.0
         self._last_heard_s = channel.clock()
         self._request()
@@ -82,7 +85,7 @@ class Upload:
         self._last_heard_s = self.channel.clock()
         if message.seq != self._expected:
             return  # a late copy: the pending request will be repeated if necessary
-        self._is_int = message.get_type() == "MISSION_ITEM_INT"
+        self._is_int = self._requests_int and message.get_type() == "MISSION_ITEM_INT"
         self._received.append(item_from_message(message))
         self._n_requests = 0
         if not self.is_complete:
@@ -101,7 +104,7 @@ class Upload:
         self._last_request_s = self.channel.clock()
         self._n_requests += 1
         is_int = self._is_int
-        if not self._received and self._n_requests > _REQUESTS_BEFORE_OLD_STYLE:
+        if self._is_int and not self._received and self._n_requests > _REQUESTS_BEFORE_OLD_STYLE:
             # Clients older than MISSION_REQUEST_INT answer only MISSION_REQUEST.
             is_int = bool(self._n_requests % 2)
         send(

@@ -7,7 +7,7 @@ as lost; NaN in a position, velocity or acceleration means "free", as in PX4.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from autonomy.types import NAN3, ControlLevel, Quaternion, Setpoint, Vector3
 from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
@@ -43,8 +43,10 @@ _MAX_RATE_RADPS = 50.0
 class OffboardService:
     """Converts MAVLink's setpoints into the autopilot's."""
 
-    def __init__(self, view: VehicleView) -> None:
+    def __init__(self, view: VehicleView, accept: Callable[[Setpoint], None]) -> None:
+        """Pass setpoints in the view's frames on to `accept`."""
         self._view = view
+        self._accept = accept
         self.handlers: Mapping[str, Handler] = {
             "SET_POSITION_TARGET_LOCAL_NED": self._on_local,
             "SET_POSITION_TARGET_GLOBAL_INT": self._on_global,
@@ -107,7 +109,7 @@ class OffboardService:
         )
         if math.isinf(yaw) or not abs(yaw_rate) <= _MAX_RATE_RADPS:
             return
-        self._view.autopilot.set_offboard_setpoint(
+        self._accept(
             Setpoint(
                 level=ControlLevel.TRAJECTORY,
                 position_enu_m=vectors[0],
@@ -133,7 +135,7 @@ class OffboardService:
             level, quat = ControlLevel.ATTITUDE, _normalised(message.q)
         if quat is None:
             return
-        self._view.autopilot.set_offboard_setpoint(
+        self._accept(
             Setpoint(
                 level=level,
                 quat_wxyz=swap_quat_enu_flu_ned_frd(quat),

@@ -1,18 +1,19 @@
 """Parameter protocol: list, read, set, and a hash that saves ground stations the list.
 
-PX4 carries integers bytewise in the float field, https://mavlink.io/en/services/parameter.html.
+PX4 carries integers bytewise in the float field, and ArduPilot casts them to floats:
+https://mavlink.io/en/services/parameter.html.
 """
 
 from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import Protocol
 
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.parameters import (
     ParameterError,
-    Parameters,
     ReadOnlyParameterError,
     UnknownParameterError,
 )
@@ -32,13 +33,54 @@ _HASH_NAME = "_HASH_CHECK"
 _LIST_PER_TICK = 8
 
 
+class NamedParameters(Protocol):
+    """Parameters by name and by index, as `flightsim.autopilot.parameters.Parameters` has them."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[str]: ...
+
+    def __getitem__(self, name: str, /) -> float: ...
+
+    def is_integer(self, name: str) -> bool:
+        """Whether the parameter is a whole number."""
+        ...
+
+    def index(self, name: str) -> int:
+        """Index of a parameter."""
+        ...
+
+    def name_at(self, index: int) -> str:
+        """Name of the parameter with this index."""
+        ...
+
+    def set(self, name: str, value: float) -> float:
+        """Change a parameter and return its value as stored."""
+        ...
+
+
 class ParameterService:
     """Answers requests for the autopilot's parameters; a list is sent in small batches."""
 
     def __init__(
-        self, parameters: Parameters, partners: Partners, statustext: StatustextSender
+        self,
+        parameters: NamedParameters,
+        partners: Partners,
+        statustext: StatustextSender,
+        *,
+        has_bytewise_integers: bool = True,
     ) -> None:
+        """Serve parameters.
+
+        Args:
+            parameters: The autopilot's parameters, or those of them that a flight stack names.
+            partners: Everybody who is told of changes.
+            statustext: Says why values are refused.
+            has_bytewise_integers: Whether integers travel bytewise as in PX4, or cast to floats as
+                in ArduPilot, which has no hash of its parameters either.
+        """
         self._parameters = parameters
+        self._has_bytewise_integers = has_bytewise_integers
         self._partners = partners
         self._statustext = statustext
         self._listing: dict[Channel, int] = {}
@@ -66,12 +108,13 @@ class ParameterService:
         self._listing.pop(channel, None)
 
     def _on_list(self, channel: Channel, _: Message) -> None:
-        self._send_hash(channel)
+        if self._has_bytewise_integers:
+            self._send_hash(channel)
         self._listing[channel] = 0
 
     def _on_read(self, channel: Channel, message: Message) -> None:
         name = message.param_id
-        if name == _HASH_NAME:
+        if name == _HASH_NAME and self._has_bytewise_integers:
             self._send_hash(channel)
             return
         try:
@@ -87,7 +130,7 @@ class ParameterService:
             self.forget(channel)
             return
         try:
-            self._parameters.set(name, _received_value(message))
+            self._parameters.set(name, self._received_value(message))
         except UnknownParameterError:
             self._refuse(channel, message, -1, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
             return
@@ -103,10 +146,10 @@ class ParameterService:
             self._send_value(partner, name)
 
     def _send_value(self, channel: Channel, name: str) -> None:
-        spec = self._parameters.spec(name)
+        is_integer = self._parameters.is_integer(name)
         value = self._parameters[name]
-        is_integer = spec.type == "int"
-        data = struct.pack("<i", int(value)) if is_integer else struct.pack("<f", value)
+        is_bytewise = is_integer and self._has_bytewise_integers
+        data = struct.pack("<i", int(value)) if is_bytewise else struct.pack("<f", value)
         self._send_bytes(
             channel,
             name,
@@ -139,26 +182,25 @@ class ParameterService:
             error=error,
         )
 
+    def _received_value(self, message: Message) -> float:
+        """Value of a parameter message: the float as it is, or the bytes of an integer type.
 
-def parameter_hash(parameters: Parameters) -> int:
+        Clients that send integers as floats with a float type are understood as well.
+        """
+        if message.param_type not in _INTEGER_TYPES or not self._has_bytewise_integers:
+            return message.param_value
+        # Not through the decoded float: Python would change the bits of a signalling NaN.
+        frame = message.get_msgbuf()
+        start = 10 if frame[0] == MARKER_V2 else 6
+        return struct.unpack("<i", frame[start : start + 4])[0]
+
+
+def parameter_hash(parameters: NamedParameters) -> int:
     """CRC-32 over names and values in order, without the usual inversions, as PX4 computes it."""
     crc = 0
     for name in parameters:
         value = parameters[name]
-        is_integer = parameters.spec(name).type == "int"
+        is_integer = parameters.is_integer(name)
         data = struct.pack("<i", int(value)) if is_integer else struct.pack("<f", value)
         crc = zlib.crc32(name.encode() + data, crc ^ 0xFFFFFFFF) ^ 0xFFFFFFFF
     return crc
-
-
-def _received_value(message: Message) -> float:
-    """Value of a parameter message: bytewise for integer types, else the float as it is.
-
-    Clients that send integers as floats with a float type are understood as well.
-    """
-    if message.param_type not in _INTEGER_TYPES:
-        return message.param_value
-    # Not through the decoded float: Python would change the bits of a signalling NaN.
-    frame = message.get_msgbuf()
-    start = 10 if frame[0] == MARKER_V2 else 6
-    return struct.unpack("<i", frame[start : start + 4])[0]

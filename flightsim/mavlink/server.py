@@ -18,20 +18,29 @@ from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import CommandService
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.failure_commands import FailureCommands
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
+from flightsim.mavlink.follow_target import FollowTargetService
 from flightsim.mavlink.ground_stations import GroundStationService
+from flightsim.mavlink.guided import GuidedInput
 from flightsim.mavlink.links import Link
+from flightsim.mavlink.lockstep import Lockstep
+from flightsim.mavlink.logs import FlightRecorder, LogService
 from flightsim.mavlink.manual_control import ManualControlService
 from flightsim.mavlink.message_commands import MessageCommands
 from flightsim.mavlink.mission import FENCE, MISSION, RALLY, MissionService
+from flightsim.mavlink.mission_with_home import MissionWithHome
+from flightsim.mavlink.mode_report import ModeReport
 from flightsim.mavlink.offboard import OffboardService
+from flightsim.mavlink.old_requests import OldRequestService
+from flightsim.mavlink.parameter_names import AliasedParameters
 from flightsim.mavlink.parameters import ParameterService
 from flightsim.mavlink.parsing import Message
-from flightsim.mavlink.personality import Personality
-from flightsim.mavlink.px4 import PX4
+from flightsim.mavlink.personalities import PX4, Personality
 from flightsim.mavlink.service import Handler, Partners, Service, StatefulService
+from flightsim.mavlink.shell import ShellService
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.telemetry import TelemetryService
 from flightsim.mavlink.telemetry_motion import MotionTelemetry
@@ -57,6 +66,7 @@ class MavlinkServer:
         system_id: int = 1,
         personality: Personality = PX4,
         local_origin_enu_m: Vector3 | None = None,
+        has_lockstep: bool = False,
     ) -> None:
         """Open the links.
 
@@ -68,6 +78,7 @@ class MavlinkServer:
             system_id: MAVLink system id, 1 to 255.
             personality: Flight stack to imitate.
             local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
+            has_lockstep: Whether a client may keep the time; `wait_for_tick` then waits for it.
 
         Raises:
             LinkError: If a link cannot be opened; the others are closed again.
@@ -80,53 +91,84 @@ class MavlinkServer:
         self._selector = selectors.DefaultSelector()
         origin = local_origin_enu_m or plant.truth.position_enu_m
         self._view = VehicleView(plant, autopilot, frame, origin)
+        self.lockstep = Lockstep() if has_lockstep else None
+        self.statustext = StatustextSender(self._partners)
+        self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
         self._build_services(personality)
         self._open_links()
 
-    def _build_services(self, personality: Personality) -> None:
-        autopilot, view, partners = self._autopilot, self._view, self._partners
-        self.statustext = StatustextSender(partners)
-        self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
+    def _build_telemetry(self, personality: Personality, modes: ModeReport) -> TelemetryService:
+        view = self._view
         rotors = view.plant.world.airframe.quadrotor.rotors
         max_rotor_speed = max(rotor.max_speed_radps for rotor in rotors)
-        self.telemetry = TelemetryService(
+        return TelemetryService(
             {
-                **StatusTelemetry(view, personality, self.system_id).producers,
+                **StatusTelemetry(view, personality, modes, self.system_id).producers,
                 **MotionTelemetry(view).producers,
                 **SensorTelemetry(view, max_rotor_speed_radps=max_rotor_speed).producers,
+                **personality.extra_telemetry(view),
             },
-            partners,
+            self._partners,
             lambda: view.plant.time_us,
         )
-        stores = {MISSION: autopilot.mission, FENCE: autopilot.fence, RALLY: autopilot.rally}
-        self._missions = MissionService(stores, partners, self.statustext)
-        self._flight_commands = FlightCommands(view, personality)
-        message_commands = MessageCommands(self.telemetry, personality)
-        parameters = ParameterService(autopilot.parameters, partners, self.statustext)
-        executors = {**self._flight_commands.executors, **message_commands.executors}
+
+    def _build_services(self, personality: Personality) -> None:
+        autopilot, view, partners = self._autopilot, self._view, self._partners
+        statustext, modes = self.statustext, ModeReport(personality, autopilot)
+        self.telemetry = self._build_telemetry(personality, modes)
+        guided = GuidedInput(view, modes) if personality.has_guided_mode else None
+        self._recorder = FlightRecorder(view, statustext)
+        self._missions = MissionService(
+            {
+                MISSION: MissionWithHome(autopilot)
+                if personality.n_home_items
+                else autopilot.mission,
+                FENCE: autopilot.fence,
+                RALLY: autopilot.rally,
+            },
+            partners,
+            statustext,
+            guided.accept_item if guided else None,
+            requests_int=personality.requests_int,
+        )
+        self._n_home_items = personality.n_home_items
+        names = personality.aliases
+        parameters = ParameterService(
+            AliasedParameters(autopilot.parameters, names) if names else autopilot.parameters,
+            partners,
+            statustext,
+            has_bytewise_integers=personality.has_bytewise_integers,
+        )
+        flight_commands = FlightCommands(view, personality, modes)
+        executors = {
+            **flight_commands.executors,
+            **MessageCommands(self.telemetry, personality, statustext).executors,
+            **FailureCommands(view, statustext).executors,
+            **(self.lockstep.executors if self.lockstep else {}),
+        }
+        accept = guided.accept_setpoint if guided else autopilot.set_offboard_setpoint
         services: Sequence[Service] = (
-            CommandService(executors, self.statustext),
-            OffboardService(view),
+            CommandService(executors, statustext),
+            OldRequestService(flight_commands, self.telemetry, statustext),
+            OffboardService(view, accept),
+            FollowTargetService(view),
             ManualControlService(autopilot, self.system_id),
             TimesyncService(lambda: view.plant.time_us),
-            FileService(),
-            AbsentService(self.statustext),
+            AbsentService(statustext),
         )
         self._stateful: Sequence[StatefulService] = (
             GroundStationService(autopilot),
             self._missions,
             parameters,
+            ShellService(view, has_shell=personality.has_shell),
+            LogService(self._recorder),
+            FileService(self._recorder.files),
             self.telemetry,
         )
         self._handlers: dict[int, Handler] = {
             LAYOUTS[name].message_id: handler
             for service in (*services, *self._stateful)
             for name, handler in service.handlers.items()
-        }
-        self._handlers |= {
-            LAYOUTS["SET_MODE"].message_id: lambda _, m: self._flight_commands.on_set_mode(m),
-            LAYOUTS["MISSION_SET_CURRENT"].message_id: self._on_set_current,
-            LAYOUTS["SET_GPS_GLOBAL_ORIGIN"].message_id: self._on_set_origin,
         }
 
     def _open_links(self) -> None:
@@ -144,25 +186,55 @@ class MavlinkServer:
     def update(self) -> None:
         """Read, answer, stream and send; call once every 20 ms of simulated time."""
         faults = self.faults
-        for key, _ in self._selector.select(0):
-            with faults:
-                key.data()
         self._view.refresh()
-        self._meet_partners()
-        for channel in self._partners.channels:
-            for message in channel.take_messages():
-                with faults:
-                    self._dispatch(channel, message)
+        self._receive(0.0)
         self._tell_events()
         self.statustext.end_tick()
+        with faults:
+            self._recorder.update()
         for service in self._stateful:
             for channel in self._partners.channels:
                 with faults:
                     service.update(channel)
                 if faults.has_failed:
                     service.forget(channel)  # Else it would fail again at every tick.
+        if self.lockstep is not None:
+            self.lockstep.end_tick()
+        self._flush()
+
+    def wait_for_tick(self, timeout_s: float) -> bool:
+        """Answer clients until one that keeps the time grants a tick; at once without lockstep.
+
+        Returns:
+            Whether a tick may run; False if none was granted within the time.
+        """
+        if self.lockstep is None or self.lockstep.has_ticks:
+            return True
+        self._receive(timeout_s)
+        self._flush()
+        return self.lockstep.has_ticks
+
+    def _receive(self, timeout_s: float) -> None:
+        """Read all links, and answer what came; wait for the first bytes at most that long."""
+        for key, _ in self._selector.select(timeout_s):
+            with self.faults:
+                key.data()
+        self._meet_partners()
         for channel in self._partners.channels:
-            with faults:
+            if self.lockstep is None or not self.lockstep.holds_back(channel):
+                self._answer(channel, channel.take_messages())
+
+    def _answer(self, channel: Channel, messages: Sequence[Message]) -> None:
+        for number, message in enumerate(messages, start=1):
+            with self.faults:
+                self._dispatch(channel, message)
+            if self.lockstep is not None and self.lockstep.holds_back(channel):
+                channel.put_back(messages[number:])
+                return
+
+    def _flush(self) -> None:
+        for channel in self._partners.channels:
+            with self.faults:
                 channel.flush()
 
     def close(self) -> None:
@@ -178,6 +250,8 @@ class MavlinkServer:
         for gone in self._identified.difference(channels):
             for service in self._stateful:
                 service.forget(gone)
+            if self.lockstep is not None:
+                self.lockstep.forget(gone)
         for channel in channels:
             channel.system_id = self.system_id
             channel.component_id = AUTOPILOT_COMPONENT
@@ -198,18 +272,6 @@ class MavlinkServer:
     def _tell_events(self) -> None:
         for event in self._autopilot.pop_events():
             if isinstance(event, MissionItemReached):
-                self._missions.announce_reached(event.index)
+                self._missions.announce_reached(event.index + self._n_home_items)
             else:
                 self.statustext.say(event.severity, event.text)
-
-    def _on_set_current(self, channel: Channel, message: Message) -> None:
-        reply = self._autopilot.set_current_mission_item(message.seq)
-        if reply.is_accepted:
-            self.telemetry.broadcast("MISSION_CURRENT")
-        else:
-            self.telemetry.send_now(channel, LAYOUTS["MISSION_CURRENT"].message_id)
-
-    def _on_set_origin(self, channel: Channel, _: Message) -> None:
-        # PX4 answers with the origin that holds; here that is where the vehicle started.
-        self.statustext.say(Severity.NOTICE, "The origin stays where the vehicle started")
-        self.telemetry.send_now(channel, LAYOUTS["GPS_GLOBAL_ORIGIN"].message_id)

@@ -29,6 +29,7 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "SYSTEM_TIME": (1, 1),
     "MISSION_CURRENT": (1, 1),
     "ESTIMATOR_STATUS": (0.5, 1),
+    "EKF_STATUS_REPORT": (1, 1),
     "VIBRATION": (0.1, 0.5),
     "GPS_RAW_INT": (1, 5),
     "ATTITUDE": (15, 50),
@@ -46,6 +47,7 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "DISTANCE_SENSOR": (0.5, 10),
     "NAV_CONTROLLER_OUTPUT": (1, 10),
     "SCALED_PRESSURE": (1, 1),
+    "RANGEFINDER": (1, 1),
 }
 
 # The groups of REQUEST_DATA_STREAM as ground stations use them.
@@ -61,7 +63,10 @@ _GROUPS: Mapping[int, Sequence[str]] = {
     mav.MAV_DATA_STREAM_POSITION: ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
     mav.MAV_DATA_STREAM_EXTRA1: ("ATTITUDE",),
     mav.MAV_DATA_STREAM_EXTRA2: ("VFR_HUD",),
-    mav.MAV_DATA_STREAM_EXTRA3: ("BATTERY_STATUS", "SYSTEM_TIME", "DISTANCE_SENSOR"),
+    mav.MAV_DATA_STREAM_EXTRA3: (
+        *("BATTERY_STATUS", "SYSTEM_TIME", "DISTANCE_SENSOR"),
+        *("EKF_STATUS_REPORT", "RANGEFINDER"),
+    ),
 }
 
 

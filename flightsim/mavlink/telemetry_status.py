@@ -9,7 +9,8 @@ from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.frames import swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import PROTOCOL_VERSION, layout
 from flightsim.mavlink.dialect import dialect as mav
-from flightsim.mavlink.personality import Personality
+from flightsim.mavlink.mode_report import ModeReport
+from flightsim.mavlink.personalities import Personality
 from flightsim.mavlink.view import VehicleView
 
 _HEARTBEAT = layout("HEARTBEAT")
@@ -50,9 +51,12 @@ SIMULATED_EPOCH_US = 1_767_225_600_000_000
 class StatusTelemetry:
     """Packs messages from the autopilot's state."""
 
-    def __init__(self, view: VehicleView, personality: Personality, system_id: int) -> None:
+    def __init__(
+        self, view: VehicleView, personality: Personality, modes: ModeReport, system_id: int
+    ) -> None:
         self._view = view
         self._personality = personality
+        self._modes = modes
         self._system_id = system_id
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
             "HEARTBEAT": self._heartbeat,
@@ -70,7 +74,7 @@ class StatusTelemetry:
 
     def _heartbeat(self) -> bytes:
         autopilot = self._view.autopilot
-        entry = self._personality.entry(autopilot.mode)
+        entry = self._modes.entry
         state = _STATES[autopilot.system_state]
         if autopilot.mode is Mode.TERMINATION:
             state = mav.MAV_STATE_FLIGHT_TERMINATION
@@ -142,9 +146,10 @@ class StatusTelemetry:
     def _mission_current(self) -> bytes:
         autopilot = self._view.autopilot
         mission = autopilot.mission
+        n_home_items = self._personality.n_home_items
         return _MISSION_CURRENT.encode(
-            seq=mission.current_index,
-            total=len(mission) or 0xFFFF,
+            seq=mission.current_index + n_home_items,
+            total=n_home_items + len(mission) if len(mission) else 0xFFFF,
             mission_state=self._mission_state(),
             mission_mode=1 if autopilot.mode is Mode.MISSION else 2,
         )
@@ -168,7 +173,7 @@ class StatusTelemetry:
         )
 
     def _current_mode(self) -> bytes:
-        entry = self._personality.entry(self._view.autopilot.mode)
+        entry = self._modes.entry
         return _CURRENT_MODE.encode(
             standard_mode=entry.standard_mode,
             custom_mode=entry.custom_mode,

@@ -5,7 +5,7 @@ import socket
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,12 +16,22 @@ SPEED = 4
 """Simulated seconds per wall second: clients use wall time."""
 
 
-@dataclass
-class Testbench:
-    """A running `aeroscene-sitl` with its ports."""
+class TestbenchProcess:
+    """A running `aeroscene-sitl field` with its ports, a free set of them for each worker."""
 
-    instance: int
-    process: subprocess.Popen
+    __test__ = False
+
+    def __init__(self, *options: str, instance: int | None = None) -> None:
+        self.instance = own_instance() if instance is None else instance
+        self.process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "scenarios.cli.sitl", "field"),
+                *("--instance", str(self.instance), *options),
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
 
     @property
     def sdk_address(self) -> str:
@@ -33,7 +43,7 @@ class Testbench:
 
     def wait_until_open(self) -> None:
         """Wait until the TCP port accepts connections."""
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + 180.0
         while time.monotonic() < deadline:
             assert self.process.poll() is None, "the testbench ended by itself"
             with socket.socket() as probe:
@@ -41,7 +51,7 @@ class Testbench:
                 if probe.connect_ex(("127.0.0.1", self.tcp_port)) == 0:
                     return
             time.sleep(0.1)
-        raise AssertionError("the testbench did not open its ports within 60 s")
+        raise AssertionError("the testbench did not open its ports within 180 s")
 
     def stop(self) -> str:
         """Interrupt it as Ctrl-C does and return its standard error."""
@@ -49,29 +59,36 @@ class Testbench:
         _, errors = self.process.communicate(timeout=20)
         return errors
 
+    def kill(self) -> None:
+        """End it if it has not ended."""
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.communicate()
 
-@pytest.fixture
-def testbench(tmp_path):
-    instance = own_instance()
-    arguments = ["--scene", "field", "--speed", str(SPEED), "--instance", str(instance)]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "scenarios.cli.sitl", *arguments, "--headless-seconds", "600"],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    bench = Testbench(instance, process)
+
+def _running(*options: str) -> Iterator[TestbenchProcess]:
+    bench = TestbenchProcess("--speed", str(SPEED), "--headless-seconds", "600", *options)
     try:
         bench.wait_until_open()
         yield bench
-        assert process.poll() is None, "the testbench ended by itself"
+        assert bench.process.poll() is None, "the testbench ended by itself"
         errors = bench.stop()
         assert "Traceback" not in errors, errors
-        assert process.returncode == 0, errors
+        assert bench.process.returncode == 0, errors
     finally:
-        if process.poll() is None:
-            process.kill()
-            process.communicate()
+        bench.kill()
+
+
+@pytest.fixture
+def testbench():
+    """A testbench as PX4 is."""
+    yield from _running()
+
+
+@pytest.fixture
+def copter():
+    """A testbench as ArduPilot is."""
+    yield from _running("--personality", "ardupilot")
 
 
 @pytest.fixture

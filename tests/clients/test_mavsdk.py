@@ -13,6 +13,7 @@ pytestmark = pytest.mark.timeout(150)
         "grpc_mission.py",
         "grpc_offboard_position.py",
         "grpc_offboard_velocity.py",
+        "grpc_shell.py",
     ],
 )
 def test_published_style_scripts_fly(script, testbench, run_script):

@@ -52,9 +52,13 @@ _ADDRESSED = sorted(
 )
 _MESSAGES = sorted(TYPES)
 _IDS = sorted(MESSAGE_NAMES)
-_PARAMETERS = (b"MPC_XY_CRUISE", b"SYS_AUTOSTART", b"MIS_TAKEOFF_ALT", b"_HASH_CHECK", b"\xff" * 16)
+_PARAMETERS = (
+    *(b"MPC_XY_CRUISE", b"SYS_AUTOSTART", b"MIS_TAKEOFF_ALT", b"SYS_FAILURE_EN"),
+    *(b"RTL_ALT", b"FENCE_ACTION", b"SYSID_THISMAV", b"_HASH_CHECK", b"\xff" * 16),
+)
 _ITEMS = {0: (16, 20, 21, 22, 19, 93), 1: (5000, 5001, 5003), 2: (5100,), 255: (16,)}
 """Commands of the items of each type of mission."""
+_ITEM_MESSAGES = ("MISSION_ITEM_INT", "MISSION_ITEM")
 _ASKED_FIRST = 12
 """Items of a mission that are sent or asked for in one conversation."""
 
@@ -95,7 +99,13 @@ class Traffic:
             return self._command(rng)
         if name in OBEYED_MESSAGES and not self._is_obeyed:
             return ()
+        if name in _ITEM_MESSAGES:
+            return (frame(rng, name, current=self._current(rng)),)
         return (frame(rng, name),)
+
+    def _current(self, rng: random.Random) -> int:
+        """What an item says of itself: from 2 on, ArduPilot's vehicles fly to it at once."""
+        return rng.randrange(4 if self._is_obeyed else 2)
 
     def _any_message(self, rng: random.Random) -> Sequence[bytes]:
         return self._message(rng, _MESSAGES)
@@ -133,9 +143,16 @@ class Traffic:
         begin = frame(rng, "MISSION_COUNT", count=count, mission_type=kind)
         if chance(rng, 0.2):
             begin = frame(rng, "MISSION_WRITE_PARTIAL_LIST", start_index=0, mission_type=kind)
-        item = rng.choice(("MISSION_ITEM_INT", "MISSION_ITEM"))
+        item = rng.choice(_ITEM_MESSAGES)
         items = [
-            frame(rng, item, seq=seq, mission_type=kind, command=_item_command(rng, kind))
+            frame(
+                rng,
+                item,
+                seq=seq,
+                mission_type=kind,
+                command=_item_command(rng, kind),
+                current=self._current(rng),
+            )
             for seq in range(min(count, _ASKED_FIRST))
         ]
         return (begin, *items, *self._download(rng))
@@ -147,14 +164,7 @@ class Traffic:
         return (frame(rng, "MISSION_REQUEST_LIST", mission_type=kind), *items)
 
     def _parameters(self, rng: random.Random) -> Sequence[bytes]:
-        names = (
-            b"MPC_XY_CRUISE",
-            b"SYS_AUTOSTART",
-            b"MIS_TAKEOFF_ALT",
-            b"_HASH_CHECK",
-            b"\xff" * 16,
-        )
-        name, ask = rng.choice(names), frame(rng, "PARAM_REQUEST_LIST")
+        name, ask = rng.choice(_PARAMETERS), frame(rng, "PARAM_REQUEST_LIST")
         read = frame(rng, "PARAM_REQUEST_READ", param_id=name, param_index=-1)
         if not self._is_obeyed:
             return (read, ask) if chance(rng, 0.1) else (read,)

@@ -67,12 +67,13 @@ class DeadVehicleError(AssertionError):
 class Vehicle:
     """A hovering vehicle on the field, with hostile clients on a link and an honest one beside."""
 
-    def __init__(self, link: LinkName | None, n_clients: int = 1) -> None:
+    def __init__(self, link: LinkName | None, n_clients: int = 1, personality: str = "px4") -> None:
         """Take off and hover.
 
         Args:
             link: Link of the hostile clients; None for a twin that has none.
             n_clients: Number of hostile clients.
+            personality: Flight stack that the vehicle imitates.
         """
         self._stack = contextlib.ExitStack()
         ports = _free_ports()
@@ -83,7 +84,7 @@ class Vehicle:
             links = [TcpServerLink(port=ports[2])]
         elif link == "in-process":
             links = [InProcessLink() for _ in range(n_clients)]
-        cfg = TestbenchCfg(speed="max", seed=1)
+        cfg = TestbenchCfg(speed="max", seed=1, personality=personality)
         bench = Testbench(open_scene("field"), cfg, has_network=False, extra_links=links)
         self.bench = self._stack.enter_context(bench)
         self.take_off()

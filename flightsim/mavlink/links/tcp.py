@@ -9,7 +9,7 @@ import socket
 import time
 from collections.abc import Callable, Sequence
 
-from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.channel import Channel, Clock
 from flightsim.mavlink.links.link import MAX_PARTNERS, bind
 from flightsim.mavlink.streams import Profile
 
@@ -24,14 +24,12 @@ _STUCK_LIMIT_S = 30.0
 class _Connection:
     """One accepted connection and the bytes that its socket has not accepted yet."""
 
-    def __init__(self, tcp: socket.socket, name: str, profile: Profile) -> None:
+    def __init__(self, tcp: socket.socket, name: str, profile: Profile, clock: Clock) -> None:
         self.socket = tcp
         self.is_broken = False
         self._unsent = bytearray()
         self._last_progress_s = time.monotonic()
-        self.channel = Channel(
-            name, self.write, profile=profile, clock=time.monotonic, is_datagram=False
-        )
+        self.channel = Channel(name, self.write, profile=profile, clock=clock, is_datagram=False)
 
     def read(self) -> None:
         """Read received bytes, unless the partner has exceeded its budget."""
@@ -71,8 +69,23 @@ class TcpServerLink:
     """A listening port; every connection gets its own channel."""
 
     def __init__(
-        self, *, port: int, profile: Profile = "normal", bind_address: str = "127.0.0.1"
+        self,
+        *,
+        port: int,
+        profile: Profile = "normal",
+        bind_address: str = "127.0.0.1",
+        is_lockstep: bool = False,
     ) -> None:
+        """Prepare a link.
+
+        Args:
+            port: Port to listen on.
+            profile: Default stream rates.
+            bind_address: Address to listen on.
+            is_lockstep: Whether protocol timeouts run in simulated time.
+        """
+        self._is_lockstep = is_lockstep
+        self._clock: Clock = time.monotonic
         self.name = f"tcp:{port}"
         self._local = (bind_address, port)
         self._profile: Profile = profile
@@ -89,13 +102,15 @@ class TcpServerLink:
             self._clear_broken()
         return tuple(connection.channel for connection in self._connections)
 
-    def open(self, selector: selectors.BaseSelector, _: Callable[[], int]) -> None:
+    def open(self, selector: selectors.BaseSelector, simulated_us: Callable[[], int]) -> None:
         """Listen on the port.
 
         Raises:
             PortInUseError: If the port is taken.
             LinkError: If it cannot be bound for another reason.
         """
+        if self._is_lockstep:
+            self._clock = lambda: simulated_us() * 1e-6
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         # Connections of the last run that linger in TIME_WAIT must not hold the port.
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -138,7 +153,7 @@ class TcpServerLink:
         tcp.setblocking(False)
         with contextlib.suppress(OSError):
             tcp.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        connection = _Connection(tcp, name, self._profile)
+        connection = _Connection(tcp, name, self._profile, self._clock)
         self._connections.append(connection)
         self._selector.register(tcp, selectors.EVENT_READ, connection.read)
 

@@ -8,7 +8,7 @@ import socket
 import time
 from collections.abc import Callable, Sequence
 
-from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.channel import Channel, Clock
 from flightsim.mavlink.links.link import MAX_PARTNERS, bind
 from flightsim.mavlink.parsing import starts_with_message
 from flightsim.mavlink.streams import Profile
@@ -35,7 +35,20 @@ class UdpLink:
         profile: Profile = "normal",
         bind_address: str = "127.0.0.1",
         remote_address: str = "127.0.0.1",
+        is_lockstep: bool = False,
     ) -> None:
+        """Prepare a link.
+
+        Args:
+            local_port: Port to bind.
+            remote_port: Port of the partner that is addressed first.
+            profile: Default stream rates.
+            bind_address: Address to bind.
+            remote_address: Address of the partner that is addressed first.
+            is_lockstep: Whether protocol timeouts run in simulated time.
+        """
+        self._is_lockstep = is_lockstep
+        self._clock: Clock = time.monotonic
         self.name = f"udp:{local_port}->{remote_port}"
         self._local: _Address = (bind_address, local_port)
         self._profile: Profile = profile
@@ -50,13 +63,15 @@ class UdpLink:
         """The default partner and those learnt from traffic."""
         return tuple(self._partners.values())
 
-    def open(self, selector: selectors.BaseSelector, _: Callable[[], int]) -> None:
+    def open(self, selector: selectors.BaseSelector, simulated_us: Callable[[], int]) -> None:
         """Bind the local port.
 
         Raises:
             PortInUseError: If it is taken.
             LinkError: If it cannot be bound for another reason.
         """
+        if self._is_lockstep:
+            self._clock = lambda: simulated_us() * 1e-6
         udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         bind(udp, "UDP", *self._local)
         udp.setblocking(False)
@@ -109,7 +124,7 @@ class UdpLink:
             f"{self.name} {address[0]}:{address[1]}",
             lambda frames: self._write(frames, address),
             profile=self._profile,
-            clock=time.monotonic,
+            clock=lambda: self._clock(),  # noqa: PLW0108 - set when the link is opened
             is_datagram=True,
         )
 

@@ -12,6 +12,7 @@ from flightsim.autopilot.autopilot import Autopilot
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink
+from flightsim.mavlink.personalities import PX4, Personality
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.plant import Plant, PlantCfg
 from flightsim.simulator import Simulator
@@ -25,13 +26,20 @@ START_ENU_M = (12.0, -7.0, 0.0)
 class Flight:
     """A simulated vehicle and one client of its MAVLink server, in lockstep."""
 
-    def __init__(self, world: World):
+    def __init__(self, world: World, personality: Personality = PX4):
         self.plant = Plant(world, PlantCfg(seed=3))
         scene = world.scene
         self.frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
-        self.autopilot = Autopilot(self.plant, self.frame, airframe=world.airframe)
+        self.autopilot = Autopilot(
+            self.plant,
+            self.frame,
+            airframe=world.airframe,
+            initial_parameters=personality.initial_parameters,
+        )
         self.link = InProcessLink()
-        self.server = MavlinkServer(self.autopilot, self.plant, self.frame, [self.link])
+        self.server = MavlinkServer(
+            self.autopilot, self.plant, self.frame, [self.link], personality=personality
+        )
         self.simulator = Simulator(self.plant, self.autopilot, self.server, speed="max")
         self.wire = Wire()
         self.heard: list[Any] = []

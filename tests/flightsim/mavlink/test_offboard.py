@@ -23,7 +23,8 @@ class _Recorder:
     def __init__(self, flight, monkeypatch):
         self.flight = flight
         self.setpoint = None
-        monkeypatch.setattr(flight.autopilot, "set_offboard_setpoint", self._take)
+        stream = flight.autopilot._flight.offboard
+        monkeypatch.setattr(stream, "receive", lambda setpoint, _: self._take(setpoint))
 
     def _take(self, setpoint):
         self.setpoint = setpoint

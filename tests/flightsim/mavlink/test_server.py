@@ -119,54 +119,6 @@ def test_clocks_are_compared_in_simulated_time(flight):
     assert (answer.tc1, answer.ts1) == (flight.plant.time_us * 1000, 123)
 
 
-@pytest.mark.parametrize("opcode", range(20))
-def test_file_requests_are_refused_in_a_form_that_clients_read(flight, opcode):
-    request = bytearray(251)
-    request[0:2], request[2], request[3] = (41).to_bytes(2, "little"), 3, opcode
-    request[4], request[12:17] = 5, b"@PARA"
-    flight.send("FILE_TRANSFER_PROTOCOL", 0, 1, 1, request)
-    (answer,) = named(flight.step(), "FILE_TRANSFER_PROTOCOL")
-    payload = bytes(answer.payload)
-    assert (answer.target_system, answer.target_component) == (255, 190)
-    assert int.from_bytes(payload[0:2], "little") == 42
-    assert (payload[2], payload[5]) == (3, opcode)
-    if opcode in {0, 1, 2}:
-        assert payload[3:5] == bytes((128, 0))
-    else:
-        assert payload[3:5] == bytes((129, 1))
-        assert payload[12] == (10 if opcode <= 15 else 7)
-
-
-def test_the_root_of_the_file_system_is_there_and_empty(flight):
-    request = bytearray(251)
-    request[3], request[4], request[12:13] = 3, 1, b"/"
-    flight.send("FILE_TRANSFER_PROTOCOL", 0, 1, 1, request)
-    (answer,) = named(flight.step(), "FILE_TRANSFER_PROTOCOL")
-    assert (answer.payload[3], answer.payload[12]) == (129, 6)
-
-
-def test_there_are_no_logs(flight):
-    flight.send("LOG_REQUEST_LIST", 1, 1, 0, 0xFFFF)
-    (entry,) = named(flight.step(), "LOG_ENTRY")
-    assert (entry.num_logs, entry.id) == (0, 0)
-
-
-def test_a_log_that_is_not_there_has_ended(flight):
-    flight.send("LOG_REQUEST_DATA", 1, 1, 7, 450, 90)
-    (data,) = named(flight.step(), "LOG_DATA")
-    assert (data.id, data.ofs, data.count) == (7, 450, 0)
-
-
-def test_the_shell_says_that_there_is_none(flight):
-    shell, respond = mav.SERIAL_CONTROL_DEV_SHELL, mav.SERIAL_CONTROL_FLAG_RESPOND
-    flight.send("SERIAL_CONTROL", shell, respond, 0, 0, 4, list(b"help" + bytes(66)))
-    (answer,) = named(flight.step(), "SERIAL_CONTROL")
-    assert (answer.device, answer.flags) == (shell, mav.SERIAL_CONTROL_FLAG_REPLY)
-    assert bytes(answer.data[: answer.count]) == b"This vehicle has no shell.\n"
-    flight.send("SERIAL_CONTROL", shell, respond, 0, 0, 0, [0] * 70)
-    assert not named(flight.step(), "SERIAL_CONTROL")
-
-
 def test_the_origin_stays_and_is_told(flight):
     flight.send("SET_GPS_GLOBAL_ORIGIN", 1, 473977420, 85455940, 0)
     came = flight.step()

@@ -11,7 +11,7 @@ from flightsim.frames import Geodetic
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink
-from flightsim.mavlink.px4 import PX4
+from flightsim.mavlink.personalities import PX4
 from flightsim.mavlink.server import MavlinkServer
 from tests.flightsim.mavlink.conftest import START_ENU_M, Flight
 from tests.flightsim.mavlink.wire import Wire, named
@@ -182,7 +182,7 @@ def test_every_mode_is_one_that_pymavlink_can_name(mode):
     name = mavutil.interpret_px4_mode(entry.base_mode, entry.custom_mode)
     assert name != "UNKNOWN"
     if entry.is_selectable:
-        assert PX4.selectable(entry.custom_mode) is mode
+        assert PX4.selectable(entry.custom_mode) is entry
 
 
 def test_an_estimate_that_is_no_number_ends_nothing(flight, monkeypatch):

@@ -6,11 +6,12 @@ import hashlib
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.dialect import dialect as mav
-from flightsim.mavlink.personality import ModeEntry, Personality
+from flightsim.mavlink.personalities.personality import ModeEntry, Personality
 
 # custom_mode = sub << 24 | main << 16
 _MANUAL, _ALTCTL, _POSCTL, _AUTO, _ACRO, _OFFBOARD, _STABILIZED = (n << 16 for n in range(1, 8))
 _TAKEOFF, _LOITER, _MISSION, _RTL, _LAND = (_AUTO | n << 24 for n in range(2, 7))
+_FOLLOW = _AUTO | 8 << 24
 _POSCTL_ORBIT = _POSCTL | 1 << 24
 
 # pymavlink infers from these flags whether a custom mode is one of sticks or automatic.
@@ -53,6 +54,7 @@ PX4 = Personality(
         _mode(Mode.LAND, _LAND, _AUTOMATIC, mav.MAV_STANDARD_MODE_LAND),
         _mode(Mode.TAKEOFF, _TAKEOFF, _AUTOMATIC, mav.MAV_STANDARD_MODE_TAKEOFF),
         _mode(Mode.OFFBOARD, _OFFBOARD, _AUTOMATIC),
+        _mode(Mode.FOLLOW, _FOLLOW, _AUTOMATIC),
         _mode(
             Mode.ORBIT,
             _POSCTL_ORBIT,

@@ -1,0 +1,106 @@
+"""Follow mode: keep a distance, a height and an angle to a target that says where it is.
+
+The angle counts from the target's course, as in PX4: 180 degrees are behind it. While the target
+has not moved yet, the vehicle stays on the side where it is.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, radians, sin
+
+from autonomy.types import Setpoint, Vector3
+from flightsim.autopilot.flight_context import FlightContext
+from flightsim.autopilot.heading import wrap_angle
+from flightsim.autopilot.modes import Mode
+from flightsim.autopilot.vehicle import TICK_S
+
+_LEAST_SPEED_MPS = 0.5
+"""Speed of the target above which its velocity tells its course."""
+_SMOOTHING_S = 10.0
+"""Time constant of the target's smoothing at a responsiveness of 1."""
+_ABOVE_TARGET = 2
+"""Value of FLW_TGT_ALT_M; the others count from home, for terrain counts as its height."""
+
+
+class Follow:
+    """Fly where the target's reports and the FLW_TGT parameters lead; hold while none come."""
+
+    is_landing = False
+    may_rest = False
+
+    def __init__(self, flight: FlightContext) -> None:
+        self._flight = flight
+        self._goal_enu_m: Vector3 | None = None
+        self._target_enu_m: Vector3 | None = None
+        self._bearing_rad: float | None = None
+        self._course_rad: float | None = None
+        self.next_mode: Mode | None = None
+
+    def ready_to_lift(self) -> bool:
+        """Stay on the ground: a flight begins with a takeoff."""
+        return False
+
+    def start(self) -> None:
+        """Hold until the target is known."""
+        flight = self._flight
+        self._goal_enu_m = flight.path.stopping_point(flight.limits.automatic)
+        self._target_enu_m = self._bearing_rad = self._course_rad = None
+        flight.heading.goal_yaw_rad = flight.heading.yaw_rad
+
+    def update(self) -> Setpoint:
+        """Fly on towards the place from which the target is followed."""
+        flight = self._flight
+        reported = flight.follow_target.at(flight.vehicle.time_us)
+        if reported is not None:
+            self._smooth(reported)
+            self._goal_enu_m = self._place()
+        assert self._goal_enu_m is not None
+        flight.target_enu_m = self._goal_enu_m
+        flight.path.fly_to(self._goal_enu_m, flight.limits.automatic)
+        return flight.follow_path()
+
+    def _smooth(self, reported_enu_m: Vector3) -> None:
+        """Move the target's estimate towards what was reported."""
+        if self._target_enu_m is None:
+            self._target_enu_m = reported_enu_m
+            return
+        constant_s = _SMOOTHING_S * self._flight.parameters["FLW_TGT_RS"]
+        share = TICK_S / (constant_s + TICK_S)
+        x, y, z = (
+            old + share * (new - old)
+            for old, new in zip(self._target_enu_m, reported_enu_m, strict=True)
+        )
+        self._target_enu_m = (x, y, z)
+
+    def _place(self) -> Vector3:
+        """Place beside the target, on the side that the angle asks for."""
+        flight, p = self._flight, self._flight.parameters
+        assert self._target_enu_m is not None
+        tx, ty, tz = self._target_enu_m
+        x, y, _ = flight.path.position_enu_m
+        if self._bearing_rad is None:
+            self._bearing_rad = atan2(y - ty, x - tx)
+        vx, vy, _ = flight.follow_target.velocity_enu_mps
+        if hypot(vx, vy) > _LEAST_SPEED_MPS:
+            self._course_rad = atan2(vy, vx)
+        distance_m = p["FLW_TGT_DST"]
+        if self._course_rad is not None:
+            # The angle counts clockwise from above, as headings do.
+            wanted_rad = self._course_rad - radians(p["FLW_TGT_FA"])
+            most_rad = p["FLW_TGT_MAX_VEL"] * TICK_S / distance_m
+            off_rad = wrap_angle(wanted_rad - self._bearing_rad)
+            self._bearing_rad += min(max(off_rad, -most_rad), most_rad)
+        if hypot(tx - x, ty - y) > 0.5:
+            flight.heading.goal_yaw_rad = atan2(ty - y, tx - x)
+        return (
+            tx + distance_m * cos(self._bearing_rad),
+            ty + distance_m * sin(self._bearing_rad),
+            self._floor_m(tz) + p["FLW_TGT_HT"],
+        )
+
+    def _floor_m(self, target_up_m: float) -> float:
+        """ENU height above which FLW_TGT_HT counts."""
+        if self._flight.parameters["FLW_TGT_ALT_M"] == _ABOVE_TARGET:
+            return target_up_m
+        home = self._flight.home
+        return 0.0 if home is None else home.position_enu_m[2]

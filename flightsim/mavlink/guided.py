@@ -1,0 +1,74 @@
+"""ArduPilot's guided mode: it flies what it is told without a change of mode."""
+
+from __future__ import annotations
+
+import math
+
+from autonomy.types import ControlLevel, Setpoint
+from flightsim.autopilot.mission_item import FRAME_GLOBAL, MissionItem
+from flightsim.autopilot.modes import LandedState, Mode
+from flightsim.autopilot.results import Reply, rejected
+from flightsim.frames import Geodetic
+from flightsim.mavlink.mode_report import ModeReport
+from flightsim.mavlink.view import VehicleView
+
+_SAME_PLACE_M = 0.01
+"""A stream that repeats one place does not start the flight there anew."""
+_GUIDED_MODES = frozenset({Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD})
+
+
+class GuidedInput:
+    """Setpoints and single mission items that are flown while the vehicle is guided."""
+
+    def __init__(self, view: VehicleView, modes: ModeReport) -> None:
+        self._view = view
+        self._modes = modes
+
+    @property
+    def is_guided(self) -> bool:
+        """Whether the vehicle flies, and takes what it is told."""
+        autopilot = self._view.autopilot
+        is_flying = autopilot.is_armed and autopilot.landed_state is not LandedState.ON_GROUND
+        is_chosen = Mode.OFFBOARD in self._modes.entry.also
+        return is_flying and is_chosen and autopilot.mode in _GUIDED_MODES
+
+    def accept_setpoint(self, setpoint: Setpoint) -> None:
+        """Fly to a bare place and stay; follow any other setpoint until the stream ends."""
+        if not self.is_guided:
+            return
+        autopilot = self._view.autopilot
+        if _is_bare_place(setpoint):
+            self._fly_to(setpoint)
+            return
+        autopilot.set_offboard_setpoint(setpoint)
+        if autopilot.mode is not Mode.OFFBOARD:
+            autopilot.set_mode(Mode.OFFBOARD)
+
+    def accept_item(self, item: MissionItem, *, is_altitude_only: bool) -> Reply:
+        """Fly to the place of a mission item that is not part of a mission."""
+        if not self.is_guided:
+            return rejected("not flying in guided mode")
+        is_amsl = item.frame in FRAME_GLOBAL
+        altitude_m = item.z if is_amsl else item.z + self._view.home_altitude_m
+        if is_altitude_only or item.is_here or not item.is_geodetic:
+            return self._view.autopilot.goto(Geodetic(math.nan, math.nan, altitude_m))
+        return self._view.autopilot.goto(Geodetic(item.x, item.y, altitude_m))
+
+    def _fly_to(self, setpoint: Setpoint) -> None:
+        autopilot = self._view.autopilot
+        here = self._view.plant.estimate.position_enu_m
+        x, y, z = (
+            h if math.isnan(c) else c for c, h in zip(setpoint.position_enu_m, here, strict=True)
+        )
+        target = autopilot.target_enu_m
+        is_same = target is not None and math.dist(target, (x, y, z)) < _SAME_PLACE_M
+        if autopilot.mode is Mode.HOLD and is_same:
+            return
+        yaw_rad = None if math.isnan(setpoint.yaw_rad) else setpoint.yaw_rad
+        autopilot.goto(self._view.frame.geodetic_from_enu((x, y, z)), yaw_rad=yaw_rad)
+
+
+def _is_bare_place(setpoint: Setpoint) -> bool:
+    moving = (*setpoint.velocity_enu_mps, *setpoint.acceleration_enu_mps2)
+    is_place = any(map(math.isfinite, setpoint.position_enu_m))
+    return setpoint.level is ControlLevel.TRAJECTORY and is_place and all(map(math.isnan, moving))

@@ -1,0 +1,64 @@
+"""Lockstep with a client outside this process: simulated time waits for what it grants.
+
+The client sends MAV_CMD_USER_1 with a number of ticks in parameter 1. They run at once, without a
+word of that client being read in between, and are acknowledged after the last of their telemetry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.commands import Command, Executor, acknowledge, choice
+from flightsim.mavlink.dialect import dialect as mav
+
+MAX_TICKS = 50_000
+"""Most ticks of one grant, 1,000 s."""
+
+
+class Lockstep:
+    """Ticks that the client who keeps time has granted; the first who grants any is that client.
+
+    Attributes:
+        is_over: Whether that client has left, so that time stands still for good.
+    """
+
+    def __init__(self) -> None:
+        self.is_over = False
+        self._keeper: Channel | None = None
+        self._grant: Command | None = None
+        self._n_left = 0
+        self.executors: Mapping[int, Executor] = {mav.MAV_CMD_USER_1: self._on_grant}
+
+    @property
+    def has_ticks(self) -> bool:
+        """Whether a tick may run now."""
+        return self._n_left > 0
+
+    def holds_back(self, channel: Channel) -> bool:
+        """Whether a partner's messages wait until the ticks that it granted have run."""
+        return self.has_ticks and channel is self._keeper
+
+    def end_tick(self) -> None:
+        """Count a tick, and acknowledge the grant after its last."""
+        self._n_left = max(0, self._n_left - 1)
+        if self._n_left == 0 and self._grant is not None:
+            grant, self._grant = self._grant, None
+            acknowledge(grant, ACCEPTED)
+
+    def forget(self, channel: Channel) -> None:
+        """End the lockstep if the partner that left kept the time."""
+        if channel is self._keeper:
+            self._keeper = self._grant = None
+            self._n_left = 0
+            self.is_over = True
+
+    def _on_grant(self, c: Command) -> Reply | None:
+        n_ticks = choice(c.param1)
+        if n_ticks is None or not 1 <= n_ticks <= MAX_TICKS:
+            return denied(f"param1 = {c.param1:g} ticks; valid are 1 to {MAX_TICKS}")
+        if self._keeper not in {None, c.channel}:
+            return rejected("another client keeps the time")
+        self._keeper, self._grant, self._n_left = c.channel, c, n_ticks
+        return None

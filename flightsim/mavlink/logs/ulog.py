@@ -1,0 +1,82 @@
+"""Bytes of a ULog file, the format of PX4's logs.
+
+https://docs.px4.io/main/en/dev_log/ulog_file_format.html
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Mapping
+
+_MAGIC = b"ULog\x01\x12\x35\x01"
+_NO_FLAGS = bytes(40)
+_STRUCT_LETTERS = {"uint64_t": "Q", "int32_t": "i", "float": "f", "uint8_t": "B", "bool": "?"}
+
+
+class Topic:
+    """A message that is logged: its name and its fields, larger types first.
+
+    A field is written as in ULog, such as `float[4] q`; the first is always the time.
+    """
+
+    def __init__(self, name: str, *fields: str) -> None:
+        self.name = name
+        self.definition = f"{name}:" + "".join(
+            f"{field};" for field in ("uint64_t timestamp", *fields)
+        )
+        self._struct = struct.Struct("<HQ" + "".join(map(_letters, fields)))
+
+    def pack(self, message_id: int, time_us: int, *values: float) -> bytes:
+        """Data message of one sample; arrays are spread out."""
+        return message(b"D", self._struct.pack(message_id, time_us, *values))
+
+
+def message(kind: bytes, payload: bytes) -> bytes:
+    """A message of the file: its size, its type, its bytes."""
+    return struct.pack("<H", len(payload)) + kind + payload
+
+
+def start(
+    time_us: int,
+    topics: Iterable[Topic],
+    info: Mapping[str, str],
+    parameters: Mapping[str, float],
+) -> bytes:
+    """Everything before the data: header, formats, information, parameters, subscriptions.
+
+    Args:
+        time_us: Time at which the log begins.
+        topics: What is logged; the position is the message id.
+        info: Texts by their keys, such as `sys_name`.
+        parameters: Values by name; an `int` is written as one.
+    """
+    listed = tuple(topics)
+    parts = [_MAGIC + struct.pack("<Q", time_us), message(b"B", _NO_FLAGS)]
+    parts += [message(b"F", topic.definition.encode("ascii")) for topic in listed]
+    for key, text in info.items():
+        value = text.encode("ascii", "replace")
+        parts.append(message(b"I", _keyed(f"char[{len(value)}] {key}", value)))
+    for name, number in parameters.items():
+        is_integer = isinstance(number, int)
+        value = struct.pack("<i" if is_integer else "<f", number)
+        parts.append(message(b"P", _keyed(f"{'int32_t' if is_integer else 'float'} {name}", value)))
+    for message_id, topic in enumerate(listed):
+        subscription = struct.pack("<BH", 0, message_id) + topic.name.encode("ascii")
+        parts.append(message(b"A", subscription))
+    return b"".join(parts)
+
+
+def text(time_us: int, severity: int, line: str) -> bytes:
+    """A line that was said to people, with its syslog severity."""
+    level = ord("0") + severity
+    return message(b"L", struct.pack("<BQ", level, time_us) + line.encode("ascii", "replace"))
+
+
+def _keyed(key: str, value: bytes) -> bytes:
+    name = key.encode("ascii")
+    return bytes((len(name),)) + name + value
+
+
+def _letters(field: str) -> str:
+    kind, _, size = field.split(maxsplit=1)[0].partition("[")
+    return f"{size.rstrip(']')}{_STRUCT_LETTERS[kind]}"

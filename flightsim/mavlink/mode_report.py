@@ -1,0 +1,36 @@
+"""The mode that clients are told, and the choice of another one."""
+
+from __future__ import annotations
+
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.autopilot.results import ACCEPTED, Reply
+from flightsim.mavlink.personalities import ModeEntry, Personality
+
+
+class ModeReport:
+    """Mode of the vehicle in its personality's terms.
+
+    Where several modes of a flight stack are one of ours, the one that was chosen is reported.
+    """
+
+    def __init__(self, personality: Personality, autopilot: Autopilot) -> None:
+        self._personality = personality
+        self._autopilot = autopilot
+        self._chosen: ModeEntry | None = None
+
+    @property
+    def entry(self) -> ModeEntry:
+        """Entry of the present mode."""
+        mode = self._autopilot.mode
+        if self._chosen is not None and self._chosen.reports(mode):
+            return self._chosen
+        return self._personality.entry(mode)
+
+    def choose(self, entry: ModeEntry) -> Reply:
+        """Change the mode at a client's request."""
+        if entry.also and entry is self.entry:
+            return ACCEPTED  # What is being flown within this mode goes on.
+        reply = self._autopilot.set_mode(entry.mode)
+        if reply.is_accepted:
+            self._chosen = entry
+        return reply

@@ -1,0 +1,106 @@
+"""Personality of a flight stack: its identity, mode numbers, names and encodings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from flightsim.autopilot.modes import Mode
+from flightsim.mavlink.view import VehicleView
+
+ExtraTelemetry = Callable[[VehicleView], Mapping[str, Callable[[], bytes | None]]]
+"""Makes the producers of the messages that only one flight stack sends, by message name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeEntry:
+    """Numbers of one flight mode in a flight stack."""
+
+    mode: Mode
+    custom_mode: int
+    base_mode: int
+    """MAV_MODE_FLAG bits without "armed"."""
+    standard_mode: int = 0
+    """MAV_STANDARD_MODE; 0 is non-standard."""
+    is_selectable: bool = True
+    """Whether a client may select the mode."""
+    also: frozenset[Mode] = frozenset()
+    """Modes of ours that belong to this mode of the flight stack, besides `mode`."""
+    title: str = ""
+    """Name of the mode in the flight stack; empty if it is ours."""
+
+    def reports(self, mode: Mode) -> bool:
+        """Whether a mode of ours may be reported as this one."""
+        return mode is self.mode or mode in self.also
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alias:
+    """Name and unit of a parameter in a flight stack."""
+
+    name: str
+    ours: str
+    """Name of the same parameter in our table."""
+    scale: float = 1.0
+    """One of the flight stack's units in units of ours."""
+    is_integer: bool = False
+    codes: Mapping[int, int] = field(default_factory=dict)
+    """Our value of each value in the flight stack, for a parameter that is a choice."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Personality:
+    """Identity, tables and encodings of a flight stack."""
+
+    name: str
+    autopilot: int
+    """Value of MAV_AUTOPILOT."""
+    modes: tuple[ModeEntry, ...]
+    """Entries in the order in which they are preferred for reports."""
+    mode_shift: Mapping[str, int]
+    """Bits by which DO_SET_MODE's "main" and "sub" are shifted into the custom mode."""
+    flight_sw_version: int
+    flight_custom_version: bytes
+    capabilities: int
+    """Bits of MAV_PROTOCOL_CAPABILITY."""
+    banner: str = ""
+    """Text that answers MAV_CMD_DO_SEND_BANNER; empty if the flight stack does not know it."""
+    has_bytewise_integers: bool = True
+    """Whether integers travel bytewise in the float field of PARAM_VALUE, instead of as floats."""
+    aliases: tuple[Alias, ...] = ()
+    """Parameters under the flight stack's names; none if they are ours."""
+    initial_parameters: Mapping[str, float] = field(default_factory=dict)
+    """Our parameters whose defaults differ in the flight stack."""
+    takes_off_above_home: bool = False
+    """Whether the altitude of a takeoff counts from home, instead of as its frame says."""
+    has_guided_mode: bool = False
+    """Whether setpoints and single items fly in the mode of HOLD, instead of in OFFBOARD."""
+    has_shell: bool = True
+    """Whether SERIAL_CONTROL leads to a shell."""
+    requests_int: bool = True
+    """Whether uploads of missions are asked for with MISSION_REQUEST_INT."""
+    n_home_items: int = 0
+    """Mission items before the first of the mission: 1 if home is item 0."""
+    extra_telemetry: ExtraTelemetry = lambda _: {}
+
+    def entry(self, mode: Mode) -> ModeEntry:
+        """Preferred entry that reports a mode."""
+        return next(entry for entry in self.modes if entry.reports(mode))
+
+    def selectable(self, custom_mode: int) -> ModeEntry | None:
+        """Selectable entry with a custom mode number; None if there is none."""
+        for entry in self.modes:
+            if entry.custom_mode == custom_mode and entry.is_selectable:
+                return entry
+        return None
+
+    def standard(self, standard_mode: int) -> ModeEntry | None:
+        """Selectable entry with a MAV_STANDARD_MODE; None if there is none."""
+        for entry in self.modes:
+            if standard_mode and entry.standard_mode == standard_mode and entry.is_selectable:
+                return entry
+        return None
+
+    def custom_mode(self, main: int, sub: int) -> int:
+        """Custom mode number of a DO_SET_MODE."""
+        return main << self.mode_shift["main"] | sub << self.mode_shift["sub"]

@@ -1,0 +1,1 @@
+"""A command that runs the examples that MAVSDK-Python publishes, unedited."""
