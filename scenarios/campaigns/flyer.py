@@ -10,6 +10,7 @@ import logging
 import time
 from collections import OrderedDict
 from dataclasses import asdict, dataclass, field, replace
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -25,13 +26,27 @@ from scenarios.run.sitl import INPUT_ERRORS, Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
 from scenarios.tasks.task import Task, trial_id
-from scenarios.trials.verdict import Code
 
 _LOG = logging.getLogger(__name__)
 
 Row = dict[str, Any]
 """A trial as a row of the results: its task, its verdict, its figures."""
 _KEPT_SAMPLERS = 2
+
+
+class Mishap(StrEnum):
+    """Code of a trial of which no flight came to judge; those of flights are `Code`s."""
+
+    NO_TASK = "no_task"
+    """The scene has no task for the vehicle: neither a success nor a failure."""
+    NO_PLAN = "no_plan"
+    """The pilot found no way, and did not begin."""
+    RAISED = "raised"
+    """The pilot raised an error."""
+    HUNG = "hung"
+    """The pilot gave no answer, and its process was ended."""
+    DIED = "died"
+    """The process ended, and did so again when the trial was flown anew."""
 
 
 class Trial(NamedTuple):
@@ -114,14 +129,14 @@ class Flyer:
             row |= task.to_plain()
             row |= self._flown(task, record)
         except (NoTaskError, WorldError, TrafficError) as error:
-            row |= {"code": Code.NO_TASK.value, "reason": _one_line(error)}
+            row |= {"code": Mishap.NO_TASK.value, "reason": _one_line(error)}
         except INPUT_ERRORS as error:
             if not isinstance(error.__cause__, MissionError):
                 raise
-            row |= failure(Code.NO_PLAN, _one_line(error))
+            row |= failure(Mishap.NO_PLAN, _one_line(error))
         except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
             _LOG.info("trial %s", trial.id, exc_info=True)
-            row |= failure(Code.RAISED, f"{type(error).__name__}: {_one_line(error)}")
+            row |= failure(Mishap.RAISED, f"{type(error).__name__}: {_one_line(error)}")
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
     def _flown(self, task: Task, record: Path | None) -> Row:
@@ -156,7 +171,7 @@ def blank_row(trial: Trial) -> Row:
     }
 
 
-def failure(code: Code, reason: str) -> Row:
+def failure(code: Mishap, reason: str) -> Row:
     """Part of a row of a trial that failed without a flight to judge."""
     return {"success": False, "code": code.value, "reason": reason}
 

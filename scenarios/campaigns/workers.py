@@ -13,8 +13,7 @@ from types import TracebackType
 from typing import Self
 
 from aeroscene.processes import end_with_parent, without_interrupts
-from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial, blank_row, failure
-from scenarios.trials.verdict import Code
+from scenarios.campaigns.flyer import Flyer, Mishap, Row, Suite, Trial, blank_row, failure
 
 _MOST_DEATHS = 2
 """Times that a trial may end its process before it counts as failed."""
@@ -105,7 +104,7 @@ class Workers:
                         yield row
                 elif time.monotonic() - worker.since_s > self._patience_s:
                     self._dismiss(worker)
-                    yield self._given_up(worker, Code.HUNG, f"no end in {self._patience_s:g} s")
+                    yield self._given_up(worker, Mishap.HUNG, f"no end in {self._patience_s:g} s")
 
     def _employ(self) -> None:
         """Give everybody something to do, and let those go for whom there is nothing."""
@@ -137,11 +136,11 @@ class Workers:
         self._deaths[worker.block[0]] += 1
         if self._deaths[worker.block[0]] >= _MOST_DEATHS:
             reason = f"its process ended with {worker.process.exitcode}, {_MOST_DEATHS} times"
-            return self._given_up(worker, Code.DIED, reason)
+            return self._given_up(worker, Mishap.DIED, reason)
         self._blocks.appendleft(list(worker.block))
         return None
 
-    def _given_up(self, worker: _Worker, code: Code, reason: str) -> Row:
+    def _given_up(self, worker: _Worker, code: Mishap, reason: str) -> Row:
         """Row of the trial that a worker was at; the rest of its block is for others."""
         trial = worker.block.popleft()
         if worker.block:

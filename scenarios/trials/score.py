@@ -169,8 +169,9 @@ def _reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
     if area is None:
         return None
     x, y, z = flown["position_true_enu_m"].T
-    is_above = _footprint_contains(area, x, y) & (np.abs(z - area.centroid[2]) <= LIMITS.above_m)
-    rows = np.flatnonzero(is_above)
+    height_m = z - area.centroid[2]
+    is_above = (height_m >= 0.0) & (height_m <= LIMITS.above_m)
+    rows = np.flatnonzero(is_above & _footprint_contains(area, x, y))
     return float(flown["time_us"][rows[0]]) * 1e-6 if rows.size else None
 
 

@@ -53,17 +53,6 @@ class Code(StrEnum):
     OFF_TARGET = "off_target"
     """On the area, but too far from the chosen point."""
 
-    NO_PLAN = "no_plan"
-    """The pilot found no way, and did not begin."""
-    RAISED = "raised"
-    """The pilot raised an error."""
-    HUNG = "hung"
-    """The pilot gave no answer, and its process was ended."""
-    DIED = "died"
-    """The process ended, and did so again when the trial was flown anew."""
-    NO_TASK = "no_task"
-    """The scene has no task for the vehicle: nothing is to be judged."""
-
 
 SUCCESSES = frozenset({Code.LANDED, Code.DONE})
 

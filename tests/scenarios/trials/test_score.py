@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flightsim.vehicles.catalogue import AIRFRAMES
+from scenarios.trials.contacts import Contact
+from scenarios.trials.result import figures
 from scenarios.trials.score import Goal, is_over_area, rotation_angle_rad, score_flight
 from tests.scenarios.trials.histories import AIR, AREA, BESIDE, HOVER, LANDED, LEG_M, START, flight
 
@@ -102,6 +104,21 @@ def test_a_flight_that_ends_in_the_air_has_no_touchdown():
     assert found.landed_area is None
     assert found.touchdown_error_m is None
     assert found.rotor_spin_ups == 0
+
+
+def test_a_flight_has_navigated_once_it_was_above_the_area_with_no_contact_before():
+    found = score(*GOOD[:2], (1, (10.5, 0.5, 6.0), 0), GOOD[2])
+    assert found.reached_s == pytest.approx(6.0, abs=0.01)
+    for place in ((10.0, 0.0, 1.0), (10.0, 0.0, 7.5), (12.0, 0.0, 4.0)):
+        assert score(GOOD[0], (5, place, 0)).reached_s is None
+    for time_s, is_fine in ((2.0, False), (7.0, True)):
+        touch = Contact(
+            time_s=time_s, until_s=time_s, what="", object_id=None, position_enu_m=(0.0, 0.0, 0.0)
+        )
+        touched = dataclasses.replace(found, contacts=(touch,))
+        assert figures(touched, AREA)["navigated"] is is_fine
+    assert figures(score(GOOD[0]), AREA)["navigated"] is False
+    assert figures(found, None)["navigated"] is None
 
 
 def test_the_speed_of_the_touchdown_is_that_before_the_first_contact():
