@@ -1,8 +1,7 @@
 """A pilot of one's own: MAVLink and cameras in, setpoints out; the truth judges it in the end.
 
-It flies straight up, across and down onto the assigned area, or else onto the roomiest one under
-open sky, if the camera sees it flat. Each `yield` lasts 20 ms of simulated time.
-Run: python examples/own_pilot.py
+It flies straight up, across and down onto its area, or else the roomiest one, if the camera sees
+it flat. Each `yield` lasts 20 ms of simulated time. Run: python examples/own_pilot.py
 """
 
 import numpy as np
@@ -17,9 +16,8 @@ class StraightPilot:
     """A `scenarios.Companion`, with its `area`, `verdict`, `is_done` and `update`."""
 
     def __init__(self, aboard: Aboard) -> None:
-        self.aboard, self.client = aboard, aboard.client
-        roomiest = max(aboard.scene.landing_areas, key=lambda a: (a.clearance_m, a.radius))
-        self.area = aboard.area or roomiest
+        self.aboard, self.client, areas = aboard, aboard.client, aboard.scene.landing_areas
+        self.area = aboard.area or max(areas, key=lambda a: (a.clearance_m, a.radius))
         self.verdict, self.is_done = Verdict(success=False, reason="not finished"), False
         self.flight = self.fly()
 

@@ -17,7 +17,7 @@ SPEED = 4
 
 
 class TestbenchProcess:
-    """A running `aeroscene-sitl field` with its ports, a free set of them for each worker."""
+    """A running `aeroscene-sitl field`, on the ports of this process unless others are named."""
 
     __test__ = False
 
@@ -60,10 +60,12 @@ class TestbenchProcess:
         return errors
 
     def kill(self) -> None:
-        """End it if it has not ended."""
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.communicate()
+        """End it if it has not ended, and read nothing more of it."""
+        self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdout, self.process.stderr):
+            assert pipe is not None
+            pipe.close()
 
 
 def _running(*options: str) -> Iterator[TestbenchProcess]:
@@ -92,7 +94,7 @@ def copter():
 
 
 @pytest.fixture
-def run_script(testbench):
+def run_script():
     """Run a client script to its end in its own process."""
 
     def run(name: str, *arguments: str, timeout_s: float = 60.0) -> None:

@@ -68,8 +68,8 @@ def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
 @pytest.mark.parametrize(
     ("args", "line"),
     [
-        ([], "aeroscene: error: no command; valid: sitl, replay, doctor, "),
-        (["fligh"], "aeroscene: error: fligh is unknown; valid: sitl, replay, doctor, "),
+        ([], "aeroscene: error: no command; valid: sitl, fly, campaign, report, "),
+        (["fligh"], "aeroscene: error: fligh is unknown; valid: sitl, fly, campaign, report, "),
         (["replay"], "aeroscene replay: error: PATH is missing; see aeroscene replay --help"),
         (["replay", "x.rrd", "--format"], "aeroscene replay: error: format has no value; valid: "),
         (
