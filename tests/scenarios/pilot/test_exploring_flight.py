@@ -40,6 +40,6 @@ def test_a_container_that_nobody_told_of_is_seen_and_landed_on(cfg):
     assert pilot.phase is Phase.DONE
     assert score.contacts_before_touchdown == 0
     assert score.touchdown_error_m is not None
-    assert score.touchdown_error_m < 0.3
+    assert score.touchdown_error_m < (0.3 if cfg.gnss == "rtk" else 0.5)
     assert world.field.distance_m[tuple(world.field.cells(hover))] > world.radius_m
     assert all(change.target is not Phase.HAND_OVER for change in pilot.transitions)
