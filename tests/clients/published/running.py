@@ -170,9 +170,10 @@ class Runner:
         reader.start()
         has_ended = _wait(example, process, output)
         seconds = time.monotonic() - before
+        if process.poll() is not None:
+            reader.join(5.0)
+        text = "".join(output)  # What the interrupt makes it say is no fault of its.
         _end(process)
-        reader.join(5.0)
-        text = "".join(output)
         is_said = re.search(example.says, text) is not None
         is_sound = not _FAULTS.search(text) and bench.process.poll() is None
         lines = [line for line in text.splitlines() if line and not _WARNINGS.match(line)]
