@@ -18,6 +18,7 @@ from pathlib import Path
 from queue import SimpleQueue
 
 from tests.clients.published.running import EXAMPLES, Example, Outcome, Runner
+from tests.instances import new_instance
 
 
 def main() -> int:
@@ -27,11 +28,10 @@ def main() -> int:
     options.add_argument("--only", default=",".join(EXAMPLES), help="names, with commas between")
     options.add_argument("--jobs", type=int, default=1, help="examples at a time")
     options.add_argument("--python", default=sys.executable, help="interpreter that has MAVSDK")
-    options.add_argument("--instance", type=int, default=70, help="first of the ports' instances")
     chosen = options.parse_args()
     runners: SimpleQueue[Runner] = SimpleQueue()
-    for job in range(chosen.jobs):
-        runners.put(Runner(chosen.examples, chosen.instance + job, chosen.python))
+    for _ in range(chosen.jobs):
+        runners.put(Runner(chosen.examples, new_instance(), chosen.python))
 
     def run(example: Example) -> Outcome:
         runner = runners.get()
