@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Self
 
@@ -120,6 +120,15 @@ class TestbenchCfg:
         return Effects.without(self.without)
 
     @property
+    def initial_parameters(self) -> Mapping[str, float]:
+        """The autopilot's parameters that these settings change from their defaults."""
+        return {
+            **PERSONALITIES[self.personality].initial_parameters,
+            "MAV_SYS_ID": 1 + self.instance,
+            **wind_parameters(self.wind_cfg),
+        }
+
+    @property
     def plant_cfg(self) -> PlantCfg:
         """Plant of these settings."""
         return PlantCfg(
@@ -175,17 +184,11 @@ class Testbench:
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )
-        system_id = 1 + cfg.instance
-        personality = PERSONALITIES[cfg.personality]
         self.autopilot = Autopilot(
             self.plant,
             self.frame,
             airframe=self.airframe,
-            initial_parameters={
-                **personality.initial_parameters,
-                "MAV_SYS_ID": system_id,
-                **wind_parameters(cfg.wind_cfg),
-            },
+            initial_parameters=cfg.initial_parameters,
         )
         follow_parameters(self.autopilot.parameters, self.plant)
         self.pilot_link = InProcessLink()
@@ -197,8 +200,8 @@ class Testbench:
             self.plant,
             self.frame,
             links,
-            system_id=system_id,
-            personality=personality,
+            system_id=1 + cfg.instance,
+            personality=PERSONALITIES[cfg.personality],
             has_lockstep=cfg.lockstep,
         )
         self.observers: list[Callable[[], None]] = []
