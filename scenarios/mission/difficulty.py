@@ -55,7 +55,9 @@ class Difficulty:
     @property
     def points(self) -> int:
         """Sum of the points of the four figures, 0 to 8."""
-        return sum(_points(getattr(self.way, name), *bounds) for name, bounds in THIRDS.items())
+        return sum(
+            points_by_thirds(getattr(self.way, name), *bounds) for name, bounds in THIRDS.items()
+        )
 
     @property
     def grade(self) -> Grade:
@@ -87,8 +89,8 @@ MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 5, "hard": 8}
 """Most points of a class; of the same scenes 30, 36 and 35% are easy, medium and hard."""
 
 
-def _points(value: float, easy: float, hard: float) -> int:
-    """Points of a figure that is harder towards `hard`."""
+def points_by_thirds(value: float, easy: float, hard: float) -> int:
+    """Points of a figure that is harder towards `hard`: 0, 1 or 2 by the third that it lies in."""
     sign = 1.0 if hard > easy else -1.0
     return (sign * value > sign * easy) + (sign * value > sign * hard)
 

@@ -23,6 +23,7 @@ from autonomy.planning.corridor import straighten
 from autonomy.planning.openings import MAX_WIDTH_M, Opening
 from autonomy.planning.search import shortest_path
 from autonomy.types import Vector3
+from scenarios.mission.difficulty import points_by_thirds
 from scenarios.mission.surroundings import Surroundings
 
 Grade = Literal["easy", "medium", "hard"]
@@ -49,7 +50,9 @@ class WayFigures:
     @property
     def points(self) -> int:
         """Sum of the points of the four figures, 0 to 8."""
-        return sum(_points(getattr(self, name), *bounds) for name, bounds in THIRDS.items())
+        return sum(
+            points_by_thirds(getattr(self, name), *bounds) for name, bounds in THIRDS.items()
+        )
 
     @property
     def grade(self) -> Grade:
@@ -67,12 +70,6 @@ THIRDS: Mapping[str, tuple[float, float]] = {
 """Where the middle third begins and ends, from easy to hard."""
 MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 4, "hard": 8}
 """Most points of a class; of the same ways 42, 29 and 29% are easy, medium and hard."""
-
-
-def _points(value: float, easy: float, hard: float) -> int:
-    """Points of a figure that is harder towards `hard`."""
-    sign = 1.0 if hard > easy else -1.0
-    return (sign * value > sign * easy) + (sign * value > sign * hard)
 
 
 def measure_way(
