@@ -9,6 +9,7 @@ import rerun as rr
 from jaxtyping import Float
 
 from flightsim.vehicles.airframe import Airframe, CameraMount
+from flightsim.vehicles.builder import ARM_RADIUS_M, LEG_RADIUS_M, leg_axes_flu_m
 from scenarios.recording import layout
 
 _BODY_RGB = (45, 48, 55)
@@ -31,7 +32,8 @@ def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
         fill_mode="solid",
     )
     stream.log(layout.ROTORS, discs, static=True)
-    bars = rr.LineStrips3D(_frame_strips(airframe, hubs), colors=[_ARM_RGB], radii=0.008)
+    strips, radii_m = _frame_strips(airframe, hubs)
+    bars = rr.LineStrips3D(strips, colors=[_ARM_RGB], radii=radii_m)
     stream.log(layout.FRAME, bars, static=True)
     # A dot of constant size on the screen: the vehicle is small in a whole scene.
     marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
@@ -49,12 +51,10 @@ def rotation_flu_from_optical(mount: CameraMount) -> Float[np.ndarray, "3 3"]:
     return np.array([right, down, forward]).T
 
 
-def _frame_strips(airframe: Airframe, hubs: Float[np.ndarray, "4 3"]) -> list[np.ndarray]:
-    """Four arms to the hubs, and under each arm a leg down to its sole."""
-    strips: list[np.ndarray] = []
-    for hub in hubs:
-        outward = hub[:2] / np.linalg.norm(hub[:2])
-        foot = np.array([*(outward * airframe.leg_spread_m), -airframe.leg_length_m])
-        hip = np.array([*(outward * airframe.leg_spread_m), 0.0])
-        strips += [np.array([(0.0, 0.0, 0.0), hub]), np.array([hip, foot])]
-    return strips
+def _frame_strips(
+    airframe: Airframe, hubs: Float[np.ndarray, "4 3"]
+) -> tuple[list[np.ndarray], list[float]]:
+    """Axes of four arms and four legs as they touch things, and their radii."""
+    arms = [np.array([(0.0, 0.0, 0.0), (x, y, 0.0)]) for x, y, _ in hubs]
+    legs = [np.array(ends) for ends in leg_axes_flu_m(airframe)]
+    return [*arms, *legs], [ARM_RADIUS_M] * len(arms) + [LEG_RADIUS_M] * len(legs)

@@ -1,0 +1,144 @@
+"""A recorded flight: what a recording says of the vehicle, the place and the task."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rerun.chunk import RrdReader
+from scipy.spatial.transform import Rotation
+
+from judging.solids import Solid, solids_of
+
+_STEP_M = 0.015
+"""Distance between two points on the vehicle's hull."""
+_VEHICLE = "/world/vehicle"
+
+
+@dataclass(eq=False)
+class Recording:
+    """A flight as recorded; n rows of the vehicle's motion."""
+
+    time_s: np.ndarray = field(default_factory=lambda: np.empty(0))
+    position_enu_m: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    attitude: Rotation = field(default_factory=Rotation.identity)
+    rotor_time_s: np.ndarray = field(default_factory=lambda: np.empty(0))
+    rotor_speed_radps: np.ndarray = field(default_factory=lambda: np.empty((0, 4)))
+    hull_flu_m: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    """Points on the vehicle."""
+    hull_radius_m: np.ndarray = field(default_factory=lambda: np.empty(0))
+    """Thickness of the vehicle at each point."""
+    soles_flu_m: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    solids: list[Solid] = field(default_factory=list)
+    scene: dict[str, Any] = field(default_factory=dict)
+    limits: dict[str, float] = field(default_factory=dict)
+    chosen_enu_m: np.ndarray | None = None
+    """Point to touch down on that the pilot chose last."""
+    verdict: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def area(self) -> dict[str, Any]:
+        """The area that the flight was to end on.
+
+        Raises:
+            ValueError: If there is none.
+        """
+        for area in self.scene["interaction_areas"]:
+            if area["id"] == self.verdict.get("area"):
+                return area
+        raise ValueError("the flight had no area to end on")
+
+
+def read_recording(path: Path) -> Recording:
+    """Read a recording.
+
+    Raises:
+        ValueError: If it is none, or has no verdict.
+    """
+    found, hull = Recording(), []
+    motion: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    rotors: list[tuple[np.ndarray, np.ndarray]] = []
+    for entity, time_s, columns in _entities(path):
+        if entity == _VEHICLE and "Transform3D:translation" in columns:
+            motion.append((time_s, *_pose(columns)))
+        elif entity == "/motors/speed" and "Scalars:scalars" in columns:
+            rotors.append((time_s, np.array(columns["Scalars:scalars"], dtype=float)))
+        elif entity.startswith("/world/scene/"):
+            found.solids += solids_of(entity, _only(columns))
+        elif entity.startswith(_VEHICLE):
+            hull += _hull_points(_only(columns))
+        elif entity == "/world/landing_map/touchdown" and len(time_s):
+            found.chosen_enu_m = np.array(columns["Points3D:positions"][-1][0])
+        elif entity == "/run/scene":
+            found.scene = json.loads(_only(columns)["json"][0])
+        elif entity == "/__properties/run":
+            found.limits = json.loads(_only(columns)["limits"][0])
+        elif entity == "/__properties/verdict":
+            found.verdict = json.loads(_only(columns)["figures"][0])
+    if not (motion and rotors and found.verdict and found.scene):
+        raise ValueError(f"recording {str(path)!r} has no flight with a verdict")
+    times_s, positions_m, quats_xyzw = map(np.concatenate, zip(*motion, strict=True))
+    found.time_s, found.position_enu_m = times_s, positions_m
+    found.attitude = Rotation.from_quat(quats_xyzw)
+    found.rotor_time_s, found.rotor_speed_radps = map(np.concatenate, zip(*rotors, strict=True))
+    found.hull_flu_m = np.concatenate([points_m for points_m, _ in hull])
+    found.hull_radius_m = np.concatenate([radius_m for _, radius_m in hull])
+    deepest_m = found.hull_flu_m[:, 2] - found.hull_radius_m
+    found.soles_flu_m = found.hull_flu_m[deepest_m < deepest_m.min() + 1e-3]
+    return found
+
+
+def _entities(path: Path) -> Iterator[tuple[str, np.ndarray, Mapping[str, Any]]]:
+    """Pieces of all entities: times, none where the entity has no place in time, and columns."""
+    for chunk in RrdReader(path).stream():
+        batch = chunk.to_record_batch()
+        time_s = np.empty(0)
+        if "sim_time" in batch.schema.names:
+            time_s = batch.column("sim_time").cast("int64").to_numpy() * 1e-9
+        yield chunk.entity_path, time_s, batch.to_pydict()
+
+
+def _only(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """The one row of what never changes."""
+    return {name: rows[0] for name, rows in columns.items() if rows and rows[0] is not None}
+
+
+def _pose(columns: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    names = ("Transform3D:translation", "Transform3D:quaternion")
+    position_m, quat_xyzw = (np.array([row[0] for row in columns[name]]) for name in names)
+    return position_m.astype(float), quat_xyzw.astype(float)
+
+
+def _hull_points(columns: Mapping[str, Any]) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Points on what is drawn of a vehicle, and how thick it is there."""
+    for half_m in columns.get("Boxes3D:half_sizes", []):
+        axes = [np.linspace(-h, h, max(2, round(2 * h / _STEP_M))) for h in half_m]
+        grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        is_skin = np.any(np.isclose(np.abs(grid), half_m), axis=1)
+        yield grid[is_skin], np.zeros(int(is_skin.sum()))
+    for centre_m, radius_m in _discs(columns):
+        rings_m = np.linspace(0.0, radius_m, max(2, round(radius_m / _STEP_M / 2)))
+        angles = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
+        ring, angle = np.meshgrid(rings_m, angles, indexing="ij")
+        flat = np.column_stack(
+            [(ring * np.cos(angle)).ravel(), (ring * np.sin(angle)).ravel(), np.zeros(ring.size)]
+        )
+        half_m = columns["Cylinders3D:lengths"][0] / 2
+        for side in (-half_m, half_m):
+            yield flat + centre_m + [0.0, 0.0, side], np.zeros(len(flat))
+    radii_m = columns.get("LineStrips3D:radii", [0.0])
+    for i, strip in enumerate(columns.get("LineStrips3D:strips", [])):
+        start_m, end_m = np.array(strip[0]), np.array(strip[-1])
+        shares = np.linspace(0.0, 1.0, 2 + round(np.linalg.norm(end_m - start_m) / _STEP_M))
+        points_m = start_m + shares[:, None] * (end_m - start_m)
+        yield points_m, np.full(len(points_m), radii_m[min(i, len(radii_m) - 1)])
+
+
+def _discs(columns: Mapping[str, Any]) -> Iterator[tuple[np.ndarray, float]]:
+    radii_m = columns.get("Cylinders3D:radii", [])
+    for i, centre_m in enumerate(columns.get("Cylinders3D:centers", [])):
+        yield np.array(centre_m), radii_m[min(i, len(radii_m) - 1)]
