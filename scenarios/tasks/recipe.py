@@ -39,8 +39,9 @@ class Recipe:
     """Where a flight begins: at the scene's own start, or on one of its areas."""
     target: Target = "landing"
     """What it is to land on."""
-    difficulty: tuple[Grade, ...] = GRADES
-    """Grades of the ways, which the trials take in turn as far as the scene has them."""
+    difficulty: tuple[Grade, ...] = GRADES[::-1]
+    """Grades of the ways, which the trials take in turn as far as the scene has them; hard ones
+    come first, so that a few trials a scene tell pilots apart."""
     draws: int = 6
     """Ways that are measured at most until one is of the grade whose turn it is."""
     time_limit_s: float = LIMITS.trial_s
