@@ -8,12 +8,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pyarrow.compute as pc
+
 from aeroscene import __version__
 from aeroscene.files import replacing
 from scenarios.baselines.named import pilot_of
 from scenarios.campaigns.flyer import Row, Suite, Trial
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
-from scenarios.campaigns.summary import summarise_trials
+from scenarios.campaigns.summary import SUMMARY_COLUMNS, summarise_trials
 from scenarios.campaigns.workers import Workers
 from scenarios.tasks.recipe import recipe_from
 
@@ -69,7 +71,7 @@ class Campaign:
 
     def summary(self) -> dict[str, Any]:
         """Summary of all trials in the folder, which is written there too."""
-        found = summarise_trials(read_results(self._folder))
+        found = summarise_trials(read_results(self._folder, SUMMARY_COLUMNS))
         with replacing(self._folder / SUMMARY) as file:
             file.write(json.dumps(found, indent=2).encode() + b"\n")
         return found
@@ -117,9 +119,8 @@ def row_of(folder: Path, trial: Trial) -> Row | None:
     """Row of a trial in the results of a folder; None if it is not there."""
     if not (folder / JOURNAL).is_file():
         return None
-    table = read_results(folder)
-    ids: list[str] = table["trial_id"].to_pylist()
-    return table.slice(ids.index(trial.id), 1).to_pylist()[0] if trial.id in ids else None
+    rows = read_results(folder, where=pc.field("trial_id") == trial.id).to_pylist()
+    return rows[0] if rows else None
 
 
 def _claim(folder: Path, suite: Suite) -> None:

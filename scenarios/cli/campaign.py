@@ -95,7 +95,7 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
     with open_campaign(cfg.out, _suite(cfg)) as campaign:
         left = campaign.left(trials)
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
-        verdicts = Counter(read_results(cfg.out)["success"].to_pylist())
+        verdicts = Counter(read_results(cfg.out, ["success"])["success"].to_pylist())
         rows = campaign.fly(left, workers=cfg.workers, patience_s=cfg.patience)
         with closing(rows), progress_bar("", len(left), "trials") as advance:
             for row in rows:
