@@ -11,7 +11,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
+from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
 from scenarios.cli.progress import share_bar
 
 _PROG = "aeroscene report"
@@ -29,6 +29,11 @@ class ReportCfg:
 
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of a campaign, also of one that is being flown."""
+    leaderboard: Annotated[Path | None, default_hint("none")] = None
+    """JSON file to which the entry of this campaign is added, with a table beside it in Markdown;
+    only a campaign that flew a whole fixed suite has one, see docs/campaigns.md."""
+    stack: Annotated[str | None, default_hint("the pilot's")] = None
+    """Name of the flight stack in the leaderboard."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object instead: trials, success_rate, interval_95, without_task, phases,
     groups, codes, cpu_seconds_per_trial, page."""
@@ -39,12 +44,15 @@ def run(cfg: ReportCfg) -> int:
     # pyarrow and the simulator: half a second that `--help` does not need.
     from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
+    from scenarios.reports.leaderboard import LeaderboardError, update_leaderboard  # noqa: PLC0415
     from scenarios.reports.page import PAGE, write_report  # noqa: PLC0415
 
     try:
         with share_bar() as on_part:
             summary = write_report(cfg.folder, on_part)
-    except (CampaignError, StoreError) as error:
+        if cfg.leaderboard is not None:
+            update_leaderboard(cfg.leaderboard, cfg.folder, cfg.stack)
+    except (CampaignError, LeaderboardError, StoreError) as error:
         fail(_PROG, str(error))
     except OSError as error:
         fail_on_file(_PROG, error)

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import jinja2
 
 PAGE = "report.html"
+_MOST_ROWS = 50
+"""Scenes that the table of groups names."""
 
 
 def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[str, Any]:
@@ -66,7 +68,9 @@ def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[st
         failures=failed,
         n_failures=summary["trials"] - summary["successes"],
         most_failures=MOST_FAILURES,
+        most_rows=_MOST_ROWS,
         views=views,
+        has_plans=any(way.planned for view in views for way in view.ways),
         n_scenes=len(summary["groups"]["scene"]),
     )
     return summary
