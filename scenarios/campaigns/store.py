@@ -189,19 +189,8 @@ def _read_table(path: Path, names: Sequence[str], where: pc.Expression | None = 
     Raises:
         StoreError: If it is damaged.
     """
-    schema = pa.schema([SCHEMA.field(name) for name in names])
     try:
-        present = set(pq.read_schema(path).names)
-        table = pq.read_table(
-            path, columns=[name for name in names if name in present], filters=where
-        )
-        columns = [
-            table[each.name].cast(each.type)
-            if each.name in present
-            else pa.nulls(len(table), each.type)
-            for each in schema
-        ]
-        return pa.table(columns, schema=schema)
+        return pq.read_table(path, columns=list(names), schema=SCHEMA, filters=where)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).split("\n", 1)[0]
         raise StoreError(f"table {str(path)!r} is damaged: {reason}; valid: remove it") from None
