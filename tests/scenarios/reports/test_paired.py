@@ -28,7 +28,7 @@ def folders(tmp_path):
 
 
 def test_the_interval_is_newcombes():
-    # An example of his paper.
+    # Worked out by hand.
     assert newcombe_interval(36, 12, 2, 0) == pytest.approx((0.0569, 0.3404), abs=5e-5)
     # Pairs that say nothing of each other: Wilson's intervals, squared and added.
     low, high = wilson_interval(32, 64)
