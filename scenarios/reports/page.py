@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from aeroscene.corpus.shipped import shipped_digest
 from aeroscene.files import replacing
 from scenarios.campaigns.campaign import read_manifest
 from scenarios.campaigns.store import read_results
@@ -56,12 +57,15 @@ def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[st
     def on_scene(name: str) -> None:
         on_part(f"scene {name}", 0.5 + 0.5 * scenes.index(name) / len(scenes))
 
-    views = plan_views(folder, scenes, on_scene)
+    manifest = read_manifest(folder)
+    has_scenes = manifest["scenes_sha256"] in (None, shipped_digest())
+    views = plan_views(folder, scenes, on_scene) if has_scenes else []
     write_page(
         folder / PAGE,
         "report.html",
         folder=folder,
-        manifest=read_manifest(folder),
+        manifest=manifest,
+        has_scenes=has_scenes,
         summary=summary,
         groups=telling_groups(summary),
         distributions=found,

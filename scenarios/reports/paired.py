@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
+from jaxtyping import Int
 
 from scenarios.campaigns.campaign import read_manifest
 from scenarios.campaigns.store import read_results
@@ -101,7 +102,7 @@ def compare(folder_a: Path, folder_b: Path) -> dict[str, Any]:
     return {
         "pairs": len(a),
         **sides,
-        **_counts(good_a, good_b),
+        **_counts(_cells(good_a, good_b, np.zeros(len(a), int))[0]),
         "p_value": _p_value(good_a, good_b),
         "groups": _groups(a, good_a, good_b),
         "figures": _figures(a, b),
@@ -150,14 +151,18 @@ def _check_tasks(a: pa.Table, b: pa.Table) -> None:
         )
 
 
-def _counts(good_a: np.ndarray, good_b: np.ndarray) -> dict[str, Any]:
-    table = {
-        "both": int(np.sum(good_a & good_b)),
-        "a_alone": int(np.sum(good_a & ~good_b)),
-        "b_alone": int(np.sum(~good_a & good_b)),
-        "neither": int(np.sum(~good_a & ~good_b)),
-    }
-    difference = (table["a_alone"] - table["b_alone"]) / len(good_a)
+_CELLS = ("neither", "b_alone", "a_alone", "both")
+
+
+def _cells(good_a: np.ndarray, good_b: np.ndarray, places: np.ndarray) -> Int[np.ndarray, "n 4"]:
+    """Pairs of each place by `_CELLS`."""
+    cells = np.bincount(4 * places + 2 * good_a + good_b, minlength=4 * (places.max() + 1))
+    return cells.reshape(-1, len(_CELLS))
+
+
+def _counts(cells: Int[np.ndarray, 4]) -> dict[str, Any]:
+    table: dict[str, int] = dict(zip(_CELLS, cells.tolist(), strict=True))
+    difference = (table["a_alone"] - table["b_alone"]) / sum(table.values())
     return {**table, "difference": difference, "interval_95": list(newcombe_interval(**table))}
 
 
@@ -173,15 +178,20 @@ def _groups(a: pa.Table, good_a: np.ndarray, good_b: np.ndarray) -> dict[str, An
     found: dict[str, dict[str, Any]] = {}
     for name, group_of in GROUPS.items():
         labels = np.array(group_of(a).to_pylist(), dtype=str)
-        found[name] = {}
-        for value in sorted(set(labels.tolist()), key=natural):
-            mine = labels == value
-            rates = {
-                side: share(int(good[mine].sum()), int(mine.sum()))
-                for side, good in (("a", good_a), ("b", good_b))
-            }
-            found[name][value] = rates | _counts(good_a[mine], good_b[mine])
+        values, places = np.unique(labels, return_inverse=True)
+        counts = map(_counts, _cells(good_a, good_b, places))
+        members = {
+            value: {side: _rate(each, side) for side in "ab"} | each
+            for value, each in zip(values.tolist(), counts, strict=True)
+        }
+        found[name] = {value: members[value] for value in sorted(members, key=natural)}
     return found
+
+
+def _rate(counts: Mapping[str, Any], side: str) -> dict[str, Any]:
+    """Rate of one side over the pairs that were counted."""
+    n_successes = counts["both"] + counts[f"{side}_alone"]
+    return share(n_successes, sum(counts[name] for name in _CELLS))
 
 
 def _figures(a: pa.Table, b: pa.Table) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ import pytest
 from scenarios.reports import findings
 from scenarios.reports.page import PAGE, write_report
 from tests.scenarios.in_process import in_process
-from tests.scenarios.reports.campaigns import campaign, row, trials
+from tests.scenarios.reports.campaigns import campaign, change_manifest, row, trials
 
 TRIALS = trials(6)
 REASON = "<script>alert('x')</script> & more"
@@ -124,6 +124,13 @@ def test_campaigns_without_failures_ways_or_trials_have_a_page(tmp_path):
     died |= {"success": False, "code": "died", "reason": "its process ended"}
     page = page_of(campaign(tmp_path / "died", [died]))
     assert [text for _, text in page.of("div", "big")] == ["0.0%", "0.0%", "–"]
+
+
+def test_ways_are_not_drawn_over_other_scenes(folder):
+    change_manifest(folder, scenes_sha256="0" * 64)
+    page = page_of(folder)
+    assert not page.of("svg", "plan")
+    assert any(text.startswith("Not drawn: the campaign") for _, text in page.of("p"))
 
 
 def test_report_names_its_page(folder, capsys):
