@@ -50,8 +50,8 @@ class Page(HTMLParser):
 
 @pytest.fixture
 def folder(tmp_path):
-    rows = [row(trial, trial.number >= 2) for trial in TRIALS]
-    rows[0]["reason"] = REASON
+    rows = [row(trial, trial.number < 4) for trial in TRIALS]
+    rows[4]["reason"] = REASON
     return campaign(tmp_path / "a campaign", rows)
 
 
@@ -75,7 +75,7 @@ def test_a_page_holds_all_that_it_shows_and_asks_no_host(folder):
 def test_rates_and_ways_are_those_of_the_rows(folder):
     page = page_of(folder)
     assert [text for _, text in page.of("div", "big")] == ["66.7%", "66.7%", "100.0%"]
-    (rows,) = [text for _, text in page.of("tr") if "difficulty easy" in text]
+    (rows,) = [text for _, text in page.of("tr") if "difficulty medium" in text]
     assert "1 of 2" in rows
     assert "50.0%" in rows
     plan = [attrs["d"] for attrs, _ in page.of("path", "way") if "10.00,-0.00" in attrs["d"]]
@@ -88,15 +88,15 @@ def test_rates_and_ways_are_those_of_the_rows(folder):
 
 def test_a_failure_has_its_recording_or_the_command_that_makes_one(folder):
     (folder / "recordings").mkdir()
-    (folder / "recordings" / "7-iris-1.rrd").write_bytes(b"")
+    (folder / "recordings" / "7-iris-5.rrd").write_bytes(b"")
     page = page_of(folder)
     commands = [shlex.split(text) for _, text in page.of("code", "command")]
     assert commands == [
         [
             *("aeroscene", "fly", "--out", str(folder)),
-            *("--scene", "7", "--vehicle", "iris", "--trial", "0"),
+            *("--scene", "7", "--vehicle", "iris", "--trial", "4"),
         ],
-        ["aeroscene", "replay", str(folder / "recordings" / "7-iris-1.rrd")],
+        ["aeroscene", "replay", str(folder / "recordings" / "7-iris-5.rrd")],
     ]
     (link,) = page.of("a")
     assert (folder / link[0]["href"]).is_file()
