@@ -33,6 +33,11 @@ def cell_voltage_v(state_of_charge: float) -> float:
     return _CELL_OCV_V[i] + (position - i) * (_CELL_OCV_V[i + 1] - _CELL_OCV_V[i])
 
 
+def watts_per_cubed_speed(params: BatteryParams) -> float:
+    """Electrical power of the motors over the sum of their cubed speeds."""
+    return params.hover_power_w / (4 * params.hover_rotor_speed_radps**3)
+
+
 def amperes_per_cubed_speed(params: BatteryParams) -> float:
     """Current of the motors at the nominal voltage over the sum of their cubed speeds."""
     nominal_v = _NOMINAL_CELL_V * params.cells
@@ -49,7 +54,7 @@ class Battery:
         self._capacity_c = params.capacity_mah * _COULOMB_PER_MAH
         self._initial_c = state_of_charge * self._capacity_c
         self._used_c = 0.0
-        self._watts_per_speed_cubed = params.hover_power_w / (4 * params.hover_rotor_speed_radps**3)
+        self._watts_per_speed_cubed = watts_per_cubed_speed(params)
         self.current_a = 0.0
         """Current drawn during the last step."""
         self.voltage_v = params.cells * cell_voltage_v(state_of_charge)

@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import pyarrow.compute as pc
+
 from aeroscene import __version__
+from aeroscene.corpus.shipped import shipped_digest
 from aeroscene.files import replacing
 from scenarios.baselines.named import pilot_of
 from scenarios.campaigns.flyer import Row, Suite, Trial
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
-from scenarios.campaigns.summary import summarise_trials
+from scenarios.campaigns.summary import SUMMARY_COLUMNS, summarise_trials
 from scenarios.campaigns.workers import Workers
 from scenarios.tasks.recipe import recipe_from
 
@@ -69,7 +73,7 @@ class Campaign:
 
     def summary(self) -> dict[str, Any]:
         """Summary of all trials in the folder, which is written there too."""
-        found = summarise_trials(read_results(self._folder))
+        found = summarise_trials(read_results(self._folder, SUMMARY_COLUMNS))
         with replacing(self._folder / SUMMARY) as file:
             file.write(json.dumps(found, indent=2).encode() + b"\n")
         return found
@@ -95,31 +99,48 @@ def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
         yield Campaign(folder, suite, store)
 
 
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """What the campaign in a folder is of: suite, version, digest of the scenes, day of its begin.
+
+    Raises:
+        CampaignError: If there is none, or it cannot be read.
+    """
+    path = folder / MANIFEST
+    try:
+        found = json.loads(path.read_bytes())
+        return {"scenes_sha256": None, "began": None, **found, "suite": dict(found["suite"])}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise _no_manifest(path, error) from None
+
+
+def _no_manifest(path: Path, error: Exception) -> CampaignError:
+    return CampaignError(
+        f"file {str(path)!r} is no campaign's: {' '.join(str(error).split())}; "
+        "valid: what `aeroscene campaign` has written"
+    )
+
+
 def read_suite(folder: Path) -> Suite | None:
     """The suite of the campaign in a folder; None if it holds none.
 
     Raises:
         CampaignError: If its manifest cannot be read.
     """
-    try:
-        suite = json.loads((folder / MANIFEST).read_bytes())["suite"]
-        return Suite(recipe=recipe_from(suite["recipe"]), pilot=suite["pilot"])
-    except FileNotFoundError:
+    if not (path := folder / MANIFEST).exists():
         return None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise CampaignError(
-            f"file {str(folder / MANIFEST)!r} is no campaign's: {' '.join(str(error).split())}; "
-            "valid: what `aeroscene campaign` has written"
-        ) from None
+    suite = read_manifest(folder)["suite"]
+    try:
+        return Suite(recipe=recipe_from(suite["recipe"]), pilot=suite["pilot"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise _no_manifest(path, error) from None
 
 
 def row_of(folder: Path, trial: Trial) -> Row | None:
     """Row of a trial in the results of a folder; None if it is not there."""
     if not (folder / JOURNAL).is_file():
         return None
-    table = read_results(folder)
-    ids: list[str] = table["trial_id"].to_pylist()
-    return table.slice(ids.index(trial.id), 1).to_pylist()[0] if trial.id in ids else None
+    rows = read_results(folder, where=pc.field("trial_id") == trial.id).to_pylist()
+    return rows[0] if rows else None
 
 
 def _claim(folder: Path, suite: Suite) -> None:
@@ -129,11 +150,16 @@ def _claim(folder: Path, suite: Suite) -> None:
         CampaignError: If it holds a campaign of another suite or version.
     """
     path = folder / MANIFEST
-    wanted = {"version": __version__, "suite": suite.to_plain()}
+    wanted = {
+        "version": __version__,
+        "scenes_sha256": shipped_digest(),
+        "suite": suite.to_plain(),
+    }
     if read_suite(folder) is None:
         folder.mkdir(parents=True, exist_ok=True)
+        began = datetime.now(UTC).date().isoformat()
         with replacing(path) as file:
-            file.write(json.dumps(wanted, indent=2).encode() + b"\n")
+            file.write(json.dumps({"began": began, **wanted}, indent=2).encode() + b"\n")
         return
     present = _flat(json.loads(path.read_bytes()))
     # Through JSON, which knows no tuples.

@@ -26,6 +26,7 @@ from scenarios.run.sitl import INPUT_ERRORS, Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
 from scenarios.tasks.task import Task, trial_id
+from scenarios.trials.measures.track import track_of
 
 _LOG = logging.getLogger(__name__)
 
@@ -145,8 +146,13 @@ class Flyer:
         scene = task.place(self._hangar.scene(task.scene))
         with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
             result = sitl.run().to_plain()
-        # The task names the scene as it was opened.
-        return result | {"scene": task.scene}
+            flown, planned = sitl.log.track(), getattr(sitl.companion, "planned_enu_m", None)
+        return result | {
+            # The task names the scene as it was opened.
+            "scene": task.scene,
+            "flown_enu_m": flown,
+            "planned_enu_m": None if planned is None else track_of(planned),
+        }
 
     def close(self) -> None:
         """Close what is kept."""

@@ -11,12 +11,13 @@ from __future__ import annotations
 import fcntl
 import json
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from aeroscene.files import replacing
@@ -26,6 +27,8 @@ _LOG = logging.getLogger(__name__)
 TABLES = "trials"
 JOURNAL = "trials.jsonl"
 ROWS_A_TABLE = 5000
+TRACKS = ("planned_enu_m", "flown_enu_m")
+"""Columns with ways: lists of points, ENU, m."""
 _TEXT, _WHOLE, _REAL, _FLAG = pa.string(), pa.int64(), pa.float64(), pa.bool_()
 SCHEMA = pa.schema(
     [
@@ -41,7 +44,7 @@ SCHEMA = pa.schema(
         ("area", _WHOLE),
         ("landed_area", _WHOLE),
         ("difficulty", _TEXT),
-        *((name, _REAL) for name in ("way_m", "corridor_m", "clutter")),
+        *((name, _REAL) for name in ("way_m", "least_navigation_s", "corridor_m", "clutter")),
         ("openings", _WHOLE),
         *((name, _REAL) for name in ("time_limit_s", "wind_mps", "wind_from_deg", "gust_mps")),
         *((name, _TEXT) for name in ("turbulence", "traffic", "gnss", "depth_camera", "map")),
@@ -52,13 +55,18 @@ SCHEMA = pa.schema(
         ("soles_inside", _FLAG),
         *((name, _REAL) for name in ("tilt_at_rest_deg", "stopped_after_s")),
         ("rotor_spin_ups", _WHOLE),
+        *((name, _REAL) for name in ("navigation_s", "flight_s", "energy_j", "jerk_rms_mps3")),
+        ("replans", _WHOLE),
         *((name, _REAL) for name in ("least_clearance_m", "nearest_mover_m")),
         *((name, _REAL) for name in ("position_rmse_m", "attitude_rmse_deg")),
         ("contacts", _TEXT),
         *((name, _TEXT) for name in ("state_hash", "recording", "version")),
+        *((name, pa.list_(pa.list_(pa.float32(), 3))) for name in TRACKS),
     ]
 )
 """Columns of a table; `contacts` is JSON."""
+COLUMNS = tuple(name for name in SCHEMA.names if name not in TRACKS)
+"""Columns but for the tracks, which take more room than all others together."""
 
 
 class StoreError(ValueError):
@@ -142,45 +150,47 @@ def open_store(folder: Path) -> Iterator[Store]:
             store.fold()
 
 
-def read_results(folder: Path) -> pa.Table:
-    """All rows in a folder, also while a campaign adds to it.
+def read_results(
+    folder: Path,
+    columns: Sequence[str] = COLUMNS,
+    *,
+    where: pc.Expression | None = None,
+) -> pa.Table:
+    """Rows in a folder, also while a campaign adds to it.
+
+    Args:
+        folder: Folder of a campaign.
+        columns: Names of the columns of `SCHEMA` to read.
+        where: Condition that rows have to meet.
 
     Raises:
         StoreError: If there are none, or a table is damaged.
     """
     if not (folder / JOURNAL).is_file():
         raise StoreError(f"{str(folder)!r} holds no campaign; valid: a folder of one")
-    journalled = _journalled(folder)
-    table = _tables(folder)
-    in_tables = set(table["trial_id"].to_pylist())
-    new = [row for row in journalled if row["trial_id"] not in in_tables]
-    return pa.concat_tables([table, _table_of(new)])
+    journalled = _table_of(_journalled(folder))
+    wanted = list(dict.fromkeys(["trial_id", *columns]))
+    parts = [_read_table(path, wanted, where) for path in _table_paths(folder)]
+    is_journalled = pc.field("trial_id").isin(journalled["trial_id"].combine_chunks())
+    twice = pa.chunked_array([part.filter(is_journalled)["trial_id"] for part in parts], _TEXT)
+    new = journalled.filter(~pc.field("trial_id").isin(twice.combine_chunks()))
+    if where is not None:
+        new = new.filter(where)
+    return pa.concat_tables([*parts, new.select(wanted)]).select(list(columns))
 
 
 def _table_paths(folder: Path) -> list[Path]:
     return sorted((folder / TABLES).glob("[0-9]*.parquet"))
 
 
-def _tables(folder: Path) -> pa.Table:
-    """Rows of all tables."""
-    return pa.concat_tables([SCHEMA.empty_table(), *map(_read_table, _table_paths(folder))])
-
-
-def _read_table(path: Path) -> pa.Table:
-    """A table with the present columns.
+def _read_table(path: Path, names: Sequence[str], where: pc.Expression | None = None) -> pa.Table:
+    """Some columns of a table; null where it is older than the column.
 
     Raises:
         StoreError: If it is damaged.
     """
     try:
-        table = pq.read_table(path)
-        columns = [
-            table[each.name].cast(each.type)
-            if each.name in table.column_names
-            else pa.nulls(len(table), each.type)
-            for each in SCHEMA
-        ]
-        return pa.table(columns, schema=SCHEMA)
+        return pq.read_table(path, columns=list(names), schema=SCHEMA, filters=where)
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).split("\n", 1)[0]
         raise StoreError(f"table {str(path)!r} is damaged: {reason}; valid: remove it") from None
@@ -191,7 +201,7 @@ def _ids_in_sound_tables(folder: Path) -> set[str]:
     ids: set[str] = set()
     for path in _table_paths(folder):
         try:
-            ids.update(_read_table(path)["trial_id"].to_pylist())
+            ids.update(_read_table(path, ["trial_id"])["trial_id"].to_pylist())
         except StoreError:
             path.rename(path.with_suffix(".damaged"))
             _LOG.warning("%s is damaged and set aside: its trials are flown again", path)

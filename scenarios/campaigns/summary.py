@@ -3,27 +3,61 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
-from scenarios.campaigns.flyer import Row
+from aeroscene.corpus.corpus import scene_domain
 
 _Z_95 = 1.959963984540054
 """Quantile of the normal law for an interval of 95%."""
 _WINDS_MPS = (2.0, 4.0, 6.0)
 """Where one class of wind ends and the next begins."""
-GROUPS: Mapping[str, Callable[[Row], str]] = {
-    "vehicle": lambda row: row["vehicle"],
-    "scene": lambda row: row["scene"],
-    "difficulty": lambda row: row["difficulty"] or "unknown",
-    "wind": lambda row: _wind(row["wind_mps"]),
-    "map": lambda row: row["map"] or "unknown",
+_UNKNOWN = "unknown"
+
+
+def _named(name: str) -> Callable[[pa.Table], pa.Array]:
+    return lambda table: table[name].combine_chunks().fill_null(_UNKNOWN)
+
+
+def _kinds(table: pa.Table) -> pa.Array:
+    scenes = table["scene"].combine_chunks().dictionary_encode()
+    kinds = pa.array([scene_kind(name) for name in scenes.dictionary.to_pylist()], pa.string())
+    return pa.DictionaryArray.from_arrays(scenes.indices, kinds).dictionary_decode()
+
+
+def _winds(table: pa.Table) -> pa.Array:
+    edges = (0.0, *_WINDS_MPS)
+    names = [f"{low:g} to {high:g} m/s" for low, high in pairwise(edges)]
+    names += [f"{edges[-1]:g} m/s and more", _UNKNOWN]
+    speeds_mps = table["wind_mps"].to_numpy()
+    places = np.where(np.isnan(speeds_mps), len(edges), np.digitize(speeds_mps, _WINDS_MPS))
+    return pa.array(names, pa.string()).take(pa.array(places))
+
+
+GROUPS: Mapping[str, Callable[[pa.Table], pa.Array]] = {
+    "vehicle": _named("vehicle"),
+    "kind": _kinds,
+    "scene": _named("scene"),
+    "difficulty": _named("difficulty"),
+    "wind": _winds,
+    **{name: _named(name) for name in ("map", "gnss", "depth_camera", "traffic")},
 }
-"""What trials are grouped by, and the group of a row."""
-_COLUMNS = ("success", "code", "navigated", "wind_mps", "trial_cpu_seconds", *GROUPS)
+"""What trials are grouped by, and the group of each row of a table."""
+SUMMARY_COLUMNS = (
+    *("success", "code", "navigated", "trial_cpu_seconds", "vehicle", "scene", "difficulty"),
+    *("wind_mps", "map", "gnss", "depth_camera", "traffic"),
+)
+"""Columns that a summary is made of."""
+
+
+def scene_kind(name: str) -> str:
+    """Kind of a scene by its name: the domain of a shipped one, else `own`."""
+    return scene_domain(int(name)) if name.isdecimal() else "own"
 
 
 def wilson_interval(n_successes: int, n: int) -> tuple[float, float]:
@@ -47,41 +81,47 @@ def summarise_trials(table: pa.Table) -> dict[str, Any]:
     """Summary of results as plain data.
 
     Args:
-        table: Rows of `store.SCHEMA`.
+        table: Rows with at least `SUMMARY_COLUMNS`.
 
     Returns:
         `trials`, `success_rate`, `interval_95`; `without_task`, trials that a scene has no task
         for, which count nowhere else; `phases`, of which interaction counts only flights that came
         to their area; `groups` by name and value; `codes` with their counts, most frequent first.
     """
-    columns = [name for name in dict.fromkeys(_COLUMNS) if name in table.column_names]
-    rows = table.select(columns).to_pylist()
-    judged = [row for row in rows if row["success"] is not None]
-    came = [row for row in judged if row["navigated"] or row["success"]]
-    groups = {}
-    for name, group_of in GROUPS.items():
-        members: dict[str, list[Row]] = {}
-        for row in judged:
-            members.setdefault(group_of(row), []).append(row)
-        groups[name] = {value: _rate(members[value]) for value in sorted(members, key=_natural)}
+    judged = table.filter(pc.field("success").is_valid())
+    came = judged.filter(pc.field("navigated") | pc.field("success"))
+    codes = table.group_by("code").aggregate([([], "count_all")]).to_pylist()
+    codes.sort(key=lambda row: (-row["count_all"], row["code"]))
+    cpu_seconds = table["trial_cpu_seconds"].drop_null().to_numpy()
     return {
         **_rate(judged),
-        "without_task": len(rows) - len(judged),
+        "without_task": len(table) - len(judged),
         "phases": {
-            "navigation": _share(len(came), len(judged)),
+            "navigation": share(len(came), len(judged)),
             "interaction": _rate(came),
         },
-        "groups": groups,
-        "codes": dict(Counter(row["code"] for row in rows).most_common()),
-        "cpu_seconds_per_trial": _mean(row["trial_cpu_seconds"] for row in rows),
+        "groups": {name: _group(judged, group_of(judged)) for name, group_of in GROUPS.items()},
+        "codes": {row["code"]: row["count_all"] for row in codes},
+        "cpu_seconds_per_trial": float(cpu_seconds.mean()) if cpu_seconds.size else None,
     }
 
 
-def _rate(rows: list[Row]) -> dict[str, Any]:
-    return _share(sum(row["success"] for row in rows), len(rows))
+def _group(judged: pa.Table, groups: pa.Array) -> dict[str, Any]:
+    """Rate of each group, in the order of their names."""
+    counted = pa.table({"group": groups, "success": judged["success"].cast(pa.int64())})
+    rows = counted.group_by("group").aggregate([("success", "sum"), ("success", "count")])
+    found = {
+        row["group"]: share(row["success_sum"], row["success_count"]) for row in rows.to_pylist()
+    }
+    return {name: found[name] for name in sorted(found, key=natural)}
 
 
-def _share(n_successes: int, n: int) -> dict[str, Any]:
+def _rate(judged: pa.Table) -> dict[str, Any]:
+    return share(int(np.count_nonzero(judged["success"].to_numpy())), len(judged))
+
+
+def share(n_successes: int, n: int) -> dict[str, Any]:
+    """A rate as plain data, with its counts and its interval; None without any trial."""
     low, high = wilson_interval(n_successes, n)
     return {
         "trials": n,
@@ -91,20 +131,7 @@ def _share(n_successes: int, n: int) -> dict[str, Any]:
     }
 
 
-def _mean(values: Iterable[float | None]) -> float | None:
-    present = [value for value in values if value is not None]
-    return sum(present) / len(present) if present else None
-
-
-def _wind(speed_mps: float | None) -> str:
-    if speed_mps is None:
-        return "unknown"
-    low = max((edge for edge in (0.0, *_WINDS_MPS) if edge <= speed_mps), default=0.0)
-    high = next((edge for edge in _WINDS_MPS if edge > speed_mps), None)
-    return f"{low:g} m/s and more" if high is None else f"{low:g} to {high:g} m/s"
-
-
-def _natural(text: str) -> tuple[int, float, str]:
+def natural(text: str) -> tuple[int, float, str]:
     """Order of names: numbers by value, before words; grades from easy to hard."""
     grades = ("easy", "medium", "hard")
     if text in grades:

@@ -21,6 +21,7 @@ from scenarios.cli.report import print_summary
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
 
 if TYPE_CHECKING:
+    from scenarios.campaigns.fixed import FixedSuite
     from scenarios.campaigns.flyer import Suite, Trial
 
 _PROG = "aeroscene campaign"
@@ -49,6 +50,8 @@ class CampaignCfg:
     your own, see docs/campaigns.md."""
     recipe: Annotated[Path | None, default_hint("the one in docs/campaigns.md")] = None
     """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
+    suite: Annotated[str | None, default_hint("none")] = None
+    """Fixed suite, such as aeroscene-300: names scenes, trials, vehicles and recipe by itself."""
     workers: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     patience: float = 900.0
@@ -64,6 +67,7 @@ def run(cfg: CampaignCfg) -> int:
     # Imported here because it is the whole simulator, which `--help` does not need.
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
+    from scenarios.campaigns.fixed import FixedSuiteError  # noqa: PLC0415
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
     from scenarios.campaigns.workers import WorkerError  # noqa: PLC0415
 
@@ -71,7 +75,14 @@ def run(cfg: CampaignCfg) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         summary = _fly(cfg)
-    except (CampaignError, StoreError, WorkerError, PilotError, SceneNumbersError) as error:
+    except (
+        CampaignError,
+        FixedSuiteError,
+        StoreError,
+        WorkerError,
+        PilotError,
+        SceneNumbersError,
+    ) as error:
         fail(_PROG, str(error))
     except OSError as error:
         fail_on_file(_PROG, error)
@@ -95,7 +106,7 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
     with open_campaign(cfg.out, _suite(cfg)) as campaign:
         left = campaign.left(trials)
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
-        verdicts = Counter(read_results(cfg.out)["success"].to_pylist())
+        verdicts = Counter(read_results(cfg.out, ["success"])["success"].to_pylist())
         rows = campaign.fly(left, workers=cfg.workers, patience_s=cfg.patience)
         with closing(rows), progress_bar("", len(left), "trials") as advance:
             for row in rows:
@@ -111,6 +122,8 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415 - see `run`
     from scenarios.campaigns.campaign import all_trials  # noqa: PLC0415
 
+    if cfg.suite is not None:
+        return _fixed(cfg, cfg.suite).all_trials()
     if not 1 <= cfg.trials <= _MOST_TRIALS:
         fail(_PROG, f"trials {cfg.trials} is out of range; valid: 1 to {_MOST_TRIALS}")
     if cfg.workers < 1:
@@ -130,5 +143,17 @@ def _suite(cfg: CampaignCfg) -> Suite:
     from scenarios.campaigns.flyer import Suite  # noqa: PLC0415 - see `run`
     from scenarios.tasks.recipe import Recipe, read_recipe  # noqa: PLC0415
 
+    if cfg.suite is not None:
+        return Suite(recipe=_fixed(cfg, cfg.suite).recipe, pilot=cfg.pilot)
     recipe = Recipe() if cfg.recipe is None else read_recipe(cfg.recipe)
     return Suite(recipe=recipe, pilot=cfg.pilot)
+
+
+def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
+    """The fixed suite of a name; options beside it that it would overrule end the process."""
+    from scenarios.campaigns.fixed import fixed_suite  # noqa: PLC0415 - see `run`
+
+    for option in ("scenes", "trials", "vehicles", "recipe"):
+        if getattr(cfg, option) != getattr(CampaignCfg, option):
+            fail(_PROG, f"{option} is fixed by suite {name!r}; valid: one of the two")
+    return fixed_suite(name)

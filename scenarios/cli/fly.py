@@ -47,8 +47,8 @@ class FlyCfg:
     recipe: Annotated[Path | None, default_hint("the campaign's")] = None
     """TOML file that says what the task is drawn from."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: the row of the trial, and same_as_campaign, null where the campaign
-    has not flown it."""
+    """Print one JSON object: the row of the trial but for its tracks, and same_as_campaign, null
+    where the campaign has not flown it."""
 
 
 def run(cfg: FlyCfg) -> int:
@@ -58,7 +58,7 @@ def run(cfg: FlyCfg) -> int:
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
     from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
-    from scenarios.campaigns.store import StoreError  # noqa: PLC0415
+    from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
     if cfg.trial < 0:
         fail(_PROG, f"trial {cfg.trial} is negative; valid: 0 or more")
@@ -79,7 +79,8 @@ def run(cfg: FlyCfg) -> int:
         fail_on_file(_PROG, error)
     is_same = None if before is None else all(before[name] == row.get(name) for name in _OUTCOME)
     if cfg.json:
-        print_json({**row, "same_as_campaign": is_same})
+        facts = {name: value for name, value in row.items() if name not in TRACKS}
+        print_json({**facts, "same_as_campaign": is_same})
     else:
         _print_row(row, is_same)
     return EXIT_NEGATIVE if row["success"] is False else EXIT_DONE

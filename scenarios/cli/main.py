@@ -19,6 +19,7 @@ _COMMANDS: Mapping[str, str] = {
     "fly": "FlyCfg",
     "campaign": "CampaignCfg",
     "report": "ReportCfg",
+    "compare": "CompareCfg",
     "replay": "ReplayCfg",
     "doctor": "DoctorCfg",
     "dataset": "DatasetCfg",

@@ -11,7 +11,8 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.progress import share_bar
 
 _PROG = "aeroscene report"
 _MOST_SCENES = 12
@@ -20,32 +21,47 @@ _MOST_SCENES = 12
 
 @dataclass(frozen=True, kw_only=True)
 class ReportCfg:
-    """Print what a campaign has found so far: success by groups and phases, and why others failed.
+    """Print what a campaign has found so far, and write DIR/report.html, a page with all of it.
 
-    Each rate has its interval that covers the true one with 95% (Wilson).
+    Success by groups and phases, each rate with the interval that covers the true one with 95%
+    (Wilson). The page needs no server: charts, ways over the scenes, failures with their replays.
     """
 
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of a campaign, also of one that is being flown."""
+    leaderboard: Annotated[Path | None, default_hint("none")] = None
+    """JSON file to which the entry of this campaign is added, with a table beside it in Markdown;
+    only a campaign that flew a whole fixed suite has one, see docs/campaigns.md."""
+    stack: Annotated[str | None, default_hint("the pilot's")] = None
+    """Name of the flight stack in the leaderboard."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object instead: trials, success_rate, interval_95, without_task, phases,
-    groups, codes, cpu_seconds_per_trial."""
+    groups, codes, cpu_seconds_per_trial, page."""
 
 
 def run(cfg: ReportCfg) -> int:
     """Print the report; exit status 2 with one line where the folder has none."""
     # pyarrow and the simulator: half a second that `--help` does not need.
-    from scenarios.campaigns.store import StoreError, read_results  # noqa: PLC0415
-    from scenarios.campaigns.summary import summarise_trials  # noqa: PLC0415
+    from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
+    from scenarios.campaigns.store import StoreError  # noqa: PLC0415
+    from scenarios.reports.leaderboard import LeaderboardError, update_leaderboard  # noqa: PLC0415
+    from scenarios.reports.page import PAGE, write_report  # noqa: PLC0415
 
     try:
-        summary = summarise_trials(read_results(cfg.folder))
-    except StoreError as error:
+        with share_bar() as on_part:
+            summary = write_report(cfg.folder, on_part)
+        if cfg.leaderboard is not None:
+            update_leaderboard(cfg.leaderboard, cfg.folder, cfg.stack)
+    except (CampaignError, LeaderboardError, StoreError) as error:
         fail(_PROG, str(error))
+    except OSError as error:
+        fail_on_file(_PROG, error)
+    page = cfg.folder / PAGE
     if cfg.json:
-        print_json({"folder": str(cfg.folder), **summary})
+        print_json({"folder": str(cfg.folder), **summary, "page": str(page)})
     else:
         print_summary(Console(), summary)
+        print(f"With charts, ways and replays: {page}")
     return EXIT_DONE
 
 

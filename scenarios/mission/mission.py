@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from aeroscene.scene import InteractionArea, Scene
 from autonomy.planning import PlanningError, Trajectory
@@ -44,6 +45,22 @@ class Mission:
     """Hover point from which the area is observed."""
     trajectory: Trajectory
     """Way from above the start to the hover point; in a growing map, a stay above the start."""
+
+    def way_enu_m(self, step_s: float) -> Float[np.ndarray, "n 3"] | None:
+        """Points of the way that is planned before the take-off, from the start to the hover point.
+
+        Args:
+            step_s: Time between two points of the trajectory.
+
+        Returns:
+            The points; None in a growing map, where nothing is planned that far.
+        """
+        if not self.surroundings.is_known:
+            return None
+        end_s = self.trajectory.duration_s
+        times_s = np.append(np.arange(0.0, end_s, step_s), end_s)
+        start = np.array(self.surroundings.scene.start_position_enu_m)
+        return np.concatenate([start[None], self.trajectory.positions(times_s)])
 
 
 def plan_mission(

@@ -12,6 +12,9 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from jaxtyping import Float
+
 from aeroscene.scene import InteractionArea
 from autonomy.perception import LandingMap, LandingSite
 from autonomy.planning import MovingObstacles, Trajectory
@@ -30,6 +33,7 @@ from scenarios.pilot.phases import LOOKS_AROUND, Phase, PilotVerdict, Replan, St
 from scenarios.pilot.senses import Senses
 
 _LOG = logging.getLogger(__name__)
+_PLANNED_STEP_S = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -127,6 +131,11 @@ class Pilot:
     def trajectory(self) -> Trajectory:
         """Present or last trajectory; before the flight, the way to the area."""
         return self._flight.course.trajectory
+
+    @property
+    def planned_enu_m(self) -> Float[np.ndarray, "n 3"] | None:
+        """Way that was planned before the take-off; None in a growing map."""
+        return self.mission.way_enu_m(_PLANNED_STEP_S)
 
     @property
     def landing_map(self) -> LandingMap | None:

@@ -74,7 +74,7 @@ def _send_errors(
     stream: rr.RecordingStream, rows: np.ndarray, is_aligned: Bool[np.ndarray, " n"]
 ) -> None:
     """Estimate and errors, from the estimator's alignment on."""
-    from scenarios.trials.score import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
+    from scenarios.trials.measures.estimation import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
 
     if not is_aligned.any():
         return

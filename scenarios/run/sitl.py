@@ -198,7 +198,7 @@ class Sitl:
         wall_s, cpu_s = time.perf_counter() - wall_s, time.process_time() - cpu_s
         goal = self._goal()
         score = self.log.score(goal)
-        measured = figures(score, None if goal is None else goal.area)
+        measured = figures(score, None if goal is None else goal.area, self.companion)
         result = self._result(measured, self._judge(score, goal, stopped_by), wall_s, cpu_s)
         self._write(result)
         return result

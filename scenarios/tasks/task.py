@@ -8,9 +8,10 @@ from typing import Any, Literal
 from aeroscene.scene import Scene
 from autonomy.types import Vector3
 from flightsim.testbench import TestbenchCfg
+from flightsim.vehicles import airframe_by_name
 from scenarios.mission.surroundings import MapSource
 from scenarios.run.cfg import SitlCfg
-from scenarios.tasks.way import WayFigures
+from scenarios.tasks.way import WayFigures, least_navigation_s
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -81,7 +82,14 @@ class Task:
         """The task as plain data, flat: the figures of the way stand beside the rest."""
         plain = asdict(self)
         way = plain.pop("way")
-        return {"trial_id": self.trial_id, **plain, **way, "difficulty": self.way.grade}
+        least_s = least_navigation_s(self.way.way_m, airframe_by_name(self.vehicle))
+        return {
+            "trial_id": self.trial_id,
+            **plain,
+            **way,
+            "least_navigation_s": round(least_s, 3),
+            "difficulty": self.way.grade,
+        }
 
 
 def trial_id(scene: str, vehicle: str, trial: int) -> str:

@@ -18,11 +18,13 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.solids.flood import flooded
+from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.planning import DistanceField, UnreachableError
 from autonomy.planning.corridor import straighten
 from autonomy.planning.openings import MAX_WIDTH_M, Opening
 from autonomy.planning.search import shortest_path
 from autonomy.types import Vector3
+from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.difficulty import points_by_thirds
 from scenarios.mission.surroundings import Surroundings
 
@@ -100,6 +102,22 @@ def measure_way(
         clutter=round(_clutter(points, world.field), 3),
         openings=_passed(points, openings),
     )
+
+
+def least_navigation_s(way_m: float, airframe: Airframe) -> float:
+    """Least time of a way: from rest to rest on a straight and level line of its length.
+
+    The time-optimal flight of a point with the vehicle's mass and greatest thrust, which turns at
+    once and meets no air: full tilt forwards for the first half, full tilt backwards for the
+    second. No pilot of the vehicle is as fast on a level way in still air.
+
+    Args:
+        way_m: Length of the way.
+        airframe: Vehicle.
+    """
+    craft = airframe.quadrotor
+    greatest_mps2 = math.sqrt((craft.max_thrust_n / craft.mass_kg) ** 2 - GRAVITY_MPS2**2)
+    return 2.0 * math.sqrt(way_m / greatest_mps2)
 
 
 def _shortest(

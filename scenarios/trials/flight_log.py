@@ -15,14 +15,10 @@ from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import (
-    EstimationErrors,
-    FlightScore,
-    Goal,
-    is_at_rest,
-    rotors_turn,
-    score_flight,
-)
+from scenarios.trials.measures.effort import measure_effort
+from scenarios.trials.measures.estimation import EstimationErrors
+from scenarios.trials.measures.track import TRACK_STEP_S, Track, track_of
+from scenarios.trials.score import FlightScore, Goal, is_at_rest, rotors_turn, score_flight
 
 _AWAY_M = 1.5
 """Positions nearer to the start or the resting place count for no clearance: there it lands."""
@@ -94,14 +90,27 @@ class FlightLog:
             return FlightScore()
         history = self._rows(0)
         score = score_flight(history, self._plant.world.airframe, goal or Goal())
-        if goal is None or not score.has_flown:
+        if goal is None or score.lift_off_s is None:
             return score
         return replace(
             score,
+            effort=measure_effort(
+                history,
+                self._plant.world.airframe,
+                lift_off_s=score.lift_off_s,
+                reached_s=score.reached_s,
+                touchdown_s=score.touchdown_s,
+            ),
             contacts=self._contacts(history, score),
             least_clearance_m=self._least_clearance_m(history),
             nearest_mover_m=self._nearest_mover_m(history, score),
         )
+
+    def track(self) -> Track:
+        """True way of a flight that is judged, from its first row to its last."""
+        ticks = self._ticks[:: round(TRACK_STEP_S * ADVANCE_HZ)] + self._ticks[-1:]
+        history = np.frombuffer(b"".join(ticks), self._plant.history.dtype)
+        return track_of(history["position_true_enu_m"][:: len(self._plant.history)])
 
     def _rows(self, first: int) -> np.ndarray:
         """Rows from one tick on, one for each control tick."""

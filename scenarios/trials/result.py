@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sized
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -50,6 +51,15 @@ class TrialResult:
     """Time from touchdown until the rotors stood still for good."""
     rotor_spin_ups: int | None
     """Times that the rotors took the weight again after the touchdown."""
+    navigation_s: float | None
+    """Time from lift-off until it was first above the assigned area."""
+    flight_s: float | None
+    """Time from lift-off to touchdown."""
+    energy_j: float | None
+    """Electrical energy from lift-off to touchdown, or to the end."""
+    jerk_rms_mps3: float | None
+    replans: int | None
+    """Plans that the pilot made anew; None where it does not say."""
     least_clearance_m: float | None
     nearest_mover_m: float | None
     position_rmse_m: float | None
@@ -65,13 +75,17 @@ class TrialResult:
         return asdict(self) | {"code": self.code.value}
 
 
-def figures(score: FlightScore, area: InteractionArea | None) -> dict[str, Any]:
-    """Fields of a `TrialResult` that a score has.
+def figures(
+    score: FlightScore, area: InteractionArea | None, pilot: object = None
+) -> dict[str, Any]:
+    """Fields of a `TrialResult` that a score has, and those that a pilot may say.
 
     Args:
         score: Score of the flight.
         area: Assigned area; None if there was none.
+        pilot: Who flew, with its `replans` if it counts them; None if nobody did.
     """
+    replans: Sized | None = getattr(pilot, "replans", None)
     return {
         "area": None if area is None else area.id,
         "navigated": None if area is None else _has_navigated(score),
@@ -84,6 +98,8 @@ def figures(score: FlightScore, area: InteractionArea | None) -> dict[str, Any]:
         "tilt_at_rest_deg": rounded(score.tilt_at_rest_deg) if score.is_down else None,
         "stopped_after_s": rounded(score.stopped_after_s),
         "rotor_spin_ups": score.rotor_spin_ups if score.is_down else None,
+        **{name: rounded(figure) for name, figure in asdict(score.effort).items()},
+        "replans": None if replans is None else len(replans),
         "least_clearance_m": rounded(score.least_clearance_m),
         "nearest_mover_m": rounded(score.nearest_mover_m),
         "position_rmse_m": rounded(score.position_rmse_m),

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from autonomy.types import ControlLevel, Vector3
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import sole_positions_flu_m
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
+from scenarios.trials.measures.effort import Effort
+from scenarios.trials.measures.estimation import EstimationErrors
 
 N_SOLES = 4
 _IMPACT_S = 0.02
@@ -61,6 +63,8 @@ class FlightScore:
     """Least distance of the vehicle's sphere from what stands, away from both ends of the way."""
     nearest_mover_m: float | None = None
     """Least distance in flight between the hulls of the vehicle and of what moves."""
+    effort: Effort = field(default_factory=Effort)
+    """Time, energy and jerk from lift-off on."""
 
     @property
     def has_flown(self) -> bool:
@@ -83,37 +87,6 @@ class Goal:
     """Point of the area that the pilot chose; None takes the centroid."""
     others: Sequence[InteractionArea] = ()
     """Other areas that the flight may have ended on."""
-
-
-class EstimationErrors:
-    """Sums of the estimator's errors from arming on, over a history that grows."""
-
-    def __init__(self) -> None:
-        self._n_rows = 0
-        self._position_m2 = 0.0
-        self._angle_rad2 = 0.0
-
-    def add(self, history: np.ndarray) -> None:
-        """Add rows, one for each control tick (`flightsim.plant.record`)."""
-        armed = history[history["setpoint_level"] > ControlLevel.OFF]
-        error_m = armed["position_est_enu_m"] - armed["position_true_enu_m"]
-        angle_rad = rotation_angle_rad(armed["quat_est_wxyz"], armed["quat_true_wxyz"])
-        self._n_rows += len(armed)
-        self._position_m2 += float(np.sum(error_m**2))
-        self._angle_rad2 += float(np.sum(angle_rad**2))
-
-    @property
-    def position_rmse_m(self) -> float:
-        """Root mean square of the 3-D distance; NaN before arming."""
-        return self._root(self._position_m2)
-
-    @property
-    def attitude_rmse_deg(self) -> float:
-        """Root mean square of the angle between estimated and true attitude; NaN before arming."""
-        return math.degrees(self._root(self._angle_rad2))
-
-    def _root(self, sum_of_squares: float) -> float:
-        return math.sqrt(sum_of_squares / self._n_rows) if self._n_rows else math.nan
 
 
 def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightScore:
@@ -259,20 +232,6 @@ def _footprint_contains(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray)
 
     footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
     return shapely.contains_xy(footprint, x_m, y_m)
-
-
-def rotation_angle_rad(
-    a_wxyz: Float[np.ndarray, "n 4"], b_wxyz: Float[np.ndarray, "n 4"]
-) -> Float[np.ndarray, " n"]:
-    """Angle of the rotation between two attitudes."""
-    # Both parts of conj(a) b, because the scalar part alone loses small angles to rounding.
-    scalar = np.abs(np.sum(a_wxyz * b_wxyz, axis=1))
-    vector = (
-        a_wxyz[:, :1] * b_wxyz[:, 1:]
-        - b_wxyz[:, :1] * a_wxyz[:, 1:]
-        - np.cross(a_wxyz[:, 1:], b_wxyz[:, 1:])
-    )
-    return 2.0 * np.arctan2(np.linalg.norm(vector, axis=1), scalar)
 
 
 def _tilt_rad(quat_wxyz: np.ndarray) -> float:

@@ -7,7 +7,13 @@ from aeroscene.corpus.shipped.archive import (
     open_archive,
     write_archive,
 )
-from aeroscene.corpus.shipped.scenes import SHIPPED, ArchivedScenes, open_shipped, read_shipped
+from aeroscene.corpus.shipped.scenes import (
+    SHIPPED,
+    ArchivedScenes,
+    open_shipped,
+    read_shipped,
+    shipped_digest,
+)
 
 __all__ = [
     "SHIPPED",
@@ -18,5 +24,6 @@ __all__ = [
     "open_archive",
     "open_shipped",
     "read_shipped",
+    "shipped_digest",
     "write_archive",
 ]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Container, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from aeroscene.corpus.shipped.archive import open_archive
@@ -13,6 +14,14 @@ from aeroscene.scene import Scene
 
 SHIPPED = Path(__file__).with_name("scenes.aeroscenes")
 """The archive in this package."""
+
+
+@cache
+def shipped_digest() -> str:
+    """SHA-256 of the archive in this package, hexadecimal: which scenes the numbers name."""
+    with SHIPPED.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
 
 _opened = lru_cache(maxsize=2)(open_archive)
 

@@ -52,6 +52,11 @@ def test_a_row_holds_task_and_verdict(flown):
         assert row["success"] is True, row["reason"]
         assert row["navigated"] is True
         assert row["landed_area"] == row["area"]
+        assert row["flight_s"] > row["navigation_s"] > row["least_navigation_s"] > 0.0
+        assert row["energy_j"] > 0.0
+        assert row["replans"] >= 0
+        assert row["planned_enu_m"][0] == pytest.approx(row["start"], abs=0.01)
+        assert row["flown_enu_m"][0][:2] == pytest.approx(row["start"][:2], abs=0.02)
         assert row["trial_cpu_seconds"] > row["cpu_seconds"] > 0.0
     assert len({row["state_hash"] for row in flown.values()}) == len(flown)
 

@@ -1,9 +1,19 @@
 """Results on disk: nothing lost, nothing twice, whatever ends the process."""
 
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
 import pytest
 
 from scenarios.campaigns import store
-from scenarios.campaigns.store import JOURNAL, TABLES, StoreError, open_store, read_results
+from scenarios.campaigns.store import (
+    COLUMNS,
+    JOURNAL,
+    TABLES,
+    TRACKS,
+    StoreError,
+    open_store,
+    read_results,
+)
 
 
 def row(number, **more):
@@ -86,3 +96,46 @@ def test_only_one_process_at_a_time_adds_rows(tmp_path):
 def test_a_folder_without_a_campaign_is_named(tmp_path):
     with pytest.raises(StoreError, match="holds no campaign; valid: a folder of one"):
         read_results(tmp_path)
+
+
+def test_tracks_are_kept_beside_the_figures_and_read_where_they_are_asked_for(tmp_path):
+    way = [[0.25, 1.0, 2.0], [3.0, 4.0, 5.5]]
+    with open_store(tmp_path) as results:
+        results.add(row(1, flown_enu_m=way))
+        results.add(row(2, flown_enu_m=way, planned_enu_m=way))
+        assert read_results(tmp_path, TRACKS).to_pylist() == [
+            {"planned_enu_m": None, "flown_enu_m": way},
+            {"planned_enu_m": way, "flown_enu_m": way},
+        ]
+    table = read_results(tmp_path, TRACKS, where=pc.field("trial") == 2)
+    assert table.to_pylist() == [{"planned_enu_m": way, "flown_enu_m": way}]
+    assert read_results(tmp_path).column_names == list(COLUMNS)
+
+
+def test_a_campaign_goes_on_by_the_ids_alone(tmp_path):
+    with open_store(tmp_path) as results:
+        results.add(row(1, flown_enu_m=[[0.25, 1.0, 2.0]]))
+    path = tmp_path / TABLES / "00000.parquet"
+    chunks = pq.read_metadata(path).row_group(0)
+    places = {chunks.column(n).path_in_schema: chunks.column(n) for n in range(chunks.num_columns)}
+    begin = places["flown_enu_m.list.element.list.element"].dictionary_page_offset
+    data = bytearray(path.read_bytes())
+    data[begin : begin + 8] = b"\xff" * 8
+    path.write_bytes(data)
+    with open_store(tmp_path) as results:
+        assert results.done == {"7/iris/1"}
+    assert ids(tmp_path) == ["7/iris/1"]
+    with pytest.raises(StoreError, match=r"00000.parquet' is damaged"):
+        read_results(tmp_path, TRACKS)
+
+
+def test_columns_that_a_table_is_older_than_are_null(tmp_path):
+    with open_store(tmp_path) as results:
+        results.add(row(1, energy_j=3.0))
+    path = tmp_path / TABLES / "00000.parquet"
+    pq.write_table(pq.read_table(path).drop_columns(["energy_j", *TRACKS]), path)
+    columns = ["trial_id", "energy_j", "flown_enu_m"]
+    assert read_results(tmp_path, columns).to_pylist() == [
+        {"trial_id": "7/iris/1", "energy_j": None, "flown_enu_m": None}
+    ]
+    assert not len(read_results(tmp_path, columns, where=pc.field("energy_j").is_valid()))

@@ -1,5 +1,8 @@
 """Rates with their intervals."""
 
+import random
+from collections import Counter
+
 import pyarrow as pa
 import pytest
 
@@ -47,3 +50,44 @@ def test_nothing_flown_is_no_rate():
     found = summarise_trials(SCHEMA.empty_table())
     assert (found["trials"], found["success_rate"]) == (0, None)
     assert found["interval_95"] == [0.0, 1.0]
+
+
+def test_groups_are_those_of_a_plain_loop():
+    draw = random.Random(5)
+    rows = [
+        {
+            "scene": str(draw.choice([3, 4, 5, 12])),
+            "vehicle": draw.choice(["iris", "hummingbird"]),
+            "success": (success := draw.choice([True, False, None])),
+            "code": draw.choice(["landed", "contact"]) if success is not None else "no_task",
+            "navigated": draw.choice([True, False, None]),
+            "wind_mps": draw.choice([None, 0.0, 1.99, 2.0, 5.5, 7.0]),
+            "difficulty": draw.choice(["easy", "hard", None]),
+            "gnss": draw.choice(["rtk", "standard"]),
+            "trial_cpu_seconds": draw.choice([1.0, 2.5, None]),
+        }
+        for _ in range(400)
+    ]
+    found = summarise_trials(pa.Table.from_pylist(rows, schema=SCHEMA))
+    judged = [row for row in rows if row["success"] is not None]
+    winds = {0.0: "0 to 2 m/s", 1.99: "0 to 2 m/s", 2.0: "2 to 4 m/s", 5.5: "4 to 6 m/s"}
+    winds |= {7.0: "6 m/s and more", None: "unknown"}
+    of = {
+        "scene": lambda row: row["scene"],
+        "kind": lambda row: ("mixed", "outdoor", "indoor")[int(row["scene"]) % 3],
+        "wind": lambda row: winds[row["wind_mps"]],
+        "difficulty": lambda row: row["difficulty"] or "unknown",
+        "gnss": lambda row: row["gnss"],
+        "map": lambda _: "unknown",
+    }
+    for name, group_of in of.items():
+        n = Counter(map(group_of, judged))
+        good = Counter(group_of(row) for row in judged if row["success"])
+        for value, rate in found["groups"][name].items():
+            assert (rate["successes"], rate["trials"]) == (good[value], n[value]), (name, value)
+        assert set(found["groups"][name]) == set(n)
+    came = [row for row in judged if row["navigated"] or row["success"]]
+    assert found["phases"]["interaction"]["trials"] == len(came)
+    assert found["codes"] == dict(Counter(row["code"] for row in rows).most_common())
+    cpu = [row["trial_cpu_seconds"] for row in rows if row["trial_cpu_seconds"] is not None]
+    assert found["cpu_seconds_per_trial"] == pytest.approx(sum(cpu) / len(cpu))

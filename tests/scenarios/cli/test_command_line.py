@@ -68,8 +68,11 @@ def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
 @pytest.mark.parametrize(
     ("args", "line"),
     [
-        ([], "aeroscene: error: no command; valid: sitl, fly, campaign, report, "),
-        (["fligh"], "aeroscene: error: fligh is unknown; valid: sitl, fly, campaign, report, "),
+        ([], "aeroscene: error: no command; valid: sitl, fly, campaign, report, compare, "),
+        (
+            ["fligh"],
+            "aeroscene: error: fligh is unknown; valid: sitl, fly, campaign, report, compare, ",
+        ),
         (["replay"], "aeroscene replay: error: PATH is missing; see aeroscene replay --help"),
         (["replay", "x.rrd", "--format"], "aeroscene replay: error: format has no value; valid: "),
         (

@@ -9,7 +9,7 @@ from rerun.chunk import RrdReader
 from scipy.spatial.transform import Rotation
 
 from scenarios.recording import Recorder, RecordingError, RunInfo, layout
-from scenarios.trials.score import rotation_angle_rad
+from scenarios.trials.measures.estimation import rotation_angle_rad
 from tests.scenarios.recording.conftest import (
     CHOICE_ENU_M,
     FIRST_CHOICE_ENU_M,

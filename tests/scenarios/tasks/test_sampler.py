@@ -1,15 +1,18 @@
 """Tasks by number: always the same, within the recipe, of the grade whose turn it is."""
 
 import dataclasses
+import math
 
+import numpy as np
 import pytest
 
 from aeroscene.sources import open_scene
+from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.goals import fitting_areas
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
-from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures
+from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures, least_navigation_s
 from tests.scenarios.landing_scenes import field, thing
 
 IRIS = AIRFRAMES["iris"]
@@ -91,3 +94,18 @@ def test_a_scene_that_leads_nowhere_is_named():
     scene = dataclasses.replace(field(), interaction_areas=())
     with pytest.raises(NoTaskError, match="scene field, iris: free space joins no start"):
         Sampler("field", scene, IRIS, Recipe()).task(0)
+
+
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+def test_the_least_time_is_that_of_full_tilt_there_and_back(vehicle):
+    airframe = AIRFRAMES[vehicle]
+    craft = airframe.quadrotor
+    way_m, time_s = 30.0, least_navigation_s(30.0, airframe)
+    thrust_mps2 = craft.max_thrust_n / craft.mass_kg
+    tilt_rad = math.acos(GRAVITY_MPS2 / thrust_mps2)
+    # Integrated in steps: forwards for half of the time, backwards for the other.
+    step_s = time_s / 20_000
+    signs = np.repeat([1.0, -1.0], 10_000)
+    speeds_mps = np.cumsum(signs * thrust_mps2 * math.sin(tilt_rad)) * step_s
+    assert speeds_mps[-1] == pytest.approx(0.0, abs=1e-6)
+    assert np.sum(speeds_mps) * step_s == pytest.approx(way_m, rel=1e-3)

@@ -53,3 +53,24 @@ def test_a_flight_that_is_not_judged_takes_no_more_memory_the_longer_it_lasts():
     grown, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert grown < 300_000  # A hundred seconds of rows are 10 MB or more.
+
+
+def test_the_track_is_the_way_from_the_first_row_to_the_last():
+    history = flight((1, START, 1), (9, AIR, 0))
+    history["position_true_enu_m"][:, 0] = np.linspace(0.0, 9.999, len(history)) ** 2 / 10
+    history["position_true_enu_m"][:, 1:] = 2.0
+    log = logged(history, is_judged=True)
+    before = log.state_hash()
+    track = np.array(log.track())
+    assert log.state_hash() == before
+    assert track[0].tolist() == [0.0, 2.0, 2.0]
+    assert track[-1] == pytest.approx([10.0, 2.0, 2.0], abs=0.05)
+    assert len(track) == 2
+
+
+def test_the_track_has_five_points_a_second_where_the_way_bends():
+    history = flight((4, AIR, 0))
+    angle_rad = np.arange(len(history)) * 0.01
+    history["position_true_enu_m"][:, 0] = 30.0 * np.cos(angle_rad)
+    history["position_true_enu_m"][:, 1] = 30.0 * np.sin(angle_rad)
+    assert len(logged(history, is_judged=True).track()) == 21

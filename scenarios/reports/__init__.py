@@ -1,0 +1,1 @@
+"""What campaigns have found, for people to read: pages, comparisons, a leaderboard."""

@@ -1,0 +1,198 @@
+"""What a page tells of a campaign, read from its folder."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from jaxtyping import Float
+
+from aeroscene.sources import open_scene
+from scenarios.campaigns.store import TRACKS, read_results
+from scenarios.campaigns.summary import SUMMARY_COLUMNS, natural
+from scenarios.reports.charts import Histogram, histogram
+from scenarios.reports.plan_view import PlanView, plan_view
+from scenarios.trials.limits import LIMITS
+
+MOST_SCENES, MOST_WAYS, MOST_FAILURES = 8, 60, 500
+"""What a page shows at most: scenes, ways over each of them, and failures."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Figure:
+    """A figure by which flights are compared; it may be the quotient of two columns."""
+
+    title: str
+    unit: str
+    column: str
+    over: str | None = None
+    """Column to divide by."""
+    limit: float | None = None
+    """Limit of the verdict."""
+    is_of_failures: bool = False
+    """Whether it says something of flights that failed too."""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns that it is made of."""
+        return (self.column,) if self.over is None else (self.column, self.over)
+
+    def values(self, table: pa.Table) -> Float[np.ndarray, " n"]:
+        """Value for each row; NaN where there is none."""
+        values = table[self.column].cast(pa.float64()).to_numpy()
+        return values if self.over is None else values / table[self.over].to_numpy()
+
+
+FIGURES: Sequence[Figure] = (
+    Figure(
+        title="time against the least possible",
+        unit="times",
+        column="navigation_s",
+        over="least_navigation_s",
+    ),
+    Figure(
+        title="touchdown error",
+        unit="m",
+        column="touchdown_error_m",
+        limit=LIMITS.touchdown_error_m,
+    ),
+    Figure(
+        title="least clearance",
+        unit="m",
+        column="least_clearance_m",
+        limit=0.0,
+        is_of_failures=True,
+    ),
+    Figure(title="jerk, root mean square", unit="m/s³", column="jerk_rms_mps3"),
+    Figure(title="time from lift-off to touchdown", unit="s", column="flight_s"),
+    Figure(title="electrical energy", unit="J", column="energy_j"),
+    Figure(title="plans made anew", unit="", column="replans"),
+)
+"""Figures of a page, the first four with a chart."""
+N_CHARTS = 4
+FIGURE_COLUMNS = tuple(dict.fromkeys(name for figure in FIGURES for name in figure.columns))
+PAGE_COLUMNS = tuple(dict.fromkeys((*SUMMARY_COLUMNS, *FIGURE_COLUMNS)))
+"""Columns that the figures and the summary of a page are made of."""
+_FAILURE_COLUMNS = (
+    *("trial_id", "scene", "vehicle", "trial", "code", "reason", "difficulty", "way_m"),
+    *("wind_mps", "navigated"),
+)
+_WAY_COLUMNS = ("trial_id", "success", "code", "reason", "start", "area", *TRACKS)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Distribution:
+    """A figure over the trials of a campaign."""
+
+    figure: Figure
+    n: int
+    low: float
+    """10% of the trials are below it."""
+    median: float
+    high: float
+    """10% are above it."""
+    chart: Histogram | None
+
+
+def distributions(table: pa.Table) -> list[Distribution]:
+    """All figures of the rows of a table that has any; of failures only where that tells much."""
+    succeeded = table.filter(pc.field("success"))
+    failed = table.filter(~pc.field("success"))
+    found = []
+    for place, figure in enumerate(FIGURES):
+        good = _present(figure.values(succeeded))
+        bad = _present(figure.values(failed)) if figure.is_of_failures else np.empty(0)
+        values = np.concatenate([good, bad])
+        if not values.size:
+            continue
+        low, median, high = np.quantile(values, [0.1, 0.5, 0.9]).tolist()
+        chart = histogram(good, bad, figure.limit) if place < N_CHARTS else None
+        found.append(
+            Distribution(
+                figure=figure, n=values.size, low=low, median=median, high=high, chart=chart
+            )
+        )
+    return found
+
+
+def _present(values: np.ndarray) -> np.ndarray:
+    return values[np.isfinite(values)]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Failure:
+    """A trial that failed, and how to see it."""
+
+    row: Mapping[str, Any]
+    recording: str | None
+    """Its recording, relative to the folder of the campaign; None where nobody has made one."""
+    command: str
+    """What replays it, or what flies it again with a recording."""
+
+
+def failures(folder: Path) -> list[Failure]:
+    """The first trials of a campaign that failed, by scene, vehicle and number."""
+    table = read_results(folder, _FAILURE_COLUMNS, where=~pc.field("success"))
+    rows = table.slice(0, MOST_FAILURES).to_pylist()
+    rows.sort(key=lambda row: (natural(row["scene"]), row["vehicle"], row["trial"]))
+    return [_failure(folder, row) for row in rows]
+
+
+def recording_of(folder: Path, trial_id: str) -> Path:
+    """File of the recording that `aeroscene fly` makes of a trial."""
+    return folder / "recordings" / f"{trial_id.replace('/', '-')}.rrd"
+
+
+def _failure(folder: Path, row: Mapping[str, Any]) -> Failure:
+    recording = recording_of(folder, row["trial_id"])
+    if recording.is_file():
+        command = ["aeroscene", "replay", str(recording)]
+    else:
+        trial = ("--scene", row["scene"], "--vehicle", row["vehicle"], "--trial", str(row["trial"]))
+        command = ["aeroscene", "fly", "--out", str(folder), *trial]
+    return Failure(
+        row=row,
+        recording=recording.relative_to(folder).as_posix() if recording.is_file() else None,
+        command=shlex.join(command),
+    )
+
+
+def shown_scenes(summary: Mapping[str, Any]) -> list[str]:
+    """The scenes with most failures, the others by their names."""
+    rates = summary["groups"]["scene"]
+
+    def order(name: str) -> tuple[int, tuple[int, float, str]]:
+        return rates[name]["successes"] - rates[name]["trials"], natural(name)
+
+    return sorted(rates, key=order)[:MOST_SCENES]
+
+
+def plan_views(
+    folder: Path, scenes: Sequence[str], on_scene: Callable[[str], None]
+) -> list[PlanView]:
+    """Ways over the plans of some scenes: first those that failed, as many as a page shows.
+
+    Args:
+        folder: Folder of the campaign.
+        scenes: Names of the scenes.
+        on_scene: Called with the name of each scene before it is drawn.
+
+    Raises:
+        SceneError: If a scene is no longer there.
+    """
+    views = []
+    for name in scenes:
+        on_scene(name)
+        flown = pc.field("flown_enu_m").is_valid()
+        table = read_results(folder, _WAY_COLUMNS, where=(pc.field("scene") == name) & flown)
+        # Failures are null-safe here: a row that has a way has a verdict.
+        chosen = table.sort_by("success").slice(0, MOST_WAYS)
+        if len(chosen):
+            views.append(plan_view(open_scene(name), name, chosen.to_pylist(), len(table)))
+    return views
