@@ -8,7 +8,7 @@ from collections import Counter
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
@@ -19,6 +19,7 @@ from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_fi
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.report import print_summary
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
+from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
     from scenarios.campaigns.flyer import Suite, Trial
@@ -49,6 +50,9 @@ class CampaignCfg:
     your own, see docs/campaigns.md."""
     recipe: Annotated[Path | None, default_hint("the one in docs/campaigns.md")] = None
     """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
+    record: Literal["none"] | RecordLevel = "none"
+    """What is recorded of each trial, as OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
+    docs/recording.md; the flights are the same."""
     workers: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     patience: float = 900.0
@@ -127,8 +131,11 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
 
 
 def _suite(cfg: CampaignCfg) -> Suite:
-    from scenarios.campaigns.flyer import Suite  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.flyer import RECORDINGS, Recordings, Suite  # noqa: PLC0415 - see `run`
     from scenarios.tasks.recipe import Recipe, read_recipe  # noqa: PLC0415
 
     recipe = Recipe() if cfg.recipe is None else read_recipe(cfg.recipe)
-    return Suite(recipe=recipe, pilot=cfg.pilot)
+    recordings = None
+    if cfg.record != "none":
+        recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
+    return Suite(recipe=recipe, pilot=cfg.pilot, recordings=recordings)
