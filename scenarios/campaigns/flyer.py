@@ -135,13 +135,15 @@ class Flyer:
 
         Raises:
             INPUT_ERRORS: If the machine does not allow any flight.
+            OSError: If the folder of the recordings cannot be made.
         """
         began_s = time.process_time()
         row = blank_row(trial)
+        recorded = self._recorded(trial)
         try:
             task = self.task(trial)
             row |= task.to_plain()
-            row |= self._flown(task, self._recorded(trial))
+            row |= self._flown(task, recorded)
         except (NoTaskError, WorldError, TrafficError) as error:
             row |= {"code": Mishap.NO_TASK.value, "reason": _one_line(error)}
         except INPUT_ERRORS as error:

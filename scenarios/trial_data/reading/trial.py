@@ -72,7 +72,7 @@ class RecordedTrial:
             if not len(self.tables[table]):
                 raise TrialDataError(
                     f"recording {self.name!r} holds no {table}, which {what} needs; "
-                    "valid: one of level state or full"
+                    "valid: one of level state, interaction or full"
                 )
 
     def require_end(self) -> None:

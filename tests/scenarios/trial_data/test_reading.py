@@ -90,7 +90,7 @@ def test_frames_have_their_images_poses_and_lenses(flight, trial):
         np.testing.assert_allclose(depth[near] / 1000.0, frame.depth_m[near], atol=6e-4)
         assert not depth[~near].any()
         bgr = cv2.imdecode(np.frombuffer(data[row["rgb_file"]], np.uint8), cv2.IMREAD_COLOR)
-        assert np.abs(bgr[:, :, ::-1].astype(float) - frame.rgb).mean() < 6.0
+        assert np.abs(bgr[:, :, ::-1].astype(float) - frame.rgb).mean() < 10.0
 
 
 def test_plans_have_the_time_of_each_point(trial):
@@ -133,7 +133,7 @@ def test_a_file_that_is_no_flight_is_named(tmp_path):
 def test_a_torn_recording_gives_what_is_whole(flight, tmp_path):
     torn = tmp_path / "torn.rrd"
     data = flight.path.read_bytes()
-    torn.write_bytes(data[: round(0.97 * len(data))])
+    torn.write_bytes(data[: round(0.65 * len(data))])
     trial = read_trial(torn)
     n = len(trial.tables["states"])
     assert 0 < n < len(flight.history[4::5])
