@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import heapq
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from scenarios.recording.layout import AXES, BODY_AXES
 from scenarios.trial_data.folders import building
-from scenarios.trial_data.reading import RecordedTrial
+from scenarios.trial_data.reading import RecordedTrial, decoded
 from scenarios.trial_data.ros_messages import RosMessages
 from scenarios.trial_data.tables import QUATERNION, ROTORS
 
@@ -189,20 +189,12 @@ class _Topics:
 
     def _frames(self) -> Iterator[_Message]:
         """Images as they are, decoded, and the lens beside each."""
-        import cv2  # noqa: PLC0415 - only recordings with images need it
-
         encoded = {picture.file: picture.data for picture in self._trial.pictures}
-        kinds: tuple[tuple[str, str, int, Callable[[Any], Any]], ...] = (
-            ("rgb", "rgb8", cv2.IMREAD_COLOR, lambda image: image[:, :, ::-1]),
-            ("depth", "16UC1", cv2.IMREAD_UNCHANGED, lambda image: image),
-        )
+        where = f"recording {self._trial.name!r}"
         for frame in self._trial.tables["frames"].to_pylist():
-            for kind, encoding, mode, turned in kinds:
-                if (file := frame[f"{kind}_file"]) is None:
-                    continue
-                data = np.frombuffer(encoded[file], dtype=np.uint8)
-                image = np.ascontiguousarray(turned(cv2.imdecode(data, mode)))
-                yield from self._image(frame, kind, encoding, image)
+            for kind, encoding in (("rgb", "rgb8"), ("depth", "16UC1")):
+                if (file := frame[f"{kind}_file"]) is not None:
+                    yield from self._image(frame, kind, encoding, decoded(encoded[file], where))
 
     def _image(
         self, frame: Mapping[str, Any], kind: str, encoding: str, image: np.ndarray

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from scenarios.recording.layout import AXES, BODY_AXES
 from scenarios.trial_data.dataset.write import COMMITTED, SHARDS
-from scenarios.trial_data.reading import TrialDataError
+from scenarios.trial_data.reading import TrialDataError, decoded
 from scenarios.trial_data.tables import QUATERNION, names
 
 if TYPE_CHECKING:
@@ -116,10 +116,10 @@ class FrameDataset:
         return values[end - self._imu_rows : end]
 
     def _rgb(self, row: dict[str, Any]) -> np.ndarray:
-        bgr = self._image(row, "rgb")
-        if bgr is None:
+        rgb = self._image(row, "rgb")
+        if rgb is None:
             return np.zeros((3, row["height_px"], row["width_px"]), dtype=np.uint8)
-        return np.ascontiguousarray(bgr[:, :, ::-1].transpose(2, 0, 1))
+        return np.ascontiguousarray(rgb.transpose(2, 0, 1))
 
     def _depth_m(self, row: dict[str, Any]) -> np.ndarray:
         millimetres = self._image(row, "depth")
@@ -133,15 +133,9 @@ class FrameDataset:
         Raises:
             TrialDataError: If the shard is damaged.
         """
-        import cv2  # noqa: PLC0415 - only where images are asked for
-
         if row[f"{kind}_offset"] is None:
             return None
         shard = self._folder / SHARDS / f"{row['trial']}.tar"
         with shard.open("rb") as file:
             file.seek(row[f"{kind}_offset"])
-            data = np.frombuffer(file.read(row[f"{kind}_bytes"]), dtype=np.uint8)
-        image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
-        if image is None:
-            raise TrialDataError(f"shard {str(shard)!r} is damaged; valid: export the trial again")
-        return image
+            return decoded(file.read(row[f"{kind}_bytes"]), f"shard {str(shard)!r}")

@@ -14,6 +14,7 @@ import pyarrow as pa
 from scenarios.recording import layout
 from scenarios.recording.rows import RecordedRows
 from scenarios.recording.summary import readable
+from scenarios.trial_data.reading.error import TrialDataError
 from scenarios.trial_data.reading.frames import Mount, Picture, read_frames, read_mounts
 from scenarios.trial_data.reading.states import (
     Columns,
@@ -39,10 +40,6 @@ _WANTED = (
     layout.TRAFFIC,
     layout.PHASE,
 )
-
-
-class TrialDataError(ValueError):
-    """A recording lacks what is asked of it, or data cannot be written; one line says which."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -131,3 +131,17 @@ def test_fly_and_report_refuse_what_is_not_there(tmp_path, capsys):
         status, out, err = in_process(capsys, *args)
         assert (status, out, err.count("\n")) == (2, "", 1)
         assert says in err
+
+
+def test_a_full_disk_costs_a_flight_its_recording_and_not_its_verdict(
+    tmp_path, capsys, monkeypatch
+):
+    def fail_at_the_end(recorder):
+        recorder.fault = "no space left on device"
+
+    monkeypatch.setattr("scenarios.recording.Recorder._write_out", fail_at_the_end)
+    args = ("--scene", "field", "--trial", "0", "--pilot", f"{STUBS}:Idle", "--record", "summary")
+    status, out, err = in_process(capsys, "fly", "--out", tmp_path / "out", *args, "--json")
+    row = json.loads(out)
+    assert (status, row["code"], row["recording"]) == (2, "never_flew", None), err
+    assert row["state_hash"] is not None

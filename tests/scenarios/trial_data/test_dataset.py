@@ -97,7 +97,7 @@ def test_the_loader_names_what_is_no_dataset(folder, tmp_path):
     shutil.copytree(folder, tmp_path / "torn")
     shard = tmp_path / "torn" / "images" / "flight.tar"
     shard.write_bytes(shard.read_bytes()[:600])
-    with pytest.raises(TrialDataError, match=r"shard '.*flight.tar' is damaged; valid: export"):
+    with pytest.raises(TrialDataError, match=r"image of shard '.*flight.tar' is damaged; valid: "):
         FrameDataset(tmp_path / "torn")[5].rgb  # noqa: B018 - reading is what fails
 
 
