@@ -4,13 +4,16 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scenarios.campaigns.flyer import Flyer, Recordings, Suite, Trial
 from scenarios.recording.summary import summarise
 from scenarios.run.hangar import Hangar
 from scenarios.tasks.recipe import Recipe
+from scenarios.trial_data.reading import read_trial
 
 FRESH = """
 import json, sys
@@ -118,6 +121,7 @@ def recorded(tmp_path_factory):
     return found
 
 
+@pytest.mark.timeout(600)
 def test_a_trial_is_the_same_flight_at_every_level(recorded):
     assert len({row["state_hash"] for row, _ in recorded.values()}) == 1
     assert recorded["none"][0]["recording"] is None
@@ -128,6 +132,7 @@ def test_a_trial_is_the_same_flight_at_every_level(recorded):
             assert summary.config["record_level"] == level
 
 
+@pytest.mark.timeout(600)
 def test_a_level_holds_what_it_says(recorded):
     rows = {level: summary.entities for level, (_, summary) in recorded.items() if summary}
     n = round(250 * recorded["none"][0]["sim_seconds"])
@@ -154,6 +159,15 @@ def test_a_level_holds_what_it_says(recorded):
     sizes = [recorded[level][1].size_bytes for level in ("summary", "state", "interaction", "full")]
     assert sizes == sorted(sizes)
     assert sizes[0] < 100_000
+
+
+@pytest.mark.timeout(600)
+def test_a_recording_tells_flight_from_ground(recorded):
+    trial = read_trial(Path(recorded["state"][0]["recording"]))
+    touching = trial.tables["states"]["is_touching"].to_numpy()
+    up_m = trial.tables["states"]["position_true_up_m"].to_numpy()
+    assert touching[-1]
+    assert not touching[np.argmax(up_m)]
 
 
 def test_what_is_recorded_is_no_part_of_what_decides_the_outcome(tmp_path):

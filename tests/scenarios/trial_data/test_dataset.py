@@ -1,7 +1,9 @@
 """A dataset of trials: whole, resumable, and as torch reads it."""
 
+import errno
 import io
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -153,6 +155,22 @@ def test_bad_input_is_one_line_and_leaves_nothing(flight, tmp_path, capsys, to, 
     assert errors.startswith("aeroscene export-trial: error: recording")
     assert "; valid: " in errors
     assert not out.exists()
+
+
+def test_a_disk_that_fills_up_between_two_tables_leaves_nothing(trial, tmp_path, monkeypatch):
+    written = []
+
+    def write_three(table, file, write=pq.write_table, **options):
+        if len(written) == 3:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written.append(table)
+        write(table, file, **options)
+
+    monkeypatch.setattr("scenarios.trial_data.dataset.write.pq.write_table", write_three)
+    with pytest.raises(OSError, match="No space left"):
+        add_trial(tmp_path, trial)
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["schema.json"]
+    assert not has_trial(tmp_path, trial.name)
 
 
 # The disk is full for this process alone.

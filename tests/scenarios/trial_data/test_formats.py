@@ -87,19 +87,33 @@ def test_pyulog_reads_the_ulog(flight, aligned, trial, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def bag(trial, tmp_path_factory):
-    """Topics of a bag, read by the libraries of MCAP's makers: times in us, and messages."""
+def bag_folder(trial, tmp_path_factory):
     pytest.importorskip("rosbags", reason="rosbags comes with the extra `ros`")
+    return write_bag(trial, tmp_path_factory.mktemp("bag") / "flight")
+
+
+@pytest.fixture(scope="module")
+def bag(bag_folder):
+    """Topics of a bag, read by the libraries of MCAP's makers: times in us, and messages."""
     why = "mcap-ros2-support comes with the extra `dev`"
     mcap, ros2 = (pytest.importorskip(m, reason=why) for m in ("mcap.reader", "mcap_ros2.decoder"))
-    out = write_bag(trial, tmp_path_factory.mktemp("bag") / "flight")
-    assert sorted(path.name for path in out.iterdir()) == ["flight.mcap", "metadata.yaml"]
     topics: dict[str, list] = {}
-    with (out / "flight.mcap").open("rb") as file:
+    with (bag_folder / "flight.mcap").open("rb") as file:
         reader = mcap.make_reader(file, decoder_factories=[ros2.DecoderFactory()])
         for _, channel, message, decoded in reader.iter_decoded_messages():
             topics.setdefault(channel.topic, []).append((message.log_time // 1000, decoded))
     return topics
+
+
+def test_the_folder_is_a_bag_whose_fixed_transforms_reach_late_listeners(bag_folder, bag):
+    assert sorted(path.name for path in bag_folder.iterdir()) == ["flight.mcap", "metadata.yaml"]
+    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+    with rosbag2.Reader(bag_folder) as reader:
+        counts = {each.topic: each.msgcount for each in reader.connections}
+        durability = {c.topic: c.ext.offered_qos_profiles[0].durability for c in reader.connections}
+    assert counts == {topic: len(messages) for topic, messages in bag.items()}
+    assert durability["/tf_static"].name == "TRANSIENT_LOCAL"
+    assert durability["/imu"].name == "VOLATILE"
 
 
 def stamps_us(messages):
