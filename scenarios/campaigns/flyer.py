@@ -22,6 +22,7 @@ from flightsim.world import WorldError
 from scenarios.baselines.named import OURS, pilot_of
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
+from scenarios.run.levels import RecordLevel
 from scenarios.run.sitl import INPUT_ERRORS, Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
@@ -33,6 +34,8 @@ _LOG = logging.getLogger(__name__)
 Row = dict[str, Any]
 """A trial as a row of the results: its task, its verdict, its figures."""
 _KEPT_SAMPLERS = 2
+RECORDINGS = "recordings"
+"""Folder of recordings in that of a campaign."""
 
 
 class Mishap(StrEnum):
@@ -64,17 +67,31 @@ class Trial(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Recordings:
+    """Where trials are recorded, and what of them."""
+
+    folder: Path
+    level: RecordLevel = "full"
+
+    def path(self, trial: Trial) -> Path:
+        """File of a trial's recording."""
+        return self.folder / f"{trial.id.replace('/', '-')}.rrd"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Suite:
-    """What decides the outcome of a trial, besides its name and the code."""
+    """What decides the outcome of a trial, besides its name and the code; what is kept of it."""
 
     recipe: Recipe = field(default_factory=Recipe)
     """What its task is drawn from."""
     pilot: str = OURS
     """Who flies: demo, a baseline, or MODULE:CLASS."""
+    recordings: Recordings | None = field(default=None, compare=False)
+    """Decides no outcome; None records nothing."""
 
     def to_plain(self) -> dict[str, Any]:
-        """The suite as plain data."""
-        return asdict(self)
+        """What decides the outcome, as plain data."""
+        return {"recipe": asdict(self.recipe), "pilot": self.pilot}
 
 
 class Flyer:
@@ -110,25 +127,24 @@ class Flyer:
             self._samplers.popitem(last=False)
         return sampler.task(trial.number)
 
-    def fly(self, trial: Trial, record: Path | None = None) -> Row:
-        """Draw the task of a trial, fly it and judge it.
-
-        Args:
-            trial: The trial.
-            record: File for a recording with everything; None records nothing.
+    def fly(self, trial: Trial) -> Row:
+        """Draw the task of a trial, fly it, judge it, and record it as the suite says.
 
         Returns:
-            The row of the trial, also where no flight came of it.
+            The row of the trial, also where no flight came of it; `recording` is None where none
+            was asked for, or it could not be written whole.
 
         Raises:
             INPUT_ERRORS: If the machine does not allow any flight.
+            OSError: If the folder of the recordings cannot be made.
         """
         began_s = time.process_time()
         row = blank_row(trial)
+        recorded = self._recorded(trial)
         try:
             task = self.task(trial)
             row |= task.to_plain()
-            row |= self._flown(task, record)
+            row |= self._flown(task, recorded)
         except (NoTaskError, WorldError, TrafficError) as error:
             row |= {"code": Mishap.NO_TASK.value, "reason": _one_line(error)}
         except INPUT_ERRORS as error:
@@ -140,13 +156,23 @@ class Flyer:
             row |= failure(Mishap.RAISED, f"{type(error).__name__}: {_one_line(error)}")
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
-    def _flown(self, task: Task, record: Path | None) -> Row:
+    def _recorded(self, trial: Trial) -> dict[str, Any]:
+        """Options of a run by which it is recorded; what an unfinished one has left is replaced."""
+        recordings = self._suite.recordings
+        if recordings is None:
+            return {}
+        recordings.folder.mkdir(parents=True, exist_ok=True)
+        return {"record": recordings.path(trial), "record_level": recordings.level}
+
+    def _flown(self, task: Task, recorded: dict[str, Any]) -> Row:
         make = self._make_pilot
-        cfg = replace(task.cfg(), demo=make is None, record=record)
+        cfg = replace(task.cfg(), demo=make is None, **recorded)
         scene = task.place(self._hangar.scene(task.scene))
         with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
             result = sitl.run().to_plain()
             flown, planned = sitl.log.track(), getattr(sitl.companion, "planned_enu_m", None)
+        if sitl.missing:
+            result["recording"] = None
         return result | {
             # The task names the scene as it was opened.
             "scene": task.scene,

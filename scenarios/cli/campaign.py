@@ -8,7 +8,7 @@ from collections import Counter
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
@@ -19,6 +19,7 @@ from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_fi
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.report import print_summary
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
+from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
     from scenarios.campaigns.fixed import FixedSuite
@@ -52,6 +53,9 @@ class CampaignCfg:
     """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
     suite: Annotated[str | None, default_hint("none")] = None
     """Fixed suite, such as aeroscene-300: names scenes, trials, vehicles and recipe by itself."""
+    record: Literal["none"] | RecordLevel = "none"
+    """What is recorded of each trial, as OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
+    docs/recording.md; the flights are the same."""
     workers: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     patience: float = 900.0
@@ -140,13 +144,17 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
 
 
 def _suite(cfg: CampaignCfg) -> Suite:
-    from scenarios.campaigns.flyer import Suite  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.flyer import RECORDINGS, Recordings, Suite  # noqa: PLC0415 - see `run`
     from scenarios.tasks.recipe import Recipe, read_recipe  # noqa: PLC0415
 
     if cfg.suite is not None:
-        return Suite(recipe=_fixed(cfg, cfg.suite).recipe, pilot=cfg.pilot)
-    recipe = Recipe() if cfg.recipe is None else read_recipe(cfg.recipe)
-    return Suite(recipe=recipe, pilot=cfg.pilot)
+        recipe = _fixed(cfg, cfg.suite).recipe
+    else:
+        recipe = Recipe() if cfg.recipe is None else read_recipe(cfg.recipe)
+    recordings = None
+    if cfg.record != "none":
+        recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
+    return Suite(recipe=recipe, pilot=cfg.pilot, recordings=recordings)
 
 
 def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:

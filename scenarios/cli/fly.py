@@ -1,4 +1,4 @@
-"""`aeroscene fly`: one trial of a campaign, with a recording of everything."""
+"""`aeroscene fly`: one trial of a campaign, with a recording."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import tyro
 from rich.console import Console
 
 from scenarios.cli.command_line import (
+    EXIT_BAD_INPUT,
     EXIT_DONE,
     EXIT_NEGATIVE,
     default_hint,
@@ -18,6 +19,7 @@ from scenarios.cli.command_line import (
     fail_on_file,
     print_json,
 )
+from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
     from scenarios.campaigns.flyer import Row, Suite
@@ -46,6 +48,8 @@ class FlyCfg:
     """Who flies, see `aeroscene campaign`."""
     recipe: Annotated[Path | None, default_hint("the campaign's")] = None
     """TOML file that says what the task is drawn from."""
+    record: RecordLevel = "full"
+    """What is recorded, see docs/recording.md; the flight is the same."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: the row of the trial but for its tracks, and same_as_campaign, null
     where the campaign has not flown it."""
@@ -57,7 +61,7 @@ def run(cfg: FlyCfg) -> int:
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
-    from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
+    from scenarios.campaigns.flyer import RECORDINGS, Flyer, Recordings, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
     if cfg.trial < 0:
@@ -69,10 +73,9 @@ def run(cfg: FlyCfg) -> int:
     try:
         suite, is_campaigns = _suite(cfg)
         before = row_of(cfg.out, trial) if is_campaigns else None
-        recording = cfg.out / "recordings" / f"{trial.id.replace('/', '-')}.rrd"
-        recording.parent.mkdir(parents=True, exist_ok=True)
-        with Flyer(suite) as flyer:
-            row = flyer.fly(trial, recording)
+        recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
+        with Flyer(replace(suite, recordings=recordings)) as flyer:
+            row = flyer.fly(trial)
     except (CampaignError, StoreError, PilotError) as error:
         fail(_PROG, str(error))
     except OSError as error:
@@ -83,6 +86,8 @@ def run(cfg: FlyCfg) -> int:
         print_json({**facts, "same_as_campaign": is_same})
     else:
         _print_row(row, is_same)
+    if "recording" in row and row["recording"] is None:
+        return EXIT_BAD_INPUT  # Not the vehicle failed but the disk.
     return EXIT_NEGATIVE if row["success"] is False else EXIT_DONE
 
 

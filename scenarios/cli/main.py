@@ -26,6 +26,7 @@ _COMMANDS: Mapping[str, str] = {
     "bench": "BenchCfg",
     "compile": "CompileCfg",
     "export": "ExportCfg",
+    "export-trial": "ExportTrialCfg",
     "layouts": "LayoutsCfg",
     "generate": "GenerateCfg",
     "train": "TrainCfg",
@@ -45,7 +46,7 @@ def main(args: list[str] | None = None) -> int:
 
 
 def _module(name: str) -> Any:
-    return importlib.import_module(f"scenarios.cli.{name}")
+    return importlib.import_module(f"scenarios.cli.{name.replace('-', '_')}")
 
 
 def _any_command() -> Any:

@@ -31,11 +31,12 @@ class FrameLog:
         self._stream = stream
         self._intrinsics: dict[str, tuple[float, ...]] = {}
 
-    def log(self, frame: RgbdFrame) -> None:
-        """Write a frame at the stream's present time."""
+    def log(self, frame: RgbdFrame, *, has_colour: bool) -> None:
+        """Write a frame at the stream's present time, with its colours or depth alone."""
         self._log_pinhole(frame)
-        colour = rr.Image(frame.rgb).compress(jpeg_quality=JPEG_QUALITY)
-        self._stream.log(layout.camera_rgb(frame.camera), colour)
+        if has_colour:
+            colour = rr.Image(frame.rgb).compress(jpeg_quality=JPEG_QUALITY)
+            self._stream.log(layout.camera_rgb(frame.camera), colour)
         self._stream.log(
             layout.camera_depth(frame.camera),
             rr.EncodedDepthImage(

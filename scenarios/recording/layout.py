@@ -35,6 +35,7 @@ EXECUTED = "world/trajectory/executed"
 STATE = "state"
 STATES = ("reference", "estimate", "true")
 AXES = ("east", "north", "up")
+BODY_AXES = ("forward", "left", "up")
 POSITION_ERROR = "error/position"
 ATTITUDE_ERROR = "error/attitude"
 POSITION_SIGMA = "error/sigma"
@@ -72,7 +73,7 @@ def sensor(name: str) -> str:
 
 
 def state(what: str, axis: str) -> str:
-    """Entity of one axis of position or velocity; a column for each of `STATES`."""
+    """Entity of one axis of position, velocity or angular rate; a column for each of `STATES`."""
     return f"{STATE}/{what}/{axis}"
 
 

@@ -32,7 +32,7 @@ class RunInfo:
         return f"scene {self.scene}, {self.vehicle}, seed {self.seed}"
 
 
-def log_run(stream: rr.RecordingStream, info: RunInfo, scene: Scene) -> None:
+def log_run(stream: rr.RecordingStream, info: RunInfo) -> None:
     """Write the identity of the run before it begins."""
     stream.send_recording_name(info.title)
     stream.send_property(
@@ -45,10 +45,13 @@ def log_run(stream: rr.RecordingStream, info: RunInfo, scene: Scene) -> None:
             limits=json.dumps(info.limits, sort_keys=True),
         ),
     )
-    # All of it, so that pictures can be drawn of the recording alone.
+    _log_page(stream, info, verdict=None)
+
+
+def log_document(stream: rr.RecordingStream, scene: Scene) -> None:
+    """Write all of a scene, so that pictures can be drawn of the recording alone."""
     document = rr.AnyValues(json=scene_to_json(scene).decode())
     stream.log(layout.SCENE_DOCUMENT, document, static=True)
-    _log_page(stream, info, verdict=None)
 
 
 def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any]) -> None:

@@ -8,6 +8,7 @@ from autonomy.planning import Trajectory
 from flightsim.autopilot.events import Severity
 from scenarios.pilot import Phase, Pilot
 from scenarios.recording.recorder import Recorder
+from scenarios.recording.state_log import StateLog
 
 _SAMPLE_S = 0.1
 _TRACK_PERIOD_US = 200_000
@@ -33,14 +34,20 @@ class PilotLog:
         if pilot.trajectory is not self._plan:
             self._plan = pilot.trajectory
             recorder.plans.log(time_us, _points(self._plan), self._plan.duration_s)
+        if recorder.states is not None:
+            self._log_sights(time_us, recorder.states)
+        self._log_decisions()
+
+    def _log_sights(self, time_us: int, states: StateLog) -> None:
+        """Record the landing map and the tracks of movers."""
+        pilot = self._pilot
         landing_map = pilot.landing_map
         if landing_map is not None and landing_map is not self._landing_map:
             self._landing_map = landing_map
-            recorder.landing.log(time_us, landing_map, pilot.touchdown_enu_m)
+            states.landing.log(time_us, landing_map, pilot.touchdown_enu_m)
         if time_us >= self._tracks_due_us:
             self._tracks_due_us = time_us + _TRACK_PERIOD_US
-            recorder.tracks.log(time_us, pilot.moving)
-        self._log_decisions()
+            states.tracks.log(time_us, pilot.moving)
 
     def _log_decisions(self) -> None:
         pilot, recorder = self._pilot, self._recorder

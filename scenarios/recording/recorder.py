@@ -18,19 +18,11 @@ from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
-from scenarios.recording.chase_log import ChaseLog
-from scenarios.recording.columns import ExecutedPath, send_history, set_sim_time
+from scenarios.recording.columns import ExecutedPath, set_sim_time
 from scenarios.recording.contact_log import log_contacts
-from scenarios.recording.frames import FrameLog
-from scenarios.recording.landing_log import LandingLog
 from scenarios.recording.metadata import RunInfo, log_run, log_verdict
 from scenarios.recording.plan_log import PlanLog
-from scenarios.recording.scene import log_scene
-from scenarios.recording.series import log_legends
-from scenarios.recording.status import StatusLog
-from scenarios.recording.track_log import TrackLog
-from scenarios.recording.traffic import TrafficLog
-from scenarios.recording.vehicle import log_vehicle
+from scenarios.recording.state_log import StateLog
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
@@ -40,6 +32,8 @@ if TYPE_CHECKING:
 
 FLUSH_PERIOD_US = 1_000_000
 """Simulated time between two writes of the fast data."""
+SUMMARY_FLUSH_PERIOD_US = 60_000_000
+"""The same in a summary, which each write makes larger by several times what it holds."""
 _LOOPBACK = "127.0.0.1"
 _CLOSING_TIMEOUT_S = 30.0
 _SERVER_MEMORY = "512MiB"
@@ -67,16 +61,15 @@ class RecordingError(OSError):
 class Recorder:
     """Records one run; call `on_tick` after every simulator tick and `close` at the end.
 
-    What was recorded up to the last simulated second is in the file at any moment, whatever
-    happens to this process.
+    What was recorded up to the last simulated second, in a summary the last minute, is in the file
+    at any moment, whatever happens to this process.
 
     Attributes:
         path: File of the recording; None where only a live viewer listens.
         url: Address at which a viewer can watch live; None unless a port was given.
         fault: Reason for which the file may lack its end, such as a full disk; None if it is whole.
         plans: Log of the plans.
-        landing: Log of the landing map.
-        tracks: Log of the tracked movers.
+        states: Log of scene, vehicle and states; None in a summary.
     """
 
     def __init__(
@@ -89,6 +82,7 @@ class Recorder:
         info: RunInfo,
         goal_enu_m: Vector3 | None = None,
         serve_port: int | None = None,
+        is_summary: bool = False,
     ) -> None:
         """Open the file, the live port or both, and write the scene.
 
@@ -100,6 +94,8 @@ class Recorder:
             info: Identity of the run.
             goal_enu_m: Goal, in view together with the start; None shows all.
             serve_port: Loopback port on which viewers can watch live.
+            is_summary: Whether to keep only the verdict, the configuration, the planned and the
+                flown trajectory, the pilot's phases, texts and contacts.
 
         Raises:
             RecordingError: If the file cannot be written or the port is taken.
@@ -112,7 +108,9 @@ class Recorder:
         try:
             self._stream.set_sinks(
                 *self._open_sinks(serve_port),
-                default_blueprint=recording_blueprint(scene, airframe, goal_enu_m),
+                default_blueprint=None
+                if is_summary
+                else recording_blueprint(scene, airframe, goal_enu_m),
             )
         except RuntimeError as error:
             raise RecordingError(
@@ -121,20 +119,16 @@ class Recorder:
         self._is_open = True
         self._plant: Plant | None = None
         self._history: list[bytes] = []
-        self._flush_due_us = FLUSH_PERIOD_US
+        self._flush_period_us = SUMMARY_FLUSH_PERIOD_US if is_summary else FLUSH_PERIOD_US
+        self._flush_due_us = self._flush_period_us
         self._executed = ExecutedPath()
-        log_run(self._stream, info, scene)
-        log_scene(self._stream, scene, primitives)
-        log_vehicle(self._stream, airframe)
-        log_legends(self._stream)
-        self._log_styles()
-        self._frames = FrameLog(self._stream)
-        self._status = StatusLog(self._stream)
-        self._traffic = TrafficLog(self._stream)
-        self._chase = ChaseLog(self._stream)
+        log_run(self._stream, info)
+        style = rr.LineStrips3D.from_fields(colors=_EXECUTED_RGB, radii=rr.Radius.ui_points(1.5))
+        self._stream.log(layout.EXECUTED, style, static=True)
         self.plans = PlanLog(self._stream)
-        self.landing = LandingLog(self._stream)
-        self.tracks = TrackLog(self._stream)
+        self.states: StateLog | None = None
+        if not is_summary:
+            self.states = StateLog(self._stream, scene, primitives, airframe)
 
     def _open_sinks(self, serve_port: int | None) -> list[rr.FileSink | rr.GrpcServerSink]:
         sinks: list[rr.FileSink | rr.GrpcServerSink] = []
@@ -150,20 +144,15 @@ class Recorder:
             sinks.append(server)
         return sinks
 
-    def _log_styles(self) -> None:
-        style = rr.LineStrips3D.from_fields(colors=_EXECUTED_RGB, radii=rr.Radius.ui_points(1.5))
-        self._stream.log(layout.EXECUTED, style, static=True)
-        self._stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
-
     def on_tick(self, plant: Plant, autopilot: Autopilot | None = None) -> None:
         """Record the last 20 ms; without an autopilot there are no modes to show."""
         # Bytes: numpy copies and joins records of many fields one field at a time.
         self._history.append(plant.history.tobytes())
         self._plant = plant
-        self._status.on_tick(plant, autopilot)
-        self._traffic.on_tick(plant)
+        if self.states is not None:
+            self.states.on_tick(plant, autopilot)
         if plant.time_us >= self._flush_due_us:
-            self._flush_due_us = plant.time_us + FLUSH_PERIOD_US
+            self._flush_due_us = plant.time_us + self._flush_period_us
             self.flush()
 
     def flush(self) -> None:
@@ -171,16 +160,17 @@ class Recorder:
         if self._plant is not None and self._history:
             history = np.frombuffer(b"".join(self._history), self._plant.history.dtype)
             self._history.clear()
-            send_history(self._stream, history)
             self._executed.send(self._stream, history)
-            self._chase.send(self._plant.world, history)
-        self._status.flush()
-        self._traffic.flush()
+            if self.states is not None:
+                self.states.send(self._plant, history)
+        if self.states is not None:
+            self.states.flush()
 
-    def log_frame(self, frame: RgbdFrame) -> None:
-        """Write a camera frame."""
-        set_sim_time(self._stream, frame.time_us)
-        self._frames.log(frame)
+    def log_frame(self, frame: RgbdFrame, *, has_colour: bool = True) -> None:
+        """Write a camera frame, or its depth alone; a summary takes none."""
+        if self.states is not None:
+            set_sim_time(self._stream, frame.time_us)
+            self.states.frames.log(frame, has_colour=has_colour)
 
     def log_phase(self, time_us: int, phase: str) -> None:
         """Write the phase of the pilot from this time on."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +71,14 @@ class RecordedRows:
             values = batch.column(component).to_pylist()
             found += [(t, row) for t, row in zip(times, values, strict=True) if row is not None]
         return sorted(found, key=lambda item: item[0])
+
+    def blobs(self, entity: str, component: str) -> Iterator[tuple[int, bytes]]:
+        """Time, us, and bytes of each row, such as an encoded image."""
+        for batch in self._with(entity, component):
+            rows = batch.column(component)
+            for time_us, row in zip(_times_us(batch).tolist(), rows, strict=True):
+                if row.is_valid:
+                    yield time_us, row.values[0].values.to_numpy(zero_copy_only=False).tobytes()
 
     def _with(self, entity: str, component: str) -> list[pa.RecordBatch]:
         return [b for b in self._batches.get(entity, []) if component in b.schema.names]

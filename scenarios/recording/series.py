@@ -29,7 +29,6 @@ class ScalarSeries:
     """Field, for each field, that is all zero as long as that field means nothing."""
 
 
-_BODY = ("forward", "left", "up")
 _RED, _GREEN, _BLUE = (230, 80, 80), (90, 200, 90), (90, 140, 255)
 _ORANGE, _VIOLET, _TEAL, _YELLOW = (255, 150, 50), (190, 120, 255), (60, 200, 190), (240, 210, 70)
 _GREY = (140, 146, 154)
@@ -46,6 +45,7 @@ def _rotors(prefix: str) -> tuple[str, ...]:
     return tuple(f"{prefix} {i + 1}" for i in range(4))
 
 
+_BODY = layout.BODY_AXES
 _ACCELERATIONS, _RATES = _axes("acceleration", " m/s²", _BODY), _axes("rate", " rad/s", _BODY)
 
 SERIES: tuple[ScalarSeries, ...] = (
@@ -60,6 +60,17 @@ SERIES: tuple[ScalarSeries, ...] = (
         )
         for what, u in (("position", "m"), ("velocity", "mps"))
         for k, axis in enumerate(layout.AXES)
+    ),
+    *(
+        ScalarSeries(
+            layout.state("angular_rate", axis),
+            ("angular_rate_est_flu_radps", "angular_rate_true_flu_radps"),
+            layout.STATES[1:],
+            (_ORANGE, _BLUE),
+            column=k,
+            known_by=(ESTIMATE_FIELD, None),
+        )
+        for k, axis in enumerate(_BODY)
     ),
     ScalarSeries(layout.WIND, ("wind_enu_mps",), _axes("air", " m/s"), _AXES),
     ScalarSeries(layout.ACCELERATION, ("accel_flu_mps2",), _ACCELERATIONS, _AXES, is_fast=True),

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from flightsim.testbench import TestbenchCfg, TestbenchError
+from scenarios.run.levels import RecordLevel
 
 MAX_CAMERA_HZ = 50.0
 """Greatest frame rate: one frame for every tick of the loop."""
@@ -41,6 +42,9 @@ class SitlCfg:
     """What our mission lands on: a landing area, a place to perch on, or the best of both."""
     record: Annotated[Path | None, _UNSET] = None
     """Write a rerun recording to this .rrd file; its folder is made if only that is missing."""
+    record_level: RecordLevel = "full"
+    """What is recorded and shown: summary is verdict, trajectories, contacts and texts; state is
+    all but camera images; interaction adds depth from when the vehicle is above its area."""
     pictures: Annotated[Path | None, _UNSET] = None
     """Draw what was planned and flown, and the landing map, into this folder when the run ends; it
     is made if only that is missing."""

@@ -10,13 +10,14 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from aeroscene.solids.shapes import scene_primitives
-from flightsim.sensors.cameras import Cameras
+from flightsim.sensors.cameras import Cameras, RgbdFrame
 from flightsim.simulator import TICK_US
 from flightsim.testbench import Testbench, TestbenchError
 from scenarios.recording import Recorder, RecordingError, RunInfo
 from scenarios.recording.viewer import DATA_PORT, Viewer, ViewerError, free_port
 from scenarios.run.cfg import SitlCfg
 from scenarios.trials.limits import LIMITS
+from scenarios.trials.score import reached_s
 
 if TYPE_CHECKING:
     from scenarios.pilot import Pilot
@@ -42,9 +43,8 @@ def watch(sitl: Sitl, stack: ExitStack) -> tuple[Recorder, Viewer | None]:
     except (RecordingError, ViewerError) as error:
         raise TestbenchError(str(error)) from error
     plant = bench.plant
-    if cfg.camera_hz > 0:
-        sitl.cameras.listen(recorder.log_frame)
-        bench.observers.append(shutter(bench, sitl.cameras, cfg.camera_hz))
+    if cfg.camera_hz > 0 and cfg.record_level in {"interaction", "full"}:
+        _watch_cameras(sitl, recorder)
     if pilot is not None:
         from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415 - imports the pilot
 
@@ -55,6 +55,30 @@ def watch(sitl: Sitl, stack: ExitStack) -> tuple[Recorder, Viewer | None]:
     )
     bench.observers.append(lambda: recorder.on_tick(plant, bench.autopilot))
     return recorder, viewer
+
+
+def _watch_cameras(sitl: Sitl, recorder: Recorder) -> None:
+    """Record what the cameras see: all the way, or depth alone from the area on."""
+    look = shutter(sitl.bench, sitl.cameras, sitl.cfg.camera_hz)
+    if sitl.cfg.record_level == "full":
+        sitl.cameras.listen(recorder.log_frame)
+        sitl.bench.observers.append(look)
+        return
+    plant, is_there = sitl.bench.plant, False
+
+    def look_when_there() -> None:
+        nonlocal is_there
+        area = sitl.companion.area if sitl.companion is not None else None
+        is_there = is_there or reached_s(plant.history, sitl.area or area) is not None
+        if is_there:
+            look()
+
+    def keep(frame: RgbdFrame) -> None:
+        if is_there:
+            recorder.log_frame(frame, has_colour=False)
+
+    sitl.cameras.listen(keep)
+    sitl.bench.observers.append(look_when_there)
 
 
 def _recorder(bench: Testbench, cfg: SitlCfg, pilot: Pilot | None) -> Recorder:
@@ -72,6 +96,7 @@ def _recorder(bench: Testbench, cfg: SitlCfg, pilot: Pilot | None) -> Recorder:
         ),
         goal_enu_m=None if pilot is None else pilot.area.centroid,
         serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
+        is_summary=cfg.record_level == "summary",
     )
 
 

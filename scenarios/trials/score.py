@@ -105,7 +105,7 @@ def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightS
         position_rmse_m=errors.position_rmse_m,
         attitude_rmse_deg=errors.attitude_rmse_deg,
         lift_off_s=float(time_s[lift_off]) if lift_off < len(history) else None,
-        reached_s=_reached_s(history[lift_off:], goal.area),
+        reached_s=reached_s(history[lift_off:], goal.area),
         touchdown_s=None if end is None else float(time_s[end]),
         contacts_before_touchdown=brushes,
         landed_area=next(landed, None) if end is not None else None,
@@ -137,7 +137,7 @@ def _bounds(
     return lift_off, lift_off + int(on_area[0]) if on_area.size else touchdown
 
 
-def _reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
+def reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
     """Time of the first row above an area, low enough to look at it."""
     if area is None:
         return None

@@ -10,6 +10,7 @@ import time
 import pytest
 
 from scenarios.campaigns.store import JOURNAL, TABLES, read_results
+from scenarios.recording.summary import summarise
 from tests.scenarios.in_process import in_process
 
 STUBS = "tests.scenarios.campaigns.stub_pilots"
@@ -65,22 +66,24 @@ def campaign(tmp_path, capsys):
     recipe.write_text('start = ["own"]\nwind_mps = [0, 1]\n')
     folder = tmp_path / "out"
     options = ("--scenes", "7", "--trials", "1", "--vehicles", "iris", "--pilot", "straight")
-    status, _, err = in_process(
-        capsys, "campaign", "--out", folder, *options, "--recipe", recipe, "--workers", "1"
-    )
+    more = ("--recipe", recipe, "--workers", "1", "--record", "summary")
+    status, _, err = in_process(capsys, "campaign", "--out", folder, *options, *more)
     assert status == 0, err
     return folder
 
 
 def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, capsys):
+    recording = campaign / "recordings" / "7-iris-0.rrd"
+    assert results(campaign)[0]["recording"] == str(recording)
+    assert summarise(recording).config["record_level"] == "summary"
     status, out, err = in_process(
         capsys, "fly", "--out", campaign, "--scene", "7", "--trial", "0", "--json"
     )
     row = json.loads(out)
     assert row["same_as_campaign"] is True, err
     assert status == (0 if row["success"] else 1)
-    recording = campaign / "recordings" / "7-iris-0.rrd"
     assert row["recording"] == str(recording)
+    assert summarise(recording).config["record_level"] == "full"
     assert (
         json.loads(recording.with_suffix(".json").read_text())["result"]["state_hash"]
         == (row["state_hash"])
@@ -128,3 +131,17 @@ def test_fly_and_report_refuse_what_is_not_there(tmp_path, capsys):
         status, out, err = in_process(capsys, *args)
         assert (status, out, err.count("\n")) == (2, "", 1)
         assert says in err
+
+
+def test_a_full_disk_costs_a_flight_its_recording_and_not_its_verdict(
+    tmp_path, capsys, monkeypatch
+):
+    def fail_at_the_end(recorder):
+        recorder.fault = "no space left on device"
+
+    monkeypatch.setattr("scenarios.recording.Recorder._write_out", fail_at_the_end)
+    args = ("--scene", "field", "--trial", "0", "--pilot", f"{STUBS}:Idle", "--record", "summary")
+    status, out, err = in_process(capsys, "fly", "--out", tmp_path / "out", *args, "--json")
+    row = json.loads(out)
+    assert (status, row["code"], row["recording"]) == (2, "never_flew", None), err
+    assert row["state_hash"] is not None

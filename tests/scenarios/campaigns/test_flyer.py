@@ -3,12 +3,17 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from scenarios.campaigns.flyer import Flyer, Suite, Trial
+from scenarios.campaigns.flyer import Flyer, Recordings, Suite, Trial
+from scenarios.recording.summary import summarise
 from scenarios.run.hangar import Hangar
 from scenarios.tasks.recipe import Recipe
+from scenarios.trial_data.reading import read_trial
 
 FRESH = """
 import json, sys
@@ -92,3 +97,85 @@ def test_a_hangar_opens_a_scene_once_and_forgets_the_oldest():
         assert hangar.scene("0") is first
         hangar.scene("1"), hangar.scene("2")
         assert hangar.scene("0") is not first
+
+
+CAMERAS = {
+    f"/world/vehicle/camera_{name}/{kind}"
+    for name in ("down", "forward")
+    for kind in ("rgb", "depth")
+}
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A trial at every level of recording: its row, and what is in its recording."""
+    folder = tmp_path_factory.mktemp("levels")
+    suite = Suite(recipe=Recipe(wind_mps=(0.0, 0.0)), pilot="straight")
+    trial, found = Trial("field", "iris", 0), {}
+    with Flyer(suite) as flyer:
+        found["none"] = flyer.fly(trial), None
+    for level in ("summary", "state", "interaction", "full"):
+        recordings = Recordings(folder=folder / level, level=level)
+        path = recordings.path(trial)
+        path.parent.mkdir()
+        path.write_bytes(b"what a process has left that was killed")
+        with Flyer(replace(suite, recordings=recordings)) as flyer:
+            row = flyer.fly(trial)
+        assert row["recording"] == str(path)
+        found[level] = row, summarise(path)
+    return found
+
+
+@pytest.mark.timeout(600)
+def test_a_trial_is_the_same_flight_at_every_level(recorded):
+    assert len({row["state_hash"] for row, _ in recorded.values()}) == 1
+    assert recorded["none"][0]["recording"] is None
+    for level, (row, summary) in recorded.items():
+        if summary is not None:
+            assert summary.is_complete, level
+            assert summary.verdict["state_hash"] == row["state_hash"]
+            assert summary.config["record_level"] == level
+
+
+@pytest.mark.timeout(600)
+def test_a_level_holds_what_it_says(recorded):
+    rows = {level: summary.entities for level, (_, summary) in recorded.items() if summary}
+    n = round(250 * recorded["none"][0]["sim_seconds"])
+    for level in ("state", "interaction", "full"):
+        for entity in ("imu/acceleration", "imu/angular_rate"):
+            assert rows[level][f"/sensors/{entity}"] == n
+        for entity in ("/motors/command", "/motors/speed", "/world/vehicle"):
+            assert rows[level][entity] == n
+        for what, axis in (("position", "up"), ("velocity", "up"), ("angular_rate", "left")):
+            assert rows[level][f"/state/{what}/{axis}"] == n // 5
+    assert not CAMERAS & rows["state"].keys()
+    assert CAMERAS & rows["interaction"].keys() == {c for c in CAMERAS if c.endswith("depth")}
+    assert rows["full"].keys() >= CAMERAS
+    for camera in ("down", "forward"):
+        entity = f"/world/vehicle/camera_{camera}/depth"
+        assert 5 <= rows["interaction"][entity] < rows["full"][entity] / 2
+    assert set(rows["summary"]) <= {
+        "/autopilot/statustext",
+        "/contacts/touched",
+        "/world/contacts",
+        "/world/trajectory/executed",
+    }
+    assert rows["summary"]["/world/trajectory/executed"] >= n // 50
+    sizes = [recorded[level][1].size_bytes for level in ("summary", "state", "interaction", "full")]
+    assert sizes == sorted(sizes)
+    assert sizes[0] < 100_000
+
+
+@pytest.mark.timeout(600)
+def test_a_recording_tells_flight_from_ground(recorded):
+    trial = read_trial(Path(recorded["state"][0]["recording"]))
+    touching = trial.tables["states"]["is_touching"].to_numpy()
+    up_m = trial.tables["states"]["position_true_up_m"].to_numpy()
+    assert touching[-1]
+    assert not touching[np.argmax(up_m)]
+
+
+def test_what_is_recorded_is_no_part_of_what_decides_the_outcome(tmp_path):
+    suite = Suite(recordings=Recordings(folder=tmp_path, level="state"))
+    assert suite == Suite()
+    assert suite.to_plain() == Suite().to_plain()

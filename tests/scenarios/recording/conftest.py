@@ -125,7 +125,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
         while plant.time_us < FLIGHT_S * 1e6:
             if plant.time_us == REPLANNED_US:
                 recorder.plans.log(plant.time_us, np.array(NEW_PLAN_ENU_M), PLAN_S)
-                recorder.tracks.log(plant.time_us, SEEN)
+                recorder.states.tracks.log(plant.time_us, SEEN)
             if plant.time_us == 2_000_000:
                 assert autopilot.arm(is_forced=True).is_accepted
             bench.simulator.step()
@@ -138,8 +138,8 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
                     recorder.log_frame(frames[-1])
         recorder.log_statustext(plant.time_us, Severity.WARNING, "battery low")
         recorder.log_phase(plant.time_us, "search")
-        recorder.landing.log(plant.time_us - 200_000, LANDING, FIRST_CHOICE_ENU_M)
-        recorder.landing.log(plant.time_us, LANDING, CHOICE_ENU_M)
+        recorder.states.landing.log(plant.time_us - 200_000, LANDING, FIRST_CHOICE_ENU_M)
+        recorder.states.landing.log(plant.time_us, LANDING, CHOICE_ENU_M)
         renderer.close()
         recorder.conclude(VERDICT)
         return RecordedFlight(

@@ -1,0 +1,125 @@
+"""`aeroscene export-trial`: recorded flights in the formats of other programs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+from rich.console import Console
+
+from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
+from scenarios.cli.progress import progress_bar
+
+if TYPE_CHECKING:
+    from scenarios.trial_data.reading import RecordedTrial
+
+_PROG = "aeroscene export-trial"
+_RECORDINGS = "recordings"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportTrialCfg:
+    """Write recorded flights as a ROS 2 bag, a ULog, CSV tables or a dataset for learning.
+
+    mcap is a folder that rosbag2 and Foxglove open (pip install 'aeroscene[ros]'); ulog a file for
+    PlotJuggler and PX4's tools; csv a folder of tables and images; dataset a folder of Parquet
+    tables and image shards that takes many recordings, and goes on where it was stopped.
+    """
+
+    recordings: tyro.conf.Positional[Annotated[tuple[Path, ...], tyro.conf.arg(metavar="RRD...")]]
+    """The .rrd files; for dataset also folders of campaigns."""
+    to: Literal["mcap", "ulog", "csv", "dataset"]
+    """Format, see docs/trial_data.md."""
+    out: Path
+    """File (ulog) or folder to write."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: out, format, trials, those that were there already, and skipped."""
+
+
+def run(cfg: ExportTrialCfg) -> int:
+    """Export; exit status 2 with one line where that is not possible."""
+    # Imported here because rerun takes time that `--help` should not spend.
+    from scenarios.recording.summary import UnreadableRecordingError  # noqa: PLC0415
+    from scenarios.trial_data.reading import TrialDataError  # noqa: PLC0415
+
+    try:
+        facts = _add_all(cfg) if cfg.to == "dataset" else _write_one(cfg)
+    except (UnreadableRecordingError, TrialDataError) as error:
+        fail(_PROG, str(error))
+    except OSError as error:
+        fail_on_file(_PROG, error)
+    if cfg.json:
+        print_json({"out": str(cfg.out), "format": cfg.to, **facts})
+    else:
+        there = f", {facts['there']} were there already" if facts["there"] else ""
+        Console().print(f"[bold]{cfg.out}[/]  {facts['trials']} trials{there}", soft_wrap=True)
+    return EXIT_DONE
+
+
+def _write_one(cfg: ExportTrialCfg) -> dict[str, int]:
+    from scenarios.trial_data.reading import read_trial  # noqa: PLC0415 - see `run`
+
+    if len(cfg.recordings) != 1:
+        fail(_PROG, f"recordings are {len(cfg.recordings)}; valid: one, or --to dataset")
+    write = _writer(cfg.to)
+    write(read_trial(cfg.recordings[0]), cfg.out)
+    return {"trials": 1, "there": 0, "skipped": 0}
+
+
+def _writer(to: str) -> Callable[[RecordedTrial, Path], Path]:
+    """What writes a format; only its own library is loaded."""
+    if to == "mcap":
+        from scenarios.trial_data.rosbag import write_bag  # noqa: PLC0415
+
+        return write_bag
+    if to == "ulog":
+        from scenarios.trial_data.ulog import write_ulog  # noqa: PLC0415
+
+        return write_ulog
+    from scenarios.trial_data.csv_folder import write_csv  # noqa: PLC0415
+
+    return write_csv
+
+
+def _add_all(cfg: ExportTrialCfg) -> dict[str, int]:
+    """Add what is not in the dataset yet; of several recordings, bad ones are told and left out."""
+    from scenarios.recording.summary import UnreadableRecordingError  # noqa: PLC0415 - see `run`
+    from scenarios.trial_data.dataset.write import add_trial, has_trial  # noqa: PLC0415
+    from scenarios.trial_data.reading import TrialDataError, read_trial  # noqa: PLC0415
+
+    files = _files(cfg.recordings)
+    left = [path for path in files if not has_trial(cfg.out, path.stem)]
+    n_skipped = 0
+    with progress_bar("", len(left), "trials") as advance:
+        for path in left:
+            try:
+                trial = read_trial(path)
+                trial.require_end()
+            except (UnreadableRecordingError, TrialDataError) as error:
+                if len(files) == 1:
+                    raise
+                n_skipped += 1
+                sys.stderr.write(f"{_PROG}: left out: {error}\n")
+            else:
+                add_trial(cfg.out, trial)
+            advance(1)
+    n_there = len(files) - len(left)
+    return {"trials": len(left) - n_skipped, "there": n_there, "skipped": n_skipped}
+
+
+def _files(named: tuple[Path, ...]) -> list[Path]:
+    """Recordings, also those of campaigns; two of one name, which is their trial's, are refused."""
+    found: dict[str, Path] = {}
+    for path in named:
+        files = sorted((path / _RECORDINGS).glob("*.rrd")) or sorted(path.glob("*.rrd"))
+        if path.is_dir() and not files:
+            fail(_PROG, f"folder {str(path)!r} holds no recordings; valid: one of a campaign")
+        for file in files or [path]:
+            other = found.setdefault(file.stem, file)
+            if other.resolve() != file.resolve():
+                fail(_PROG, f"{str(other)!r} and {str(file)!r} have one name; valid: unlike names")
+    return list(found.values())

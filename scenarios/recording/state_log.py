@@ -1,0 +1,75 @@
+"""All that a recording holds besides its summary: the scene, the vehicle, and their states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+
+from aeroscene.scene import Scene
+from aeroscene.solids.shapes import Primitive
+from flightsim.vehicles.airframe import Airframe
+from scenarios.recording import layout
+from scenarios.recording.chase_log import ChaseLog
+from scenarios.recording.columns import send_history
+from scenarios.recording.frames import FrameLog
+from scenarios.recording.landing_log import LandingLog
+from scenarios.recording.metadata import log_document
+from scenarios.recording.scene import log_scene
+from scenarios.recording.series import log_legends
+from scenarios.recording.status import StatusLog
+from scenarios.recording.track_log import TrackLog
+from scenarios.recording.traffic import TrafficLog
+from scenarios.recording.vehicle import log_vehicle
+
+if TYPE_CHECKING:
+    # Reading a recording should not load the simulator.
+    from flightsim.autopilot.autopilot import Autopilot
+    from flightsim.plant import Plant
+
+
+class StateLog:
+    """Writes scene and vehicle at once, and what changes in stretches of simulated time.
+
+    Attributes:
+        frames: Log of the camera frames.
+        landing: Log of the landing map.
+        tracks: Log of the tracked movers.
+    """
+
+    def __init__(
+        self,
+        stream: rr.RecordingStream,
+        scene: Scene,
+        primitives: Iterable[Primitive],
+        airframe: Airframe,
+    ) -> None:
+        self._stream = stream
+        log_document(stream, scene)
+        log_scene(stream, scene, primitives)
+        log_vehicle(stream, airframe)
+        log_legends(stream)
+        stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
+        self._status = StatusLog(stream)
+        self._traffic = TrafficLog(stream)
+        self._chase = ChaseLog(stream)
+        self.frames = FrameLog(stream)
+        self.landing = LandingLog(stream)
+        self.tracks = TrackLog(stream)
+
+    def on_tick(self, plant: Plant, autopilot: Autopilot | None) -> None:
+        """Sample what is no part of `Plant.history`."""
+        self._status.on_tick(plant, autopilot)
+        self._traffic.on_tick(plant)
+
+    def send(self, plant: Plant, history: np.ndarray) -> None:
+        """Write a stretch of `Plant.history`, which goes on the last."""
+        send_history(self._stream, history)
+        self._chase.send(plant.world, history)
+
+    def flush(self) -> None:
+        """Write the samples."""
+        self._status.flush()
+        self._traffic.flush()

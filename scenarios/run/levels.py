@@ -1,0 +1,8 @@
+"""Levels of a recording, which command lines name before the simulator is loaded."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+RecordLevel = Literal["summary", "state", "interaction", "full"]
+"""What a recording holds, from little to all; docs/recording.md has the table."""

@@ -1,0 +1,1 @@
+"""A dataset of many trials: tables in Parquet, images in tar shards, and a loader for torch."""

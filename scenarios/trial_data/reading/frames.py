@@ -1,0 +1,125 @@
+"""Camera frames of a recording: encoded images, and where and with which lens they were taken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from scenarios.recording import layout
+from scenarios.recording.rows import RecordedRows
+from scenarios.trial_data.reading.states import TRANSLATION, Columns, pose_at, spread
+from scenarios.trial_data.tables import QUATERNION
+
+
+class Mount(NamedTuple):
+    """Place of a camera on its vehicle, and its lens."""
+
+    position_flu_m: np.ndarray
+    """Shape (3,)."""
+    quat_flu_from_optical_wxyz: np.ndarray
+    """Shape (4,)."""
+    focal_px: tuple[float, float]
+    centre_px: tuple[float, float]
+    size_px: tuple[int, int]
+    """Width and height."""
+
+
+class Picture(NamedTuple):
+    """An encoded image and its name."""
+
+    file: str
+    data: bytes
+
+
+def read_mounts(rows: RecordedRows) -> dict[str, Mount]:
+    """Cameras of which there is a frame."""
+    found: dict[str, Mount] = {}
+    prefix = layout.camera("")
+    for entity in rows.entities:
+        lens = rows.rows(entity, "Pinhole:image_from_camera")
+        if not entity.startswith(prefix) or not lens:
+            continue
+        matrix = np.array(lens[-1][1][0])
+        width, height = rows.rows(entity, "Pinhole:resolution")[-1][1][0]
+        turn = np.array(rows.rows(entity, "Transform3D:mat3x3")[-1][1][0]).reshape(3, 3).T
+        found[entity.removeprefix(prefix)] = Mount(
+            position_flu_m=np.array(rows.rows(entity, TRANSLATION)[-1][1][0]),
+            quat_flu_from_optical_wxyz=Rotation.from_matrix(turn).as_quat(scalar_first=True),
+            focal_px=(matrix[0], matrix[4]),
+            centre_px=(matrix[6], matrix[7]),
+            size_px=(round(width), round(height)),
+        )
+    return found
+
+
+def read_frames(rows: RecordedRows, mounts: Mapping[str, Mount]) -> tuple[Columns, list[Picture]]:
+    """Table of the frames, and their images."""
+    seen = sorted(_images(rows, mounts), key=lambda image: image[:2])
+    time_us = np.array([image[0] for image in seen], dtype=np.int64)
+    position_m, quat_wxyz = pose_at(rows, layout.VEHICLE, time_us)
+    # Where a run was killed, the poses of its last second are missing.
+    is_known = np.isfinite(position_m[:, 0])
+    seen = [image for image, known in zip(seen, is_known, strict=True) if known]
+    pictures: list[Picture] = []
+    files: dict[str, list[str | None]] = {"rgb": [], "depth": []}
+    for number, (_, camera, *data) in enumerate(seen):
+        for kind, suffix, encoded in zip(files, ("jpg", "png"), data, strict=True):
+            name = f"{number:06d}_{camera}.{kind}.{suffix}"
+            files[kind].append(None if encoded is None else name)
+            if encoded is not None:
+                pictures.append(Picture(name, encoded))
+    cameras = [image[1] for image in seen]
+    poses = _camera_poses(position_m[is_known], quat_wxyz[is_known], [mounts[c] for c in cameras])
+    columns = {
+        "frame": np.arange(len(seen)),
+        "time_us": time_us[is_known],
+        "camera": cameras,
+        **_lenses([mounts[camera] for camera in cameras]),
+        **spread("position", layout.AXES, "m", poses[0]),
+        **spread("attitude", QUATERNION, "", poses[1]),
+        "rgb_file": files["rgb"],
+        "depth_file": files["depth"],
+    }
+    return columns, pictures
+
+
+def _images(
+    rows: RecordedRows, mounts: Mapping[str, Mount]
+) -> Iterator[tuple[int, str, bytes | None, bytes | None]]:
+    """Time, camera, JPEG and PNG of each frame."""
+    for camera in mounts:
+        colours = dict(rows.blobs(layout.camera_rgb(camera), "EncodedImage:blob"))
+        depths = dict(rows.blobs(layout.camera_depth(camera), "EncodedDepthImage:blob"))
+        for time_us in sorted(colours.keys() | depths.keys()):
+            yield time_us, camera, colours.get(time_us), depths.get(time_us)
+
+
+def _camera_poses(
+    position_m: Float[np.ndarray, "n 3"], quat_wxyz: Float[np.ndarray, "n 4"], mounts: list[Mount]
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 4"]]:
+    """Positions and attitudes of cameras on a vehicle of these poses."""
+    if not mounts:
+        return position_m, quat_wxyz
+    enu_from_flu = Rotation.from_quat(quat_wxyz, scalar_first=True)
+    at_flu_m = np.array([mount.position_flu_m for mount in mounts])
+    turns = Rotation.from_quat(
+        np.array([mount.quat_flu_from_optical_wxyz for mount in mounts]), scalar_first=True
+    )
+    quat = (enu_from_flu * turns).as_quat(scalar_first=True)
+    return position_m + enu_from_flu.apply(at_flu_m), quat
+
+
+def _lenses(mounts: list[Mount]) -> Columns:
+    size_px = np.array([mount.size_px for mount in mounts], dtype=np.int64).reshape(-1, 2)
+    focal_px = np.array([mount.focal_px for mount in mounts]).reshape(-1, 2)
+    centre_px = np.array([mount.centre_px for mount in mounts]).reshape(-1, 2)
+    return {
+        "width_px": size_px[:, 0],
+        "height_px": size_px[:, 1],
+        **spread("focal", ("x", "y"), "px", focal_px),
+        **spread("centre", ("x", "y"), "px", centre_px),
+    }

@@ -1,0 +1,139 @@
+"""A recorded trial as arrays, read from its recording alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from scenarios.recording import layout
+from scenarios.recording.rows import RecordedRows
+from scenarios.recording.summary import readable
+from scenarios.trial_data.reading.error import TrialDataError
+from scenarios.trial_data.reading.frames import Mount, Picture, read_frames, read_mounts
+from scenarios.trial_data.reading.states import (
+    Columns,
+    contacts,
+    events,
+    measured,
+    movers,
+    plans,
+    states,
+)
+from scenarios.trial_data.tables import TABLES, arrow_schema, names
+
+_WANTED = (
+    layout.STATE,
+    layout.WIND,
+    layout.IMU,
+    "motors",
+    "autopilot",
+    layout.TOUCHING,
+    layout.VEHICLE,
+    layout.ESTIMATE,
+    layout.PLANNED,
+    layout.TRAFFIC,
+    layout.PHASE,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordedTrial:
+    """Everything that a recording holds of a trial, but the scene."""
+
+    name: str
+    tables: Mapping[str, pa.Table]
+    """Tables by the names and with the columns of `tables.TABLES`; empty where nothing is known."""
+    pictures: tuple[Picture, ...]
+    """Images of the table of frames, in its order; colours before depth."""
+    mounts: Mapping[str, Mount]
+    """Cameras by their names."""
+
+    def array(self, table: str, prefix: str, unit: str, parts: tuple[str, ...]) -> np.ndarray:
+        """Columns of a vector in a table, (n, len(parts))."""
+        columns = self.tables[table].select(names(prefix, parts, unit))
+        return np.column_stack([column.to_numpy() for column in columns.columns])
+
+    def require(self, *tables: str, what: str) -> None:
+        """Refuse a recording without some tables.
+
+        Raises:
+            TrialDataError: If one of them is empty.
+        """
+        for table in tables:
+            if not len(self.tables[table]):
+                raise TrialDataError(
+                    f"recording {self.name!r} holds no {table}, which {what} needs; "
+                    "valid: one of level state, interaction or full"
+                )
+
+    def require_end(self) -> None:
+        """Refuse a recording whose run has not ended, or was killed.
+
+        Raises:
+            TrialDataError: If it has no verdict.
+        """
+        if self.tables["trials"]["code"][0].as_py() is None:
+            raise TrialDataError(
+                f"recording {self.name!r} has no end; valid: one of a flight that is over"
+            )
+
+
+def read_trial(path: Path) -> RecordedTrial:
+    """Read a recording.
+
+    Raises:
+        UnreadableRecordingError: If the file is missing or no recording.
+        TrialDataError: If it is a recording of something else.
+    """
+    with readable(path) as source:
+        rows = RecordedRows(source, _WANTED)
+    run = rows.properties.get(layout.RUN_PROPERTY)
+    if run is None:
+        raise TrialDataError(
+            f"recording {str(path)!r} holds no flight; valid: one of aeroscene fly, campaign or "
+            "sitl --record"
+        )
+    verdict = rows.properties.get(layout.VERDICT_PROPERTY, {})
+    figures = json.loads(verdict.get("figures", "{}"))
+    mounts = read_mounts(rows)
+    frames, pictures = read_frames(rows, mounts)
+    columns: dict[str, Columns] = {
+        "trials": _trial(run, verdict),
+        "states": states(rows),
+        "imu": measured(rows, "imu"),
+        "motors": measured(rows, "motors"),
+        "plans": plans(rows),
+        "frames": frames,
+        "movers": movers(rows),
+        "contacts": contacts(figures.get("contacts", ())),
+        "events": events(rows),
+    }
+    tables = {name: _table(name, path.stem, found) for name, found in columns.items()}
+    return RecordedTrial(name=path.stem, tables=tables, pictures=tuple(pictures), mounts=mounts)
+
+
+def _table(name: str, trial: str, columns: Columns) -> pa.Table:
+    """Columns as a table; those that are not there are null."""
+    schema = arrow_schema(TABLES[name])
+    n = len(next(iter(columns.values()), ()))
+    arrays = [
+        pa.array([trial] * n, pa.string())
+        if field.name == "trial"
+        else pa.array(columns[field.name], field.type)
+        if field.name in columns
+        else pa.nulls(n, field.type)
+        for field in schema
+    ]
+    return pa.table(arrays, schema=schema)
+
+
+def _trial(run: Mapping[str, Any], verdict: Mapping[str, Any]) -> Columns:
+    asked = {name: [run.get(name)] for name in ("scene", "vehicle", "seed", "config", "limits")}
+    given = {name: [verdict.get(name)] for name in ("success", "code", "reason")}
+    return {**asked, **given, "verdict": [verdict.get("figures")]}

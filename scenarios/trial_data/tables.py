@@ -1,0 +1,162 @@
+"""Tables of a recorded trial: their columns, with type, unit and frame.
+
+The same tables are written as CSV and as Parquet. A vector has a column for each component, so that
+every program reads them; a quaternion is that of FLU to ENU, or of the optical frame to ENU.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+
+from scenarios.recording.layout import AXES, BODY_AXES
+
+SCHEMA_FILE = "schema.json"
+QUATERNION = ("w", "x", "y", "z")
+ROTORS = ("1", "2", "3", "4")
+_UNITS = {"m": "m", "mps": "m/s", "mps2": "m/s^2", "radps": "rad/s", "us": "us", "px": "px"}
+"""Unit by the last word of a column's name."""
+
+
+class Column(NamedTuple):
+    """A column of a table."""
+
+    name: str
+    type: pa.DataType
+    says: str
+
+    @property
+    def unit(self) -> str:
+        """Unit of its values; empty where they have none."""
+        return _UNITS.get(self.name.rpartition("_")[2], "")
+
+
+def names(prefix: str, parts: Iterable[str], unit: str = "") -> list[str]:
+    """Names of the columns of a vector."""
+    suffix = f"_{unit}" if unit else ""
+    return [f"{prefix}_{part}{suffix}" for part in parts]
+
+
+def _vector(prefix: str, parts: Iterable[str], unit: str, says: str) -> list[Column]:
+    return [Column(name, pa.float64(), says) for name in names(prefix, parts, unit)]
+
+
+_TRIAL = Column("trial", pa.string(), "name of the recording's file, without .rrd")
+_TIME = Column("time_us", pa.int64(), "simulated time")
+_KNOWN = "NaN until there is one"
+
+TABLES: Mapping[str, tuple[Column, ...]] = {
+    "trials": (
+        _TRIAL,
+        Column("scene", pa.string(), "id of the scene"),
+        Column("vehicle", pa.string(), "airframe"),
+        Column("seed", pa.int64(), "seed of the flight"),
+        Column("success", pa.bool_(), "whether it landed within every limit; null: not judged"),
+        Column("code", pa.string(), "how it ended, see docs/verdict.md"),
+        Column("reason", pa.string(), "the same in words"),
+        Column("config", pa.string(), "the run's configuration, JSON"),
+        Column("limits", pa.string(), "limits of the verdict, JSON"),
+        Column("verdict", pa.string(), "all figures of the verdict, JSON"),
+    ),
+    "states": (
+        _TRIAL,
+        _TIME,
+        *_vector("position_true", AXES, "m", "centre of mass, ENU, 50 Hz"),
+        *_vector("velocity_true", AXES, "mps", "ENU"),
+        *_vector("attitude_true", QUATERNION, "", "FLU to ENU"),
+        *_vector("angular_rate_true", BODY_AXES, "radps", "FLU"),
+        *_vector("position_estimate", AXES, "m", f"ENU; {_KNOWN}"),
+        *_vector("velocity_estimate", AXES, "mps", f"ENU; {_KNOWN}"),
+        *_vector("attitude_estimate", QUATERNION, "", f"FLU to ENU; {_KNOWN}"),
+        *_vector("angular_rate_estimate", BODY_AXES, "radps", f"FLU; {_KNOWN}"),
+        *_vector("position_reference", AXES, "m", f"ENU, what the controller follows; {_KNOWN}"),
+        *_vector("velocity_reference", AXES, "mps", f"ENU; {_KNOWN}"),
+        *_vector("wind", AXES, "mps", "velocity of the air at the vehicle, ENU"),
+        Column("is_touching", pa.bool_(), "whether the vehicle touches anything"),
+    ),
+    "imu": (
+        _TRIAL,
+        _TIME,
+        *_vector("acceleration", BODY_AXES, "mps2", "specific force as measured, FLU, 250 Hz"),
+        *_vector("angular_rate", BODY_AXES, "radps", "as measured, FLU"),
+    ),
+    "motors": (
+        _TRIAL,
+        _TIME,
+        *_vector("command", ROTORS, "radps", "commanded speed of the rotor, 250 Hz"),
+        *_vector("speed", ROTORS, "radps", "its true speed"),
+    ),
+    "plans": (
+        _TRIAL,
+        Column("plan", pa.int64(), "number of the plan, from 0"),
+        Column("since_us", pa.int64(), "simulated time at which it was taken up"),
+        Column("time_us", pa.int64(), "simulated time at which the vehicle is to be there"),
+        *_vector("position", AXES, "m", "point of the plan, ENU, 10 Hz"),
+    ),
+    "frames": (
+        _TRIAL,
+        Column("frame", pa.int64(), "number of the frame in its trial, in order of time"),
+        _TIME,
+        Column("camera", pa.string(), "name of the camera"),
+        Column("width_px", pa.int64(), "columns"),
+        Column("height_px", pa.int64(), "rows"),
+        *_vector("focal", ("x", "y"), "px", "focal length"),
+        *_vector("centre", ("x", "y"), "px", "principal point; whole numbers are pixel centres"),
+        *_vector("position", AXES, "m", "true position of the camera, ENU"),
+        *_vector("attitude", QUATERNION, "", "optical (x right, y down, z forward) to ENU"),
+        Column("rgb_file", pa.string(), "JPEG; null where none was recorded"),
+        Column("depth_file", pa.string(), "PNG, 16 bit: depth along the axis in mm, 0: nothing"),
+    ),
+    "movers": (
+        _TRIAL,
+        _TIME,
+        Column("mover", pa.string(), "a person, a car or another drone"),
+        *_vector("position", AXES, "m", "middle of its underside, ENU, 50 Hz"),
+        *_vector("attitude", QUATERNION, "", "its frame (x ahead, z up) to ENU"),
+    ),
+    "contacts": (
+        _TRIAL,
+        Column("since_us", pa.int64(), "simulated time at which the contact began"),
+        Column("until_us", pa.int64(), "and ended"),
+        Column("what", pa.string(), "what was touched"),
+        *_vector("position", AXES, "m", "where, ENU"),
+    ),
+    "events": (
+        _TRIAL,
+        _TIME,
+        Column("what", pa.string(), "phase, mode, armed, landed_state, failsafe or text"),
+        Column("value", pa.string(), "the new state, or the line"),
+    ),
+}
+"""Columns of each table."""
+
+
+def arrow_schema(columns: Iterable[Column]) -> pa.Schema:
+    """Types of some columns, with unit and meaning as metadata of each field."""
+    return pa.schema(
+        [
+            pa.field(each.name, each.type, metadata={"unit": each.unit, "description": each.says})
+            for each in columns
+        ]
+    )
+
+
+def schema_json(tables: Mapping[str, Iterable[Column]]) -> bytes:
+    """Description of tables for people and programs."""
+    described: dict[str, Any] = {
+        table: [
+            {"name": c.name, "type": str(c.type), "unit": c.unit, "description": c.says}
+            for c in columns
+        ]
+        for table, columns in tables.items()
+    }
+    frames = {
+        "ENU": "world: x east, y north, z up, metres from the scene's origin",
+        "FLU": "vehicle: x forward, y left, z up",
+        "optical": "camera: x right, y down, z forward",
+    }
+    document = {"tables": described, "frames": frames, "quaternions": "w, x, y, z; unit"}
+    return json.dumps(document, indent=2).encode() + b"\n"
