@@ -69,7 +69,7 @@ class Suite:
     recipe: Recipe = field(default_factory=Recipe)
     """What its task is drawn from."""
     pilot: str = OURS
-    """Who flies: demo, a baseline, or MODULE:CLASS."""
+    """Who flies: one of the pilots that ship, or MODULE:CLASS."""
 
     def to_plain(self) -> dict[str, Any]:
         """The suite as plain data."""
@@ -86,7 +86,7 @@ class Flyer:
             PilotError: If the suite's pilot is not there.
         """
         self._suite = suite
-        self._make_pilot = pilot_of(suite.pilot)
+        self._pilot = pilot_of(suite.pilot)
         self._hangar = Hangar()
         self._samplers: OrderedDict[tuple[str, str], Sampler] = OrderedDict()
 
@@ -140,9 +140,9 @@ class Flyer:
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
     def _flown(self, task: Task, record: Path | None) -> Row:
-        make = self._make_pilot
-        cfg = replace(task.cfg(), demo=make is None, record=record)
+        cfg = replace(self._pilot.brief(task.cfg()), record=record)
         scene = task.place(self._hangar.scene(task.scene))
+        make = self._pilot.make
         with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
             result = sitl.run().to_plain()
         # The task names the scene as it was opened.
