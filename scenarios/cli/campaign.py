@@ -45,8 +45,9 @@ class CampaignCfg:
     vehicles: str = "iris,hummingbird"
     """Airframes by their names, joined by commas."""
     pilot: str = "demo"
-    """Who flies: demo is ours, straight flies straight lines without looking; or MODULE:CLASS of
-    your own, see docs/campaigns.md."""
+    """Who flies: demo is ours, mueller the same with motion primitives for a planner; potential
+    goes through a potential field, straight flies straight lines without looking; or MODULE:CLASS
+    of your own, see docs/campaigns.md."""
     recipe: Annotated[Path | None, default_hint("the one in docs/campaigns.md")] = None
     """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
     workers: int = field(default_factory=default_jobs)

@@ -71,8 +71,9 @@ class GenerateCfg:
     """Class of the planner's ways to landing areas, by thirds of the shipped scenes; drawn until a
     scene is of it, 24 times at most."""
     worst_for: Annotated[str, default_hint("none")] = ""
-    """Keep the scenes in which this pilot does worst: demo, or MODULE:CLASS of your own. Scenes and
-    flights lie in OUT/tried; what is there is not done again."""
+    """Keep the scenes in which this pilot does worst: demo, mueller, potential, straight, or
+    MODULE:CLASS of your own. Scenes and flights lie in OUT/tried; what is there is not done
+    again."""
     of: Annotated[int | None, default_hint("four times count")] = None
     """Number of scenes, from seed on, of which --worst-for keeps --count."""
     outline: Annotated[str, default_hint("drawn")] = ""
