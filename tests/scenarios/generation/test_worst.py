@@ -108,7 +108,7 @@ def test_a_machine_that_cannot_fly_says_nothing_of_the_pilot():
             raise CameraError("no renderer")
 
     with pytest.raises(CameraError, match="no renderer"):
-        fly(yard(), Blind)
+        fly(yard(), NamedPilot(make=Blind))
 
 
 def test_what_was_flown_is_not_flown_again_and_the_document_tells_of_it(tmp_path):
