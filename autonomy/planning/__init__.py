@@ -2,7 +2,7 @@
 
 from autonomy.planning.braking import brake
 from autonomy.planning.certificate import Certificate, certify
-from autonomy.planning.craft import Craft, PlannerCfg
+from autonomy.planning.craft import Craft, Method, PlannerCfg
 from autonomy.planning.errors import (
     BlockedError,
     CertificateError,
@@ -31,6 +31,7 @@ __all__ = [
     "EvasionError",
     "FlightLimits",
     "LimitsError",
+    "Method",
     "MovingObstacles",
     "Obstacles",
     "PlannerCfg",

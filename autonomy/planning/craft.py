@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.certificate import certify
@@ -15,6 +15,10 @@ from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.trajectory import Trajectory
 
+Method = Literal["optimise", "primitives"]
+"""Way to make a trajectory of a way: optimise space and time over a corridor, or string motion
+primitives (Mueller 2015)."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PlannerCfg:
@@ -22,9 +26,7 @@ class PlannerCfg:
 
     vehicle_radius_m: float
     """Radius of a sphere about the centre of mass that holds the vehicle."""
-    method: Literal["optimise", "primitives"] = "optimise"
-    """Method: optimise space and time over a corridor, or string motion primitives (Mueller
-    2015)."""
+    method: Method = "optimise"
     margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
     """Distances from that sphere to obstacles to try in turn; the first that gives a plan is
     taken."""
@@ -41,7 +43,7 @@ class PlannerCfg:
         """Refuse settings by which no plan can be made."""
         checks = {
             "vehicle_radius_m": (0 < self.vehicle_radius_m < math.inf, "a positive number"),
-            "method": (self.method in ("optimise", "primitives"), "'optimise' or 'primitives'"),
+            "method": (self.method in get_args(Method), "'optimise' or 'primitives'"),
             "margins_m": (
                 len(self.margins_m) > 0 and all(0 <= m < math.inf for m in self.margins_m),
                 "one or more, none negative",

@@ -1,8 +1,19 @@
 """Feasibility of a motion primitive: thrust, body rate, speed, tilt and room, compiled.
 
+With acceleration a, jerk j and gravity g the thrust over mass is f = |a + g e3|, and the body rate
+across it at most |j| / f. On a section of time each axis of a lies between a_low and a_high, each
+axis of j within j_most, so
+
+    f^2 <= sum over axes of max(a_low^2, a_high^2), g added to the vertical one
+    f^2 >= the same with the least squares in place of the largest, 0 where the axis changes sign
+    rate^2 <= sum of j_most^2 / least f^2
+
+A section that these bounds prove is done, any other is halved, down to 20 ms.
+
 Source: Mueller, Hehn and D'Andrea 2015, "A computationally efficient motion primitive for
-quadrocopter trajectory generation", recursive test of input feasibility. Speed, acceleration and
-tilt, which they do not bound, are tested at samples, and obstacles as in our certificate.
+quadrocopter trajectory generation", section IV, the recursive test of input feasibility. Speed,
+acceleration and tilt, which they do not bound, are tested at samples, and obstacles as in our
+certificate.
 """
 
 from __future__ import annotations

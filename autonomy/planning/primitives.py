@@ -1,13 +1,15 @@
 """Baseline planner: motion primitives of least jerk, sampled, tested and strung together.
 
 A primitive joins two full states in a given time with the least integral of squared jerk: a
-polynomial of degree 5 in closed form. From each state many are drawn that end on the path ahead, at
-several distances, speeds and durations; the best by cost and estimated cost to go that the vehicle
-can fly and that touches nothing is taken. Where none is left the last choice is undone.
+polynomial of degree 5 in closed form (`join_states`). From each state many are drawn that end on
+the path ahead, at several distances, speeds and durations; the best by cost and estimated cost to
+go that the vehicle can fly (`feasibility`) and that touches nothing is taken. Where none is left
+the last choice is undone.
 
 Source: Mueller, Hehn and D'Andrea 2015, "A computationally efficient motion primitive for
-quadrocopter trajectory generation"; their primitives alone plan no way around obstacles, so here
-they follow the way that the search found.
+quadrocopter trajectory generation": the primitives of section III, the tests of section IV. They
+leave to others which end states to try, and plan no way around obstacles; here the primitives
+follow the way that the search found.
 """
 
 from __future__ import annotations

@@ -164,7 +164,29 @@ def join_states(
     ends: Float[np.ndarray, "n 3 3"],
     durations_s: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n 6 3"]:
-    """Polynomials of least squared jerk that join pairs of states in given times."""
+    """Polynomials of least squared jerk that join pairs of states in given times.
+
+    With what the end is away from where position p0, velocity v0 and acceleration a0 lead in the
+    time T by themselves,
+
+        dp = p1 - p0 - v0 T - a0 T^2 / 2,  dv = v1 - v0 - a0 T,  da = a1 - a0,
+
+    each axis moves by alpha t^5 / 120 + beta t^4 / 24 + gamma t^3 / 6 + a0 t^2 / 2 + v0 t + p0:
+
+        alpha = ( 720 dp - 360 T dv + 60 T^2 da) / T^5
+        beta  = (-360 dp + 168 T dv - 24 T^2 da) / T^4
+        gamma = (  60 dp -  24 T dv +  3 T^2 da) / T^3
+
+    Args:
+        begins: Position, velocity and acceleration at the beginning of each, as rows.
+        ends: The same at the end.
+        durations_s: Times from beginning to end.
+
+    Returns:
+        Coefficients of rising powers of the time since the beginning.
+
+    Source: Mueller, Hehn and D'Andrea 2015, section III, for an end state that is fully defined.
+    """
     t = durations_s[:, None]
     (p0, v0, a0), (p1, v1, a1) = np.moveaxis(begins, 1, 0), np.moveaxis(ends, 1, 0)
     position = p1 - p0 - v0 * t - a0 * t**2 / 2

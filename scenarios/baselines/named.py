@@ -4,37 +4,59 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
+    from autonomy.planning import Method
+    from scenarios.run.cfg import SitlCfg
     from scenarios.run.companion import Aboard, Companion
 
 MakePilot = Callable[["Aboard"], "Companion"]
 OURS = "demo"
-BASELINES = {"straight": "scenarios.baselines.straight_line:StraightLinePilot"}
-"""Pilots that ship beside ours, to tell flight stacks apart by."""
+PLANNERS: Mapping[str, Method] = {OURS: "optimise", "mueller": "primitives"}
+"""Our pilot's names, and what makes its trajectories under each."""
+BASELINES: Mapping[str, str] = {
+    "potential": "scenarios.baselines.potential_pilot:PotentialFieldPilot",
+    "straight": "scenarios.baselines.straight_line:StraightLinePilot",
+}
+"""Classes that ship beside ours, to tell flight stacks apart by."""
 
 
 class PilotError(ValueError):
     """There is no pilot of a name; one line says why, and what would be valid."""
 
 
-def pilot_of(text: str, option: str = "pilot") -> MakePilot | None:
-    """The pilot that a user names: None is ours, the one of the demo.
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NamedPilot:
+    """Who flies: ours by one of its planners, or a class of anybody's."""
+
+    make: MakePilot | None = None
+    """Makes the pilot; None is ours."""
+    planner: Method = "optimise"
+    """What makes our pilot's trajectories."""
+
+    def brief(self, cfg: SitlCfg) -> SitlCfg:
+        """The configuration of a run, with this pilot in it as far as it is ours."""
+        return replace(cfg, demo=self.make is None, planner=self.planner)
+
+
+def pilot_of(text: str, option: str = "pilot") -> NamedPilot:
+    """The pilot that a user names.
 
     Args:
-        text: `demo`, the name of a baseline, or `MODULE:CLASS`; modules are looked for where the
-            command was started too.
+        text: A name that ships, or `MODULE:CLASS`; modules are looked for where the command was
+            started too.
         option: Name of the option that asks for it, for the message.
 
     Raises:
         PilotError: If there is no such pilot.
     """
-    if text == OURS:
-        return None
-    names = ", ".join((OURS, *BASELINES))
+    if text in PLANNERS:
+        return NamedPilot(planner=PLANNERS[text])
+    names = ", ".join((*PLANNERS, *BASELINES))
     valid = f"valid: {names}, or MODULE:CLASS such as my_pilot:Pilot, see docs/python.md"
     module, _, name = BASELINES.get(text, text).partition(":")
     if not module or not name.isidentifier():
@@ -48,4 +70,4 @@ def pilot_of(text: str, option: str = "pilot") -> MakePilot | None:
         raise PilotError(f"{option} is {text!r}, but {reason}; {valid}") from None
     if not callable(found):
         raise PilotError(f"{option} is {text!r}, which is no class; {valid}")
-    return cast("MakePilot", found)
+    return NamedPilot(make=cast("MakePilot", found))

@@ -85,7 +85,7 @@ class Suite:
     recipe: Recipe = field(default_factory=Recipe)
     """What its task is drawn from."""
     pilot: str = OURS
-    """Who flies: demo, a baseline, or MODULE:CLASS."""
+    """Who flies: one of the pilots that ship, or MODULE:CLASS."""
     recordings: Recordings | None = field(default=None, compare=False)
     """Decides no outcome; None records nothing."""
 
@@ -104,7 +104,7 @@ class Flyer:
             PilotError: If the suite's pilot is not there.
         """
         self._suite = suite
-        self._make_pilot = pilot_of(suite.pilot)
+        self._pilot = pilot_of(suite.pilot)
         self._hangar = Hangar()
         self._samplers: OrderedDict[tuple[str, str], Sampler] = OrderedDict()
 
@@ -165,9 +165,9 @@ class Flyer:
         return {"record": recordings.path(trial), "record_level": recordings.level}
 
     def _flown(self, task: Task, recorded: dict[str, Any]) -> Row:
-        make = self._make_pilot
-        cfg = replace(task.cfg(), demo=make is None, **recorded)
+        cfg = replace(self._pilot.brief(task.cfg()), **recorded)
         scene = task.place(self._hangar.scene(task.scene))
+        make = self._pilot.make
         with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
             result = sitl.run().to_plain()
             flown, planned = sitl.log.track(), getattr(sitl.companion, "planned_enu_m", None)

@@ -47,8 +47,9 @@ class CampaignCfg:
     vehicles: str = "iris,hummingbird"
     """Airframes by their names, joined by commas."""
     pilot: str = "demo"
-    """Who flies: demo is ours, straight flies straight lines without looking; or MODULE:CLASS of
-    your own, see docs/campaigns.md."""
+    """Who flies: demo is ours, mueller the same with motion primitives for a planner; potential
+    goes through a potential field, straight flies straight lines without looking; or MODULE:CLASS
+    of your own, see docs/campaigns.md."""
     recipe: Annotated[Path | None, default_hint("the one in docs/campaigns.md")] = None
     """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
     suite: Annotated[str | None, default_hint("none")] = None
@@ -126,14 +127,14 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415 - see `run`
     from scenarios.campaigns.campaign import all_trials  # noqa: PLC0415
 
-    if cfg.suite is not None:
-        return _fixed(cfg, cfg.suite).all_trials()
     if not 1 <= cfg.trials <= _MOST_TRIALS:
         fail(_PROG, f"trials {cfg.trials} is out of range; valid: 1 to {_MOST_TRIALS}")
     if cfg.workers < 1:
         fail(_PROG, f"workers {cfg.workers} is too few; valid: 1 or more")
     if not cfg.patience > 0:
         fail(_PROG, f"patience {cfg.patience} is not valid; valid: seconds above 0")
+    if cfg.suite is not None:
+        return _fixed(cfg, cfg.suite).all_trials()
     numbers = scene_numbers(cfg.scenes)
     if numbers[-1] >= CORPUS_SIZE:
         fail(_PROG, f"scenes {cfg.scenes!r} has no scene {numbers[-1]}; valid: 0:{CORPUS_SIZE}")

@@ -12,7 +12,7 @@ import tyro
 
 from aeroscene.learning import require_torch
 from aeroscene.scene import Scene, SceneDomain, SceneError
-from scenarios.baselines.named import MakePilot, PilotError, pilot_of
+from scenarios.baselines.named import NamedPilot, PilotError, pilot_of
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, default_hint, fail, print_json
 from scenarios.cli.progress import progress_bar
 from scenarios.generation.asked import (
@@ -71,8 +71,9 @@ class GenerateCfg:
     """Class of the planner's ways to landing areas, by thirds of the shipped scenes; drawn until a
     scene is of it, 24 times at most."""
     worst_for: Annotated[str, default_hint("none")] = ""
-    """Keep the scenes in which this pilot does worst: demo, or MODULE:CLASS of your own. Scenes and
-    flights lie in OUT/tried; what is there is not done again."""
+    """Keep the scenes in which this pilot does worst: demo, mueller, potential, straight, or
+    MODULE:CLASS of your own. Scenes and flights lie in OUT/tried; what is there is not done
+    again."""
     of: Annotated[int | None, default_hint("four times count")] = None
     """Number of scenes, from seed on, of which --worst-for keeps --count."""
     outline: Annotated[str, default_hint("drawn")] = ""
@@ -133,7 +134,7 @@ def _run(cfg: GenerateCfg) -> int:
     )
     _set_threads(cfg)
     generator.check(requests[0])
-    if cfg.worst_for:
+    if pilot is not None:
         return _run_worst(cfg, generator, requests, pilot)
     cfg.out.mkdir(parents=True, exist_ok=True)
     tally = Tally(cfg.out)
@@ -163,7 +164,7 @@ def _draw(
 
 
 def _run_worst(
-    cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], pilot: MakePilot | None
+    cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], pilot: NamedPilot
 ) -> int:
     """Make the scenes and fly them, as far as that is not done, and keep the worst."""
     from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy

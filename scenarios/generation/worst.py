@@ -19,7 +19,7 @@ import numpy as np
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from aeroscene.scene.io import read_scene, write_scene
-from scenarios.baselines.named import MakePilot
+from scenarios.baselines.named import NamedPilot
 from scenarios.generation.asked import GenerateError
 
 ORDER = (
@@ -42,10 +42,10 @@ class Flight:
     where it took off and came to rest."""
 
 
-def fly(scene: Scene, make: MakePilot | None) -> Flight:
+def fly(scene: Scene, pilot: NamedPilot) -> Flight:
     """Fly a scene with an Iris, seed 0 and no wind, as fast as it goes.
 
-    A pilot that raises an error, and a scene in which the demo finds no mission, count as failed.
+    A pilot that raises an error, and a scene in which ours finds no mission, count as failed.
 
     Raises:
         INPUT_ERRORS: If the machine does not allow the flight: then it says nothing of the pilot.
@@ -56,9 +56,9 @@ def fly(scene: Scene, make: MakePilot | None) -> Flight:
     from scenarios.run.cfg import SitlCfg  # noqa: PLC0415
     from scenarios.run.sitl import INPUT_ERRORS, Sitl  # noqa: PLC0415
 
-    cfg = SitlCfg(demo=make is None, bench=TestbenchCfg(vehicle="iris", speed="max"))
+    cfg = pilot.brief(SitlCfg(bench=TestbenchCfg(vehicle="iris", speed="max")))
     try:
-        with Sitl(cfg, scene=scene, pilot=make, has_network=False) as sitl:
+        with Sitl(cfg, scene=scene, pilot=pilot.make, has_network=False) as sitl:
             result = sitl.run()
             return Flight(
                 seed=scene.seed,
@@ -119,12 +119,12 @@ class Tries:
         """File of the scene of a seed."""
         return self.folder / f"aeroscene-{seed:04d}.json"
 
-    def flight(self, seed: int, make: MakePilot | None) -> Flight:
+    def flight(self, seed: int, pilot: NamedPilot) -> Flight:
         """The flight in the scene of a seed: read, or flown and written."""
         path = self.folder / f"aeroscene-{seed:04d}.flight.json"
         if path.exists():
             return msgspec.json.decode(path.read_bytes(), type=Flight)
-        flight = fly(read_scene(self.scene_path(seed)), make)
+        flight = fly(read_scene(self.scene_path(seed)), pilot)
         with replacing(path) as file:
             file.write(msgspec.json.encode(flight) + b"\n")
         return flight

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import InteractionArea, Scene
-from autonomy.planning import PlanningError, Trajectory
+from autonomy.planning import Method, PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.goals import Target, draw_goals, fitting_areas, is_indoor
@@ -71,6 +71,7 @@ def plan_mission(
     area: InteractionArea | None = None,
     target: Target = "landing",
     map_source: MapSource = "truth",
+    method: Method = "optimise",
 ) -> Mission:
     """Draw an area that can be flown to (unless one is given) and plan the way to it.
 
@@ -82,11 +83,12 @@ def plan_mission(
         target: Kind of area to draw.
         map_source: Whether the map is given or grows with what the vehicle sees; a growing map is
             planned in from above the start, and its areas are those of the brief.
+        method: What makes trajectories of ways, now and in flight.
 
     Raises:
         MissionError: If no area suits the vehicle, or none can be flown to.
     """
-    surroundings = survey(scene, airframe, map_source=map_source)
+    surroundings = survey(scene, airframe, map_source=map_source, method=method)
     takeoff = takeoff_point(surroundings)
     candidates = [area] if area is not None else draw_goals(scene, airframe, seed, target)
     # Whoever gives the task knows the place, though the pilot may not.

@@ -19,6 +19,7 @@ from autonomy.planning import (
     Craft,
     DistanceField,
     FlightLimits,
+    Method,
     MovingObstacles,
     Obstacles,
     PlannerCfg,
@@ -54,8 +55,8 @@ class Surroundings:
     map: Map
     """Map of the obstacles: given, or growing with what the vehicle sees."""
     limits: FlightLimits
-    method: Literal["optimise", "primitives"] = "optimise"
-    """Planning method, see `PlannerCfg`."""
+    method: Method = "optimise"
+    """What makes a trajectory of the way that the search found."""
 
     @property
     def is_known(self) -> bool:
@@ -227,6 +228,7 @@ def survey(
     limits: FlightLimits | None = None,
     *,
     map_source: MapSource = "truth",
+    method: Method = "optimise",
 ) -> Surroundings:
     """Build the surroundings of a vehicle in a scene.
 
@@ -236,6 +238,7 @@ def survey(
         limits: Limits of the motion; None for the usual ones.
         map_source: "truth" gives the scene's own map, "onboard" one that knows the flight volume
             and the air above the start, and grows with what the vehicle sees.
+        method: What makes a trajectory of a way.
 
     Raises:
         MissionError: If the vehicle cannot leave the start.
@@ -248,7 +251,7 @@ def survey(
             known = given_map(scene, sphere_radius_m(airframe), FIELD_RESOLUTION_M)
     except NoFreeSpaceError as error:
         raise MissionError(str(error)) from None
-    return Surroundings(scene=scene, airframe=airframe, map=known, limits=limits)
+    return Surroundings(scene=scene, airframe=airframe, map=known, limits=limits, method=method)
 
 
 def sphere_radius_m(airframe: Airframe) -> float:

@@ -38,6 +38,9 @@ class SitlCfg:
     map: Literal["truth", "onboard"] = "truth"
     """What our mission knows of the place: truth is the scene's own map; onboard is nothing but the
     flight volume and the areas, and the map grows from depth."""
+    planner: Literal["optimise", "primitives"] = "optimise"
+    """What makes the trajectories of our mission: optimise is our optimiser; primitives are motion
+    primitives after Mueller, Hehn and D'Andrea (2015)."""
     target: Literal["landing", "perching", "any"] = "landing"
     """What our mission lands on: a landing area, a place to perch on, or the best of both."""
     record: Annotated[Path | None, _UNSET] = None

@@ -158,6 +158,7 @@ class Sitl:
                 area=self.area,
                 target=self.cfg.target,
                 map_source=self.cfg.map,
+                method=self.cfg.planner,
             )
         except MissionError as error:
             raise TestbenchError(str(error)) from error

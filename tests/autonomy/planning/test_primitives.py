@@ -6,6 +6,8 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.planning import CertificateError, Craft, FlightLimits, PlannerCfg, plan_trajectory
@@ -55,6 +57,89 @@ def test_the_cost_is_the_integral_of_squared_jerk(seed):
     t = np.linspace(0, duration[0], 4001)
     square = np.sum(dense(c[0], 3, t) ** 2, axis=1)
     assert squared_jerk(c, duration)[0] == pytest.approx(np.trapezoid(square, t), rel=1e-4)
+
+
+def least_jerk(begin, end, duration, n=400):
+    """Reference: jerk of least square, constant in each of n steps, that joins two states."""
+    h = duration / n
+    left = duration - h * np.arange(1, n + 1)
+    # What a unit of jerk in one step adds to position, velocity and acceleration at the end.
+    reach = np.array(
+        [h**3 / 6 + h**2 / 2 * left + h * left**2 / 2, h**2 / 2 + h * left, 0 * left + h]
+    )
+    drift = np.array([[1, duration, duration**2 / 2], [0, 1, duration], [0, 0, 1]])
+    return np.linalg.pinv(reach) @ (end - drift @ begin)
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_a_primitive_is_the_motion_of_least_jerk(seed):
+    rng = np.random.default_rng(seed)
+    nodes, duration = rng.normal(0, 2, (2, 3, 3)), rng.uniform(0.5, 5.0)
+    c = coefficients_from_nodes(nodes, np.array([duration]))[0]
+    reference, n = least_jerk(*nodes, duration), 400
+    middles = duration * (np.arange(n) + 0.5) / n
+    largest = np.abs(reference).max()
+    np.testing.assert_allclose(dense(c, 3, middles), reference, atol=1e-3 * largest)
+    cost = squared_jerk(c[None], np.array([duration]))[0]
+    # Steps can only cost more, and little more.
+    stepped = np.sum(reference**2) * duration / n
+    assert cost <= stepped * (1 + 1e-9) <= cost * 1.001
+
+
+def fly(c, duration, n=800):
+    """Reference: a quadrotor that is told thrust over mass and body rates, integrated (RK4).
+
+    Returns:
+        Position and velocity at the end, the largest thrust over mass and the largest body rate.
+    """
+    up = np.array([0.0, 0.0, 1.0])
+
+    def inputs(rotation, t):
+        """What the primitive asks for: |a + g|, and rates that turn the thrust with the jerk."""
+        at = np.array([t])
+        thrust = np.linalg.norm(dense(c, 2, at)[0] + GRAVITY_MPS2 * up)
+        j = rotation.T @ dense(c, 3, at)[0] / thrust
+        return thrust, np.array([-j[1], j[0], 0.0])
+
+    def change(state, t):
+        rotation, velocity = state[6:].reshape(3, 3), state[3:6]
+        thrust, (p, q, r) = inputs(rotation, t)
+        turn = np.array([[0, -r, q], [r, 0, -p], [-q, p, 0]])
+        pull = thrust * rotation[:, 2] - GRAVITY_MPS2 * up
+        return np.concatenate([velocity, pull, (rotation @ turn).ravel()])
+
+    body_up = dense(c, 2, np.zeros(1))[0] + GRAVITY_MPS2 * up
+    rotation = Rotation.align_vectors(body_up[None], up[None])[0].as_matrix()
+    state = np.concatenate([c[0], c[1], rotation.ravel()])
+    h, asked = duration / n, []
+    for t in h * np.arange(n):
+        asked.append(inputs(state[6:].reshape(3, 3), t))
+        one = change(state, t)
+        two = change(state + h / 2 * one, t + h / 2)
+        three = change(state + h / 2 * two, t + h / 2)
+        four = change(state + h * three, t + h)
+        state = state + h / 6 * (one + 2 * two + 2 * three + four)
+    thrusts, rates = zip(*asked, strict=True)
+    return state[:3], state[3:6], max(thrusts), np.linalg.norm(rates, axis=1).max()
+
+
+@given(seeds, st.floats(11.5, 20.0), st.floats(1.0, 4.0))
+@settings(max_examples=8)
+def test_thrust_and_body_rates_within_their_limits_fly_a_feasible_primitive(seed, thrust, rate):
+    rng = np.random.default_rng(seed)
+    nodes = rng.normal(0, [[4.0], [2.0], [0.5]], (2, 3, 3))
+    for duration in np.geomspace(0.5, 12.0, 40).tolist():
+        c = coefficients_from_nodes(nodes, np.array([duration]))[0]
+        if is_input_feasible(c, 0.0, duration, thrust, rate):
+            break
+    else:
+        pytest.fail("even the slowest primitive is refused")
+    position, velocity, most_thrust, most_rate = fly(c, duration)
+    np.testing.assert_allclose(position, nodes[1, 0], atol=1e-4)
+    np.testing.assert_allclose(velocity, nodes[1, 1], atol=1e-4)
+    assert most_thrust <= thrust * (1 + 1e-6)
+    assert most_rate <= rate * (1 + 1e-6)
 
 
 @given(seeds)

@@ -9,6 +9,7 @@ from aeroscene.scene.io import read_scene, write_scene
 from flightsim.sensors.cameras import CameraError
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios import Verdict
+from scenarios.baselines.named import NamedPilot
 from scenarios.generation.asked import GenerateError, asked_areas
 from scenarios.generation.worst import Flight, Tries, fly, worst_first
 from scenarios.mission.clearance import flown_clearance_m
@@ -90,13 +91,13 @@ def test_clearance_is_that_of_the_way_between_the_ends():
 
 
 def test_a_flight_has_the_verdict_of_the_truth_and_an_error_of_the_pilot_is_a_failure():
-    stayed = fly(yard(), Stay)
+    stayed = fly(yard(), NamedPilot(make=Stay))
     assert (stayed.success, stayed.reason) == (False, "never left the ground")
     assert stayed.sim_seconds > 0.5
-    crashed = fly(yard(), Crash)
+    crashed = fly(yard(), NamedPilot(make=Crash))
     assert not crashed.success
     assert crashed.reason == "ZeroDivisionError: no wind at all"
-    lost = fly(yard(areas=()), None)
+    lost = fly(yard(areas=()), NamedPilot())
     assert not lost.success
     assert "no landing area suits class medium" in lost.reason
 
@@ -107,7 +108,7 @@ def test_a_machine_that_cannot_fly_says_nothing_of_the_pilot():
             raise CameraError("no renderer")
 
     with pytest.raises(CameraError, match="no renderer"):
-        fly(yard(), Blind)
+        fly(yard(), NamedPilot(make=Blind))
 
 
 def test_what_was_flown_is_not_flown_again_and_the_document_tells_of_it(tmp_path):
@@ -115,8 +116,8 @@ def test_what_was_flown_is_not_flown_again_and_the_document_tells_of_it(tmp_path
     tries = Tries(tmp_path / "tried", asked)
     write_scene(field(), tries.scene_path(0))
     began = Stay.n_made
-    first = tries.flight(0, Stay)
-    again = Tries(tmp_path / "tried", asked).flight(0, Stay)
+    first = tries.flight(0, NamedPilot(make=Stay))
+    again = Tries(tmp_path / "tried", asked).flight(0, NamedPilot(make=Stay))
     assert first == again
     assert Stay.n_made == began + 1
     path = tries.keep(first, "my:Pilot", 7, tmp_path)
