@@ -107,8 +107,10 @@ def test_tracks_are_kept_beside_the_figures_and_read_where_they_are_asked_for(tm
             {"planned_enu_m": None, "flown_enu_m": way},
             {"planned_enu_m": way, "flown_enu_m": way},
         ]
+        journalled = read_results(tmp_path, TRACKS, where=pc.field("trial") == 2)
     table = read_results(tmp_path, TRACKS, where=pc.field("trial") == 2)
     assert table.to_pylist() == [{"planned_enu_m": way, "flown_enu_m": way}]
+    assert journalled == table
     assert read_results(tmp_path).column_names == list(COLUMNS)
 
 
