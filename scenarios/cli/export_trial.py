@@ -30,7 +30,9 @@ class ExportTrialCfg:
     tables and image shards that takes many recordings, and goes on where it was stopped.
     """
 
-    recordings: tyro.conf.Positional[Annotated[tuple[Path, ...], tyro.conf.arg(metavar="RRD...")]]
+    recordings: tyro.conf.Positional[
+        Annotated[tuple[Path, ...], tyro.conf.arg(metavar="RRD...", help_behavior_hint="")]
+    ]
     """The .rrd files; for dataset also folders of campaigns."""
     to: Literal["mcap", "ulog", "csv", "dataset"]
     """Format, see docs/trial_data.md."""
@@ -46,6 +48,8 @@ def run(cfg: ExportTrialCfg) -> int:
     from scenarios.recording.summary import UnreadableRecordingError  # noqa: PLC0415
     from scenarios.trial_data.reading import TrialDataError  # noqa: PLC0415
 
+    if not cfg.recordings:
+        fail(_PROG, "no recording is named; valid: .rrd files, for dataset also folders")
     try:
         facts = _add_all(cfg) if cfg.to == "dataset" else _write_one(cfg)
     except (UnreadableRecordingError, TrialDataError) as error:

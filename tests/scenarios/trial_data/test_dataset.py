@@ -139,6 +139,13 @@ def test_two_recordings_of_one_name_are_refused(flight, tmp_path, capsys):
     assert not (tmp_path / "data").exists()
 
 
+def test_a_recording_has_to_be_named(tmp_path, capsys):
+    out = tmp_path / "data"
+    status, _, errors = in_process(capsys, "export-trial", "--to", "dataset", "--out", out)
+    assert (status, out.exists()) == (2, False)
+    assert errors.startswith("aeroscene export-trial: error: no recording is named; valid: ")
+
+
 @pytest.mark.parametrize("fault", ["missing", "damaged", "several"])
 @pytest.mark.parametrize("to", ["mcap", "ulog", "csv", "dataset"])
 def test_bad_input_is_one_line_and_leaves_nothing(flight, tmp_path, capsys, to, fault):
