@@ -109,7 +109,7 @@ def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, c
         (("--scenes", "5:5"), "scenes '5:5' is no range of scenes"),
         (("--scenes", "2000"), "scenes '2000' has no scene 2000; valid: 0:1016"),
         (("--vehicles", "iris,boat"), "'boat'"),
-        (("--pilot", "nobody"), "pilot is 'nobody', valid: demo, straight, or MODULE:CLASS"),
+        (("--pilot", "nobody"), "pilot is 'nobody', valid: demo, mueller, potential, straight"),
         (("--recipe", "none.toml"), "recipe 'none.toml': No such file"),
         (("--out", "/proc/none"), "file '/proc/none': no such file or directory"),
     ],
