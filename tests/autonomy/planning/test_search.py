@@ -104,6 +104,16 @@ def test_the_narrowest_place_of_the_widest_way_is_named():
         )
 
 
+def test_an_end_without_room_is_unreachable_whatever_the_way():
+    distance = np.full((9, 5, 5), 3.0)
+    distance[0, 2, 2] = 0.1
+    field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=0.5, distance_m=distance)
+    ends = np.array([0, 2, 2]), np.array([8, 2, 2])
+    for start, goal in (ends, ends[::-1]):
+        with pytest.raises(UnreachableError, match=r"widest way has 3\.00 m"):
+            shortest_path(field, start, goal, required_m=0.5, comfortable_m=2.0)
+
+
 def test_climbing_unseen_is_put_off_until_it_can_be_seen():
     distance = np.full((30, 3, 12), 3.0)
     field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=1.0, distance_m=distance)
