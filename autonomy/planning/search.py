@@ -57,18 +57,24 @@ def shortest_path(
         UnreachableError: If free cells do not join start and goal.
     """
     _require_way(field, start_cell, goal_cell, required_m)
+    comfortable_m = max(comfortable_m, required_m + 1e-3)
+    # From the end that is in the narrow: who comes from the open looks for a cheaper way all about
+    # before paying what the narrow costs. Only climbs through unseen space have a direction.
+    start_m, goal_m = (float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
+    is_forward = is_seen is None and start_m < min(goal_m, comfortable_m)
     # Fresh zeros from the system: only the pages that the search touches cost time.
     marks = np.zeros(field.distance_m.size, dtype=np.uint8)
-    return search_grid(
+    path = search_grid(
         field.distance_m,
-        goal_cell,
-        start_cell,
+        start_cell if is_forward else goal_cell,
+        goal_cell if is_forward else start_cell,
         required_m,
-        max(comfortable_m, required_m + 1e-3),
+        comfortable_m,
         _ALL_SEEN if is_seen is None else is_seen,
         0.0 if is_seen is None else climb_price,
         marks,
     )
+    return np.ascontiguousarray(path[::-1]) if is_forward else path
 
 
 def _require_way(
