@@ -24,6 +24,9 @@ from flightsim.vehicles import Airframe, airframe_by_name
 from flightsim.world import World, build_world
 
 MAX_INSTANCES = 100
+_TICKS_PER_DATAGRAM = 3
+"""Number of ticks whose telemetry shares a datagram at full speed, where they take less than a
+millisecond: as many as fill one for a companion. Sending costs more than all else for a client."""
 
 
 class TestbenchError(ValueError):
@@ -129,6 +132,11 @@ class TestbenchCfg:
         }
 
     @property
+    def ticks_per_datagram(self) -> int:
+        """Number of ticks whose telemetry shares a datagram."""
+        return _TICKS_PER_DATAGRAM if self.speed == "max" and not self.lockstep else 1
+
+    @property
     def plant_cfg(self) -> PlantCfg:
         """Plant of these settings."""
         return PlantCfg(
@@ -203,6 +211,7 @@ class Testbench:
             system_id=1 + cfg.instance,
             personality=PERSONALITIES[cfg.personality],
             has_lockstep=cfg.lockstep,
+            ticks_per_datagram=cfg.ticks_per_datagram,
         )
         self.observers: list[Callable[[], None]] = []
         self.simulator = Simulator(

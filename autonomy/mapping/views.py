@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 
 from autonomy.jit import kernel
 from autonomy.mapping.rays import OCCUPIED_AT
-from autonomy.planning.search import way_back
+from autonomy.planning.grid import way_back
 
 _STEP = 0.5
 """Distance between samples of a line of sight, in cells."""

@@ -12,25 +12,24 @@ that looks ahead sees the space to climb into only from far away.
 
 from __future__ import annotations
 
+import functools
 import heapq
 import math
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Int, UInt8
 
 from autonomy.jit import kernel
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
+from autonomy.planning.grid import Cell, Grid, empty_grid_distance, way_back
+from autonomy.planning.widest import narrowest_place
 
 NARROWNESS_PRICE = 4.0
-Cell = Int[np.ndarray, " 3"]
-Grid = Float[np.ndarray, "nx ny nz"]
 Marks = Bool[np.ndarray, "nx ny nz"]
-_MOST_SEARCHED = 400_000
-"""Number of cells searched for the narrowest place, before the message is written without it."""
+_MET, _DONE = 1, 2
 _ALL_SEEN = np.ones((1, 1, 1), dtype=np.bool_)
-_SQRT_2, _SQRT_3 = math.sqrt(2.0), math.sqrt(3.0)
 
 
 def shortest_path(
@@ -57,35 +56,48 @@ def shortest_path(
     Raises:
         UnreachableError: If free cells do not join start and goal.
     """
-    # Search backwards: a goal in a closed room fails fast, and a start is rarely closed in.
+    _require_way(field, start_cell, goal_cell, required_m)
+    comfortable_m = max(comfortable_m, required_m + 1e-3)
+    # From the end that is in the narrow: who comes from the open looks for a cheaper way all about
+    # before paying what the narrow costs. Only climbs through unseen space have a direction.
+    start_m, goal_m = (float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
+    is_forward = is_seen is None and start_m < min(goal_m, comfortable_m)
+    # Fresh zeros from the system: only the pages that the search touches cost time.
+    marks = np.zeros(field.distance_m.size, dtype=np.uint8)
     path = search_grid(
         field.distance_m,
-        goal_cell,
-        start_cell,
+        start_cell if is_forward else goal_cell,
+        goal_cell if is_forward else start_cell,
         required_m,
-        max(comfortable_m, required_m + 1e-3),
+        comfortable_m,
         _ALL_SEEN if is_seen is None else is_seen,
         0.0 if is_seen is None else climb_price,
+        marks,
     )
-    if len(path) == 0:
-        raise _cut_off(field, goal_cell, start_cell, required_m)
-    return path
+    return np.ascontiguousarray(path[::-1]) if is_forward else path
 
 
-def _cut_off(
+def _require_way(
     field: DistanceField, start_cell: Cell, goal_cell: Cell, required_m: float
-) -> UnreachableError:
-    """Error that names the narrowest place of the widest way, if there is one."""
-    room_m, cell = widest_way(
-        field.distance_m, start_cell, goal_cell, field.resolution_m / 4, _MOST_SEARCHED
-    )
-    narrowest, where = "", None
-    if room_m > 0.0:
-        x, y, z = where = tuple(field.centres(cell).tolist())
-        narrowest = f", and the widest way has {room_m:.2f} m at ({x:.1f}, {y:.1f}, {z:.1f}) m"
-    return UnreachableError(
+) -> None:
+    """Refuse a search that would look at every cell in vain, naming the narrowest place."""
+    least_m = min(required_m, field.resolution_m / 4)
+    find = functools.partial(narrowest_place, field, goal_cell, start_cell, least_m=least_m)
+    narrowest = find(enough_m=required_m)
+    if narrowest.room_m >= required_m:
+        ends_m = [float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell)]
+        if min(ends_m) >= required_m or np.array_equal(start_cell, goal_cell):
+            return
+        narrowest = find(enough_m=math.inf)
+    named, where = "", None
+    if narrowest.room_m > 0.0:
+        x, y, z = where = tuple(field.centres(narrowest.cell).tolist())
+        named = (
+            f", and the widest way has {narrowest.room_m:.2f} m at ({x:.1f}, {y:.1f}, {z:.1f}) m"
+        )
+    raise UnreachableError(
         f"goal is cut off from the start for a vehicle that needs {required_m:.2f} m to every "
-        f"obstacle{narrowest}; valid: a goal that free space joins to the start",
+        f"obstacle{named}; valid: a goal that free space joins to the start",
         where,
     )
 
@@ -94,14 +106,6 @@ def _cut_off(
 def _price(distance: Grid, i: int, j: int, k: int, required: float, comfortable: float) -> float:
     lack = max(0.0, min(1.0, (comfortable - distance[i, j, k]) / (comfortable - required)))
     return 1.0 + NARROWNESS_PRICE * lack * lack
-
-
-@kernel
-def _empty_grid_distance(i: int, j: int, k: int) -> float:
-    a, b, c = abs(i), abs(j), abs(k)
-    low, high = min(a, b, c), max(a, b, c)
-    middle = a + b + c - low - high
-    return (high - middle) + _SQRT_2 * (middle - low) + _SQRT_3 * low
 
 
 @kernel
@@ -133,26 +137,28 @@ def search_grid(
     comfortable: float,
     is_seen: Marks,
     climb_price: float,
+    marks: UInt8[np.ndarray, " cells"],
 ) -> Int[np.ndarray, "n 3"]:
-    """Search from `start` to `goal`; return the cells from goal back to start.
+    """Search from `start` to `goal`; return the cells from goal back to start, none without a way.
 
     The way will be flown from `goal` to `start`, so the search descends where the flight climbs.
+    It leaves in `marks`, zeros before, which cells it met.
     """
     nx, ny, nz = distance.shape
     # Unseen cells above seen ones have to be climbed unseen.
     top = max(_highest(is_seen), goal[2]) if climb_price > 0.0 else nz
-    cost = np.full(distance.size, np.inf, dtype=np.float32)
-    came_from = np.full(distance.size, -1, dtype=np.int32)
-    is_done = np.zeros(distance.size, dtype=np.bool_)
+    # Only what was met is ever read: untouched pages cost nothing.
+    cost = np.empty(distance.size, dtype=np.float32)
+    came_from = np.empty(distance.size, dtype=np.int32)
     first = (start[0] * ny + start[1]) * nz + start[2]
     last = (goal[0] * ny + goal[1]) * nz + goal[2]
-    cost[first] = 0.0
+    cost[first], came_from[first], marks[first] = 0.0, -1, _MET
     queue: list[Any] = [(0.0, 0.0, first)]
     while len(queue) > 0:
         _, _, here = heapq.heappop(queue)
-        if is_done[here]:
+        if marks[here] == _DONE:
             continue
-        is_done[here] = True
+        marks[here] = _DONE
         if here == last:
             break
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
@@ -164,79 +170,19 @@ def search_grid(
                     if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
                         continue
                     there = (u * ny + v) * nz + w
-                    if is_done[there] or distance[u, v, w] < required:
+                    if marks[there] == _DONE or distance[u, v, w] < required:
                         continue
                     length = math.sqrt(di * di + dj * dj + dk * dk)
                     price = _price(distance, u, v, w, required, comfortable)
                     total = cost[here] + length * 0.5 * (price_here + price)
                     if dk < 0 and climb_price > 0.0:
                         total += 0.0 if is_seen[u, v, w] and is_seen[i, j, k] else climb_price
-                    if total >= cost[there]:
+                    if marks[there] == _MET and total >= cost[there]:
                         continue
                     if not _is_block_free(distance, i, j, k, u, v, w, required):
                         continue
-                    cost[there] = total
-                    came_from[there] = here
-                    ahead = _empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
+                    cost[there], came_from[there], marks[there] = total, here, _MET
+                    ahead = empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
                     ahead += climb_price * max(w - top, 0)
                     heapq.heappush(queue, (total + ahead, ahead, there))
-    return way_back(came_from, last if is_done[last] else -1, ny, nz)
-
-
-@kernel
-def widest_way(
-    distance: Grid, start: Cell, goal: Cell, least: float, most_searched: int
-) -> tuple[float, Cell]:
-    """Find the narrowest place of the way whose narrowest place is widest.
-
-    A way may begin and end closer to an obstacle than that. Among equal cells the search continues
-    from the one nearer to the goal.
-
-    Returns:
-        Least distance on that way and the cell, or 0 and any cell if there is no way with at least
-        `least`, or none was found among the first `most_searched` cells.
-    """
-    nx, ny, nz = distance.shape
-    is_met = np.zeros(distance.size, dtype=np.bool_)
-    first = (start[0] * ny + start[1]) * nz + start[2]
-    last = (goal[0] * ny + goal[1]) * nz + goal[2]
-    queue: list[Any] = [(-np.inf, 0.0, first)]
-    is_met[first] = True
-    narrowest, at = np.inf, first
-    for _ in range(most_searched):
-        if len(queue) == 0:
-            break
-        room, _, here = heapq.heappop(queue)
-        if -room < narrowest:
-            narrowest, at = -room, here
-        i, j, k = here // (ny * nz), here // nz % ny, here % nz
-        if here == last:
-            return narrowest, np.array([at // (ny * nz), at // nz % ny, at % nz])
-        for di, dj, dk in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
-            u, v, w = i + di, j + dj, k + dk
-            if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
-                continue
-            there = (u * ny + v) * nz + w
-            own = np.inf if there == last else float(distance[u, v, w])
-            if is_met[there] or own < least:
-                continue
-            is_met[there] = True
-            ahead = _empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
-            heapq.heappush(queue, (-own, ahead, there))
-    return 0.0, start
-
-
-@kernel
-def way_back(
-    came_from: Int[np.ndarray, " cells"], end: int, ny: int, nz: int
-) -> Int[np.ndarray, "n 3"]:
-    """Cells from one back to the beginning of a search, by their predecessors; none for -1."""
-    count, here = 0, end
-    while here >= 0:
-        count, here = count + 1, came_from[here]
-    path = np.empty((count, 3), dtype=np.int64)
-    here = end
-    for n in range(count):
-        path[n, 0], path[n, 1], path[n, 2] = here // (ny * nz), here // nz % ny, here % nz
-        here = came_from[here]
-    return path
+    return way_back(came_from, last if marks[last] == _DONE else -1, ny, nz)

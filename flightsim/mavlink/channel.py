@@ -45,6 +45,8 @@ class Channel:
         self._budget = _BURST
         self._inbox: list[Message] = []
         self._frames: list[bytes] = []
+        self._can_wait = True
+        """Whether all queued frames are of streams."""
 
     @property
     def n_received(self) -> int:
@@ -89,16 +91,26 @@ class Channel:
         self._inbox += messages
 
     def send(self, layout: Layout, payload: bytes) -> None:
-        """Queue a message in the partner's version of MAVLink."""
+        """Queue a message, in the partner's version of MAVLink, for the next flush."""
+        self._can_wait = False
+        self.stream(layout, payload)
+
+    def stream(self, layout: Layout, payload: bytes) -> None:
+        """Queue a message like `send`, but one that may wait to share a datagram with others."""
         build = layout.frame_v1 if self._parser.is_version_1 else layout.frame_v2
         frame = build(payload, self._sequence, self.system_id, self.component_id)
         if frame:
             self._sequence = (self._sequence + 1) & 0xFF
             self._frames.append(frame)
 
-    def flush(self) -> None:
-        """Send the queued frames."""
-        if self._frames:
-            self.n_sent += len(self._frames)
-            self._write(self._frames)
-            self._frames = []
+    def flush(self, *, is_due: bool = True) -> None:
+        """Send the queued frames; those of streams to a datagram's partner wait until one is due.
+
+        Frames stay in their order, so that what cannot wait takes with it what is queued before.
+        """
+        if not self._frames or (self._is_datagram and self._can_wait and not is_due):
+            return
+        self.n_sent += len(self._frames)
+        self._write(self._frames)
+        self._frames = []
+        self._can_wait = True

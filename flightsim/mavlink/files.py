@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from flightsim.mavlink.channel import Channel
@@ -80,6 +80,11 @@ class FileService:
         self._open: dict[Channel, _Open] = {}
         self._bursts: dict[Channel, _Burst] = {}
         self.handlers: Mapping[str, Handler] = {"FILE_TRANSFER_PROTOCOL": self._on_ftp}
+
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Partners that read a file in a burst."""
+        return self._bursts
 
     def update(self, channel: Channel) -> None:
         """Go on with what a partner reads in a burst."""

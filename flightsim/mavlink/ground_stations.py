@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.mavlink.channel import Channel
@@ -25,6 +25,11 @@ class GroundStationService:
         self._autopilot = autopilot
         self._last_heard_s: dict[Channel, float] = {}
         self.handlers: Mapping[str, Handler] = {"HEARTBEAT": self._on_heartbeat}
+
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Ground stations that were heard of late."""
+        return self._last_heard_s
 
     def update(self, channel: Channel) -> None:
         """Report a ground station that is present to the autopilot."""

@@ -6,7 +6,7 @@ as it comes, so a lost item is simply requested again.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Protocol
 
 from flightsim.autopilot.events import Severity
@@ -101,6 +101,11 @@ class MissionService:
             "MISSION_REQUEST": self._on_request,
             "MISSION_REQUEST_PARTIAL_LIST": self._on_request_partial,
         }
+
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Partners that upload."""
+        return {upload.channel for upload in self._uploads.values()}
 
     def update(self, channel: Channel) -> None:
         """Repeat requests to a partner; abandon its uploads if it is silent."""

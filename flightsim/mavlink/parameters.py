@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Protocol
 
 from flightsim.autopilot.events import Severity
@@ -89,6 +89,11 @@ class ParameterService:
             "PARAM_REQUEST_READ": self._on_read,
             "PARAM_SET": self._on_set,
         }
+
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Partners that are being sent the list."""
+        return self._listing
 
     def update(self, channel: Channel) -> None:
         """Continue the list that a partner requested."""

@@ -67,6 +67,7 @@ class MavlinkServer:
         personality: Personality = PX4,
         local_origin_enu_m: Vector3 | None = None,
         has_lockstep: bool = False,
+        ticks_per_datagram: int = 1,
     ) -> None:
         """Open the links.
 
@@ -79,6 +80,7 @@ class MavlinkServer:
             personality: Flight stack to imitate.
             local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
             has_lockstep: Whether a client may keep the time; `wait_for_tick` then waits for it.
+            ticks_per_datagram: Number of ticks whose streams share a datagram; answers never wait.
 
         Raises:
             LinkError: If a link cannot be opened; the others are closed again.
@@ -89,6 +91,8 @@ class MavlinkServer:
         self._partners = Partners()
         self._identified: set[Channel] = set()
         self._selector = selectors.DefaultSelector()
+        self._ticks_per_datagram = ticks_per_datagram
+        self._n_ticks = 0
         origin = local_origin_enu_m or plant.truth.position_enu_m
         self._view = VehicleView(plant, autopilot, frame, origin)
         self.lockstep = Lockstep() if has_lockstep else None
@@ -193,14 +197,15 @@ class MavlinkServer:
         with faults:
             self._recorder.update()
         for service in self._stateful:
-            for channel in self._partners.channels:
+            for channel in tuple(service.busy):
                 with faults:
                     service.update(channel)
                 if faults.has_failed:
                     service.forget(channel)  # Else it would fail again at every tick.
         if self.lockstep is not None:
             self.lockstep.end_tick()
-        self._flush()
+        self._n_ticks += 1
+        self._flush(is_due=self._n_ticks % self._ticks_per_datagram == 0)
 
     def wait_for_tick(self, timeout_s: float) -> bool:
         """Answer clients until one that keeps the time grants a tick; at once without lockstep.
@@ -232,13 +237,14 @@ class MavlinkServer:
                 channel.put_back(messages[number:])
                 return
 
-    def _flush(self) -> None:
+    def _flush(self, *, is_due: bool = True) -> None:
         for channel in self._partners.channels:
             with self.faults:
-                channel.flush()
+                channel.flush(is_due=is_due)
 
     def close(self) -> None:
-        """Release all ports. Closing twice is fine."""
+        """Send what still waits and release all ports. Closing twice is fine."""
+        self._flush()
         for link in self._links:
             link.close()
         self._selector.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 from flightsim.mavlink.channel import Channel
@@ -24,8 +24,13 @@ class Service(Protocol):
 class StatefulService(Service, Protocol):
     """A microservice that keeps state per partner and acts by itself."""
 
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Partners for whom work may be due; the others cost nothing."""
+        ...
+
     def update(self, channel: Channel) -> None:
-        """Perform due work for a partner; called once per tick for each."""
+        """Perform due work for a partner; called once per tick for each in `busy`."""
         ...
 
     def forget(self, channel: Channel) -> None:

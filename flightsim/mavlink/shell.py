@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import dialect as mav
@@ -28,6 +28,11 @@ class ShellService:
         self._typed: dict[Channel, bytes] = {}
         self._printed: dict[Channel, bytes] = {}
         self.handlers: Mapping[str, Handler] = {"SERIAL_CONTROL": self._on_serial}
+
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Partners for whom something is still to be printed."""
+        return self._printed
 
     def update(self, channel: Channel) -> None:
         """Go on with what is still to be printed."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import LAYOUTS, MESSAGE_NAMES, Layout
@@ -38,6 +38,11 @@ class TelemetryService:
         self._packed_us = -1
         self.handlers: Mapping[str, Handler] = {"REQUEST_DATA_STREAM": self._on_data_stream}
 
+    @property
+    def busy(self) -> Collection[Channel]:
+        """All partners: each has streams."""
+        return self._partners.channels
+
     def update(self, channel: Channel) -> None:
         """Send a partner all messages due at this tick."""
         now_us = self._now_us()
@@ -49,7 +54,7 @@ class TelemetryService:
                 self._packed[message_id] = self._pack(message_id)
             payload = self._packed[message_id]
             if payload is not None:
-                channel.send(self._producers[message_id][0], payload)
+                channel.stream(self._producers[message_id][0], payload)
 
     def forget(self, channel: Channel) -> None:
         """Drop the rates of a partner that left."""

@@ -38,6 +38,7 @@ PILOT_MODULES = (
     "autonomy.planning.feasibility",
     "autonomy.planning.search",
     "autonomy.planning.solids",
+    "autonomy.planning.widest",
 )
 """Modules with kernels that only our own pilot uses."""
 EXPLORING_MODULES = (

@@ -163,7 +163,7 @@ class Sitl:
         except MissionError as error:
             raise TestbenchError(str(error)) from error
         brief = PilotCfg(expects_traffic=bench.cfg.traffic_cfg.has_any)
-        return Pilot(bench.connect(), mission, self.cameras.render, brief)
+        return Pilot(bench.connect(), mission, self.cameras.render_depth, brief)
 
     def _open_tape(self) -> FlightTape:
         from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures

@@ -17,9 +17,8 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.solids.flood import flooded
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from autonomy.planning import DistanceField, UnreachableError
+from autonomy.planning import DistanceField
 from autonomy.planning.corridor import straighten
 from autonomy.planning.openings import MAX_WIDTH_M, Opening
 from autonomy.planning.search import shortest_path
@@ -130,9 +129,6 @@ def _shortest(
     needed_m = cfg.vehicle_radius_m + cfg.margins_m[-1]
     at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
     required_m = min(needed_m, max(at_ends_m, field.resolution_m / 4))
-    # A search that cannot end well may look at every cell, which takes a thousand times as long.
-    if not flooded(field.distance_m, np.float32(required_m), *start_cell)[tuple(goal_cell)]:
-        raise UnreachableError("free space does not join the ends; valid: ends that it joins")
     cells = shortest_path(
         field,
         start_cell,

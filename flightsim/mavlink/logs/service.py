@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from flightsim.mavlink.channel import Channel
@@ -37,6 +37,11 @@ class LogService:
             "LOG_REQUEST_END": lambda channel, _: self.forget(channel),
             "LOG_ERASE": self._on_erase,
         }
+
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Partners that read a log."""
+        return self._readings
 
     def update(self, channel: Channel) -> None:
         """Go on sending what a partner reads."""

@@ -10,7 +10,7 @@ import numpy as np
 from flightsim.plant import Plant
 from flightsim.sensors.cameras.depth_noise import DepthNoise
 from flightsim.sensors.cameras.renderer import CameraRenderer, open_camera_renderer
-from flightsim.sensors.cameras.view import RgbdFrame
+from flightsim.sensors.cameras.view import PosedDepth, RgbdFrame
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 """Size of an image, unless another one is asked for."""
@@ -52,6 +52,7 @@ class Cameras:
         self.backend = self._renderer.backend
         self._listeners: list[Callable[[RgbdFrame], None]] = []
         self._latest: dict[str, RgbdFrame] = {}
+        self._latest_depth: dict[str, PosedDepth] = {}
 
     def listen(self, listener: Callable[[RgbdFrame], None]) -> None:
         """Pass every frame from now on to `listener`."""
@@ -68,6 +69,19 @@ class Cameras:
         self._latest[camera] = frame
         for listener in self._listeners:
             listener(frame)
+        return frame
+
+    def render_depth(self, camera: str) -> PosedDepth:
+        """The depth of `render` to the bit, with colours only where somebody listens to frames."""
+        if self._listeners:
+            return self.render(camera)
+        latest = self._latest_depth.get(camera)
+        if latest is not None and latest.time_us == self._plant.time_us:
+            return latest
+        frame = self._renderer.render_depth(self._plant.data, camera, self._plant.time_us)
+        if self._depth_noise is not None:
+            frame = self._depth_noise.frame(frame)
+        self._latest_depth[camera] = frame
         return frame
 
     def render_ids(self, camera: str) -> np.ndarray:

@@ -17,14 +17,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
 from flightsim.draws import generator
-from flightsim.sensors.cameras.view import RgbdFrame
+from flightsim.sensors.cameras.view import PosedDepth
+
+_Frame = TypeVar("_Frame", bound=PosedDepth)
 
 
 class DepthNoiseError(ValueError):
@@ -87,7 +89,7 @@ class DepthNoise:
         self._seed = seed
         self._scene_id = scene_id
 
-    def frame(self, frame: RgbdFrame) -> RgbdFrame:
+    def frame(self, frame: _Frame) -> _Frame:
         """The frame with depth as the camera measures it."""
         stream = generator(self._seed, self._scene_id, "depth", frame.camera, frame.time_us)
         measured = measured_depth(frame.depth_m, frame.fx, self._cfg, stream)

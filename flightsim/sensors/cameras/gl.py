@@ -21,6 +21,7 @@ from flightsim.sensors.cameras.gl_target import GlTarget, GlUnavailableError, ne
 from flightsim.sensors.cameras.view import (
     NO_OBJECT_ID,
     PoseCopy,
+    PosedDepth,
     Quality,
     RgbdFrame,
     Viewpoint,
@@ -30,6 +31,8 @@ from flightsim.world import World
 
 # Geoms besides the model's own: none today; MuJoCo warns when its buffer is too small.
 _SPARE_GEOMS = 16
+_Kind = Literal["fast", "fine", "depth", "ids"]
+"""What a stage draws."""
 _ID_FLAGS = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
 
 
@@ -46,7 +49,7 @@ class GlCameraRenderer:
         self._stages: dict[str, _Stage] = {}
         self._fine_light: FineLight | None = None
         try:
-            self._stage("fast")
+            self._stage("depth")
         except mujoco.FatalError as error:
             # A context opened, but not one that MuJoCo can draw with.
             raise GlUnavailableError(f"MuJoCo: {error}") from error
@@ -59,6 +62,14 @@ class GlCameraRenderer:
         rgb, depth_m = stage.draw(view, has_vehicle=False)
         _paint_sky(rgb, depth_m, view)
         return view.frame(time_us, rgb, depth_m)
+
+    def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
+        """See `CameraRenderer`; drawn without textures, which cost more than all else, or a sky."""
+        stage = self._stage("depth")
+        stage.poses.update(data)
+        view = stage.poses.viewpoint(camera_name)
+        _, depth_m = stage.draw(view, has_vehicle=False)
+        return view.depth_frame(time_us, depth_m)
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
         """See `CameraRenderer`; drawn from the solids of the physics, each one object's."""
@@ -108,7 +119,7 @@ class GlCameraRenderer:
         self._gl.free()
         self._gl = None
 
-    def _stage(self, kind: Literal["fast", "fine", "ids"]) -> _Stage:
+    def _stage(self, kind: _Kind) -> _Stage:
         """Stage for a kind of picture, created on first use, with its context made current."""
         if self._gl is None:
             raise RuntimeError("the renderer is closed")
@@ -121,12 +132,15 @@ class GlCameraRenderer:
         return self._stages[kind]
 
 
-def _drawn_model(world: World, kind: Literal["fast", "fine", "ids"]) -> mujoco.MjModel:
+def _drawn_model(world: World, kind: _Kind) -> mujoco.MjModel:
     """Model for a kind of picture."""
     if kind == "ids":
         return world.model
-    if kind == "fast":
-        return world.new_looks(FAST)
+    if kind in ("fast", "depth"):
+        model = world.new_looks(FAST)
+        if kind == "depth":
+            model.mat_texid[:] = -1
+        return model
     model = world.new_looks(FINE)
     # Plain colours: rays light them.
     model.vis.headlight.ambient[:] = 1.0
@@ -146,9 +160,7 @@ def _paint_sky(rgb: np.ndarray, depth_m: np.ndarray, view: Viewpoint) -> None:
 class _Stage:
     """A model with its poses, scene and buffer for drawing."""
 
-    def __init__(
-        self, model: mujoco.MjModel, width: int, height: int, kind: Literal["fast", "fine", "ids"]
-    ) -> None:
+    def __init__(self, model: mujoco.MjModel, width: int, height: int, kind: _Kind) -> None:
         self._model = model
         self._is_ids = kind == "ids"
         self._aspect = width / height

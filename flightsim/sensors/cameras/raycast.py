@@ -28,6 +28,7 @@ from flightsim.sensors.cameras.raycast_paint import PaintedMesh
 from flightsim.sensors.cameras.view import (
     NO_OBJECT_ID,
     PoseCopy,
+    PosedDepth,
     Quality,
     RgbdFrame,
     Viewpoint,
@@ -66,6 +67,13 @@ class RaycastCameraRenderer:
         self._poses.update(data)
         view = self._poses.viewpoint(camera_name)
         return self._frame(view, time_us, self._cast(view, has_vehicle=False))
+
+    def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
+        """See `CameraRenderer`."""
+        self._poses.update(data)
+        view = self._poses.viewpoint(camera_name)
+        depth_m = self._cast(view, has_vehicle=False).depth_m
+        return view.depth_frame(time_us, depth_m.reshape(self._height, self._width))
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
         """See `CameraRenderer`."""

@@ -21,8 +21,8 @@ class CameraError(ValueError):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RgbdFrame:
-    """One image with depth and the pose of its camera.
+class PosedDepth:
+    """One image of depth with the pose of its camera.
 
     Pixel (column u, row v) looks along ((u - cx) / fx, (v - cy) / fy, 1) in the optical frame
     (x right, y down, z forward); whole numbers are pixel centres.
@@ -30,8 +30,6 @@ class RgbdFrame:
 
     time_us: int
     camera: str
-    rgb: np.ndarray
-    """Colours, uint8 (height, width, 3)."""
     depth_m: np.ndarray
     """Distance along the optical axis in m, float32 (height, width); inf where there is nothing."""
     fx: float
@@ -41,6 +39,14 @@ class RgbdFrame:
     position_enu_m: Vector3
     rotation_enu_from_optical: np.ndarray
     """Rotation matrix (3, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RgbdFrame(PosedDepth):
+    """The same with colours."""
+
+    rgb: np.ndarray
+    """Colours, uint8 (height, width, 3)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,13 +81,16 @@ class Viewpoint:
 
     def frame(self, time_us: int, rgb: np.ndarray, depth_m: np.ndarray) -> RgbdFrame:
         """Frame taken from this viewpoint."""
+        return RgbdFrame(rgb=rgb, **vars(self.depth_frame(time_us, depth_m)))
+
+    def depth_frame(self, time_us: int, depth_m: np.ndarray) -> PosedDepth:
+        """Frame without colours taken from this viewpoint."""
         height, width = depth_m.shape
         focal = self.focal_px(height)
         x, y, z = self.position_enu_m.tolist()
-        return RgbdFrame(
+        return PosedDepth(
             time_us=time_us,
             camera=self.name,
-            rgb=rgb,
             depth_m=depth_m,
             fx=focal,
             fy=focal,

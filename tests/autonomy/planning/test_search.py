@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from autonomy.planning import DistanceField, UnreachableError
-from autonomy.planning.search import NARROWNESS_PRICE, shortest_path
+from autonomy.planning.search import NARROWNESS_PRICE, search_grid, shortest_path
 from tests.autonomy.planning_worlds import seeds
 
 REQUIRED, COMFORTABLE = 0.5, 2.0
@@ -102,6 +102,39 @@ def test_the_narrowest_place_of_the_widest_way_is_named():
         shortest_path(
             field, np.array([0, 2, 2]), np.array([8, 2, 2]), required_m=0.5, comfortable_m=2.0
         )
+
+
+def test_an_end_without_room_is_unreachable_whatever_the_way():
+    distance = np.full((9, 5, 5), 3.0)
+    distance[0, 2, 2] = 0.1
+    field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=0.5, distance_m=distance)
+    ends = np.array([0, 2, 2]), np.array([8, 2, 2])
+    for start, goal in (ends, ends[::-1]):
+        with pytest.raises(UnreachableError, match=r"widest way has 3\.00 m"):
+            shortest_path(field, start, goal, required_m=0.5, comfortable_m=2.0)
+
+
+def test_a_search_begins_in_the_narrow(monkeypatch):
+    distance = np.full((120, 120, 30), 3.0)
+    distance[50:61, 50:61, :8] = 0.0
+    distance[51:60, 51:60, 1:7] = 1.0
+    distance[50, 53:58, 1:5] = 1.0
+    field = DistanceField(origin_enu_m=(0, 0, 0), resolution_m=1.0, distance_m=distance)
+    outside, inside = np.array([110, 10, 20]), np.array([58, 58, 3])
+    n_met = []
+
+    def counting(*arguments):
+        path = search_grid(*arguments)
+        n_met.append(np.count_nonzero(arguments[-1]))
+        return path
+
+    monkeypatch.setattr("autonomy.planning.search.search_grid", counting)
+    paths = [
+        shortest_path(field, start, goal, required_m=0.9, comfortable_m=2.0)
+        for start, goal in ((inside, outside), (outside, inside))
+    ]
+    np.testing.assert_array_equal(paths[0], paths[1][::-1])
+    assert max(n_met) < 20_000
 
 
 def test_climbing_unseen_is_put_off_until_it_can_be_seen():

@@ -48,6 +48,31 @@ def test_version_2_is_spoken_to_who_has_said_nothing_yet():
     assert not loop.channel.is_heard
 
 
+def test_streams_wait_for_a_datagram_and_answers_take_them_along():
+    datagrams = []
+    channel = Channel(
+        "test",
+        lambda frames: datagrams.append([*Wire().decode(b"".join(frames))]),
+        profile="normal",
+        clock=lambda: 0.0,
+        is_datagram=True,
+    )
+
+    def put(kind, number):
+        getattr(channel, kind)(_PING, _PING.encode(seq=number))
+
+    put("stream", 1)
+    channel.flush(is_due=False)
+    assert datagrams == []
+    put("send", 2)
+    channel.flush(is_due=False)
+    put("stream", 3)
+    channel.flush(is_due=False)
+    put("stream", 4)
+    channel.flush()
+    assert [[message.seq for message in datagram] for datagram in datagrams] == [[1, 2], [3, 4]]
+
+
 def test_a_flood_of_datagrams_is_cut_to_the_budget_and_recovers():
     channel, wire = _datagram_channel(), Wire()
     for frame in _pings(wire, 2000):

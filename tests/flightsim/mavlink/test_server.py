@@ -1,5 +1,6 @@
 """The server as a whole: nothing that a client sends ends the flight or slows it without bound."""
 
+import contextlib
 import math
 import random
 import socket
@@ -11,8 +12,13 @@ import pytest
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.dialect import LAYOUTS, dialect
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.files import FileService
 from flightsim.mavlink.links import InProcessLink, PortInUseError, TcpServerLink, UdpLink
+from flightsim.mavlink.logs import LogService
+from flightsim.mavlink.mission import MissionService
+from flightsim.mavlink.parameters import ParameterService
 from flightsim.mavlink.server import MavlinkServer
+from flightsim.mavlink.shell import ShellService
 from tests.flightsim.mavlink.conftest import Flight
 from tests.flightsim.mavlink.wire import Wire, free_port, named
 
@@ -137,6 +143,55 @@ def test_a_tune_is_not_played_and_that_is_said(flight, name, values):
     flight.link.client.send(bytes(frame))
     said = "".join(text.text for text in named(flight.step(), "STATUSTEXT"))
     assert said == "This vehicle has no buzzer: the tune is not played"
+
+
+def test_a_service_is_called_only_for_partners_with_work_due(flight, monkeypatch):
+    called = []
+    for service in (ParameterService, MissionService, ShellService, LogService, FileService):
+
+        def update(self, channel, real=service.update):
+            called.append(type(self))
+            real(self, channel)
+
+        monkeypatch.setattr(service, "update", update)
+    flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
+    flight.run(1.0)
+    assert called == []
+    flight.send("PARAM_REQUEST_LIST", 1, 1)
+    flight.send("MISSION_COUNT", 1, 1, 1, 0)
+    came = flight.run(6.0)  # until the upload has timed out
+    assert len(named(came, "PARAM_VALUE")) == 1 + len(flight.autopilot.parameters)
+    assert set(called) == {ParameterService, MissionService}
+    called.clear()
+    flight.run(1.0)
+    assert called == []
+
+
+def test_streams_of_several_ticks_share_a_datagram(flight):
+    def datagrams_of(n_ticks):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+            client.bind(("127.0.0.1", 0))
+            client.settimeout(0.0)
+            port = client.getsockname()[1]
+            link = UdpLink(local_port=0, remote_port=port, profile="onboard")
+            server = MavlinkServer(
+                flight.autopilot, flight.plant, flight.frame, [link], ticks_per_datagram=n_ticks
+            )
+            for _ in range(98):  # streams begin with the second tick
+                flight.plant.advance()
+                server.update()
+            server.close()
+            came = []
+            with contextlib.suppress(BlockingIOError):
+                while True:
+                    came.append(client.recv(65536))
+            return came
+
+    alone, shared = datagrams_of(1), datagrams_of(3)
+    assert len(shared) < 0.5 * len(alone)
+    for came in (alone, shared):
+        # Nothing is lost, not even what waits when the server closes.
+        assert len(named(Wire().decode(b"".join(came)), "HIGHRES_IMU")) == 97
 
 
 def test_a_ground_station_that_falls_silent_is_noticed(flight):

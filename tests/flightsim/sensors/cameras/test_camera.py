@@ -11,7 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.corpus.curation import curate_scene
-from flightsim.sensors.cameras import CameraError, look_at, open_camera_renderer
+from flightsim.plant import Plant, PlantCfg
+from flightsim.sensors.cameras import (
+    CameraError,
+    Cameras,
+    depth_noise,
+    look_at,
+    open_camera_renderer,
+)
 from flightsim.sensors.cameras.view import NO_OBJECT_ID
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import GROUND_ID, build_world
@@ -226,6 +233,38 @@ def test_both_renderers_measure_the_same_depth_in_a_scene(block, camera):
         assert np.abs(colour[0] - colour[1]).max() < 25
     gl.close()
     rays.close()
+
+
+@pytest.mark.parametrize("backend", ["gl", "raycast"])
+def test_depth_without_colours_is_the_same_depth(block, backend):
+    renderer = open_or_skip(block, 160, 120, backend)
+    east, north, up = block.scene.start_position_enu_m
+    for camera in (FORWARD.name, DOWN.name):
+        for height_m, yaw_rad in ((1.0, 0.3), (4.0, 2.0), (12.0, 4.0)):
+            data = hover(block, (east, north, up + height_m), yaw_rad)
+            whole = renderer.render(data, camera, 5)
+            alone = renderer.render_depth(data, camera, 5)
+            np.testing.assert_array_equal(alone.depth_m, whole.depth_m)
+            pose = [{**vars(frame), "depth_m": None} for frame in (alone, whole)]
+            del pose[1]["rgb"]
+            np.testing.assert_equal(*pose)
+    renderer.close()
+
+
+def test_who_listens_gets_colours_and_the_pilot_the_same_depth(yard):
+    noise = depth_noise("d435", 1, "yard")
+    frames = []
+    plant = Plant(yard, PlantCfg(seed=0))
+    with (
+        Cameras(plant, depth_noise=noise) as alone,
+        Cameras(plant, depth_noise=noise) as heard,
+    ):
+        heard.listen(frames.append)
+        depth = alone.render_depth("forward")
+        assert not hasattr(depth, "rgb")
+        assert alone.render_depth("forward") is depth
+        np.testing.assert_array_equal(heard.render_depth("forward").depth_m, depth.depth_m)
+        assert [frame.rgb.shape for frame in frames] == [(240, 320, 3)]
 
 
 def test_culling_changes_no_pixel_of_a_view(block):
