@@ -7,10 +7,12 @@ opened. A trial is the same, bit for bit, in a warm process and in a fresh one.
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections import OrderedDict
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -20,6 +22,10 @@ from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
 from scenarios.baselines.named import OURS, pilot_of
+from scenarios.campaigns.external.flight import ExternalFlights
+from scenarios.campaigns.external.pilot import CrashedError, SilentError
+from scenarios.campaigns.external.program import words_of
+from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
 from scenarios.run.sitl import INPUT_ERRORS, Sitl
@@ -31,6 +37,8 @@ _LOG = logging.getLogger(__name__)
 
 Row = dict[str, Any]
 """A trial as a row of the results: its task, its verdict, its figures."""
+EXTERNAL = "mavlink"
+"""Name of a pilot outside this process."""
 _KEPT_SAMPLERS = 2
 
 
@@ -69,7 +77,26 @@ class Suite:
     recipe: Recipe = field(default_factory=Recipe)
     """What its task is drawn from."""
     pilot: str = OURS
-    """Who flies: demo, a baseline, or MODULE:CLASS."""
+    """Who flies: demo, a baseline, MODULE:CLASS, or mavlink for somebody outside this process."""
+    program: str | None = None
+    """Command that flies each trial over MAVLink; None waits for a client."""
+
+    @property
+    def is_external(self) -> bool:
+        """Whether the pilot is outside this process."""
+        return self.pilot == EXTERNAL
+
+    def require_pilot(self) -> None:
+        """Refuse a suite that nobody can fly.
+
+        Raises:
+            PilotError: If its pilot is not there.
+            ProgramError: If its program is not there.
+        """
+        if not self.is_external:
+            pilot_of(self.pilot)
+        elif self.program is not None:
+            words_of(self.program)
 
     def to_plain(self) -> dict[str, Any]:
         """The suite as plain data."""
@@ -79,14 +106,37 @@ class Suite:
 class Flyer:
     """Flies trials of a suite by their names."""
 
-    def __init__(self, suite: Suite) -> None:
+    def __init__(
+        self,
+        suite: Suite,
+        *,
+        patience_s: float = math.inf,
+        port: int | None = None,
+        shows_program: bool = False,
+    ) -> None:
         """Prepare to fly.
+
+        Args:
+            suite: What is flown.
+            patience_s: Wall time for a trial of a pilot outside this process.
+            port: TCP port for such a pilot; None takes the usual one, or any for a program.
+            shows_program: Whether what a program says is shown.
 
         Raises:
             PilotError: If the suite's pilot is not there.
+            ProgramError: If its program is not there.
         """
         self._suite = suite
-        self._make_pilot = pilot_of(suite.pilot)
+        self._external = None
+        self._make_pilot = None
+        if suite.is_external:
+            self._external = ExternalFlights(
+                suite.program, patience_s=patience_s, port=port, is_shown=shows_program
+            )
+        else:
+            self._make_pilot = make = pilot_of(suite.pilot)
+            if make is not None and ":" in suite.pilot:
+                self._make_pilot = partial(UserPilot, make)
         self._hangar = Hangar()
         self._samplers: OrderedDict[tuple[str, str], Sampler] = OrderedDict()
 
@@ -134,15 +184,23 @@ class Flyer:
             if not isinstance(error.__cause__, MissionError):
                 raise
             row |= failure(Mishap.NO_PLAN, _one_line(error))
+        except SilentError as error:
+            row |= failure(Mishap.HUNG, _one_line(error))
+        except CrashedError as error:
+            row |= failure(Mishap.RAISED, _one_line(error))
         except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
             _LOG.info("trial %s", trial.id, exc_info=True)
-            row |= failure(Mishap.RAISED, f"{type(error).__name__}: {_one_line(error)}")
+            cause = (isinstance(error, PilotFaultError) and error.__cause__) or error
+            row |= failure(Mishap.RAISED, f"{type(cause).__name__}: {_one_line(cause)}")
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
     def _flown(self, task: Task, record: Path | None) -> Row:
         make = self._make_pilot
         cfg = replace(task.cfg(), demo=make is None, record=record)
         scene = task.place(self._hangar.scene(task.scene))
+        if self._external is not None:
+            result = self._external.fly(task, cfg, scene, self._hangar).to_plain()
+            return result | {"scene": task.scene}
         with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
             result = sitl.run().to_plain()
         # The task names the scene as it was opened.
@@ -151,6 +209,8 @@ class Flyer:
     def close(self) -> None:
         """Close what is kept."""
         self._hangar.close()
+        if self._external is not None:
+            self._external.close()
 
     def __enter__(self) -> Self:
         return self
@@ -176,5 +236,5 @@ def failure(code: Mishap, reason: str) -> Row:
     return {"success": False, "code": code.value, "reason": reason}
 
 
-def _one_line(error: Exception) -> str:
+def _one_line(error: BaseException) -> str:
     return " ".join(str(error).split())

@@ -4,8 +4,9 @@ import multiprocessing
 
 import pytest
 
+from scenarios.campaigns.engines.crew import Crew, WorkerError
+from scenarios.campaigns.engines.local import LocalEngine
 from scenarios.campaigns.flyer import Suite, Trial
-from scenarios.campaigns.workers import WorkerError, Workers, in_blocks
 
 pytestmark = pytest.mark.timeout(600)
 STUBS = "tests.scenarios.campaigns.stub_pilots"
@@ -13,19 +14,9 @@ TWO = [Trial("field", "iris", 0), Trial("field", "hummingbird", 0)]
 
 
 def rows_of(pilot, trials=TWO, n_workers=1, patience_s=100.0):
-    with Workers(Suite(pilot=f"{STUBS}:{pilot}"), n_workers, patience_s) as workers:
-        return {row["trial_id"]: row for row in workers.fly(trials)}
-
-
-def test_blocks_hold_every_trial_once_and_one_scene_each():
-    trials = [
-        Trial(scene, vehicle, n) for scene in "12" for vehicle in ("a", "b") for n in range(30)
-    ]
-    for n_workers in (1, 2, 7):
-        blocks = in_blocks(trials, n_workers)
-        assert [trial for block in blocks for trial in block] == trials
-        assert all(len({trial[:2] for trial in block}) == 1 for block in blocks)
-        assert len(blocks) >= n_workers
+    engine = LocalEngine(Suite(pilot=f"{STUBS}:{pilot}"), patience_s)
+    with Crew(engine, n_workers, patience_s) as crew:
+        return {row["trial_id"]: row for row in crew.fly(trials)}
 
 
 def test_two_processes_fly_what_one_flies():
@@ -40,7 +31,7 @@ def test_two_processes_fly_what_one_flies():
 def test_a_pilot_that_ends_its_process_fails_after_another_try():
     rows = rows_of("Dying", TWO[:1])
     assert [row["code"] for row in rows.values()] == ["died"]
-    assert rows["field/iris/0"]["reason"] == "its process ended with -9, 2 times"
+    assert rows["field/iris/0"]["reason"] == "its process ended with -9, twice"
 
 
 def test_a_process_that_ends_once_costs_nothing(tmp_path, monkeypatch):
