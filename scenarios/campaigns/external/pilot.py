@@ -1,9 +1,9 @@
 """A pilot outside this process, which keeps the time over MAVLink; see docs/lockstep.md.
 
 The flight begins with the first tick that it grants, and is over when the vehicle was armed, has
-been disarmed for two seconds, and the granted ticks have passed. From then on, or once the pilot has
-left, time passes by itself and nobody is heard: so a flight follows from what the pilot sends and
-when, in ticks.
+been disarmed for two seconds, and the granted ticks have passed. From then on, or once the pilot
+has left, time passes by itself and nobody is heard: so a flight follows from what the pilot sends
+and when, in ticks.
 """
 
 from __future__ import annotations

@@ -110,6 +110,16 @@ class Program:
             self.wait(_FAREWELL_S)
         self._signal(signal.SIGKILL)
         self._process.wait()
+        self._close_pipes()
+
+    def _close_pipes(self) -> None:
+        """Close what joined it to this process, unless a process that has left it still speaks."""
+        assert self._process.stdin is not None
+        assert self._process.stderr is not None
+        self._process.stdin.close()
+        self._reader.join(_FAREWELL_S)
+        if not self._reader.is_alive():
+            self._process.stderr.close()
 
     def _signal(self, number: signal.Signals) -> None:
         with contextlib.suppress(ProcessLookupError, PermissionError):
@@ -117,11 +127,10 @@ class Program:
 
     def _read(self, pipe: IO[bytes]) -> None:
         """Keep the end of what it says, for as long as it speaks."""
-        with contextlib.suppress(OSError, ValueError):
-            while data := os.read(pipe.fileno(), 1 << 16):
-                self._end = (self._end + data)[-_LAST_BYTES:]
-                if self._is_shown:
-                    sys.stderr.write(data.decode(errors="replace"))
+        while data := os.read(pipe.fileno(), 1 << 16):
+            self._end = (self._end + data)[-_LAST_BYTES:]
+            if self._is_shown:
+                sys.stderr.write(data.decode(errors="replace"))
 
     def __enter__(self) -> Self:
         return self

@@ -1,6 +1,7 @@
 """Processes that fly: none of what a pilot does to one stops the campaign."""
 
 import multiprocessing
+import sys
 
 import pytest
 
@@ -32,6 +33,20 @@ def test_a_pilot_that_ends_its_process_fails_after_another_try():
     rows = rows_of("Dying", TWO[:1])
     assert [row["code"] for row in rows.values()] == ["died"]
     assert rows["field/iris/0"]["reason"] == "its process ended with -9, twice"
+
+
+def test_a_pilot_that_leaves_politely_has_failed_too():
+    rows = rows_of("Leaving", TWO[:1])
+    assert rows["field/iris/0"]["reason"] == "its process ended with 0, twice"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no bound on memory there")
+def test_a_pilot_that_floods_memory_or_output_harms_nobody(capfd):
+    rows = rows_of("Troubled")
+    assert [row["code"] for row in rows.values()] == ["raised", "raised"]
+    assert "MemoryError" in rows["field/iris/0"]["reason"]
+    assert rows["field/hummingbird/0"]["reason"] == "SystemExit: enough"
+    assert "blah" not in capfd.readouterr().out
 
 
 def test_a_process_that_ends_once_costs_nothing(tmp_path, monkeypatch):

@@ -1,5 +1,7 @@
 """Results on disk: nothing lost, nothing twice, whatever ends the process."""
 
+import resource
+
 import pytest
 
 from scenarios.campaigns import store
@@ -50,6 +52,41 @@ def test_a_journal_that_was_cut_short_loses_its_last_line_alone(tmp_path):
         assert results.done == {"a", "b"}
         results.add(row(1))
     assert ids(tmp_path) == ["a", "b", "7/iris/1"]
+
+
+def test_a_full_disk_loses_no_row_that_was_kept(tmp_path):
+    kept = []
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def fill():
+        with open_store(tmp_path) as results:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3000, hard))
+            for number in range(1000):
+                results.add(row(number))
+                kept.append(f"7/iris/{number}")
+
+    try:
+        with pytest.raises(OSError, match="too large"):
+            fill()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert 5 < len(kept) < 1000
+    assert ids(tmp_path) == kept
+    with open_store(tmp_path) as results:
+        results.add(row(len(kept)))
+    assert ids(tmp_path) == [*kept, f"7/iris/{len(kept)}"]
+
+
+def test_opening_rewrites_nothing(tmp_path, monkeypatch):
+    """Whoever is killed while it opens a folder must find all rows again."""
+    with open_store(tmp_path):
+        pass
+    written = b'{"trial_id": "a"}\n{"trial_id": "b'
+    (tmp_path / JOURNAL).write_bytes(written)
+    monkeypatch.setattr(store.Store, "fold", lambda _: None)
+    with open_store(tmp_path):
+        pass
+    assert (tmp_path / JOURNAL).read_bytes() == written + b"\n"
 
 
 def test_a_row_in_table_and_journal_counts_once(tmp_path):
