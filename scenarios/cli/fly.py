@@ -57,6 +57,7 @@ def run(cfg: FlyCfg) -> int:
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
+    from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
     from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
 
@@ -71,9 +72,9 @@ def run(cfg: FlyCfg) -> int:
         before = row_of(cfg.out, trial) if is_campaigns else None
         recording = cfg.out / "recordings" / f"{trial.id.replace('/', '-')}.rrd"
         recording.parent.mkdir(parents=True, exist_ok=True)
-        with Flyer(suite) as flyer:
+        with Flyer(suite, shows_program=True) as flyer:
             row = flyer.fly(trial, recording)
-    except (CampaignError, StoreError, PilotError) as error:
+    except (CampaignError, StoreError, PilotError, ProgramError) as error:
         fail(_PROG, str(error))
     except OSError as error:
         fail_on_file(_PROG, error)

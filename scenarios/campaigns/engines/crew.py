@@ -14,6 +14,8 @@ from typing import Protocol, Self
 from scenarios.campaigns.engines.schedule import Schedule
 from scenarios.campaigns.flyer import Mishap, Row, Trial, blank_row, failure
 
+_GRACE_S = 3.0
+"""Time beyond the patience, in which a worker ends a trial of a program by itself."""
 _LOOK_S = 1.0
 """Time after which the crew looks for workers that hang."""
 
@@ -164,7 +166,7 @@ class Crew:
             WorkerError: If no worker gets ready.
         """
         for worker, post in list(self._posts.items()):
-            if self._clock() - post.since_s <= self._patience_s:
+            if self._clock() - post.since_s <= self._patience_s + _GRACE_S:
                 continue
             if post.trial is not None:
                 self._dismiss(worker)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from aeroscene.scene import InteractionArea
 from flightsim.sensors.cameras import CameraError
 from scenarios.baselines.named import MakePilot
-from scenarios.run.companion import Aboard
+from scenarios.run.companion import Aboard, Companion
 from scenarios.trials.verdict import Word
 
 
@@ -14,47 +17,39 @@ class PilotFaultError(Exception):
 
 
 class UserPilot:
-    """A `scenarios.Companion` around another one."""
+    """A `scenarios.Companion` around another one.
+
+    What that one raises is the cause of a `PilotFaultError`, except a `CameraError`: then this
+    machine has no camera to look through.
+    """
 
     def __init__(self, make: MakePilot, aboard: Aboard) -> None:
-        """Make the pilot.
-
-        Raises:
-            PilotFaultError: If it raises anything.
-            CameraError: If it looks, and this machine has no camera.
-        """
-        try:
-            self._pilot = make(aboard)
-        except CameraError:
-            raise
-        except (Exception, SystemExit) as error:
-            raise PilotFaultError from error
+        self._pilot: Companion = _blaming(make, aboard)
 
     @property
     def area(self) -> InteractionArea | None:
         """Area that it wants to land on."""
-        return self._pilot.area
+        return _blaming(getattr, self._pilot, "area")
 
     @property
     def is_done(self) -> bool:
         """Whether it says that the flight is over."""
-        return self._pilot.is_done
+        return _blaming(getattr, self._pilot, "is_done")
 
     @property
     def verdict(self) -> Word:
         """What it says of the flight."""
-        return self._pilot.verdict
+        return _blaming(getattr, self._pilot, "verdict")
 
     def update(self, time_us: int) -> None:
-        """Let it decide and send.
+        """Let it decide and send."""
+        _blaming(self._pilot.update, time_us)
 
-        Raises:
-            PilotFaultError: If it raises anything.
-            CameraError: If it looks, and this machine has no camera.
-        """
-        try:
-            self._pilot.update(time_us)
-        except CameraError:
-            raise
-        except (Exception, SystemExit) as error:
-            raise PilotFaultError from error
+
+def _blaming(function: Callable[..., Any], *arguments: Any) -> Any:
+    try:
+        return function(*arguments)
+    except CameraError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise PilotFaultError from error

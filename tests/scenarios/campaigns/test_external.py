@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+from pymavlink.dialects.v20 import common
 
 from scenarios.campaigns.external.program import Program, ProgramError
 from scenarios.campaigns.flyer import Flyer, Suite, Trial
@@ -21,6 +22,13 @@ CONNECT = """
 import json, sys, time
 from pymavlink import mavutil
 drone = mavutil.mavlink_connection(json.loads(sys.stdin.readline())["url"])
+"""
+FLOOD = """
+import json, socket, sys
+host, port = json.loads(sys.stdin.readline())["url"].split(":")[1:]
+drone = socket.create_connection((host, int(port)))
+while True:
+    drone.sendall({!r} * 100)
 """
 
 
@@ -58,17 +66,18 @@ def test_a_program_that_ends_by_itself_is_told_by_its_last_words(source, code, r
     [
         ("import time; time.sleep(600)", "no heartbeat within 3 s"),
         ("import sys\nwhile True: sys.stderr.write('x' * 9999)", "no heartbeat within 3 s"),
-        (
-            CONNECT + "while True: drone.mav.ping_send(0, 0, 0, 0)",
-            "no end in 3 s: it grants no time, see docs/lockstep.md",
-        ),
     ],
 )
-def test_a_program_that_hangs_or_floods_is_ended(source, reason):
-    began_s = time.monotonic()
+def test_a_program_that_is_silent_is_ended(source, reason):
     row = row_of(source, patience_s=3.0)
     assert (row["success"], row["code"], row["reason"]) == (False, "hung", reason)
-    assert time.monotonic() - began_s < 60.0
+
+
+def test_a_program_that_floods_without_granting_time_is_ended():
+    ping = common.MAVLink(None).ping_encode(0, 0, 0, 0).pack(common.MAVLink(None))
+    row = row_of(FLOOD.format(ping), patience_s=12.0)
+    assert (row["success"], row["code"]) == (False, "hung")
+    assert row["reason"] == "no end in 12 s: it grants no time, see docs/lockstep.md"
 
 
 def test_what_a_program_has_started_ends_with_it():
@@ -84,7 +93,7 @@ def test_what_a_program_has_started_ends_with_it():
 @pytest.mark.parametrize("command", ["", "no-such-stack --fast", "python 'my stack"])
 def test_a_program_that_is_not_there_is_one_line(command):
     suite = Suite(pilot="mavlink", program=command)
-    with pytest.raises(ProgramError, match=r"^program '.*; valid: a command such as") as caught:
+    with pytest.raises(ProgramError, match=r"^program .*; valid: a command such as") as caught:
         suite.require_pilot()
     assert "\n" not in str(caught.value)
 
@@ -100,6 +109,7 @@ def test_a_client_that_comes_by_itself_finds_its_task_on_standard_output(capsys)
         while not line.endswith("\n"):
             assert time.monotonic() < deadline_s
             line += capsys.readouterr().out
+            time.sleep(0.05)
         assert json.loads(line)["url"] == f"tcp:127.0.0.1:{port}"
         subprocess.run([sys.executable, str(EXAMPLE)], input=line, text=True, check=True)
         flight.join(60.0)
