@@ -1,6 +1,6 @@
 """Kills a campaign again and again, and compares what it leaves with one that was left alone.
 
-    python tools/kill_campaign.py FOLDER --kills 20 -- --scenes 0:4 --trials 10 --pilot straight
+    python tools/kill_campaign.py --kills 20 FOLDER -- --scenes 0:4 --trials 10 --pilot straight
 
 What stands behind `--` are options of `aeroscene campaign`. FOLDER/whole is flown in one go, and
 FOLDER/killed is ended by `kill -9` at random moments and gone on with. Exit status 0 if both have
@@ -46,13 +46,14 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--longest", type=float, default=20.0, help="s from a start to a kill")
-    parser.add_argument("options", nargs="*")
+    parser.add_argument("options", nargs=argparse.REMAINDER, help="-- and those of a campaign")
     cfg = parser.parse_args()
+    options = [word for word in cfg.options if word != "--"]
     whole, killed = cfg.folder / "whole", cfg.folder / "killed"
-    subprocess.run(command(whole, cfg.options), check=True, stdout=subprocess.DEVNULL)  # noqa: S603
+    subprocess.run(command(whole, options), check=True, stdout=subprocess.DEVNULL)  # noqa: S603
     draw, n_killed, before = random.Random(cfg.seed), 0, 0
     while n_killed < cfg.kills:
-        campaign = subprocess.Popen(command(killed, cfg.options), stdout=subprocess.DEVNULL)  # noqa: S603
+        campaign = subprocess.Popen(command(killed, options), stdout=subprocess.DEVNULL)  # noqa: S603
         time.sleep(draw.uniform(0.0, cfg.longest))
         if campaign.poll() is not None:
             break
@@ -63,7 +64,7 @@ def main() -> int:
         if n_rows < before:
             raise SystemExit(f"kill {n_killed} lost {before - n_rows} rows")
         before = n_rows
-    subprocess.run(command(killed, cfg.options), check=True, stdout=subprocess.DEVNULL)  # noqa: S603
+    subprocess.run(command(killed, options), check=True, stdout=subprocess.DEVNULL)  # noqa: S603
     ours, theirs = rows_of(killed), rows_of(whole)
     names = ours.keys() | theirs.keys()
     differ = sorted(name for name in names if ours.get(name) != theirs.get(name))

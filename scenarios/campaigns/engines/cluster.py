@@ -24,6 +24,8 @@ _SETTINGS = {
     # What its worker sees of accelerators is left as it is.
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",
 }
+_LOOPBACK = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
+"""Has Ray listen on loopback alone, on every system: nobody from outside is to join it."""
 _OBJECT_STORE_BYTES = 100 << 20
 """Memory for results under way: a row has two kilobytes."""
 
@@ -111,13 +113,13 @@ class RayEngine:
         return [by_answer[answer] for answer in ready]
 
 
-def require_ray() -> Any:
-    """Import Ray.
+def _ray(settings: dict[str, str]) -> Any:
+    """Import Ray, which reads its settings from the environment.
 
     Raises:
         WorkerError: If the extra `cluster` is not installed.
     """
-    os.environ.update(_SETTINGS)
+    os.environ.update(settings)
     try:
         return importlib.import_module("ray")
     except ModuleNotFoundError as error:
@@ -144,17 +146,17 @@ def ray_engine(
     Raises:
         WorkerError: If Ray is not installed, or cannot be reached.
     """
-    ray = require_ray()
+    ray = _ray(_SETTINGS if address else _SETTINGS | _LOOPBACK)
     quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": "error"}
     own: dict[str, Any] = {
         "num_cpus": n_workers,
         "include_dashboard": False,
         "object_store_memory": _OBJECT_STORE_BYTES,
-        "_node_ip_address": "127.0.0.1",
     }
     try:
         ray.init(**quiet, **({"address": address} if address else own))
-    except (ConnectionError, ray.exceptions.RayError, ValueError, RuntimeError) as error:
+    except Exception as error:  # noqa: BLE001 - a bare one says that it took too long
+        ray.shutdown()
         where = f"ray-address {address!r}" if address else "ray"
         raise WorkerError(f"{where}: {_one_line(error)}") from None
     try:
