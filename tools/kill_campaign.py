@@ -39,13 +39,20 @@ def rows_of(folder: Path) -> dict[str, dict[str, Any]]:
     return by_trial
 
 
+def n_rows_of(folder: Path) -> int:
+    """Number of rows of a campaign that may not have begun."""
+    return len(rows_of(folder)) if (folder / "trials.jsonl").is_file() else 0
+
+
 def main() -> int:
     """Fly, kill, go on, compare."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--longest", type=float, default=20.0, help="s from a start to a kill")
+    parser.add_argument(
+        "--longest", type=float, default=5.0, help="s to a kill, from the start or a row"
+    )
     parser.add_argument("options", nargs=argparse.REMAINDER, help="-- and those of a campaign")
     cfg = parser.parse_args()
     options = [word for word in cfg.options if word != "--"]
@@ -54,16 +61,21 @@ def main() -> int:
     draw, n_killed, before = random.Random(cfg.seed), 0, 0
     while n_killed < cfg.kills:
         campaign = subprocess.Popen(command(killed, options), stdout=subprocess.DEVNULL)  # noqa: S603
+        # Half of the kills hit processes that start, half hit trials and the rows that they leave.
+        is_early = draw.random() < 0.5
+        while not is_early and campaign.poll() is None and n_rows_of(killed) <= before:
+            time.sleep(0.05)
         time.sleep(draw.uniform(0.0, cfg.longest))
         if campaign.poll() is not None:
             break
         campaign.kill()
         campaign.wait()
         n_killed += 1
-        n_rows = len(rows_of(killed)) if (killed / "trials.jsonl").is_file() else 0
+        n_rows = n_rows_of(killed)
         if n_rows < before:
             raise SystemExit(f"kill {n_killed} lost {before - n_rows} rows")
         before = n_rows
+        sys.stderr.write(f"kill {n_killed}: {n_rows} rows\n")
     subprocess.run(command(killed, options), check=True, stdout=subprocess.DEVNULL)  # noqa: S603
     ours, theirs = rows_of(killed), rows_of(whole)
     names = ours.keys() | theirs.keys()

@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -19,7 +20,7 @@ from scenarios.campaigns.external.program import end_program
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
 
 _READY = "ready"
-_FAREWELL_S = 1.0
+_FAREWELL_S = 5.0
 """Time for a process to end its program in, before it is killed."""
 
 
@@ -106,16 +107,20 @@ class LocalEngine:
         return self._hired
 
 
+class _ToldToEnd(BaseException):
+    """SIGTERM has come, or the parent is gone."""
+
+
 def _work(link: Connection[Any, Any], job: _Job) -> None:
     """Fly the trials that come over a link, until it is closed."""
-    _end_when_told()
-    begin_work(job.suite.pilot)
     try:
+        _end_when_told()
+        begin_work(job.suite.pilot)
         with Flyer(job.suite, patience_s=job.patience_s, port=job.port) as flyer:
             link.send(_READY)
             while True:
                 link.send(flyer.fly(link.recv()))
-    except EOFError:
+    except (EOFError, _ToldToEnd):
         return
     except Exception as error:  # noqa: BLE001 - whatever it is, the parent says it
         link.send(WorkerError(" ".join(str(error).split()) or type(error).__name__))
@@ -123,21 +128,24 @@ def _work(link: Connection[Any, Any], job: _Job) -> None:
 
 def _end_when_told() -> None:
     """End this process, and the program that flies for it, with SIGTERM and with the parent."""
-
-    def leave(*_: object) -> None:
-        end_program()
-        os._exit(1)
-
     parent = multiprocessing.parent_process()
     assert parent is not None
 
+    def leave(*_: object) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise _ToldToEnd
+
     def watch() -> None:
         parent.join()
-        leave()
+        os.kill(os.getpid(), signal.SIGTERM)
+        # A pilot may swallow whatever is raised.
+        time.sleep(_FAREWELL_S)
+        end_program()
+        os._exit(1)
 
-    threading.Thread(target=watch, daemon=True).start()
     signal.signal(signal.SIGTERM, leave)
     # Ctrl-C is the parent's to handle.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # `without_interrupts` of the parent is inherited.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+    threading.Thread(target=watch, daemon=True).start()

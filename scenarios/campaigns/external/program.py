@@ -15,7 +15,7 @@ from typing import IO, Self
 _LAST_BYTES = 4096
 """Of what a program says on standard error the end is kept."""
 _FAREWELL_S = 2.0
-"""Time for a program to end by itself in when its trial is over, and again after SIGTERM."""
+"""Time for a program to end in when its trial is over."""
 
 _running: Program | None = None
 """The program of this process; at most one trial is in the air."""
@@ -99,7 +99,7 @@ class Program:
         """End it and what it has started; ending it twice is fine.
 
         Args:
-            farewell_s: Time for it to end by itself.
+            farewell_s: Time for it to end by itself in, and again after SIGTERM.
         """
         global _running  # noqa: PLW0603 - as above
         _running = None
@@ -107,7 +107,7 @@ class Program:
         # The group may live on where its leader has ended.
         self._signal(signal.SIGTERM)
         if self.status is None:
-            self.wait(_FAREWELL_S)
+            self.wait(farewell_s)
         self._signal(signal.SIGKILL)
         self._process.wait()
         self._close_pipes()

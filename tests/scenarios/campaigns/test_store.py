@@ -1,6 +1,10 @@
 """Results on disk: nothing lost, nothing twice, whatever ends the process."""
 
+import os
+import random
 import resource
+import signal
+import time
 
 import pytest
 
@@ -75,6 +79,43 @@ def test_a_full_disk_loses_no_row_that_was_kept(tmp_path):
     with open_store(tmp_path) as results:
         results.add(row(len(kept)))
     assert ids(tmp_path) == [*kept, f"7/iris/{len(kept)}"]
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_killed_at_twenty_moments_it_has_every_row_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(store, "ROWS_A_TABLE", 7)
+    wanted = [f"7/iris/{n}" for n in range(4000)]
+    draw, n_kills, n_before = random.Random(0), 0, 0
+
+    def present():
+        return (tmp_path / JOURNAL).stat().st_size, len(list((tmp_path / TABLES).iterdir()))
+
+    while n_kills < 20:
+        was_present = present() if n_kills else None
+        pid = os.fork()
+        if not pid:
+            with open_store(tmp_path) as results:
+                for number, trial in enumerate(wanted):
+                    if trial not in results.done:
+                        results.add(row(number))
+            os._exit(0)
+        # From its first new row on, else a slow machine would not come to write any.
+        while n_kills and present() == was_present:
+            time.sleep(0.001)
+        time.sleep(draw.uniform(0.0, 0.03))
+        os.kill(pid, signal.SIGKILL)
+        status = os.waitpid(pid, 0)[1]
+        assert os.WIFSIGNALED(status), "it ended before it was killed"
+        n_kills += 1
+        n_rows = len(ids(tmp_path)) if (tmp_path / JOURNAL).exists() else 0
+        assert n_rows >= n_before
+        n_before = n_rows
+    assert n_before > 10
+    with open_store(tmp_path) as results:
+        for number, trial in enumerate(wanted[: n_before + 30]):
+            if trial not in results.done:
+                results.add(row(number))
+    assert sorted(ids(tmp_path)) == sorted(wanted[: n_before + 30])
 
 
 def test_opening_rewrites_nothing(tmp_path, monkeypatch):
