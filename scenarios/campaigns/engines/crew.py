@@ -16,6 +16,10 @@ from scenarios.campaigns.flyer import Mishap, Row, Trial, blank_row, failure
 
 _GRACE_S = 3.0
 """Time beyond the patience, in which a worker ends a trial of a program by itself."""
+_READY_S = 600.0
+"""Time in which the first worker must be ready to fly."""
+_MOST_STILLBORN = 3
+"""Workers that end before they fly, one after the other, until the campaign does."""
 _LOOK_S = 1.0
 """Time after which the crew looks for workers that hang."""
 
@@ -100,6 +104,8 @@ class Crew:
         self._schedule = Schedule(())
         self._has_begun = False
         """Whether any worker was ready to fly."""
+        self._n_stillborn = 0
+        """Workers that have ended before they flew, since one was heard last."""
 
     def fly(self, trials: Sequence[Trial]) -> Iterator[Row]:
         """Rows of all trials, in the order in which they end.
@@ -147,6 +153,7 @@ class Crew:
         except GoneError as error:
             return self._bury(worker, str(error))
         post.is_ready = self._has_begun = True
+        self._n_stillborn = 0
         post.last, post.trial = post.trial, None
         return row
 
@@ -154,7 +161,10 @@ class Crew:
         """Have others fly what a dead worker has not; a trial that kills again has failed."""
         trial = self._dismiss(worker).trial
         if trial is None:
-            raise WorkerError(f"a worker ended before it flew: {how}")
+            self._n_stillborn += 1
+            if self._n_stillborn >= _MOST_STILLBORN:
+                raise WorkerError(f"{_MOST_STILLBORN} workers ended before they flew: {how}")
+            return None
         if self._schedule.give_back(trial):
             return None
         return blank_row(trial) | failure(Mishap.DIED, f"{how}, twice")
@@ -166,15 +176,14 @@ class Crew:
             WorkerError: If no worker gets ready.
         """
         for worker, post in list(self._posts.items()):
-            if self._clock() - post.since_s <= self._patience_s + _GRACE_S:
-                continue
-            if post.trial is not None:
+            waited_s = self._clock() - post.since_s
+            if post.trial is not None and waited_s > self._patience_s + _GRACE_S:
                 self._dismiss(worker)
                 self._schedule.abandon(post.trial)
                 reason = f"no end in {self._patience_s:g} s"
                 yield blank_row(post.trial) | failure(Mishap.HUNG, reason)
-            elif not self._has_begun:
-                raise WorkerError(f"no worker was ready to fly within {self._patience_s:g} s")
+            elif not self._has_begun and waited_s > _READY_S:
+                raise WorkerError(f"no worker was ready to fly within {_READY_S:g} s")
 
     def _dismiss(self, worker: Worker) -> _Post:
         worker.end()

@@ -14,7 +14,7 @@ STUBS = "tests.scenarios.campaigns.stub_pilots"
 TWO = [Trial("field", "iris", 0), Trial("field", "hummingbird", 0)]
 
 
-def rows_of(pilot, trials=TWO, n_workers=1, patience_s=100.0):
+def rows_of(pilot, trials=TWO, n_workers=1, patience_s=500.0):
     engine = LocalEngine(Suite(pilot=f"{STUBS}:{pilot}"), patience_s)
     with Crew(engine, n_workers, patience_s) as crew:
         return {row["trial_id"]: row for row in crew.fly(trials)}

@@ -2,6 +2,9 @@
 
 from collections import Counter
 
+import pytest
+
+from scenarios.campaigns.engines.crew import Crew, GoneError, WorkerError
 from scenarios.campaigns.engines.forecast import Costs, forecast
 from scenarios.campaigns.engines.schedule import Schedule
 from scenarios.campaigns.flyer import Trial
@@ -61,3 +64,25 @@ def test_a_forecast_has_as_many_openings_as_scenes_where_nobody_needs_help():
     many = forecast(trials(8, 20), Costs(first_s=[6.0], others_s=[2.0]), 4)
     assert many.openings == 8
     assert Counter(trial.scene for trial in trials(8, 20)) == {str(n): 20 for n in range(8)}
+
+
+class Stillborn:
+    """An engine whose workers end before they fly."""
+
+    def hire(self):
+        return self
+
+    def wait(self, _):
+        return (self,)
+
+    def hear(self):
+        raise GoneError("no memory")
+
+    def end(self):
+        pass
+
+
+def test_workers_that_end_before_they_fly_end_the_campaign_with_a_line():
+    crew = Crew(Stillborn(), 1, 60.0)
+    with pytest.raises(WorkerError, match="3 workers ended before they flew: no memory"):
+        list(crew.fly(trials(1, 1)))
