@@ -1,7 +1,7 @@
 """A pilot of one's own: MAVLink and cameras in, setpoints out; the truth judges it in the end.
 
-It flies straight up, across and down onto its area, or else the roomiest one, if the camera sees
-it flat. Each `yield` lasts 20 ms of simulated time. Run: python examples/own_pilot.py
+It flies straight up, across and down if the camera sees its area flat; a `yield` lasts 20 ms.
+Run: python examples/own_pilot.py, or a campaign beside it: --pilot own_pilot:StraightPilot
 """
 
 import numpy as np

@@ -29,16 +29,26 @@ class Lockstep:
         self._keeper: Channel | None = None
         self._grant: Command | None = None
         self._n_left = 0
+        self._is_released = False
         self.executors: Mapping[int, Executor] = {mav.MAV_CMD_USER_1: self._on_grant}
 
     @property
     def has_ticks(self) -> bool:
         """Whether a tick may run now."""
-        return self._n_left > 0
+        return self._n_left > 0 or self._is_released
+
+    @property
+    def has_keeper(self) -> bool:
+        """Whether a client keeps the time at present."""
+        return self._keeper is not None
+
+    def release(self) -> None:
+        """Let time pass by itself from now on, in which nobody is heard."""
+        self._is_released, self.is_over = True, False
 
     def holds_back(self, channel: Channel) -> bool:
         """Whether a partner's messages wait until the ticks that it granted have run."""
-        return self.has_ticks and channel is self._keeper
+        return self._is_released or (self.has_ticks and channel is self._keeper)
 
     def end_tick(self) -> None:
         """Count a tick, and acknowledge the grant after its last."""
@@ -52,7 +62,7 @@ class Lockstep:
         if channel is self._keeper:
             self._keeper = self._grant = None
             self._n_left = 0
-            self.is_over = True
+            self.is_over = not self._is_released
 
     def _on_grant(self, c: Command) -> Reply | None:
         n_ticks = choice(c.param1)

@@ -14,11 +14,10 @@ import pyarrow.compute as pc
 from aeroscene import __version__
 from aeroscene.corpus.shipped import shipped_digest
 from aeroscene.files import replacing
-from scenarios.baselines.named import pilot_of
+from scenarios.campaigns.engines.crew import Crew, Engine
 from scenarios.campaigns.flyer import Row, Suite, Trial
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
 from scenarios.campaigns.summary import SUMMARY_COLUMNS, summarise_trials
-from scenarios.campaigns.workers import Workers
 from scenarios.tasks.recipe import recipe_from
 
 MANIFEST = "campaign.json"
@@ -43,9 +42,8 @@ def all_trials(scenes: Iterable[str], vehicles: Iterable[str], count: int) -> li
 class Campaign:
     """Trials of a suite in a folder, see `open_campaign`."""
 
-    def __init__(self, folder: Path, suite: Suite, store: Store) -> None:
+    def __init__(self, folder: Path, store: Store) -> None:
         self._folder = folder
-        self._suite = suite
         self._store = store
 
     def left(self, trials: Iterable[Trial]) -> list[Trial]:
@@ -53,21 +51,22 @@ class Campaign:
         return [trial for trial in trials if trial.id not in self._store.done]
 
     def fly(
-        self, trials: Sequence[Trial], *, workers: int, patience_s: float
+        self, trials: Sequence[Trial], engine: Engine, *, workers: int, patience_s: float
     ) -> Generator[Row, None, None]:
         """Fly trials, and keep each row as its trial ends.
 
         Args:
             trials: Trials that are not in the folder yet.
+            engine: What flies them: the suite of the campaign.
             workers: Number of processes.
             patience_s: Wall time for one trial, after which its process is ended.
 
         Raises:
-            WorkerError: If the machine does not allow any flight.
+            WorkerError: If no trial can be flown.
             OSError: If a row cannot be written.
         """
-        with Workers(self._suite, workers, patience_s) as pool:
-            for row in pool.fly(trials):
+        with Crew(engine, workers, patience_s) as crew:
+            for row in crew.fly(trials):
                 self._store.add(row)
                 yield row
 
@@ -91,12 +90,13 @@ def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
         CampaignError: If the folder holds a campaign of another suite or version.
         StoreError: If another process flies in the folder.
         PilotError: If there is no such pilot.
+        ProgramError: If there is no such program.
         OSError: If the folder cannot be written to.
     """
-    pilot_of(suite.pilot)
+    suite.require_pilot()
     _claim(folder, suite)
     with open_store(folder) as store:
-        yield Campaign(folder, suite, store)
+        yield Campaign(folder, store)
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
@@ -130,7 +130,11 @@ def read_suite(folder: Path) -> Suite | None:
         return None
     suite = read_manifest(folder)["suite"]
     try:
-        return Suite(recipe=recipe_from(suite["recipe"]), pilot=suite["pilot"])
+        return Suite(
+            recipe=recipe_from(suite["recipe"]),
+            pilot=suite["pilot"],
+            program=suite.get("program"),
+        )
     except (ValueError, KeyError, TypeError) as error:
         raise _no_manifest(path, error) from None
 
@@ -149,26 +153,39 @@ def _claim(folder: Path, suite: Suite) -> None:
     Raises:
         CampaignError: If it holds a campaign of another suite or version.
     """
-    path = folder / MANIFEST
-    wanted = {
-        "version": __version__,
-        "scenes_sha256": shipped_digest(),
-        "suite": suite.to_plain(),
-    }
     if read_suite(folder) is None:
         folder.mkdir(parents=True, exist_ok=True)
         began = datetime.now(UTC).date().isoformat()
-        with replacing(path) as file:
-            file.write(json.dumps({"began": began, **wanted}, indent=2).encode() + b"\n")
+        with replacing(folder / MANIFEST) as file:
+            file.write(json.dumps({"began": began, **_manifest(suite)}, indent=2).encode() + b"\n")
+    else:
+        require_same_suite(folder, suite)
+
+
+def require_same_suite(folder: Path, suite: Suite) -> None:
+    """Refuse a folder that holds a campaign of others; one that holds none is welcome.
+
+    Raises:
+        CampaignError: If it holds a campaign of another suite or version.
+    """
+    if read_suite(folder) is None:
         return
-    present = _flat(json.loads(path.read_bytes()))
+    present = _flat(json.loads((folder / MANIFEST).read_bytes()))
     # Through JSON, which knows no tuples.
-    for name, value in _flat(json.loads(json.dumps(wanted))).items():
+    for name, value in _flat(json.loads(json.dumps(_manifest(suite)))).items():
         if present.get(name) != value:
             raise CampaignError(
                 f"out {str(folder)!r} holds a campaign with {name} {present.get(name)!r} instead "
                 f"of {value!r}; valid: another folder, or the same options"
             )
+
+
+def _manifest(suite: Suite) -> dict[str, Any]:
+    return {
+        "version": __version__,
+        "scenes_sha256": shipped_digest(),
+        "suite": suite.to_plain(),
+    }
 
 
 def _flat(plain: dict[str, Any]) -> dict[str, Any]:

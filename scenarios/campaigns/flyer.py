@@ -7,10 +7,12 @@ opened. A trial is the same, bit for bit, in a warm process and in a fresh one.
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections import OrderedDict
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -19,7 +21,11 @@ from aeroscene.solids import field_cache
 from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
-from scenarios.baselines.named import OURS, pilot_of
+from scenarios.baselines.named import OURS, NamedPilot, pilot_of
+from scenarios.campaigns.external.flight import ExternalFlights
+from scenarios.campaigns.external.pilot import CrashedError, SilentError
+from scenarios.campaigns.external.program import words_of
+from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
 from scenarios.run.levels import RecordLevel
@@ -33,6 +39,8 @@ _LOG = logging.getLogger(__name__)
 
 Row = dict[str, Any]
 """A trial as a row of the results: its task, its verdict, its figures."""
+EXTERNAL = "mavlink"
+"""Name of a pilot outside this process."""
 _KEPT_SAMPLERS = 2
 RECORDINGS = "recordings"
 """Folder of recordings in that of a campaign."""
@@ -85,26 +93,67 @@ class Suite:
     recipe: Recipe = field(default_factory=Recipe)
     """What its task is drawn from."""
     pilot: str = OURS
-    """Who flies: one of the pilots that ship, or MODULE:CLASS."""
+    """Who flies: one of the pilots that ship, MODULE:CLASS, or mavlink for somebody outside this
+    process."""
+    program: str | None = None
+    """Command that flies each trial over MAVLink; None waits for a client."""
     recordings: Recordings | None = field(default=None, compare=False)
     """Decides no outcome; None records nothing."""
 
+    @property
+    def is_external(self) -> bool:
+        """Whether the pilot is outside this process."""
+        return self.pilot == EXTERNAL
+
+    def require_pilot(self) -> None:
+        """Refuse a suite that nobody can fly.
+
+        Raises:
+            PilotError: If its pilot is not there.
+            ProgramError: If its program is not there.
+        """
+        if not self.is_external:
+            pilot_of(self.pilot)
+        elif self.program is not None:
+            words_of(self.program)
+
     def to_plain(self) -> dict[str, Any]:
         """What decides the outcome, as plain data."""
-        return {"recipe": asdict(self.recipe), "pilot": self.pilot}
+        return {"recipe": asdict(self.recipe), "pilot": self.pilot, "program": self.program}
 
 
 class Flyer:
     """Flies trials of a suite by their names."""
 
-    def __init__(self, suite: Suite) -> None:
+    def __init__(
+        self,
+        suite: Suite,
+        *,
+        patience_s: float = math.inf,
+        port: int | None = None,
+        shows_program: bool = False,
+    ) -> None:
         """Prepare to fly.
+
+        Args:
+            suite: What is flown.
+            patience_s: Wall time for a trial of a pilot outside this process.
+            port: TCP port for such a pilot; None takes the usual one, or any for a program.
+            shows_program: Whether what a program says is shown.
 
         Raises:
             PilotError: If the suite's pilot is not there.
+            ProgramError: If its program is not there.
         """
         self._suite = suite
-        self._pilot = pilot_of(suite.pilot)
+        self._external = None
+        self._pilot = NamedPilot()
+        if suite.is_external:
+            self._external = ExternalFlights(
+                suite.program, patience_s=patience_s, port=port, is_shown=shows_program
+            )
+        else:
+            self._pilot = _guarded(pilot_of(suite.pilot), suite.pilot)
         self._hangar = Hangar()
         self._samplers: OrderedDict[tuple[str, str], Sampler] = OrderedDict()
 
@@ -151,9 +200,14 @@ class Flyer:
             if not isinstance(error.__cause__, MissionError):
                 raise
             row |= failure(Mishap.NO_PLAN, _one_line(error))
+        except SilentError as error:
+            row |= failure(Mishap.HUNG, _one_line(error))
+        except CrashedError as error:
+            row |= failure(Mishap.RAISED, _one_line(error))
         except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
             _LOG.info("trial %s", trial.id, exc_info=True)
-            row |= failure(Mishap.RAISED, f"{type(error).__name__}: {_one_line(error)}")
+            cause = (isinstance(error, PilotFaultError) and error.__cause__) or error
+            row |= failure(Mishap.RAISED, f"{type(cause).__name__}: {_one_line(cause)}")
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
     def _recorded(self, trial: Trial) -> dict[str, Any]:
@@ -167,28 +221,40 @@ class Flyer:
     def _flown(self, task: Task, recorded: dict[str, Any]) -> Row:
         cfg = replace(self._pilot.brief(task.cfg()), **recorded)
         scene = task.place(self._hangar.scene(task.scene))
-        make = self._pilot.make
-        with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
-            result = sitl.run().to_plain()
-            flown, planned = sitl.log.track(), getattr(sitl.companion, "planned_enu_m", None)
-        if sitl.missing:
-            result["recording"] = None
-        return result | {
+        if self._external is not None:
+            sitl, result = self._external.fly(task, cfg, scene, self._hangar)
+        else:
+            make = self._pilot.make
+            with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
+                result = sitl.run()
+        planned = getattr(sitl.companion, "planned_enu_m", None)
+        return {
+            **result.to_plain(),
             # The task names the scene as it was opened.
             "scene": task.scene,
-            "flown_enu_m": flown,
+            "recording": None if sitl.missing else result.recording,
+            "flown_enu_m": sitl.log.track(),
             "planned_enu_m": None if planned is None else track_of(planned),
         }
 
     def close(self) -> None:
         """Close what is kept."""
         self._hangar.close()
+        if self._external is not None:
+            self._external.close()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def _guarded(pilot: NamedPilot, name: str) -> NamedPilot:
+    """A pilot whose faults are told apart from the testbench's own, if it is a user's class."""
+    if pilot.make is None or ":" not in name:
+        return pilot
+    return replace(pilot, make=partial(UserPilot, pilot.make))
 
 
 def blank_row(trial: Trial) -> Row:
@@ -208,5 +274,5 @@ def failure(code: Mishap, reason: str) -> Row:
     return {"success": False, "code": code.value, "reason": reason}
 
 
-def _one_line(error: Exception) -> str:
+def _one_line(error: BaseException) -> str:
     return " ".join(str(error).split())

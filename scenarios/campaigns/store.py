@@ -11,6 +11,7 @@ from __future__ import annotations
 import fcntl
 import json
 import logging
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -87,7 +88,11 @@ class Store:
         in_tables = _ids_in_sound_tables(folder)
         self._new = [row for row in _journalled(folder) if row["trial_id"] not in in_tables]
         self.done: set[str] = in_tables | {row["trial_id"] for row in self._new}
-        self._rewrite_journal()
+        # What a process that was killed has left of a row ends here. Nothing is rewritten: whoever
+        # is killed in between would lose rows.
+        if not _ends_with_a_line(journal):
+            journal.write(b"\n")
+            journal.flush()
 
     def add(self, row: Row) -> None:
         """Keep a row from now on, also if this process is killed.
@@ -104,24 +109,14 @@ class Store:
 
     def fold(self) -> None:
         """Make a table of the journal."""
-        if not self._new:
-            return
-        folder = self._folder / TABLES
-        number = max((int(path.stem) for path in _table_paths(self._folder)), default=-1) + 1
-        with replacing(folder / f"{number:05d}.parquet") as file:
-            pq.write_table(_table_of(self._new), file)
+        if self._new:
+            folder = self._folder / TABLES
+            number = max((int(path.stem) for path in _table_paths(self._folder)), default=-1) + 1
+            with replacing(folder / f"{number:05d}.parquet") as file:
+                pq.write_table(_table_of(self._new), file)
         self._new.clear()
-        self._rewrite_journal()
-
-    def _rewrite_journal(self) -> None:
-        """Leave nothing in the journal but whole lines that are in no table."""
-        lines = b"".join(json.dumps(row).encode() + b"\n" for row in self._new)
-        self._journal.seek(0)
-        if self._journal.read() != lines:
-            self._journal.seek(0)
-            self._journal.truncate()
-            self._journal.write(lines)
-            self._journal.flush()
+        # Every row of it is in a table now.
+        self._journal.truncate(0)
 
 
 @contextmanager
@@ -177,6 +172,14 @@ def read_results(
     if where is not None:
         new = new.filter(where)
     return pa.concat_tables([*parts, new.select(wanted)]).select(list(columns))
+
+
+def _ends_with_a_line(journal: BinaryIO) -> bool:
+    size = journal.seek(0, os.SEEK_END)
+    if not size:
+        return True
+    journal.seek(size - 1)
+    return journal.read(1) == b"\n"
 
 
 def _table_paths(folder: Path) -> list[Path]:

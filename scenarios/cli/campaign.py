@@ -5,8 +5,10 @@ from __future__ import annotations
 import signal
 import sys
 from collections import Counter
-from contextlib import closing
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -22,6 +24,7 @@ from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
 from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
+    from scenarios.campaigns.engines.crew import Engine
     from scenarios.campaigns.fixed import FixedSuite
     from scenarios.campaigns.flyer import Suite, Trial
 
@@ -48,8 +51,15 @@ class CampaignCfg:
     """Airframes by their names, joined by commas."""
     pilot: str = "demo"
     """Who flies: demo is ours, mueller the same with motion primitives for a planner; potential
-    goes through a potential field, straight flies straight lines without looking; or MODULE:CLASS
-    of your own, see docs/campaigns.md."""
+    goes through a potential field, straight flies straight lines without looking; MODULE:CLASS is
+    a class of your own, mavlink a program of your own over MAVLink, see docs/campaigns.md."""
+    program: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
+    """With --pilot mavlink: command that flies each trial, with its task as a line of JSON on
+    standard input. By default clients come by themselves, and each task is a line on standard
+    output."""
+    instance: int = 0
+    """With --pilot mavlink, without --program: the first worker waits on TCP port 5760 + 10 N of
+    loopback, each further one on the next such port."""
     recipe: Annotated[Path | None, default_hint("the one in docs/campaigns.md")] = None
     """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
     suite: Annotated[str | None, default_hint("none")] = None
@@ -59,9 +69,17 @@ class CampaignCfg:
     docs/recording.md; the flights are the same."""
     workers: int = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
+    engine: Literal["local", "ray"] = "local"
+    """Where the processes are: on this machine, or on a cluster of Ray (aeroscene[cluster])."""
+    ray_address: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
+    """With --engine ray: address of the cluster, such as auto or ray://HOST:10001. By default Ray
+    is started on this machine, on loopback alone, and ended afterwards."""
     patience: float = 900.0
     """Wall time for one trial in s, after which its process is ended and the trial counts as
     failed."""
+    dry_run: bool = False
+    """Fly nothing: say how many trials would be flown and, by what those in OUT have cost, how
+    long that would take."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: trials, success_rate, interval_95, phases, groups, codes, and more;
     the same as OUT/summary.json."""
@@ -72,22 +90,22 @@ def run(cfg: CampaignCfg) -> int:
     # Imported here because it is the whole simulator, which `--help` does not need.
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
+    from scenarios.campaigns.engines.crew import WorkerError  # noqa: PLC0415
+    from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
     from scenarios.campaigns.fixed import FixedSuiteError  # noqa: PLC0415
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
-    from scenarios.campaigns.workers import WorkerError  # noqa: PLC0415
 
     # SIGTERM is handled as Ctrl-C is: processes and folder are left in order.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    refusals = (
+        *(CampaignError, FixedSuiteError, StoreError, WorkerError),
+        *(PilotError, ProgramError, SceneNumbersError),
+    )
     try:
+        if cfg.dry_run:
+            return _plan(cfg)
         summary = _fly(cfg)
-    except (
-        CampaignError,
-        FixedSuiteError,
-        StoreError,
-        WorkerError,
-        PilotError,
-        SceneNumbersError,
-    ) as error:
+    except refusals as error:
         fail(_PROG, str(error))
     except OSError as error:
         fail_on_file(_PROG, error)
@@ -107,19 +125,50 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
     from scenarios.campaigns.campaign import open_campaign  # noqa: PLC0415 - see `run`
     from scenarios.campaigns.store import read_results  # noqa: PLC0415
 
-    trials = _trials(cfg)
-    with open_campaign(cfg.out, _suite(cfg)) as campaign:
+    trials, suite = _trials(cfg), _suite(cfg)
+    with open_campaign(cfg.out, suite) as campaign:
         left = campaign.left(trials)
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
         verdicts = Counter(read_results(cfg.out, ["success"])["success"].to_pylist())
-        rows = campaign.fly(left, workers=cfg.workers, patience_s=cfg.patience)
-        with closing(rows), progress_bar("", len(left), "trials") as advance:
+        with _engine(cfg, suite) as engine, progress_bar("", len(left), "trials") as advance:
+            rows = campaign.fly(left, engine, workers=cfg.workers, patience_s=cfg.patience)
             for row in rows:
                 verdicts[row["success"]] += 1
                 n_judged = verdicts[True] + verdicts[False]
                 rate = f"{verdicts[True] / n_judged:.1%}" if n_judged else "none"
                 advance(1, title=f"success so far {rate}")
         return campaign.summary()
+
+
+def _plan(cfg: CampaignCfg) -> int:
+    """Say what would be flown, and how long that would take."""
+    from scenarios.campaigns.campaign import require_same_suite  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.engines.forecast import forecast, measured_costs  # noqa: PLC0415
+    from scenarios.campaigns.store import JOURNAL, SCHEMA, read_results  # noqa: PLC0415
+
+    trials, suite = _trials(cfg), _suite(cfg)
+    suite.require_pilot()
+    require_same_suite(cfg.out, suite)
+    has_any = (cfg.out / JOURNAL).is_file()
+    table = read_results(cfg.out) if has_any else SCHEMA.empty_table()
+    done = set(table["trial_id"].to_pylist())
+    left = [trial for trial in trials if trial.id not in done]
+    costs = measured_costs(table)
+    takes = forecast(left, costs, cfg.workers) if left and costs else None
+    if cfg.json:
+        facts = {} if takes is None else asdict(takes)
+        print_json({"trials": len(trials), "to_fly": len(left), "workers": cfg.workers, **facts})
+        return EXIT_DONE
+    print(f"{len(left)} of {len(trials)} trials to fly")
+    if takes is not None:
+        wall = timedelta(seconds=round(takes.wall_seconds))
+        print(
+            f"{wall} h on {cfg.workers} workers with a core each: "
+            f"{takes.cpu_seconds / 3600:.1f} core hours, {takes.share_at_work:.1%} at work"
+        )
+    elif left:
+        print(f"How long that takes can be told when some trials have been flown in {cfg.out}")
+    return EXIT_DONE
 
 
 def _trials(cfg: CampaignCfg) -> list[Trial]:
@@ -145,7 +194,8 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
 
 
 def _suite(cfg: CampaignCfg) -> Suite:
-    from scenarios.campaigns.flyer import RECORDINGS, Recordings, Suite  # noqa: PLC0415 - see `run`
+    from flightsim.testbench import MAX_INSTANCES  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.flyer import RECORDINGS, Recordings, Suite  # noqa: PLC0415
     from scenarios.tasks.recipe import Recipe, read_recipe  # noqa: PLC0415
 
     if cfg.suite is not None:
@@ -155,7 +205,17 @@ def _suite(cfg: CampaignCfg) -> Suite:
     recordings = None
     if cfg.record != "none":
         recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
-    return Suite(recipe=recipe, pilot=cfg.pilot, recordings=recordings)
+    suite = Suite(recipe=recipe, pilot=cfg.pilot, program=cfg.program, recordings=recordings)
+    if cfg.program is not None and not suite.is_external:
+        fail(_PROG, f"program {cfg.program!r} needs --pilot mavlink; pilot is {cfg.pilot!r}")
+    if suite.is_external and cfg.program is None and cfg.engine == "ray":
+        fail(_PROG, "pilot mavlink without --program waits on loopback; valid: --engine local")
+    if cfg.ray_address is not None and cfg.engine != "ray":
+        fail(_PROG, f"ray-address {cfg.ray_address!r} needs --engine ray")
+    last = MAX_INSTANCES - cfg.workers
+    if suite.is_external and cfg.program is None and not 0 <= cfg.instance <= last:
+        fail(_PROG, f"instance {cfg.instance} is out of range; valid: 0 to {last}, by the workers")
+    return suite
 
 
 def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
@@ -166,3 +226,21 @@ def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
         if getattr(cfg, option) != getattr(CampaignCfg, option):
             fail(_PROG, f"{option} is fixed by suite {name!r}; valid: one of the two")
     return fixed_suite(name)
+
+
+@contextmanager
+def _engine(cfg: CampaignCfg, suite: Suite) -> Iterator[Engine]:
+    """What flies the suite."""
+    from scenarios.campaigns.engines.cluster import ray_engine  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.engines.local import LocalEngine  # noqa: PLC0415
+    from scenarios.campaigns.external.flight import FIRST_PORT  # noqa: PLC0415
+
+    if cfg.engine == "ray":
+        with ray_engine(suite, cfg.patience, cfg.workers, cfg.ray_address) as engine:
+            yield engine
+        return
+    port = FIRST_PORT + 10 * cfg.instance
+    waits = suite.is_external and suite.program is None
+    if waits:
+        sys.stderr.write(f"{_PROG}: clients are awaited from tcp:127.0.0.1:{port} on\n")
+    yield LocalEngine(suite, cfg.patience, port if waits else None)

@@ -61,6 +61,7 @@ def run(cfg: FlyCfg) -> int:
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
+    from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
     from scenarios.campaigns.flyer import RECORDINGS, Flyer, Recordings, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
@@ -74,9 +75,9 @@ def run(cfg: FlyCfg) -> int:
         suite, is_campaigns = _suite(cfg)
         before = row_of(cfg.out, trial) if is_campaigns else None
         recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
-        with Flyer(replace(suite, recordings=recordings)) as flyer:
+        with Flyer(replace(suite, recordings=recordings), shows_program=True) as flyer:
             row = flyer.fly(trial)
-    except (CampaignError, StoreError, PilotError) as error:
+    except (CampaignError, StoreError, PilotError, ProgramError) as error:
         fail(_PROG, str(error))
     except OSError as error:
         fail_on_file(_PROG, error)

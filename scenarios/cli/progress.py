@@ -31,7 +31,9 @@ class _Rate(ProgressColumn):
 
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
-        return Text("" if speed is None else f"{speed:.1f} {task.fields['unit']}/s")
+        if speed is None:
+            return Text("")
+        return Text(f"{speed:.{1 if speed >= 1.0 else 2}f} {task.fields['unit']}/s")
 
 
 @contextmanager

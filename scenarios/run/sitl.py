@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +15,7 @@ from aeroscene.scene import Scene, SceneError
 from flightsim.environment.effects import EffectError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
-from flightsim.mavlink.links import LinkError
+from flightsim.mavlink.links import Link, LinkError
 from flightsim.sensors.cameras import CameraError, Cameras
 from flightsim.testbench import Testbench, TestbenchError
 from flightsim.vehicles import Airframe, AirframeError, airframe_by_name
@@ -75,6 +75,7 @@ class Sitl:
         airframe: Airframe | None = None,
         pilot: Callable[[Aboard], Companion] | None = None,
         has_network: bool = True,
+        links: Sequence[Link] = (),
         hangar: Hangar | None = None,
     ) -> None:
         """Open every part of the run, or none.
@@ -85,6 +86,7 @@ class Sitl:
             airframe: A vehicle of one's own, instead of the one that the configuration names.
             pilot: Makes a pilot of one's own, which flies instead of ours.
             has_network: Whether clients outside this process can connect.
+            links: MAVLink links of one's own besides.
             hangar: Keeps what runs of this process share; None keeps it for this run alone.
 
         Raises:
@@ -105,7 +107,9 @@ class Sitl:
                 scene = with_start(scene, airframe, cfg.start)
             name = cfg.area
             self.area = None if name is None else find_area(scene, airframe, name, "area")
-            bench = Testbench(scene, cfg.bench, airframe=airframe, has_network=has_network)
+            bench = Testbench(
+                scene, cfg.bench, airframe=airframe, has_network=has_network, extra_links=links
+            )
             self.bench = stack.enter_context(bench)
             self.log = FlightLog(bench.plant, is_judged=cfg.demo or pilot is not None)
             bench.observers.append(self.log.on_tick)

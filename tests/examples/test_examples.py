@@ -2,6 +2,7 @@
 
 import ast
 import json
+import shlex
 import socket
 import subprocess
 import sys
@@ -10,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scenarios.campaigns.flyer import Flyer, Suite, Trial
+from scenarios.tasks.recipe import Recipe
 from tests.clients.conftest import testbench  # noqa: F401 - a fixture
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -55,6 +58,16 @@ def test_a_pilot_of_ones_own_lands_where_it_said():
     result = load("own_pilot")["main"]()
     assert result.success, result.reason
     assert result.touchdown_error_m < 0.5
+
+
+def test_a_program_outside_is_scored_and_repeats_its_flight_to_the_bit():
+    program = shlex.join([sys.executable, str(EXAMPLES / ("scored_mavlink" + ".py"))])
+    suite = Suite(recipe=Recipe(wind_mps=(0.0, 0.0)), pilot="mavlink", program=program)
+    with Flyer(suite, patience_s=100.0) as flyer:
+        first, again = (flyer.fly(Trial("field", "iris", 0)) for _ in range(2))
+    assert first["code"] == "landed", first["reason"]
+    assert first["touchdown_error_m"] < 0.5
+    assert first["state_hash"] == again["state_hash"]
 
 
 def test_a_controller_of_ones_own_keeps_to_its_circle():

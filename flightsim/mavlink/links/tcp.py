@@ -79,7 +79,7 @@ class TcpServerLink:
         """Prepare a link.
 
         Args:
-            port: Port to listen on.
+            port: Port to listen on; 0 takes any that is free.
             profile: Default stream rates.
             bind_address: Address to listen on.
             is_lockstep: Whether protocol timeouts run in simulated time.
@@ -94,6 +94,11 @@ class TcpServerLink:
         self._connections: list[_Connection] = []
         self._is_full_told = False
         """Whether it was said, since the last who was welcome, that others are turned away."""
+
+    @property
+    def port(self) -> int:
+        """Port that it listens on, once open: the one that was free where 0 was asked for."""
+        return self._local[1] if self._listener is None else self._listener.getsockname()[1]
 
     @property
     def channels(self) -> Sequence[Channel]:

@@ -2,9 +2,14 @@
 
 import os
 import signal
+import sys
 import time
 from pathlib import Path
 
+import numpy as np
+
+from aeroscene.scene import SceneError
+from flightsim.world import WorldError
 from scenarios import Verdict
 
 
@@ -38,6 +43,36 @@ class Raising(Idle):
 class Hanging(Idle):
     def update(self, _):
         time.sleep(600)
+
+
+class Leaving(Idle):
+    def update(self, _):
+        os._exit(0)
+
+
+class Troubled(Idle):
+    """With an Iris it takes memory without end, with a Hummingbird it talks and then ends."""
+
+    def update(self, _):
+        if self.vehicle == "iris":
+            machine_bytes = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+            hoard = [np.empty(1 << 28, np.uint8) for _ in range(2 * machine_bytes >> 28)]
+            assert hoard
+        sys.stdout.write("blah " * (1 << 20))
+        sys.exit("enough")
+
+    def __init__(self, aboard):
+        super().__init__(aboard)
+        self.vehicle = aboard.airframe.name
+
+
+class RaisingOurs(Idle):
+    """Raises what the testbench raises where a scene has no task, or a machine cannot fly."""
+
+    errors = iter((WorldError("mine"), SceneError("mine")))
+
+    def update(self, _):
+        raise next(self.errors)
 
 
 class Dying(Idle):

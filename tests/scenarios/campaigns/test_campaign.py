@@ -9,7 +9,9 @@ import time
 
 import pytest
 
-from scenarios.campaigns.store import JOURNAL, TABLES, read_results
+from scenarios.campaigns.campaign import open_campaign
+from scenarios.campaigns.flyer import Suite, Trial, blank_row
+from scenarios.campaigns.store import JOURNAL, TABLES, open_store, read_results
 from scenarios.recording.summary import summarise
 from tests.scenarios.in_process import in_process
 
@@ -110,6 +112,11 @@ def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, c
         (("--scenes", "2000"), "scenes '2000' has no scene 2000; valid: 0:1016"),
         (("--vehicles", "iris,boat"), "'boat'"),
         (("--pilot", "nobody"), "pilot is 'nobody', valid: demo, mueller, potential, straight"),
+        (("--pilot", "mavlink", "--program", "nobody"), "program 'nobody' is not there; valid: "),
+        (("--program", "python x.py"), "program 'python x.py' needs --pilot mavlink"),
+        (("--pilot", "mavlink", "--engine", "ray"), "waits on loopback; valid: --engine local"),
+        (("--pilot", "mavlink", "--instance", "100"), "instance 100 is out of range; valid: 0 to"),
+        (("--ray-address", "auto"), "ray-address 'auto' needs --engine ray"),
         (("--recipe", "none.toml"), "recipe 'none.toml': No such file"),
         (("--out", "/proc/none"), "file '/proc/none': no such file or directory"),
     ],
@@ -120,6 +127,37 @@ def test_bad_input_is_one_line_and_status_2(tmp_path, capsys, args, says):
     assert err.count("\n") == 1
     assert err.startswith("aeroscene campaign: error: ")
     assert says in err
+
+
+def test_without_ray_its_engine_is_refused_in_a_line(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    args = ("--out", tmp_path / "out", "--trials", "1", "--engine", "ray", "--pilot", "straight")
+    status, out, err = in_process(capsys, "campaign", *args)
+    assert (status, out) == (2, "")
+    assert "needs ray, which is not installed: pip install 'aeroscene[cluster]'" in err
+
+
+def test_a_dry_run_tells_what_is_left_and_writes_nothing(tmp_path, capsys):
+    args = ("campaign", "--out", tmp_path / "out", "--scenes", "7", "--trials", "4", "--dry-run")
+    status, out, _ = in_process(capsys, *args)
+    assert status == 0
+    assert out.startswith("8 of 8 trials to fly\nHow long that takes can be told when")
+    assert not (tmp_path / "out").exists()
+    with open_campaign(tmp_path / "out", Suite()):
+        pass
+    with open_store(tmp_path / "out") as results:
+        for number, cost_s in enumerate((7.0, 2.0)):
+            trial = Trial("7", "iris", number)
+            results.add(blank_row(trial) | {"trial_cpu_seconds": cost_s})
+    status, out, _ = in_process(capsys, *args, "--workers", "2", "--json")
+    plan = json.loads(out)
+    assert (status, plan["trials"], plan["to_fly"]) == (0, 8, 6)
+    # Two workers start in 3 s; 7 s for a trial that opens scene and vehicle, 2 s for the others.
+    assert plan["cpu_seconds"] == 2 * 3 + 7 * plan["openings"] + 2 * (6 - plan["openings"])
+    assert plan["cpu_seconds"] / 2 <= plan["wall_seconds"] < plan["cpu_seconds"]
+    status, _, err = in_process(capsys, *args, "--pilot", "straight")
+    assert status == 2
+    assert "holds a campaign with pilot 'demo' instead of 'straight'" in err
 
 
 def test_fly_and_report_refuse_what_is_not_there(tmp_path, capsys):

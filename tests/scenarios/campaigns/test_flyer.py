@@ -79,6 +79,13 @@ def test_a_trial_without_a_flight_says_why():
     assert "joins no start to a perching area" in row["reason"]
 
 
+def test_what_a_pilot_raises_is_its_own_fault_whatever_it_is():
+    with Flyer(Suite(pilot=f"{STUBS}:RaisingOurs")) as flyer:
+        rows = [flyer.fly(Trial("field", "iris", 0)) for _ in range(2)]
+    assert [row["code"] for row in rows] == ["raised", "raised"]
+    assert [row["reason"] for row in rows] == ["WorldError: mine", "SceneError: mine"]
+
+
 def test_a_pilot_is_judged_by_the_assigned_area():
     with Flyer(Suite(pilot=f"{STUBS}:Idle")) as flyer:
         row = flyer.fly(Trial("field", "iris", 0))

@@ -1,5 +1,11 @@
 """Results on disk: nothing lost, nothing twice, whatever ends the process."""
 
+import os
+import random
+import resource
+import signal
+import time
+
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
@@ -60,6 +66,84 @@ def test_a_journal_that_was_cut_short_loses_its_last_line_alone(tmp_path):
         assert results.done == {"a", "b"}
         results.add(row(1))
     assert ids(tmp_path) == ["a", "b", "7/iris/1"]
+
+
+def test_a_full_disk_loses_no_row_that_was_kept(tmp_path):
+    kept = []
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def fill():
+        with open_store(tmp_path) as results:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3000, hard))
+            for number in range(1000):
+                results.add(row(number))
+                kept.append(f"7/iris/{number}")
+
+    try:
+        with pytest.raises(OSError, match="too large"):
+            fill()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert 5 < len(kept) < 1000
+    assert ids(tmp_path) == kept
+    with open_store(tmp_path) as results:
+        results.add(row(len(kept)))
+    assert ids(tmp_path) == [*kept, f"7/iris/{len(kept)}"]
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_killed_at_twenty_moments_it_has_every_row_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(store, "ROWS_A_TABLE", 7)
+    wanted = [f"7/iris/{n}" for n in range(4000)]
+    draw, n_kills, n_before = random.Random(0), 0, 0
+
+    def present():
+        return (tmp_path / JOURNAL).stat().st_size, len(list((tmp_path / TABLES).iterdir()))
+
+    while n_kills < 20:
+        was_present = present() if n_kills else None
+        told, tell = os.pipe()
+        pid = os.fork()
+        if not pid:
+            with open_store(tmp_path) as results:
+                for number, trial in enumerate(wanted):
+                    if trial not in results.done:
+                        results.add(row(number))
+                        os.write(tell, f"{trial}\n".encode())
+            os._exit(0)
+        os.close(tell)
+        # From its first new row on, else a slow machine would not come to write any.
+        while n_kills and present() == was_present:
+            time.sleep(0.001)
+        time.sleep(draw.uniform(0.0, 0.03))
+        os.kill(pid, signal.SIGKILL)
+        status = os.waitpid(pid, 0)[1]
+        assert os.WIFSIGNALED(status), "it ended before it was killed"
+        n_kills += 1
+        with os.fdopen(told) as pipe:
+            kept = pipe.read().split()
+        found = ids(tmp_path) if (tmp_path / JOURNAL).exists() else []
+        assert set(kept) <= set(found)
+        assert len(found) >= n_before
+        n_before = len(found)
+    assert n_before > 10
+    with open_store(tmp_path) as results:
+        for number, trial in enumerate(wanted[: n_before + 30]):
+            if trial not in results.done:
+                results.add(row(number))
+    assert sorted(ids(tmp_path)) == sorted(wanted[: n_before + 30])
+
+
+def test_opening_rewrites_nothing(tmp_path, monkeypatch):
+    """Whoever is killed while it opens a folder must find all rows again."""
+    with open_store(tmp_path):
+        pass
+    written = b'{"trial_id": "a"}\n{"trial_id": "b'
+    (tmp_path / JOURNAL).write_bytes(written)
+    monkeypatch.setattr(store.Store, "fold", lambda _: None)
+    with open_store(tmp_path):
+        pass
+    assert (tmp_path / JOURNAL).read_bytes() == written + b"\n"
 
 
 def test_a_row_in_table_and_journal_counts_once(tmp_path):

@@ -1,31 +1,23 @@
 """Processes that fly: none of what a pilot does to one stops the campaign."""
 
 import multiprocessing
+import sys
 
 import pytest
 
+from scenarios.campaigns.engines.crew import Crew, WorkerError
+from scenarios.campaigns.engines.local import LocalEngine
 from scenarios.campaigns.flyer import Suite, Trial
-from scenarios.campaigns.workers import WorkerError, Workers, in_blocks
 
 pytestmark = pytest.mark.timeout(600)
 STUBS = "tests.scenarios.campaigns.stub_pilots"
 TWO = [Trial("field", "iris", 0), Trial("field", "hummingbird", 0)]
 
 
-def rows_of(pilot, trials=TWO, n_workers=1, patience_s=100.0):
-    with Workers(Suite(pilot=f"{STUBS}:{pilot}"), n_workers, patience_s) as workers:
-        return {row["trial_id"]: row for row in workers.fly(trials)}
-
-
-def test_blocks_hold_every_trial_once_and_one_scene_each():
-    trials = [
-        Trial(scene, vehicle, n) for scene in "12" for vehicle in ("a", "b") for n in range(30)
-    ]
-    for n_workers in (1, 2, 7):
-        blocks = in_blocks(trials, n_workers)
-        assert [trial for block in blocks for trial in block] == trials
-        assert all(len({trial[:2] for trial in block}) == 1 for block in blocks)
-        assert len(blocks) >= n_workers
+def rows_of(pilot, trials=TWO, n_workers=1, patience_s=500.0):
+    engine = LocalEngine(Suite(pilot=f"{STUBS}:{pilot}"), patience_s)
+    with Crew(engine, n_workers, patience_s) as crew:
+        return {row["trial_id"]: row for row in crew.fly(trials)}
 
 
 def test_two_processes_fly_what_one_flies():
@@ -40,7 +32,21 @@ def test_two_processes_fly_what_one_flies():
 def test_a_pilot_that_ends_its_process_fails_after_another_try():
     rows = rows_of("Dying", TWO[:1])
     assert [row["code"] for row in rows.values()] == ["died"]
-    assert rows["field/iris/0"]["reason"] == "its process ended with -9, 2 times"
+    assert rows["field/iris/0"]["reason"] == "its process ended with -9, twice"
+
+
+def test_a_pilot_that_leaves_politely_has_failed_too():
+    rows = rows_of("Leaving", TWO[:1])
+    assert rows["field/iris/0"]["reason"] == "its process ended with 0, twice"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no bound on memory there")
+def test_a_pilot_that_floods_memory_or_output_harms_nobody(capfd):
+    rows = rows_of("Troubled")
+    assert [row["code"] for row in rows.values()] == ["raised", "raised"]
+    assert "MemoryError" in rows["field/iris/0"]["reason"]
+    assert rows["field/hummingbird/0"]["reason"] == "SystemExit: enough"
+    assert "blah" not in capfd.readouterr().out
 
 
 def test_a_process_that_ends_once_costs_nothing(tmp_path, monkeypatch):

@@ -1,0 +1,32 @@
+"""What a process that flies trials does before it flies: bound its memory, hush its pilot."""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+
+_LEAST_MEMORY_BYTES = 4 << 30
+
+
+def begin_work(pilot: str) -> None:
+    """Prepare this process for the pilots of others.
+
+    A pilot that takes more memory than its share of the machine gets a `MemoryError`, where the
+    system can see to that (Linux). What a class of a user's prints is not shown: it could be
+    without end, or meet the JSON of the campaign; `aeroscene fly` shows it.
+
+    Args:
+        pilot: Name of the pilot.
+    """
+    if sys.platform == "linux":
+        machine_bytes = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        most = max(_LEAST_MEMORY_BYTES, machine_bytes // (os.cpu_count() or 1))
+        _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+        if hard == resource.RLIM_INFINITY or most < hard:
+            resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
+    if ":" in pilot:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        for output in (1, 2):
+            os.dup2(nowhere, output)
+        os.close(nowhere)

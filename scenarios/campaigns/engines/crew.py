@@ -1,0 +1,203 @@
+"""Workers that fly trials: each stays warm, and one that dies or hangs costs only its trial.
+
+Where the workers are is the engine's: processes of this machine, a cluster, or a model of either.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Protocol, Self
+
+from scenarios.campaigns.engines.schedule import Schedule
+from scenarios.campaigns.flyer import Mishap, Row, Trial, blank_row, failure
+
+_GRACE_S = 3.0
+"""Time beyond the patience, in which a worker ends a trial of a program by itself."""
+_READY_S = 600.0
+"""Time in which the first worker must be ready to fly."""
+_MOST_STILLBORN = 3
+"""Workers that end before they fly, one after the other, until the campaign does."""
+_LOOK_S = 1.0
+"""Time after which the crew looks for workers that hang."""
+
+
+class WorkerError(RuntimeError):
+    """No trial can be flown; one line says why."""
+
+
+class GoneError(Exception):
+    """A worker has ended; the message says how."""
+
+
+class Worker(Protocol):
+    """Process that flies one trial after another, somewhere."""
+
+    def give(self, trial: Trial) -> None:
+        """Have it fly a trial; what has become of the worker is found out when it is heard."""
+        ...
+
+    def hear(self) -> Row | None:
+        """Take what it says: first None, when it is ready, then the row of each trial.
+
+        Raises:
+            GoneError: If it has ended.
+            WorkerError: If it cannot fly at all.
+        """
+        ...
+
+    def end(self) -> None:
+        """End it at once, with whatever it has started."""
+        ...
+
+
+class Engine(Protocol):
+    """Hires workers."""
+
+    def hire(self) -> Worker:
+        """Start a worker."""
+        ...
+
+    def wait(self, timeout_s: float, /) -> Sequence[Worker]:
+        """Workers that have something to say; waits for the first at most that long."""
+        ...
+
+
+@dataclass(eq=False)
+class _Post:
+    """What a worker is at."""
+
+    since_s: float
+    """When it began that."""
+    is_ready: bool = False
+    trial: Trial | None = None
+    """The trial in the air."""
+    last: Trial | None = None
+    """The trial before it."""
+
+
+class Crew:
+    """Workers of an engine; leaving it ends them."""
+
+    def __init__(
+        self,
+        engine: Engine,
+        n_workers: int,
+        patience_s: float,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Start nothing yet.
+
+        Args:
+            engine: Where the workers come from.
+            n_workers: Number of workers.
+            patience_s: Time for one trial, after which its worker is ended.
+            clock: Time in s.
+        """
+        self._engine = engine
+        self._n_workers = n_workers
+        self._patience_s = patience_s
+        self._clock = clock
+        self._posts: dict[Worker, _Post] = {}
+        self._schedule = Schedule(())
+        self._has_begun = False
+        """Whether any worker was ready to fly."""
+        self._n_stillborn = 0
+        """Workers that have ended before they flew, since one was heard last."""
+
+    def fly(self, trials: Sequence[Trial]) -> Iterator[Row]:
+        """Rows of all trials, in the order in which they end.
+
+        Raises:
+            WorkerError: If a worker says that it cannot fly at all, or none gets ready.
+        """
+        self._schedule = Schedule(trials)
+        looked_s = self._clock()
+        while self._employ():
+            for worker in self._engine.wait(_LOOK_S):
+                row = self._hear(worker)
+                if row is not None:
+                    yield row
+            if self._clock() - looked_s >= _LOOK_S:
+                looked_s = self._clock()
+                yield from self._give_up()
+
+    def _employ(self) -> bool:
+        """Give everybody something to do, and let go whom nothing is left for.
+
+        Returns:
+            Whether anybody is still at work.
+        """
+        schedule, posts = self._schedule, self._posts
+        n_idle = sum(post.trial is None for post in posts.values())
+        while n_idle < schedule.n_left and len(posts) < self._n_workers:
+            posts[self._engine.hire()] = _Post(self._clock())
+            n_idle += 1
+        for worker, post in list(posts.items()) if n_idle else ():
+            if post.trial is not None:
+                continue
+            if post.is_ready and (trial := schedule.next(post.last)) is not None:
+                post.trial, post.since_s = trial, self._clock()
+                worker.give(trial)
+            elif not schedule.n_left:
+                self._dismiss(worker)
+        return bool(posts)
+
+    def _hear(self, worker: Worker) -> Row | None:
+        """Take what a worker says: a row, or nothing for one that is ready or gone."""
+        post = self._posts[worker]
+        try:
+            row = worker.hear()
+        except GoneError as error:
+            return self._bury(worker, str(error))
+        post.is_ready = self._has_begun = True
+        self._n_stillborn = 0
+        post.last, post.trial = post.trial, None
+        return row
+
+    def _bury(self, worker: Worker, how: str) -> Row | None:
+        """Have others fly what a dead worker has not; a trial that kills again has failed."""
+        trial = self._dismiss(worker).trial
+        if trial is None:
+            self._n_stillborn += 1
+            if self._n_stillborn >= _MOST_STILLBORN:
+                raise WorkerError(f"{_MOST_STILLBORN} workers ended before they flew: {how}")
+            return None
+        if self._schedule.give_back(trial):
+            return None
+        return blank_row(trial) | failure(Mishap.DIED, f"{how}, twice")
+
+    def _give_up(self) -> Iterator[Row]:
+        """Rows of the trials that take too long; their workers are ended.
+
+        Raises:
+            WorkerError: If no worker gets ready.
+        """
+        for worker, post in list(self._posts.items()):
+            waited_s = self._clock() - post.since_s
+            if post.trial is not None and waited_s > self._patience_s + _GRACE_S:
+                self._dismiss(worker)
+                self._schedule.abandon(post.trial)
+                reason = f"no end in {self._patience_s:g} s"
+                yield blank_row(post.trial) | failure(Mishap.HUNG, reason)
+            elif not self._has_begun and waited_s > _READY_S:
+                raise WorkerError(f"no worker was ready to fly within {_READY_S:g} s")
+
+    def _dismiss(self, worker: Worker) -> _Post:
+        worker.end()
+        return self._posts.pop(worker)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End all workers."""
+        while self._posts:
+            self._dismiss(next(iter(self._posts)))

@@ -1,0 +1,151 @@
+"""Workers that are processes of this machine."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from typing import Any
+
+from aeroscene.processes import without_interrupts
+from scenarios.campaigns.engines.at_work import begin_work
+from scenarios.campaigns.engines.crew import GoneError, WorkerError
+from scenarios.campaigns.external.program import end_program
+from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
+
+_READY = "ready"
+_FAREWELL_S = 5.0
+"""Time for a process to end its program in, before it is killed."""
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What a process is told when it starts."""
+
+    suite: Suite
+    patience_s: float
+    port: int | None
+    """Port on which its pilots call, where they come by themselves."""
+
+
+class _LocalWorker:
+    """One process, and a link to it."""
+
+    def __init__(self, number: int, job: _Job) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.number = number
+        self.link, theirs = context.Pipe()
+        self._process = context.Process(target=_work, args=(theirs, job), daemon=True)
+        with without_interrupts():
+            self._process.start()
+        theirs.close()
+
+    def give(self, trial: Trial) -> None:
+        # If it has died, whoever reads from it finds that out.
+        with contextlib.suppress(OSError):
+            self.link.send(trial)
+
+    def hear(self) -> Row | None:
+        try:
+            said: Any = self.link.recv()
+        except (EOFError, OSError):
+            self._process.join(_FAREWELL_S)
+            raise GoneError(f"its process ended with {self._process.exitcode}") from None
+        if isinstance(said, WorkerError):
+            raise said
+        return None if said == _READY else said
+
+    def end(self) -> None:
+        self._process.terminate()
+        self._process.join(_FAREWELL_S)
+        self._process.kill()
+        self._process.join()
+        self.link.close()
+
+
+class LocalEngine:
+    """Processes of this machine, spawned: each takes two seconds to start."""
+
+    def __init__(self, suite: Suite, patience_s: float, first_port: int | None = None) -> None:
+        """Start nothing yet.
+
+        Args:
+            suite: What the workers fly.
+            patience_s: Wall time for one trial.
+            first_port: Port on which the first worker waits for pilots that come by themselves;
+                that of the next one is 10 higher.
+        """
+        self._suite = suite
+        self._patience_s = patience_s
+        self._first_port = first_port
+        self._hired: list[_LocalWorker] = []
+        """Those that have not been ended, and perhaps some that have."""
+
+    def hire(self) -> _LocalWorker:
+        """Start a worker, with the first number that is free."""
+        taken = {worker.number for worker in self._present()}
+        number = next(n for n in range(len(taken) + 1) if n not in taken)
+        port = None if self._first_port is None else self._first_port + 10 * number
+        worker = _LocalWorker(number, _Job(self._suite, self._patience_s, port))
+        self._hired.append(worker)
+        return worker
+
+    def wait(self, timeout_s: float) -> Sequence[_LocalWorker]:
+        """Workers that have something to say; waits for the first at most that long."""
+        present = self._present()
+        ready = wait([worker.link for worker in present], timeout_s)
+        return [worker for worker in present if worker.link in ready]
+
+    def _present(self) -> list[_LocalWorker]:
+        self._hired = [worker for worker in self._hired if not worker.link.closed]
+        return self._hired
+
+
+class _ToldToEnd(BaseException):
+    """SIGTERM has come, or the parent is gone."""
+
+
+def _work(link: Connection[Any, Any], job: _Job) -> None:
+    """Fly the trials that come over a link, until it is closed."""
+    try:
+        _end_when_told()
+        begin_work(job.suite.pilot)
+        with Flyer(job.suite, patience_s=job.patience_s, port=job.port) as flyer:
+            link.send(_READY)
+            while True:
+                link.send(flyer.fly(link.recv()))
+    except (EOFError, _ToldToEnd):
+        return
+    except Exception as error:  # noqa: BLE001 - whatever it is, the parent says it
+        link.send(WorkerError(" ".join(str(error).split()) or type(error).__name__))
+
+
+def _end_when_told() -> None:
+    """End this process, and the program that flies for it, with SIGTERM and with the parent."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def leave(*_: object) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise _ToldToEnd
+
+    def watch() -> None:
+        parent.join()
+        os.kill(os.getpid(), signal.SIGTERM)
+        # A pilot may swallow whatever is raised.
+        time.sleep(_FAREWELL_S)
+        end_program()
+        os._exit(1)
+
+    signal.signal(signal.SIGTERM, leave)
+    # Ctrl-C is the parent's to handle.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # `without_interrupts` of the parent is inherited.
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+    threading.Thread(target=watch, daemon=True).start()

@@ -1,0 +1,1 @@
+"""Pilots that are not ours: users' classes, and programs that fly over MAVLink."""

@@ -1,0 +1,62 @@
+"""A user's class as a pilot: what it raises is told apart from the testbench's own errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from aeroscene.scene import InteractionArea
+from flightsim.sensors.cameras import CameraError
+from scenarios.baselines.named import MakePilot
+from scenarios.run.companion import Aboard, Companion
+from scenarios.trials.verdict import Word
+
+
+class PilotFaultError(Exception):
+    """A pilot has raised the cause of this."""
+
+
+class UserPilot:
+    """A `scenarios.Companion` around another one.
+
+    What that one raises is the cause of a `PilotFaultError`, except a `CameraError`: then this
+    machine has no camera to look through.
+    """
+
+    def __init__(self, make: MakePilot, aboard: Aboard) -> None:
+        self._pilot: Companion = _blaming(make, aboard)
+
+    @property
+    def area(self) -> InteractionArea | None:
+        """Area that it wants to land on."""
+        return _blaming(getattr, self._pilot, "area")
+
+    @property
+    def is_done(self) -> bool:
+        """Whether it says that the flight is over."""
+        return _blaming(getattr, self._pilot, "is_done")
+
+    @property
+    def verdict(self) -> Word:
+        """What it says of the flight."""
+        return _blaming(getattr, self._pilot, "verdict")
+
+    @property
+    def planned_enu_m(self) -> ArrayLike | None:
+        """Way that it plans to fly, if it says so."""
+        return _blaming(getattr, self._pilot, "planned_enu_m", None)
+
+    def update(self, time_us: int) -> None:
+        """Let it decide and send."""
+        _blaming(self._pilot.update, time_us)
+
+
+def _blaming(function: Callable[..., Any], *arguments: Any) -> Any:
+    try:
+        return function(*arguments)
+    except CameraError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise PilotFaultError from error
