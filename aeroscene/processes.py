@@ -85,6 +85,7 @@ class Workers(Generic[_T, _R]):
         self._executor = ProcessPoolExecutor(
             jobs, multiprocessing.get_context("spawn"), initializer=_begin, initargs=(function,)
         )
+        self._results: Any = self._executor._result_queue
         self._pending: deque[Future[_R]] = deque()
         try:
             for _ in range(ahead):
@@ -129,7 +130,6 @@ class Workers(Generic[_T, _R]):
 
     def close(self) -> None:
         """End the processes, in half a second at most; results that were not taken are lost."""
-        # Not at once: a process that is killed while it hands over a result leaves half of it.
         patience = threading.Timer(_PATIENCE_S, self._kill)
         patience.start()
         self._executor.shutdown(wait=True, cancel_futures=True)
@@ -139,6 +139,9 @@ class Workers(Generic[_T, _R]):
         for process in set(multiprocessing.active_children()) - self._not_ours:
             # Not terminate: what they are asked by SIGTERM they leave to the parent.
             process.kill()
+        # One that is killed while it hands over a result leaves half of it, and the executor would
+        # wait for the rest as long as this process, too, could write it.
+        self._results._writer.close()
 
     def _submit(self) -> None:
         for item in self._items:

@@ -10,6 +10,7 @@ from itertools import count
 
 import pytest
 
+from aeroscene import processes
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.processes import WorkerDiedError, Workers, default_jobs, run_all
 
@@ -64,6 +65,18 @@ def test_leaving_early_ends_though_the_function_is_large():
     """More than a pipe holds, for every item that waits."""
     with Workers(partial(long_of, "x" * 200_000), count(), 2, 20) as results:
         assert next(results) == 200_000
+    assert multiprocessing.active_children() == []
+
+
+def large(_number):
+    return bytes(50_000_000)
+
+
+@pytest.mark.timeout(60)
+def test_leaving_ends_where_a_process_is_killed_while_it_hands_over_a_result(monkeypatch):
+    monkeypatch.setattr(processes, "_PATIENCE_S", 0.02)
+    with Workers(large, count(), 2, 6) as results:
+        next(results)
     assert multiprocessing.active_children() == []
 
 
