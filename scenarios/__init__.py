@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from scenarios.recording.summary import RecordingSummary, summarise
     from scenarios.run.cfg import SitlCfg
     from scenarios.run.companion import Aboard, Companion
-    from scenarios.run.sitl import INPUT_ERRORS, Sitl
+    from scenarios.run.input_errors import INPUT_ERRORS
+    from scenarios.run.sitl import Sitl
     from scenarios.trials.result import TrialResult
     from scenarios.trials.verdict import Verdict
 else:

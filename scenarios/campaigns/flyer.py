@@ -28,8 +28,9 @@ from scenarios.campaigns.external.program import words_of
 from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
+from scenarios.run.input_errors import INPUT_ERRORS
 from scenarios.run.levels import RecordLevel
-from scenarios.run.sitl import INPUT_ERRORS, Sitl
+from scenarios.run.sitl import Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
 from scenarios.tasks.task import Task, trial_id

@@ -62,7 +62,7 @@ def execute(
     except Exception as error:
         # Imported here because it is the whole simulator: a second that other commands do not
         # spend.
-        from scenarios.run.sitl import INPUT_ERRORS  # noqa: PLC0415
+        from scenarios.run.input_errors import INPUT_ERRORS  # noqa: PLC0415
 
         if isinstance(error, INPUT_ERRORS):
             fail(prog, str(error))

@@ -54,7 +54,8 @@ def fly(scene: Scene, pilot: NamedPilot) -> Flight:
     from flightsim.testbench import TestbenchCfg  # noqa: PLC0415
     from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
     from scenarios.run.cfg import SitlCfg  # noqa: PLC0415
-    from scenarios.run.sitl import INPUT_ERRORS, Sitl  # noqa: PLC0415
+    from scenarios.run.input_errors import INPUT_ERRORS  # noqa: PLC0415
+    from scenarios.run.sitl import Sitl  # noqa: PLC0415
 
     cfg = pilot.brief(SitlCfg(bench=TestbenchCfg(vehicle="iris", speed="max")))
     try:

@@ -11,15 +11,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from aeroscene.scene import Scene, SceneError
-from flightsim.environment.effects import EffectError
-from flightsim.environment.traffic import TrafficError
-from flightsim.environment.wind import WindError
-from flightsim.mavlink.links import Link, LinkError
-from flightsim.sensors.cameras import CameraError, Cameras
+from aeroscene.scene import Scene
+from flightsim.mavlink.links import Link
+from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench, TestbenchError
-from flightsim.vehicles import Airframe, AirframeError, airframe_by_name
-from flightsim.world import WorldError
+from flightsim.vehicles import Airframe, airframe_by_name
 from scenarios.mission.goals import find_area, with_start
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.hangar import Hangar
@@ -38,19 +34,6 @@ if TYPE_CHECKING:
     from scenarios.run.companion import Aboard, Companion
 
 _LOG = logging.getLogger(__name__)
-
-INPUT_ERRORS = (
-    SceneError,
-    AirframeError,
-    WorldError,
-    EffectError,
-    WindError,
-    TrafficError,
-    LinkError,
-    CameraError,
-    TestbenchError,
-)
-"""Errors of a run whose input or machine does not allow it; each has a message of one line."""
 
 
 class Sitl:

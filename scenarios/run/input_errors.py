@@ -1,0 +1,26 @@
+"""Errors of what a run was asked for, which are the user's to mend."""
+
+from __future__ import annotations
+
+from aeroscene.scene import SceneError
+from flightsim.environment.effects import EffectError
+from flightsim.environment.traffic import TrafficError
+from flightsim.environment.wind import WindError
+from flightsim.mavlink.links import LinkError
+from flightsim.sensors.cameras import CameraError
+from flightsim.testbench import TestbenchError
+from flightsim.vehicles import AirframeError
+from flightsim.world import WorldError
+
+INPUT_ERRORS = (
+    SceneError,
+    AirframeError,
+    WorldError,
+    EffectError,
+    WindError,
+    TrafficError,
+    LinkError,
+    CameraError,
+    TestbenchError,
+)
+"""Errors of a run whose input or machine does not allow it; each has a message of one line."""
