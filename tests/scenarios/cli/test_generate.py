@@ -239,10 +239,7 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
         (("--difficulty", "dire"), "difficulty 'dire' is not valid; valid: "),
         (("--of", 3), "of is 3 without --worst-for, valid: --worst-for demo"),
         (("--worst-for", "demo", "--of", 2, "--count", 3), "of is 2, valid: 3 to"),
-        (
-            ("--worst-for", "nobody"),
-            "worst-for is 'nobody', valid: demo, straight, or MODULE:CLASS",
-        ),
+        (("--worst-for", "nobody"), "worst-for is 'nobody', valid: demo, mueller, potential, "),
         (("--worst-for", "demo", "--progress", "a.png"), "beside --worst-for"),
         (("--outline", "60"), "outline is '60', valid: EAST,NORTH"),
         (("--outline", "3,60"), "outline is 3.0, valid: 15 to 150"),
