@@ -13,7 +13,6 @@ from collections import OrderedDict
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from aeroscene import __version__
@@ -26,10 +25,10 @@ from scenarios.campaigns.external.flight import ExternalFlights
 from scenarios.campaigns.external.pilot import CrashedError, SilentError
 from scenarios.campaigns.external.program import words_of
 from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
+from scenarios.campaigns.recordings import Recordings
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
 from scenarios.run.input_errors import INPUT_ERRORS
-from scenarios.run.levels import RecordLevel
 from scenarios.run.sitl import Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
@@ -43,8 +42,6 @@ Row = dict[str, Any]
 EXTERNAL = "mavlink"
 """Name of a pilot outside this process."""
 _KEPT_SAMPLERS = 2
-RECORDINGS = "recordings"
-"""Folder of recordings in that of a campaign."""
 
 
 class Mishap(StrEnum):
@@ -73,18 +70,6 @@ class Trial(NamedTuple):
     def id(self) -> str:
         """The name in one word."""
         return trial_id(*self)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recordings:
-    """Where trials are recorded, and what of them."""
-
-    folder: Path
-    level: RecordLevel = "full"
-
-    def path(self, trial: Trial) -> Path:
-        """File of a trial's recording."""
-        return self.folder / f"{trial.id.replace('/', '-')}.rrd"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,7 +202,7 @@ class Flyer:
         if recordings is None:
             return {}
         recordings.folder.mkdir(parents=True, exist_ok=True)
-        return {"record": recordings.path(trial), "record_level": recordings.level}
+        return {"record": recordings.path(trial.id), "record_level": recordings.level}
 
     def _flown(self, task: Task, recorded: dict[str, Any]) -> Row:
         cfg = replace(self._pilot.brief(task.cfg()), **recorded)

@@ -17,6 +17,7 @@ from rich.console import Console
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.processes import default_jobs
+from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.report import print_summary
@@ -195,7 +196,7 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
 
 def _suite(cfg: CampaignCfg) -> Suite:
     from flightsim.testbench import MAX_INSTANCES  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.flyer import RECORDINGS, Recordings, Suite  # noqa: PLC0415
+    from scenarios.campaigns.flyer import Suite  # noqa: PLC0415
     from scenarios.tasks.recipe import Recipe, read_recipe  # noqa: PLC0415
 
     if cfg.suite is not None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.console import Console
 
+from scenarios.campaigns.recordings import RECORDINGS
 from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
 from scenarios.cli.progress import progress_bar
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from scenarios.trial_data.reading import RecordedTrial
 
 _PROG = "aeroscene export-trial"
-_RECORDINGS = "recordings"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,7 +119,7 @@ def _files(named: tuple[Path, ...]) -> list[Path]:
     """Recordings, also those of campaigns; two of one name, which is their trial's, are refused."""
     found: dict[str, Path] = {}
     for path in named:
-        files = sorted((path / _RECORDINGS).glob("*.rrd")) or sorted(path.glob("*.rrd"))
+        files = sorted((path / RECORDINGS).glob("*.rrd")) or sorted(path.glob("*.rrd"))
         if path.is_dir() and not files:
             fail(_PROG, f"folder {str(path)!r} holds no recordings; valid: one of a campaign")
         for file in files or [path]:

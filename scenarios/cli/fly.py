@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 from rich.console import Console
 
+from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.command_line import (
     EXIT_BAD_INPUT,
     EXIT_DONE,
@@ -62,7 +63,7 @@ def run(cfg: FlyCfg) -> int:
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
     from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
-    from scenarios.campaigns.flyer import RECORDINGS, Flyer, Recordings, Trial  # noqa: PLC0415
+    from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
     if cfg.trial < 0:

@@ -14,6 +14,7 @@ import pyarrow.compute as pc
 from jaxtyping import Float
 
 from aeroscene.sources import open_scene
+from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.campaigns.store import TRACKS, read_results
 from scenarios.campaigns.summary import SUMMARY_COLUMNS, natural
 from scenarios.reports.charts import Histogram, histogram
@@ -144,13 +145,8 @@ def failures(folder: Path) -> list[Failure]:
     return [_failure(folder, row) for row in rows]
 
 
-def recording_of(folder: Path, trial_id: str) -> Path:
-    """File of the recording that `aeroscene fly` makes of a trial."""
-    return folder / "recordings" / f"{trial_id.replace('/', '-')}.rrd"
-
-
 def _failure(folder: Path, row: Mapping[str, Any]) -> Failure:
-    recording = recording_of(folder, row["trial_id"])
+    recording = Recordings(folder=folder / RECORDINGS).path(row["trial_id"])
     if recording.is_file():
         command = ["aeroscene", "replay", str(recording)]
     else:

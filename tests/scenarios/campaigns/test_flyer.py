@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenarios.campaigns.flyer import Flyer, Recordings, Suite, Trial
+from scenarios.campaigns.flyer import Flyer, Suite, Trial
+from scenarios.campaigns.recordings import Recordings
 from scenarios.recording.summary import summarise
 from scenarios.run.hangar import Hangar
 from scenarios.tasks.recipe import Recipe
@@ -123,7 +124,7 @@ def recorded(tmp_path_factory):
         found["none"] = flyer.fly(trial), None
     for level in ("summary", "state", "interaction", "full"):
         recordings = Recordings(folder=folder / level, level=level)
-        path = recordings.path(trial)
+        path = recordings.path(trial.id)
         path.parent.mkdir()
         path.write_bytes(b"what a process has left that was killed")
         with Flyer(replace(suite, recordings=recordings)) as flyer:
