@@ -18,6 +18,7 @@ _AT_PLACE_M = 0.25
 _AT_REST_MPS = 0.2
 _SOON_US = 1_500_000
 _PAUSE_US = 100_000
+_ENDING_S = 1.0
 
 
 class Course:
@@ -90,6 +91,15 @@ class Course:
             return False
         away_m = math.dist(telemetry.position_enu_m, self.reference(time_us).position_enu_m)
         return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
+
+    def is_slower_than_touchdown(self, time_us: int) -> bool:
+        """Whether the trajectory has slowed to where the last stretch can go on from it."""
+        speed_mps = math.hypot(*self.reference(time_us).velocity_enu_mps)
+        return self.ends_within(time_us, _ENDING_S) and speed_mps <= TOUCHDOWN_SPEED_MPS
+
+    def ends_within(self, time_us: int, seconds: float) -> bool:
+        """Whether at most some time of the trajectory is left."""
+        return self.trajectory.duration_s - self.elapsed_s(time_us) <= seconds
 
     def is_under_way(self, time_us: int) -> bool:
         """Whether the trajectory is not over yet."""

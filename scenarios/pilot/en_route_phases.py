@@ -18,6 +18,8 @@ MAX_HOLDS = 6
 MOST_RISE_M = 8.0
 """Greatest initial climb; the rest of the climb is part of the way."""
 RISE_SPEED_MPS = 1.5
+LOOK_AHEAD_S = 1.0
+"""Time before the end of the way from which the area is looked at."""
 RETRY_PERIOD_S = 1.0
 """Time between two attempts to continue from a hold."""
 
@@ -78,14 +80,18 @@ class EnRoutePhases:
     def navigate(self) -> Step:
         """Fly the plan to above the area."""
         flight = self._flight
-        if not flight.has_arrived:
+        if not flight.course.ends_within(flight.time_us, LOOK_AHEAD_S):
             return None
         if flight.is_at_end(flight.hover_enu_m):
             # From here on the gaze is downward.
-            if flight.gaze is not None and not flight.gaze.has_looked_round(flight.time_us):
-                return None
-            return self._area.look(f"above area {flight.area.id}")
-        return self._go_on()
+            is_ready = flight.gaze is None or self._has_looked_above(flight.gaze)
+            return self._area.look(f"above area {flight.area.id}") if is_ready else None
+        return self._go_on() if flight.has_arrived else None
+
+    def _has_looked_above(self, gaze: Gaze) -> bool:
+        """Look all around once above the area; return whether that is done."""
+        flight = self._flight
+        return flight.has_arrived and gaze.has_looked_round(flight.time_us)
 
     def go_home(self, reason: str) -> Step:
         """Give up: plan the way home, else hand over to the autopilot."""

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
+from autonomy.types import Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.eyes import NoDepthError
 from scenarios.pilot.flight_state import FlightState
@@ -16,12 +17,16 @@ from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
 
-COMMIT_HEIGHT_M = 1.0
+COMMIT_HEIGHT_M = 0.7
 """Height of the soles above the surface below which the landing is no longer aborted."""
-DESCENT_SPEED_MPS = 0.8
+DESCENT_SPEED_MPS = 1.5
 SEARCH_FRAMES = 6
 """Number of depth images fused before a place is chosen."""
 MAX_SEARCH_FRAMES = 20
+LEAST_LOOK_M = 1.2
+"""Least height from which an area is looked at again."""
+STEEP = 1.0
+"""Least descent over level way of a straight line down to a place, so that it stays in view."""
 MAX_LOOKS = 4
 """Number of searches and descents at one area before the next is tried."""
 MAX_AREAS = 3
@@ -97,39 +102,76 @@ class LandingPhases:
     def search(self) -> Step:
         """Fuse depth images until a place is good enough, with room for gusts felt meanwhile."""
         flight, watch = self._flight, self._watching()
-        watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
+        is_there = flight.has_arrived
+        if is_there:
+            watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
         if not self._see(watch):
             return self._blind()
-        if watch.n_frames < SEARCH_FRAMES:
+        if watch.n_frames < SEARCH_FRAMES or not is_there:
             return None
         flight.site = watch.choose()
         has_room = flight.site is not None and flight.site.clearance_m >= watch.sway_m
         if not has_room and watch.n_frames < MAX_SEARCH_FRAMES:
             return None
         if flight.site is None:
-            return self.give_up(f"no safe place seen on area {flight.area.id}")
+            reason = f"no safe place seen on area {flight.area.id}"
+            return self._look_nearer(reason) or self.give_up(reason)
         x, y, _ = flight.site.position_enu_m
-        try:
-            flight.go((x, y, flight.hover_enu_m[2]))
-        except PlanningError as error:
-            return self.give_up(f"no certified way above ({x:.2f}, {y:.2f}): {error}")
-        return Phase.ALIGN, (
+        chose = (
             f"chose ({x:.2f}, {y:.2f}): slope {math.degrees(flight.site.slope_rad):.1f} deg, "
             f"roughness {100 * flight.site.roughness_m:.0f} cm, "
             f"{flight.site.clearance_m:.2f} m of room"
         )
+        if self._goes_straight_down():
+            return Phase.DESCEND, chose
+        try:
+            flight.go((x, y, flight.hover_enu_m[2]))
+        except PlanningError as error:
+            return self.give_up(f"no certified way above ({x:.2f}, {y:.2f}): {error}")
+        return Phase.ALIGN, chose
+
+    def _look_nearer(self, reason: str) -> Step:
+        """Look again from half the height: the errors of depth grow with the square of it."""
+        flight = self._flight
+        (x, y, z), surface_m = flight.hover_enu_m, flight.area.centroid[2]
+        nearer = (x, y, (z + surface_m) / 2)
+        if nearer[2] - surface_m < LEAST_LOOK_M:
+            return None
+        try:
+            flight.begin_with(flight.leg(nearer, DESCENT_SPEED_MPS))
+        except PlanningError:
+            return None
+        flight.hover_enu_m = nearer
+        return Phase.NAVIGATE, f"{reason}; looks from {nearer[2] - surface_m:.1f} m"
+
+    def _goes_straight_down(self) -> bool:
+        """Begin a straight line to above the chosen place, if it is steep and free."""
+        flight = self._flight
+        here, goal = flight.setpoint.position_enu_m, self._commit_point()
+        if here[2] - goal[2] < STEEP * math.dist(here[:2], goal[:2]):
+            return False
+        try:
+            flight.begin_with(flight.leg(goal, DESCENT_SPEED_MPS))
+        except PlanningError:
+            return False
+        return True
+
+    def _commit_point(self) -> Vector3:
+        """Where the last stretch down to the chosen place begins."""
+        flight = self._flight
+        x, y, _ = flight.chosen.position_enu_m
+        return x, y, min(flight.resting_height_m + COMMIT_HEIGHT_M, flight.hover_enu_m[2])
 
     def align(self) -> Step:
         """Fly to above the chosen place, then descend."""
         flight = self._flight
         if not flight.has_arrived:
             return None
-        x, y, _ = flight.chosen.position_enu_m
-        commit_m = min(flight.resting_height_m + COMMIT_HEIGHT_M, flight.hover_enu_m[2])
+        goal = self._commit_point()
         try:
-            flight.begin_with(flight.leg((x, y, commit_m), DESCENT_SPEED_MPS))
+            flight.begin_with(flight.leg(goal, DESCENT_SPEED_MPS))
         except PlanningError as error:
-            return self.give_up(f"no certified way down at ({x:.2f}, {y:.2f}): {error}")
+            return self.give_up(f"no certified way down at ({goal[0]:.2f}, {goal[1]:.2f}): {error}")
         return Phase.DESCEND, "above the touchdown point"
 
     def descend(self) -> Step:
@@ -141,10 +183,19 @@ class LandingPhases:
                 return self._climb_back(f"the touchdown point no longer looks safe: {reason}")
         elif step := self._blind():
             return step
-        if not flight.has_arrived:
+        if not flight.has_arrived and not self._sinks_steadily():
             return None
         flight.course.touch_down(flight.time_us, flight.resting_height_m)
         return Phase.TOUCHDOWN, "still safe from here"
+
+    def _sinks_steadily(self) -> bool:
+        """Whether the vehicle is above the place, and slows down at the end of the descent."""
+        flight = self._flight
+        return (
+            flight.course.is_slower_than_touchdown(flight.time_us)
+            and flight.level_deviation_m <= STEADY_M
+            and math.hypot(*flight.telemetry.velocity_enu_mps[:2]) <= STEADY_MPS
+        )
 
     def touch_down(self) -> Step:
         """Sink through the last metre."""
