@@ -23,7 +23,7 @@ from flightsim.world import World
 from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.eyes import camera_mount, posed_image
 from scenarios.pilot.landing_phases import (
-    COMMIT_HEIGHT_M,
+    COMMIT_HEIGHTS_M,
     DESCENT_SPEED_MPS,
     MAX_LOOKS,
     MAX_SEARCH_FRAMES,
@@ -160,7 +160,7 @@ class Looker:
         """The site as known from a metre above, and the reason against it, if any."""
         height_m = self._hover_enu_m[2]
         leg_m = self._world.airframe.leg_length_m
-        while height_m > site.position_enu_m[2] + leg_m + COMMIT_HEIGHT_M:
+        while height_m > site.position_enu_m[2] + leg_m + COMMIT_HEIGHTS_M[0]:
             height_m -= DESCENT_SPEED_MPS * _STEP_S
             self._glance(watch, np.array([*site.position_enu_m[:2], height_m]))
             site = watch.again(site)

@@ -1,4 +1,4 @@
-"""Course of the vehicle: one trajectory after another, or the last metre of a landing."""
+"""Course of the vehicle: one trajectory after another, or the last stretch of a landing."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Course:
     """Setpoints over time.
 
     Attributes:
-        trajectory: The present or next trajectory, or the last one before the last metre.
+        trajectory: The present or next trajectory, or the last one before the last stretch.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
@@ -41,7 +41,7 @@ class Course:
 
     @property
     def is_touching_down(self) -> bool:
-        """Whether the vehicle is in the last metre."""
+        """Whether the vehicle is in the last stretch."""
         return self._touchdown is not None
 
     def fly(self, trajectory: Trajectory, begin_us: int) -> None:

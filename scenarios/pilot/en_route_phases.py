@@ -10,7 +10,7 @@ from flightsim.mavlink.client.client import PX4_RETURN
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
-from scenarios.pilot.landing_phases import COMMIT_HEIGHT_M, DESCENT_SPEED_MPS, LandingPhases
+from scenarios.pilot.landing_phases import COMMIT_HEIGHTS_M, DESCENT_SPEED_MPS, LandingPhases
 from scenarios.pilot.phases import Phase, Replan, Step
 
 MAX_HOLDS = 6
@@ -115,14 +115,14 @@ class EnRoutePhases:
         return None
 
     def fly_home(self) -> Step:
-        """Fly the plan to above the start, then down to where the last metre begins."""
+        """Fly the plan to above the start, then down to where the last stretch begins."""
         flight = self._flight
         if not flight.has_arrived:
             return None
         home = flight.mission.takeoff_enu_m
         if not flight.is_at_end(home):
             return self._go_on()
-        commit_m = min(flight.home_resting_height_m + COMMIT_HEIGHT_M, home[2])
+        commit_m = min(flight.home_resting_height_m + COMMIT_HEIGHTS_M[-1], home[2])
         try:
             flight.begin_with(flight.leg((home[0], home[1], commit_m), DESCENT_SPEED_MPS))
         except PlanningError as error:

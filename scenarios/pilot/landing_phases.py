@@ -8,7 +8,6 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
-from autonomy.types import Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.eyes import NoDepthError
 from scenarios.pilot.flight_state import FlightState
@@ -17,11 +16,14 @@ from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
 
-COMMIT_HEIGHT_M = 0.7
-"""Height of the soles above the surface below which the landing is no longer aborted."""
+COMMIT_HEIGHTS_M = (0.7, 1.0)
+"""Heights of the soles above the surface below which the landing is no longer aborted, the first of
+them where the way down to it can be certified."""
 DESCENT_SPEED_MPS = 1.5
 SEARCH_FRAMES = 6
 """Number of depth images fused before a place is chosen."""
+HOVERING_FRAMES = 3
+"""Number of these that are taken while it hovers, for as long as gusts need to show."""
 MAX_SEARCH_FRAMES = 20
 LEAST_LOOK_M = 1.2
 """Least height from which an area is looked at again."""
@@ -102,12 +104,13 @@ class LandingPhases:
     def search(self) -> Step:
         """Fuse depth images until a place is good enough, with room for gusts felt meanwhile."""
         flight, watch = self._flight, self._watching()
-        is_there = flight.has_arrived
-        if is_there:
+        watch.is_hovering = watch.is_hovering or flight.has_arrived
+        if watch.is_hovering:
             watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
         if not self._see(watch):
             return self._blind()
-        if watch.n_frames < SEARCH_FRAMES or not is_there:
+        watch.n_hovering += watch.is_hovering
+        if watch.n_frames < SEARCH_FRAMES or watch.n_hovering < HOVERING_FRAMES:
             return None
         flight.site = watch.choose()
         has_room = flight.site is not None and flight.site.clearance_m >= watch.sway_m
@@ -146,32 +149,43 @@ class LandingPhases:
 
     def _goes_straight_down(self) -> bool:
         """Begin a straight line to above the chosen place, if it is steep and free."""
-        flight = self._flight
-        here, goal = flight.setpoint.position_enu_m, self._commit_point()
+        here, goal = self._flight.setpoint.position_enu_m, self._flight.chosen.position_enu_m
         if here[2] - goal[2] < STEEP * math.dist(here[:2], goal[:2]):
             return False
         try:
-            flight.begin_with(flight.leg(goal, DESCENT_SPEED_MPS))
+            self._go_down()
         except PlanningError:
             return False
         return True
 
-    def _commit_point(self) -> Vector3:
-        """Where the last stretch down to the chosen place begins."""
+    def _go_down(self) -> None:
+        """Begin a straight line to where the last stretch begins, as low as can be certified.
+
+        Raises:
+            PlanningError: If it can be certified to no height.
+        """
         flight = self._flight
         x, y, _ = flight.chosen.position_enu_m
-        return x, y, min(flight.resting_height_m + COMMIT_HEIGHT_M, flight.hover_enu_m[2])
+        lower_m, higher_m = (
+            min(flight.resting_height_m + height_m, flight.hover_enu_m[2])
+            for height_m in COMMIT_HEIGHTS_M
+        )
+        try:
+            leg = flight.leg((x, y, lower_m), DESCENT_SPEED_MPS)
+        except PlanningError:
+            leg = flight.leg((x, y, higher_m), DESCENT_SPEED_MPS)
+        flight.begin_with(leg)
 
     def align(self) -> Step:
         """Fly to above the chosen place, then descend."""
         flight = self._flight
         if not flight.has_arrived:
             return None
-        goal = self._commit_point()
         try:
-            flight.begin_with(flight.leg(goal, DESCENT_SPEED_MPS))
+            self._go_down()
         except PlanningError as error:
-            return self.give_up(f"no certified way down at ({goal[0]:.2f}, {goal[1]:.2f}): {error}")
+            x, y, _ = flight.chosen.position_enu_m
+            return self.give_up(f"no certified way down at ({x:.2f}, {y:.2f}): {error}")
         return Phase.DESCEND, "above the touchdown point"
 
     def descend(self) -> Step:
@@ -198,7 +212,7 @@ class LandingPhases:
         )
 
     def touch_down(self) -> Step:
-        """Sink through the last metre."""
+        """Sink through the last stretch."""
         if self._flight.telemetry.landed_state != LANDED_ON_GROUND:
             return self._keep_above()
         return Phase.DISARM, "on the ground"

@@ -50,6 +50,8 @@ class LandingWatch:
 
     Attributes:
         n_frames: Depth images fused so far.
+        is_hovering: Whether the vehicle has come to the hover point.
+        n_hovering: Depth images since then.
         sway_m: Greatest level deviation from the hover point while it was observed.
         elevation: Elevation map fused so far.
         is_allowed: Cells that may be landed on: within the area, and free above.
@@ -82,6 +84,8 @@ class LandingWatch:
         )
         self._due_us = 0
         self.n_frames = 0
+        self.is_hovering = False
+        self.n_hovering = 0
         self.sway_m = 0.0
         self.map: LandingMap | None = None
 

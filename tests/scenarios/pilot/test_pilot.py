@@ -7,7 +7,7 @@ import pytest
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.client.client import MavlinkClient
-from scenarios.pilot import Phase, Pilot
+from scenarios.pilot import Phase, Pilot, landing_phases
 from scenarios.pilot.landing_phases import MAX_SEARCH_FRAMES, SEARCH_FRAMES
 from tests.scenarios.landing_scenes import CONTAINER, ON_CONTAINER, ON_LAWN, thing, yard
 
@@ -22,7 +22,6 @@ def test_it_lands_on_the_container_and_disarms_phase_by_phase(demo):
         Phase.TAKEOFF,
         Phase.NAVIGATE,
         Phase.SEARCH,
-        Phase.ALIGN,
         Phase.DESCEND,
         Phase.TOUCHDOWN,
         Phase.DISARM,
@@ -46,6 +45,8 @@ def test_an_area_that_is_full_of_crates_is_given_up_for_the_next(demo):
     given_up = next(c for c in pilot.transitions if "on to area 1" in c.reason)
     assert given_up.source is Phase.SEARCH
     assert "no safe place seen on area 0" in given_up.reason
+    looks = [change.reason for change in pilot.transitions if "looks from" in change.reason]
+    assert [reason.split("; ")[1] for reason in looks] == ["looks from 2.0 m"]
     assert demo.score().landed_area == demo.pilot.area.id
 
 
@@ -60,23 +61,35 @@ def test_with_no_area_left_it_flies_home_lands_there_and_says_why(demo):
     assert demo.score().contacts_before_touchdown <= 1
 
 
-@pytest.mark.parametrize(("sway_m", "n_frames"), [(0.0, SEARCH_FRAMES), (9.0, MAX_SEARCH_FRAMES)])
-def test_a_place_with_less_room_than_gusts_take_is_looked_for_longer(demo, sway_m, n_frames):
+@pytest.mark.parametrize(("sway_m", "is_long"), [(0.0, False), (9.0, True)])
+def test_a_place_with_less_room_than_gusts_take_is_looked_for_longer(demo, sway_m, is_long):
     demo = demo(yard())
     watch = demo.fly_to(Phase.SEARCH)._flight.watch
     watch.sway_m = sway_m
-    demo.fly_to(Phase.ALIGN)
-    assert watch.n_frames == n_frames
+    demo.fly_to(Phase.DESCEND)
+    assert watch.n_frames >= SEARCH_FRAMES
+    assert (watch.n_frames >= MAX_SEARCH_FRAMES) == is_long
 
 
 def test_how_far_gusts_carry_it_while_it_searches_is_noticed(demo):
     demo = demo(yard())
-    watch = demo.fly_to(Phase.SEARCH)._flight.watch
+    pilot = demo.fly_to(Phase.SEARCH)
+    watch = pilot._flight.watch
+    demo.fly(until=lambda: pilot._flight.has_arrived)
     demo.bench.plant.data.qfrc_applied[1] = 15.0
     demo.fly(until=lambda: demo.deviation_m() > 0.3)
     demo.bench.plant.data.qfrc_applied[1] = 0.0
-    demo.fly_to(Phase.ALIGN)
+    demo.fly_to(Phase.DESCEND)
     assert watch.sway_m > 0.3
+
+
+def test_a_place_that_no_steep_line_leads_to_is_flown_to_on_the_level_first(demo, monkeypatch):
+    monkeypatch.setattr(landing_phases, "STEEP", 1000.0)
+    crate = thing(90, "crate", (*ON_CONTAINER.centroid[:2], 3.2), (0.5, 0.5, 0.4), CONTAINER)
+    demo = demo(dataclasses.replace(yard(), objects=(*yard().objects, crate)), known=yard())
+    pilot = demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+    assert demo.targets()[4:7] == [Phase.SEARCH, Phase.ALIGN, Phase.DESCEND]
 
 
 def test_it_starts_again_from_the_top_when_the_place_turns_bad_on_the_way_down(demo):
