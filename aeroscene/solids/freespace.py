@@ -36,10 +36,8 @@ class VoxelField:
     resolution_m: float
     distance_m: Float[np.ndarray, "nx ny nz"]
     """Distance from a cell's centre to the nearest occupied cell, at most the cap; 0 inside."""
-    reached: dict[tuple[tuple[int, int, int], float], np.ndarray] = field(
-        default_factory=dict, init=False, repr=False
-    )
-    """What `reachable` found, by its first cell and radius."""
+    reached: dict[float, list[np.ndarray]] = field(default_factory=dict, init=False, repr=False)
+    """What `reachable` found, by its radius: parts of free space that do not hang together."""
 
     def cell(self, position_enu_m: Vector3) -> tuple[int, int, int] | None:
         """Index of the cell that holds a point, or None outside the grid."""
@@ -150,10 +148,13 @@ def reachable(
     # Start-up time: floods are rare.
     from aeroscene.solids.flood import flooded  # noqa: PLC0415
 
-    key = (start_cell(field, start_enu_m, radius_m), radius_m)
-    if key not in field.reached:
-        field.reached[key] = flooded(field.distance_m, np.float32(radius_m), *key[0])
-    return field.reached[key]
+    cell = start_cell(field, start_enu_m, radius_m)
+    parts = field.reached.setdefault(radius_m, [])
+    part = next((part for part in parts if part[cell]), None)
+    if part is None:
+        part = flooded(field.distance_m, np.float32(radius_m), *cell)
+        parts.append(part)
+    return part
 
 
 def start_cell(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> tuple[int, int, int]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -44,6 +45,7 @@ class _Station:
         if self._version != __version__:
             return f"a machine of the cluster has version {__version__}; valid: {self._version}"
         begin_work(self._suite.pilot)
+        _heed_children()
         try:
             self._flyer = Flyer(self._suite, patience_s=self._patience_s)
         except Exception as error:  # noqa: BLE001 - whatever it is, the campaign says it
@@ -159,10 +161,16 @@ def ray_engine(
         ray.shutdown()
         where = f"ray-address {address!r}" if address else "ray"
         raise WorkerError(f"{where}: {_one_line(error)}") from None
+    _heed_children()
     try:
         yield RayEngine(ray, suite, patience_s)
     finally:
         ray.shutdown()
+
+
+def _heed_children() -> None:
+    """Learn again how processes end that this one starts: Ray has the system forget it."""
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
 
 
 def _one_line(error: BaseException) -> str:

@@ -112,6 +112,10 @@ def test_a_flood_is_the_connected_component_of_its_start(seed, share, is_open_ab
     found = reachable(field, (4.0, 4.0, 5.0), 0.5)
     assert np.array_equal(found, labels == labels[4, 4, 5])
     assert reachable(field, (4.0, 4.0, 5.0), 0.5) is found
+    for i, j, k in np.argwhere(free)[::20].tolist():
+        again = reachable(field, (i, j, k), 0.5)
+        assert np.array_equal(again, labels == labels[i, j, k])
+        assert (again is found) == bool(found[i, j, k])
 
 
 def test_a_lower_cap_changes_no_distance_below_it(scene_42):

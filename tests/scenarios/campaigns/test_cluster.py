@@ -1,5 +1,7 @@
 """Ray flies the trials that this machine's own processes fly."""
 
+import subprocess
+
 import psutil
 import pytest
 
@@ -29,6 +31,7 @@ def test_ray_flies_what_local_processes_fly_and_leaves_nothing_behind():
         started = set(psutil.Process().children(recursive=True)) - others
         heard = {c.laddr.ip for p in started for c in p.net_connections() if c.status == "LISTEN"}
         assert outcomes(engine) == local
+        assert subprocess.run(["false"], check=False).returncode == 1
     assert heard <= {"127.0.0.1", "::1", "::ffff:127.0.0.1"}
     assert not psutil.wait_procs(started, timeout=20.0)[1]
 
@@ -38,3 +41,9 @@ def test_a_pilot_that_ends_its_process_fails_after_another_try():
     with ray_engine(suite, 100.0, 2) as engine:
         rows = outcomes(engine, TRIALS[:1])
     assert {code for code, _, _ in rows.values()} == {"died"}
+
+
+def test_a_program_that_ends_with_an_error_is_told_from_one_that_leaves():
+    with ray_engine(Suite(pilot="mavlink", program="false"), 100.0, 1) as engine:
+        rows = outcomes(engine, TRIALS[:1])
+    assert {code for code, _, _ in rows.values()} == {"raised"}
