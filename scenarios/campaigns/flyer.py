@@ -153,7 +153,7 @@ class Flyer:
         key = (trial.scene, trial.vehicle)
         sampler = self._samplers.pop(key, None)
         if sampler is None:
-            # What fields have flooded from each start adds up to hundreds of megabytes a scene.
+            # Fields of the scenes before take room.
             field_cache.forget()
             scene, airframe = self._hangar.scene(trial.scene), airframe_by_name(trial.vehicle)
             sampler = Sampler(trial.scene, scene, airframe, self._suite.recipe)
