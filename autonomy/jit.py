@@ -37,6 +37,15 @@ def kernel(function: _F) -> _F:
     A function whose name begins with an underscore is part of another kernel: it is compiled with
     that one, cannot be called from Python and needs no cache of its own.
     """
+    return _compiled(function, nogil=False)
+
+
+def kernel_without_lock(function: _F) -> _F:
+    """Compile like `kernel`; while it runs, other threads may hold the interpreter's lock."""
+    return _compiled(function, nogil=True)
+
+
+def _compiled(function: _F, *, nogil: bool) -> _F:
     is_part = function.__name__.startswith("_")
     compiler: Any = numba.njit  # its annotations lack options
     inherited = _config.CACHE_DIR
@@ -49,6 +58,7 @@ def kernel(function: _F) -> _F:
             fastmath=False,
             no_cfunc_wrapper=True,
             no_cpython_wrapper=is_part,
+            nogil=nogil,
         )(function)
     finally:
         _config.CACHE_DIR = inherited  # nobody else's kernels belong under this digest

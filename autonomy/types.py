@@ -76,6 +76,8 @@ class ControlLevel(IntEnum):
     """Attitude quaternion and normalised collective thrust."""
     RATE = 4
     """Body rates and normalised collective thrust."""
+    ROTORS = 5
+    """Speeds of the rotors, which a flight stack outside of ours commands."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

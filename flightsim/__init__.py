@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         Airframe,
         AirframeError,
         BatteryParams,
+        BodyMesh,
         CameraMount,
         airframe_by_name,
     )
@@ -44,6 +45,7 @@ __all__ = [
     "Airframe",
     "AirframeError",
     "BatteryParams",
+    "BodyMesh",
     "BytePipe",
     "CameraError",
     "CameraMount",

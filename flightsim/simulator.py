@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from flightsim.mavlink.server import MavlinkServer
 from flightsim.plant import Plant
 
 TICK_US = 20_000
@@ -27,6 +26,18 @@ class Controller(Protocol):
 
     def update(self) -> None:
         """Read `plant.estimate` and call `plant.apply`; called after each 20 ms."""
+        ...
+
+
+class Server(Protocol):
+    """Whoever talks with those outside: our MAVLink, or the bridge to another flight stack."""
+
+    def update(self) -> None:
+        """Read, answer and stream; called after the controller."""
+        ...
+
+    def wait_for_tick(self, timeout_s: float) -> bool:
+        """Whether time may pass; waits a moment for those who keep it."""
         ...
 
 
@@ -54,7 +65,7 @@ class Simulator:
         self,
         plant: Plant,
         autopilot: Controller,
-        mavlink_server: MavlinkServer | None = None,
+        mavlink_server: Server | None = None,
         *,
         observers: Sequence[Observer] = (),
         speed: float | Literal["max"] = 1.0,

@@ -1,12 +1,12 @@
 """Hostile but legal MAVLink against a hovering vehicle, on each link.
 
     python tools/fuzz_mavlink.py                       # 100,000 frames for each row, minutes
-    python tools/fuzz_mavlink.py --frames 10000000 --link udp --seed 3
+    python tools/fuzz_mavlink.py --frames 10000000 --link udp --kind hover --log udp.jsonl
 
 Two kinds of traffic: `hover` is all that should not move a vehicle, and its twin that nobody talks
 to says where it would be; `wild` is everything, and the vehicle starts again where it has been
-brought down. Prints a JSON row for each kind and link; the exit status is 1 where one of them
-breaks a limit.
+brought down. Prints a JSON row for each kind and link; a log has one for every twentieth of the way
+besides. The exit status is 1 where one of them breaks a limit.
 """
 
 from __future__ import annotations
@@ -16,12 +16,15 @@ import json
 import math
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Literal
 
 import psutil
+from fuzzing.clients import LINKS, LinkName
 from fuzzing.frames import Traffic
-from fuzzing.vehicles import LINKS, LinkName, Vehicle
+from fuzzing.vehicles import Vehicle
 
 from flightsim.mavlink.personalities import PERSONALITIES
 
@@ -29,8 +32,8 @@ MOST_DEVIATION_M = 0.05
 MOST_GROWTH_MB = 20.0
 _CHECK_EVERY = 50
 """Ticks between two pings of an honest client: a second."""
-_WARM_SHARE = 0.2
-"""Share of the frames after which memory counts as filled."""
+_N_PARTS, _N_WARM_PARTS = 20, 4
+"""Parts of the frames, and how many of them pass before memory counts as filled."""
 
 Kind = Literal["hover", "wild"]
 KINDS: tuple[Kind, ...] = ("hover", "wild")
@@ -63,6 +66,89 @@ class Row:
         return self.n_faults == 0 and holds and self.growth_mb <= MOST_GROWTH_MB
 
 
+class Siege:
+    """A vehicle under fire, what became of it so far, and its twin that nobody talks to."""
+
+    def __init__(
+        self, kind: Kind, link: LinkName, seed: int, n_clients: int, personality: str
+    ) -> None:
+        self._start_s = time.process_time()
+        self._kind: Kind = kind
+        self._link: LinkName = link
+        self._seed = seed
+        self._n_clients, self._personality = n_clients, personality
+        self._traffic = Traffic(seed, is_obeyed=kind == "wild").frames()
+        self._vehicle = Vehicle(link, n_clients, personality)
+        self._twin = Vehicle(None, personality=personality) if kind == "hover" else None
+        self._deviation_m = 0.0
+        self._n_before = self._n_restarts = self._n_faults = self._n_ticks = 0
+        self._fault: str | None = None
+        self._warm_bytes: int | None = None
+
+    @property
+    def n_frames(self) -> int:
+        """Frames that the vehicle received, decoded and handled so far."""
+        return self._n_before + self._vehicle.n_received
+
+    def warm_up(self) -> None:
+        """Count memory from here."""
+        self._warm_bytes = _resident_bytes()
+
+    def tick(self) -> None:
+        """Fire for 20 ms of simulated time, and look after the vehicle once a second.
+
+        Raises:
+            DeadVehicleError: If an honest client is no longer answered.
+            Exception: Whatever ends the loop of the simulation.
+        """
+        self._vehicle.tick(self._traffic)
+        self._n_ticks += 1
+        if self._twin is not None:
+            self._twin.tick()
+            both = (each.bench.plant.truth.position_enu_m for each in (self._vehicle, self._twin))
+            self._deviation_m = max(self._deviation_m, math.dist(*both))
+        if self._n_ticks % _CHECK_EVERY:
+            return
+        self._vehicle.require_life()
+        if self._twin is not None:
+            self._twin.tick()
+        elif not self._vehicle.is_flying:
+            self._restart()
+
+    def _restart(self) -> None:
+        self._n_before, self._n_restarts = self.n_frames, self._n_restarts + 1
+        self._count_faults()
+        self._vehicle.close()
+        self._vehicle = Vehicle(self._link, self._n_clients, self._personality)
+
+    def _count_faults(self) -> None:
+        faults = self._vehicle.bench.server.faults
+        self._n_faults, self._fault = self._n_faults + faults.n_caught, self._fault or faults.last
+
+    def row(self) -> Row:
+        """What became of it so far."""
+        faults = self._vehicle.bench.server.faults
+        growth = 0 if self._warm_bytes is None else _resident_bytes() - self._warm_bytes
+        return Row(
+            kind=self._kind,
+            link=self._link,
+            personality=self._personality,
+            seed=self._seed,
+            n_frames=self.n_frames,
+            n_faults=self._n_faults + faults.n_caught,
+            fault=self._fault or faults.last,
+            deviation_m=None if self._twin is None else self._deviation_m,
+            n_restarts=self._n_restarts,
+            growth_mb=round(growth / 1e6, 1),
+            cpu_s=round(time.process_time() - self._start_s, 1),
+        )
+
+    def close(self) -> None:
+        """Close every link."""
+        for each in filter(None, (self._vehicle, self._twin)):
+            each.close()
+
+
 def fuzz(
     kind: Kind,
     link: LinkName,
@@ -71,65 +157,38 @@ def fuzz(
     seed: int = 0,
     n_clients: int = 1,
     personality: str = "px4",
+    report: Callable[[Row], None] | None = None,
 ) -> Row:
     """Send a number of frames that arrive, and see what becomes of the vehicle.
+
+    Args:
+        kind: Kind of traffic.
+        link: Link of the hostile clients.
+        n_frames: Number of frames that are to be received, decoded and handled.
+        seed: Seed of the traffic.
+        n_clients: Number of hostile clients.
+        personality: Flight stack that the vehicle imitates.
+        report: Called with what became of it so far, at every twentieth of the frames.
 
     Raises:
         DeadVehicleError: If an honest client is no longer answered.
         Exception: Whatever ends the loop of the simulation.
     """
-    cpu_s = time.process_time()
-    traffic = Traffic(seed, is_obeyed=kind == "wild").frames()
-    vehicle = Vehicle(link, n_clients, personality)
-    twin = Vehicle(None, personality=personality) if kind == "hover" else None
-    deviation_m, n_before, n_restarts, n_faults, fault = 0.0, 0, 0, 0, None
-    warm_bytes: int | None = None
-    n_ticks = 0
-    while (n_received := n_before + vehicle.n_received) < n_frames:
-        vehicle.tick(traffic)
-        n_ticks += 1
-        if warm_bytes is None and n_received >= _WARM_SHARE * n_frames:
-            warm_bytes = psutil.Process().memory_info().rss
-        if twin is not None:
-            twin.tick()
-            deviation_m = max(deviation_m, _distance_m(vehicle, twin))
-        if n_ticks % _CHECK_EVERY:
-            continue
-        vehicle.require_life()
-        if twin is not None:
-            twin.tick()
-        elif not vehicle.is_flying:
-            n_before, n_restarts = n_before + vehicle.n_received, n_restarts + 1
-            n_faults, fault = _faults(vehicle, n_faults, fault)
-            vehicle.close()
-            vehicle = Vehicle(link, n_clients, personality)
-    n_faults, fault = _faults(vehicle, n_faults, fault)
-    growth = psutil.Process().memory_info().rss - (warm_bytes or 0)
-    for each in filter(None, (vehicle, twin)):
-        each.close()
-    return Row(
-        kind=kind,
-        link=link,
-        personality=personality,
-        seed=seed,
-        n_frames=n_received,
-        n_faults=n_faults,
-        fault=fault,
-        deviation_m=None if twin is None else deviation_m,
-        n_restarts=n_restarts,
-        growth_mb=round(growth / 1e6, 1),
-        cpu_s=round(time.process_time() - cpu_s, 1),
-    )
+    siege = Siege(kind, link, seed, n_clients, personality)
+    for part in range(1, _N_PARTS + 1):
+        while siege.n_frames < n_frames * part / _N_PARTS:
+            siege.tick()
+        if part == _N_WARM_PARTS:
+            siege.warm_up()
+        if report is not None:
+            report(siege.row())
+    row = siege.row()
+    siege.close()
+    return row
 
 
-def _distance_m(vehicle: Vehicle, twin: Vehicle) -> float:
-    both = (each.bench.plant.truth.position_enu_m for each in (vehicle, twin))
-    return math.dist(*both)
-
-
-def _faults(vehicle: Vehicle, n_before: int, before: str | None) -> tuple[int, str | None]:
-    faults = vehicle.bench.server.faults
-    return n_before + faults.n_caught, before or faults.last
+def _resident_bytes() -> int:
+    return psutil.Process().memory_info().rss
 
 
 def main() -> int:
@@ -141,7 +200,14 @@ def main() -> int:
     parser.add_argument("--personality", choices=tuple(PERSONALITIES), default="px4")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--clients", type=int, default=4, help="hostile clients at a time")
+    parser.add_argument("--log", type=Path, help="file that rows on the way are appended to")
     options = parser.parse_args()
+
+    def report(row: Row) -> None:
+        if options.log is not None:
+            with options.log.open("a") as file:
+                file.write(json.dumps(asdict(row)) + "\n")
+
     is_sound = True
     for link in options.link or LINKS:
         for kind in options.kind or KINDS:
@@ -152,6 +218,7 @@ def main() -> int:
                 seed=options.seed,
                 n_clients=options.clients,
                 personality=options.personality,
+                report=report,
             )
             print(json.dumps(asdict(row)), flush=True)
             is_sound &= row.is_sound

@@ -24,25 +24,27 @@ def allocate(
     high_n: np.ndarray,
     thrust_n: np.ndarray,
 ) -> None:
-    """Fill `thrust_n` (4,) with thrusts inside [low_n, high_n] for a collective and a torque (3,).
+    """Fill `thrust_n` (n,) with thrusts inside [low_n, high_n] for a collective and a torque (3,).
 
-    A (4, 4) is the inverse of `thrust_torque_matrix`; its first column is positive.
+    A (n, 4) is the inverse of `thrust_torque_matrix`, for more than four rotors the pseudo-inverse,
+    which shares with the least squares of thrusts; its first column is positive.
     """
     mx, my, mz = torque_flu_nm[0], torque_flu_nm[1], torque_flu_nm[2]
-    for i in range(4):
+    n = len(thrust_n)
+    for i in range(n):
         thrust_n[i] = A[i, 1] * mx + A[i, 2] * my
     share = _largest_tilt_share(A, thrust_n, low_n, high_n)
     least, most = -np.inf, np.inf
-    for i in range(4):
+    for i in range(n):
         thrust_n[i] *= share
         least = max(least, (low_n[i] - thrust_n[i]) / A[i, 0])
         most = min(most, (high_n[i] - thrust_n[i]) / A[i, 0])
     collective = min(max(collective_n, least), most)
     yaw_share = 1.0
-    for i in range(4):
+    for i in range(n):
         thrust_n[i] += A[i, 0] * collective
         yaw_share = min(yaw_share, _fitting_share(thrust_n[i], A[i, 3] * mz, low_n[i], high_n[i]))
-    for i in range(4):
+    for i in range(n):
         total = thrust_n[i] + yaw_share * A[i, 3] * mz
         thrust_n[i] = min(max(total, low_n[i]), high_n[i])  # against rounding errors only
 
@@ -53,8 +55,8 @@ def _largest_tilt_share(
 ) -> float:
     """Largest s <= 1 for which some collective T fits: low <= s tilt + A0 T <= high."""
     share = 1.0
-    for i in range(4):
-        for j in range(4):
+    for i in range(len(tilt_n)):
+        for j in range(len(tilt_n)):
             slope = tilt_n[j] / A[j, 0] - tilt_n[i] / A[i, 0]
             room = high_n[j] / A[j, 0] - low_n[i] / A[i, 0]
             if slope * share > room:

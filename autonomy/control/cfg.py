@@ -5,7 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from autonomy.model.dynamics import thrust_torque_matrix
 from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
+
+_STIFFNESS = 1.7
+"""Square root of the torque for a radian, (N m)^(1/2): 10 rad/s of an Iris."""
+_LEAST_BANDWIDTH_RADPS = 7.0
+_LEAD = 0.5
+"""Lag of a driven rotor over its own."""
+_LAG_SHARE = 0.2
+_SATURATING_RAD = 0.4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -61,28 +72,59 @@ class ControllerCfg:
 
 
 def controller_cfg_for(quadrotor: QuadrotorParams) -> ControllerCfg:
-    """Defaults with the fastest attitude loops that the vehicle allows.
+    """Gains from a vehicle's inertia, the lag of its rotors and their torque.
 
-    Roll and pitch: the same torque per radian gives 10 rad/s on the Iris; lighter vehicles are
-    limited to 16 rad/s, where the lag of their rotors begins to matter. Yaw: limited by its torque
-    in hover. The position loop stays well below the attitude loop.
+    Roll and pitch are as fast as the slowest of these allows:
+
+    - inertia: the same torque for an error of a radian, whatever the vehicle, down to 7 rad/s;
+    - lag: rotors are driven at most twice as fast as they are by themselves, and the attitude is a
+      fifth of that, so that they cost it 20 degrees of phase;
+    - torque: an error of 0.4 rad takes no more than the rotors can add in hover.
+
+    Yaw is limited by its torque in hover. The position loop stays well below the attitude loop.
     """
-    bandwidth = 1.7 / math.sqrt(max(quadrotor.inertia_flu_kgm2[:2]))
+    response_s = _LEAD * max(
+        max(rotor.time_constant_up_s, rotor.time_constant_down_s) for rotor in quadrotor.rotors
+    )
+    bandwidth = min(
+        max(_STIFFNESS / math.sqrt(max(quadrotor.inertia_flu_kgm2[:2])), _LEAST_BANDWIDTH_RADPS),
+        _LAG_SHARE / response_s,
+        math.sqrt(_tilt_authority_radps2(quadrotor) / _SATURATING_RAD),
+    )
     authority = _yaw_authority_radps2(quadrotor)
-    bandwidth = min(max(bandwidth, 7.0), 16.0)
     return ControllerCfg(
         position_bandwidth_radps=min(4.0, 0.4 * bandwidth),
         attitude_bandwidth_radps=bandwidth,
         yaw_bandwidth_radps=min(5.0, math.sqrt(authority / 0.3)),
         max_yaw_acceleration_radps2=min(5.0, 0.5 * authority),
+        rotor_response_s=response_s,
     )
+
+
+def _tilt_authority_radps2(quadrotor: QuadrotorParams) -> float:
+    """Lesser angular acceleration of roll and pitch by what rotors have left above hover."""
+    room_n = np.array(_rooms_n(quadrotor))
+    levers_m = np.abs(thrust_torque_matrix(quadrotor)[1:3])
+    return float(min(levers_m @ room_n / quadrotor.inertia_flu_kgm2[:2]))
 
 
 def _yaw_authority_radps2(quadrotor: QuadrotorParams) -> float:
     """Yaw acceleration in hover with every rotor changed up to the nearer of its limits."""
-    weight_share_n = 0.25 * quadrotor.mass_kg * GRAVITY_MPS2
+    weight_share_n = _weight_share_n(quadrotor)
     torque_nm = 0.0
-    for rotor in quadrotor.rotors:
-        room_n = rotor.thrust_constant * rotor.max_speed_radps**2 - weight_share_n
-        torque_nm += rotor.torque_per_thrust_m * max(min(room_n, weight_share_n), 0.0)
+    for rotor, room_n in zip(quadrotor.rotors, _rooms_n(quadrotor), strict=True):
+        torque_nm += rotor.torque_per_thrust_m * min(room_n, weight_share_n)
     return max(torque_nm / quadrotor.inertia_flu_kgm2[2], 0.1)
+
+
+def _rooms_n(quadrotor: QuadrotorParams) -> list[float]:
+    """Thrust of each rotor beyond its share of the weight."""
+    weight_share_n = _weight_share_n(quadrotor)
+    return [
+        max(rotor.thrust_constant * rotor.max_speed_radps**2 - weight_share_n, 0.0)
+        for rotor in quadrotor.rotors
+    ]
+
+
+def _weight_share_n(quadrotor: QuadrotorParams) -> float:
+    return quadrotor.mass_kg * GRAVITY_MPS2 / len(quadrotor.rotors)

@@ -10,11 +10,17 @@ from autonomy.control.allocation import allocate, lead_command
 from autonomy.control.geometric import attitude_torque, command_attitude, demand_force, rate_torque
 from autonomy.control.recovery import demand_recovery, watch_recovery
 from autonomy.control.reference import start_reference, update_reference
+from autonomy.control.rotor_loss import (
+    demand_gently,
+    fly_without,
+    forget_losses,
+    watch_rotors,
+)
 from autonomy.control.setpoint_stream import accept_setpoint
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat
 
-_OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE = 0.0, 1.0, 2.0, 3.0, 4.0
+_OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE, _ROTORS = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 
 
 @kernel
@@ -23,9 +29,11 @@ def control(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
 
     A setpoint is new if it arrived since the last tick; x is the vehicle's state as it is known.
     """
-    if s.level <= _IDLE:
+    if s.level <= _IDLE or s.level == _ROTORS:
         _rest(c, s.level)
         start_reference(c, x)
+        if s.level < _IDLE:
+            forget_losses(c)
     else:
         _fly(c, s, x, is_new)
     c.level = s.level
@@ -34,8 +42,11 @@ def control(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
 
 @kernel
 def _rest(c: np.record, level: float) -> None:
-    for i in range(4):
-        c.rotor_command_radps[i] = c.idle_speed_radps[i] if level == _IDLE else 0.0
+    """Control nothing: idle speed, or the speeds that were given, none at rest."""
+    for i in range(c.n_rotors):
+        c.rotor_command_radps[i] = (
+            c.idle_speed_radps[i] if level == _IDLE else c.given_speed_radps[i]
+        )
         c.rotor_thrust_n[i] = c.min_rotor_thrust_n[i] if level == _IDLE else 0.0
     c.collective_n = 0.0
     c.thrust_fraction = 0.0
@@ -49,9 +60,19 @@ def _fly(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
         start_reference(c, x)
         c.is_recovering = 0
     matrix_from_quat(x.quat_wxyz, c.R)
+    watch_rotors(c, x)
+    if s.level == _TRAJECTORY and is_new:
+        accept_setpoint(c, s)
+    if c.n_lost > 0:
+        _fly_with_a_loss(c, s, x)
+    else:
+        _fly_whole(c, s, x)
+    _command_speeds(c)
+
+
+@kernel
+def _fly_whole(c: np.record, s: np.record, x: np.record) -> None:
     if s.level == _TRAJECTORY:
-        if is_new:
-            accept_setpoint(c, s)
         watch_recovery(c, x)
         if c.is_recovering == 1:
             demand_recovery(c, x)
@@ -72,21 +93,39 @@ def _fly(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
             attitude_torque(c, x.angular_rate_flu_radps)
         else:
             rate_torque(c, x.angular_rate_flu_radps)
-    _command_rotors(c)
-
-
-@kernel
-def _command_rotors(c: np.record) -> None:
+    n = c.n_rotors
     allocate(
         c.allocation,
         c.collective_n,
         c.torque_flu_nm,
-        c.min_rotor_thrust_n,
-        c.max_rotor_thrust_n,
-        c.rotor_thrust_n,
+        c.min_rotor_thrust_n[:n],
+        c.max_rotor_thrust_n[:n],
+        c.rotor_thrust_n[:n],
     )
+
+
+@kernel
+def _fly_with_a_loss(c: np.record, s: np.record, x: np.record) -> None:
+    """Follow a trajectory or an attitude's tilt on the other rotors; be level for rates."""
+    if s.level == _TRAJECTORY:
+        update_reference(c, s, x)
+        demand_gently(c, x)
+    else:
+        c.R_cmd[:] = 0.0
+        c.R_cmd[2, 2] = 1.0
+        if s.level == _ATTITUDE:
+            matrix_from_quat(s.quat_wxyz, c.R_cmd)
+        thrust_mps2 = max(min(max(s.thrust, 0.0), 1.0) * c.max_thrust_n / c.mass_kg, 1e-3)
+        for i in range(3):
+            c.force_enu_mps2[i] = thrust_mps2 * c.R_cmd[i, 2]
+    fly_without(c, x)
+
+
+@kernel
+def _command_speeds(c: np.record) -> None:
+    """Command the speeds that make the thrusts of `c.rotor_thrust_n`."""
     total = 0.0
-    for i in range(4):
+    for i in range(c.n_rotors):
         total += c.rotor_thrust_n[i]
         wanted = math.sqrt(c.rotor_thrust_n[i] / c.thrust_constant[i])
         speed = c.rotor_model_radps[i]
@@ -100,7 +139,7 @@ def _command_rotors(c: np.record) -> None:
 @kernel
 def _model_rotors(c: np.record) -> None:
     """Model the rotor speeds that follow from the commands, since they are not measured."""
-    for i in range(4):
+    for i in range(c.n_rotors):
         change = c.rotor_command_radps[i] - c.rotor_model_radps[i]
         tau = c.time_constant_s[i, 0 if change >= 0.0 else 1]
         c.rotor_model_radps[i] += change * (1.0 - math.exp(-c.dt_s / tau))

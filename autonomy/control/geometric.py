@@ -70,7 +70,7 @@ def estimate_acceleration(c: np.record, x: np.record) -> None:
     would tip it over.
     """
     thrust = 0.0
-    for i in range(4):
+    for i in range(c.n_rotors):
         thrust += c.thrust_constant[i] * c.rotor_model_radps[i] * c.rotor_model_radps[i]
     drag, along = rotor_drag(c), _along_thrust(c, x.velocity_enu_mps)
     is_pressing = c.force_enu_mps2[2] < _PRESSING_FRACTION * c.gravity_mps2
@@ -100,7 +100,7 @@ def _along_thrust(c: np.record, vector: np.ndarray) -> float:
 def rotor_drag(c: np.record) -> float:
     """Deceleration by the rotors' drag per speed across their axis at modelled speeds, 1/s."""
     total = 0.0
-    for i in range(4):
+    for i in range(c.n_rotors):
         total += c.drag_coefficient[i] * c.rotor_model_radps[i]
     return total / c.mass_kg
 

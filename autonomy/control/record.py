@@ -8,8 +8,9 @@ from dataclasses import fields
 import numpy as np
 
 from autonomy.control.cfg import ControllerCfg
-from autonomy.model.dynamics import thrust_torque_matrix
-from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
+from autonomy.control.rotor_loss import spare_allocations
+from autonomy.model.layout import inverse_allocation
+from autonomy.model.quadrotor import GRAVITY_MPS2, MAX_ROTORS, QuadrotorParams
 from autonomy.types import Setpoint
 
 STATE_DTYPE = np.dtype(
@@ -19,6 +20,8 @@ STATE_DTYPE = np.dtype(
         ("quat_wxyz", "f8", 4),
         ("angular_rate_flu_radps", "f8", 3),
         ("acceleration_enu_mps2", "f8", 3),  # mean over the last control tick
+        ("rotor_speed_radps", "f8", MAX_ROTORS),
+        ("has_rotor_speeds", "i8"),  # whether they are measured
     ],
     align=True,
 )
@@ -61,7 +64,11 @@ CONTROLLER_DTYPE = np.dtype(
         ("integral_mps2", "f8", 3),
         ("is_limited", "i8", 2),  # the demanded force: horizontally, vertically
         ("is_recovering", "i8"),  # from tumbling, see autonomy.control.recovery
-        ("rotor_model_radps", "f8", 4),  # speeds that the commands should have made
+        ("rotor_model_radps", "f8", MAX_ROTORS),  # speeds that the commands should have made
+        ("n_lost", "i8"),  # rotors that do not turn, see autonomy.control.rotor_loss
+        ("is_lost", "i8", MAX_ROTORS),
+        ("n_lost_ticks", "i8", MAX_ROTORS),
+        ("given_speed_radps", "f8", MAX_ROTORS),  # of the rotors at the levels OFF and ROTORS
         ("acceleration_enu_mps2", "f8", 3),  # estimated
         ("disturbance_mps2", "f8", 3),  # of it, what the rotors do not explain
         # Commands.
@@ -70,21 +77,24 @@ CONTROLLER_DTYPE = np.dtype(
         ("rate_cmd_flu_radps", "f8", 3),
         ("collective_n", "f8"),
         ("torque_flu_nm", "f8", 3),
-        ("rotor_thrust_n", "f8", 4),
-        ("rotor_command_radps", "f8", 4),
+        ("rotor_thrust_n", "f8", MAX_ROTORS),
+        ("rotor_command_radps", "f8", MAX_ROTORS),
         ("thrust_fraction", "f8"),
         # Vehicle.
         ("dt_s", "f8"),
         ("mass_kg", "f8"),
         ("inertia_flu_kgm2", "f8", 3),
-        ("allocation", "f8", (4, 4)),  # rotor thrusts from (collective, torques)
-        ("thrust_constant", "f8", 4),
-        ("drag_coefficient", "f8", 4),
-        ("max_rotor_thrust_n", "f8", 4),
-        ("min_rotor_thrust_n", "f8", 4),
-        ("max_rotor_speed_radps", "f8", 4),
-        ("idle_speed_radps", "f8", 4),
-        ("time_constant_s", "f8", (4, 2)),  # up, down
+        ("n_rotors", "i8"),
+        ("allocation", "f8", (MAX_ROTORS, 4)),  # rotor thrusts from (collective, torques)
+        ("spare_allocation", "f8", (MAX_ROTORS, MAX_ROTORS, 4)),  # by lost rotor
+        ("balance_m", "f8", (MAX_ROTORS, 2)),  # torque over thrust without a rotor
+        ("thrust_constant", "f8", MAX_ROTORS),
+        ("drag_coefficient", "f8", MAX_ROTORS),
+        ("max_rotor_thrust_n", "f8", MAX_ROTORS),
+        ("min_rotor_thrust_n", "f8", MAX_ROTORS),
+        ("max_rotor_speed_radps", "f8", MAX_ROTORS),
+        ("idle_speed_radps", "f8", MAX_ROTORS),
+        ("time_constant_s", "f8", (MAX_ROTORS, 2)),  # up, down
         ("max_thrust_n", "f8"),
         ("gravity_mps2", "f8"),
         # Gains and limits, see ControllerCfg.
@@ -168,17 +178,20 @@ def setpoint_row(setpoint: Setpoint) -> tuple[float, ...]:
 
 def _write_vehicle(c: np.void, quadrotor: QuadrotorParams, cfg: ControllerCfg) -> None:
     rotors = quadrotor.rotors
+    n = len(rotors)
     speed = np.array([rotor.max_speed_radps for rotor in rotors])
     kf = np.array([rotor.thrust_constant for rotor in rotors])
     idle = cfg.idle_speed_fraction * speed
     c["mass_kg"] = quadrotor.mass_kg
     c["inertia_flu_kgm2"] = quadrotor.inertia_flu_kgm2
-    c["allocation"] = np.linalg.inv(thrust_torque_matrix(quadrotor))
-    c["thrust_constant"] = kf
-    c["drag_coefficient"] = [rotor.drag_coefficient for rotor in rotors]
-    c["max_rotor_speed_radps"] = speed
-    c["idle_speed_radps"] = idle
-    c["max_rotor_thrust_n"] = kf * speed**2
-    c["min_rotor_thrust_n"] = kf * idle**2
-    c["time_constant_s"] = [[r.time_constant_up_s, r.time_constant_down_s] for r in rotors]
+    c["n_rotors"] = n
+    c["allocation"][:n] = inverse_allocation(quadrotor)
+    c["spare_allocation"][:n, :n], c["balance_m"][:n] = spare_allocations(quadrotor)
+    c["thrust_constant"][:n] = kf
+    c["drag_coefficient"][:n] = [rotor.drag_coefficient for rotor in rotors]
+    c["max_rotor_speed_radps"][:n] = speed
+    c["idle_speed_radps"][:n] = idle
+    c["max_rotor_thrust_n"][:n] = kf * speed**2
+    c["min_rotor_thrust_n"][:n] = kf * idle**2
+    c["time_constant_s"][:n] = [[r.time_constant_up_s, r.time_constant_down_s] for r in rotors]
     c["max_thrust_n"] = quadrotor.max_thrust_n

@@ -13,11 +13,11 @@ class DragModel:
     speeds w and air speed u.
     """
 
-    rotor_mps_per_rad: tuple[float, float, float, float]
+    rotor_mps_per_rad: tuple[float, ...]
     """Drag coefficient over mass of each rotor: 1/s per rad/s."""
     fuselage_per_m: tuple[float, float]
     """rho / 2 CdA over mass along body x and y, 1/m."""
-    thrust_m: tuple[float, float, float, float]
+    thrust_m: tuple[float, ...]
     """Thrust constant over mass of each rotor: m/s^2 per (rad/s)^2."""
 
 

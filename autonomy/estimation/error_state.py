@@ -29,6 +29,7 @@ from dataclasses import fields
 import numpy as np
 
 from autonomy.estimation.cfg import DragModel, EstimatorCfg
+from autonomy.model.quadrotor import MAX_ROTORS
 from autonomy.types import Vector3
 
 N_STATES = 25
@@ -82,6 +83,7 @@ FILTER_DTYPE = np.dtype(
         ("ratio_baro", "f8"),
         ("ratio_heading", "f8"),
         ("gnss_rejections", "i8"),
+        ("rejected_enu_m", "f8", 3),  # last fix that was rejected
         ("last_gnss_tick", "i8"),
         ("has_moved", "i8"),  # since the alignment
         ("last_wander_tick", "i8"),
@@ -139,9 +141,9 @@ FILTER_DTYPE = np.dtype(
         ("drag_variance", "f8"),
         ("drag_relative_sigma", "f8"),
         ("drag_ticks", "i8"),  # between two uses, 0 without a model of drag
-        ("drag_rotor_mps_per_rad", "f8", 4),
+        ("drag_rotor_mps_per_rad", "f8", MAX_ROTORS),
         ("drag_fuselage_per_m", "f8", 2),
-        ("thrust_m", "f8", 4),
+        ("thrust_m", "f8", MAX_ROTORS),
         ("drag_accel_sum", "f8", 2),  # specific force along x and y since the last use
         ("n_drag_accel", "i8"),
         ("range_variance_m2", "f8"),
@@ -199,9 +201,9 @@ def new_filter(
     _configure(f, cfg)
     if drag is not None:
         f["drag_ticks"] = round(cfg.drag_interval_s / dt_s)
-        f["drag_rotor_mps_per_rad"] = drag.rotor_mps_per_rad
+        f["drag_rotor_mps_per_rad"][: len(drag.rotor_mps_per_rad)] = drag.rotor_mps_per_rad
         f["drag_fuselage_per_m"] = drag.fuselage_per_m
-        f["thrust_m"] = drag.thrust_m
+        f["thrust_m"][: len(drag.thrust_m)] = drag.thrust_m
     return filters
 
 

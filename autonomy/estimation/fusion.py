@@ -25,6 +25,8 @@ from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, wrap_angle
 
 _GNSS_POSITION, _GNSS_VELOCITY, _BARO, _HEADING = 0, 1, 2, 3  # rows of MEASUREMENTS
+_GROSS_RATIO = 100.0  # ten times the gate
+_MOST_REJECTED_STEP_M = 10.0  # from fix to fix: 50 m/s at 5 Hz
 _MOVES_MPS = 0.5
 _STEP_AT_REST_M = 0.03
 _FIELD_SMOOTHING = 0.04  # of a sample of the field's strength: half a second at 50 Hz
@@ -45,9 +47,12 @@ def fuse_gnss(
     """
     _let_wander(f)
     h = f.measurement_row
-    f.ratio_gnss_position = 0.0
+    ratio = _worst_ratio(f, position_enu_m, age_ticks, sigma_m)
+    # While odometry carries the position, no fix moves it by more than a small step.
+    is_gross = f.has_vio == 0 and ratio > _GROSS_RATIO
+    f.ratio_gnss_position = ratio if is_gross else 0.0
     f.ratio_gnss_velocity = 0.0
-    for i in range(3):
+    for i in range(0 if is_gross else 3):
         write_past_position_row(f, h, age_ticks, i)
         h[GNSS_WANDER + i] = 1.0
         innovation = position_enu_m[i] - past_position(f, age_ticks, i) - f.gnss_wander_enu_m[i]
@@ -65,9 +70,45 @@ def fuse_gnss(
         f.gnss_rejections = 0
         f.last_gnss_tick = f.last_position_tick = f.tick
         return
-    f.gnss_rejections += 1
+    f.gnss_rejections = f.gnss_rejections + 1 if _agrees_with_rejected(f, position_enu_m) else 1
     if f.gnss_rejections >= f.max_gnss_rejections:
         _restart(f, position_enu_m, velocity_enu_mps, age_ticks, sigma_m, sigma_mps)
+
+
+@kernel
+def _worst_ratio(
+    f: np.record, position_enu_m: np.ndarray, age_ticks: int, sigma_m: np.ndarray
+) -> float:
+    """Greatest ratio of a fix's three positions to their gates, before any of them is fused.
+
+    A fix that is grossly wrong along one axis is not right along another by more than chance.
+    """
+    P, h, worst = f.covariance, f.measurement_row, 0.0
+    for i in range(3):
+        write_past_position_row(f, h, age_ticks, i)
+        h[GNSS_WANDER + i] = 1.0
+        variance = sigma_m[i] * sigma_m[i]
+        for j in range(N_STATES):
+            if h[j] != 0.0:
+                for k in range(N_STATES):
+                    variance += h[j] * P[j, k] * h[k]
+        innovation = position_enu_m[i] - past_position(f, age_ticks, i) - f.gnss_wander_enu_m[i]
+        worst = max(worst, innovation * innovation / (variance * f.gate_sigma * f.gate_sigma))
+    return worst
+
+
+@kernel
+def _agrees_with_rejected(f: np.record, position_enu_m: np.ndarray) -> bool:
+    """Whether a rejected fix lies where the rejected one before it does, and so may be right.
+
+    Fixes that agree with nothing, not even with each other, are no reason to restart.
+    """
+    square = 0.0
+    for i in range(3):
+        step = position_enu_m[i] - f.rejected_enu_m[i]
+        square += step * step
+        f.rejected_enu_m[i] = position_enu_m[i]
+    return f.gnss_rejections > 0 and square <= _MOST_REJECTED_STEP_M * _MOST_REJECTED_STEP_M
 
 
 @kernel

@@ -27,7 +27,7 @@ _LEAST_LOAD = 0.5
 def fuse_drag(f: np.record, accel_flu_mps2: np.ndarray, rotor_speed_radps: np.ndarray) -> None:
     """Add the specific force (3,) of the present tick; fuse its mean when a use is due.
 
-    The mean since the last use takes out most of the vibration by rotors at these speeds (4,).
+    The mean since the last use takes out most of the vibration by rotors at these speeds (n,).
     """
     if f.drag_ticks == 0:
         return
@@ -43,7 +43,7 @@ def fuse_drag(f: np.record, accel_flu_mps2: np.ndarray, rotor_speed_radps: np.nd
 @kernel
 def _fuse_mean(f: np.record, rotor_speed_radps: np.ndarray) -> None:
     thrust = linear = 0.0
-    for k in range(4):
+    for k in range(len(rotor_speed_radps)):
         thrust += f.thrust_m[k] * rotor_speed_radps[k] * rotor_speed_radps[k]
         linear += f.drag_rotor_mps_per_rad[k] * rotor_speed_radps[k]
     if thrust < _LEAST_LOAD * f.gravity_mps2:

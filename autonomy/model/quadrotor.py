@@ -1,12 +1,15 @@
-"""Physical parameters of a quadrotor, shared by control, planning and simulation."""
+"""Physical parameters of a multirotor, shared by control, planning and simulation."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from autonomy.types import Vector3
 
 GRAVITY_MPS2 = 9.81
+MAX_ROTORS = 12
+"""Most rotors of a vehicle: records of the kernels have room for as many."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -18,9 +21,9 @@ class RotorParams:
     spin: int
     """+1 turns counter-clockwise seen from above, -1 clockwise."""
     thrust_constant: float
-    """kf in N s^2/rad^2: thrust = kf w^2 along body z."""
+    """kf in N s^2/rad^2: thrust = kf w^2 along its axis."""
     torque_per_thrust_m: float
-    """Reaction torque about body z = -spin x thrust x this."""
+    """Reaction torque about its axis = -spin x thrust x this."""
     time_constant_up_s: float
     time_constant_down_s: float
     max_speed_radps: float
@@ -28,21 +31,30 @@ class RotorParams:
     """Drag force = -|w| x this x v_perp, v relative to the wind."""
     rolling_moment_coefficient: float
     """Rolling moment = -|w| x this x v_perp."""
+    axis_flu: Vector3 = (0.0, 0.0, 1.0)
+    """Unit vector along which it pulls, up unless it is canted."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class QuadrotorParams:
-    """Rigid body with four rotors, origin in its centre of mass, FLU axes."""
+    """Rigid body with rotors, four in the usual case, origin in its centre of mass, FLU axes."""
 
     mass_kg: float
     inertia_flu_kgm2: Vector3
     """Principal moments Ixx, Iyy, Izz."""
-    rotors: tuple[RotorParams, RotorParams, RotorParams, RotorParams]
+    rotors: tuple[RotorParams, ...]
+    """At most `MAX_ROTORS`; `autonomy.model.layout` says which of them can be flown."""
 
     @property
     def max_thrust_n(self) -> float:
         """Collective thrust with all rotors at full speed, N."""
-        return sum(r.thrust_constant * r.max_speed_radps**2 for r in self.rotors)
+        return sum(r.thrust_constant * r.max_speed_radps**2 * r.axis_flu[2] for r in self.rotors)
+
+    @property
+    def hover_speed_radps(self) -> float:
+        """Speed at which the rotors, all turning alike, carry the weight."""
+        lift = sum(r.thrust_constant * r.axis_flu[2] for r in self.rotors)
+        return math.sqrt(self.mass_kg * GRAVITY_MPS2 / lift)
 
     @property
     def hover_thrust_fraction(self) -> float:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+MAX_ROUGHNESS_M = 0.04
+MAX_RISE_M = 0.06
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LandingNeeds:
@@ -15,10 +18,10 @@ class LandingNeeds:
     body_radius_m: float
     """Radius of all of it, plus the scatter of a touchdown."""
     max_slope_rad: float = math.radians(10.0)
-    max_roughness_m: float = 0.04
+    max_roughness_m: float = MAX_ROUGHNESS_M
     """Largest height range about the plane under the feet. With one foot so much higher a stance
     of 0.28 m tilts by 8 deg; 0.06 let it stand on kerbs of 0.05 m."""
-    max_rise_m: float = 0.06
+    max_rise_m: float = MAX_RISE_M
     """Greatest rise of things within the body's radius above the plane: below the rotors."""
     min_frames: int = 3
     """Least number of frames that show all of the ground under the feet."""

@@ -5,19 +5,37 @@ from __future__ import annotations
 from math import isnan
 
 from flightsim.autopilot.battery_monitor import BatteryMonitor
+from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_places import fence_breach, mission_obstacle
 from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, BatteryWarning, Mode
 from flightsim.autopilot.status import Health, PrearmReport
 from flightsim.plant import Plant
+from flightsim.sensors.barometer import BAROMETER
+from flightsim.sensors.gnss import GNSS
+from flightsim.sensors.imu import IMU
+from flightsim.sensors.magnetometer import MAGNETOMETER
+from flightsim.sensors.rangefinder import RANGEFINDER
+from flightsim.sensors.sensor import Sensor
 
 _STALE_US = 1_000_000
 _MAX_TILT_COSINE = 0.5
 _LOW_THROTTLE = 0.1
 _NOT_FOR_TAKEOFF = frozenset(
-    {Mode.LAND, Mode.RETURN, Mode.DESCEND, Mode.TERMINATION, Mode.ORBIT, Mode.FOLLOW}
+    {
+        *(Mode.LAND, Mode.PRECISION_LAND, Mode.RETURN, Mode.DESCEND, Mode.TERMINATION),
+        *(Mode.ORBIT, Mode.FOLLOW),
+    }
 )
 _GNSS_FIX_3D = 3
+_TOLD = {
+    "is_imu_ok": "Inertial sensor",
+    "is_mag_ok": "Magnetometer",
+    "is_baro_ok": "Barometer",
+    "is_gnss_ok": "Satellite fix",
+    "is_rangefinder_ok": "Rangefinder",
+}
+"""Fields of `Health` whose change is said, and the sensors' names."""
 
 
 class ArmingChecks:
@@ -27,6 +45,7 @@ class ArmingChecks:
         self._plant = plant
         self._flight = flight
         self._battery = battery
+        self._lost: set[str] = set()
         self.health = Health()
         self.report = PrearmReport(is_ok=False, reasons=("starting up",))
 
@@ -40,18 +59,38 @@ class ArmingChecks:
         reasons = tuple(self._reasons(mode))
         is_ok = is_armed or not reasons
         self.report = PrearmReport(is_ok=is_ok, reasons=reasons)
-        self.health = self._health(is_armable=is_ok)
+        before, self.health = self.health, self._health(is_armable=is_ok)
+        self._tell_changes(before)
         return self.report
+
+    def announce(self) -> None:
+        """Say what forbids arming."""
+        for reason in self.report.reasons:
+            self._flight.events.say(Severity.WARNING, f"Preflight fail: {reason}")
+
+    def _tell_changes(self, before: Health) -> None:
+        """Say which sensors have fallen silent, repeat themselves, or work again."""
+        for name, title in _TOLD.items():
+            was_ok, is_ok = getattr(before, name), getattr(self.health, name)
+            if was_ok and not is_ok:
+                self._lost.add(name)
+                self._flight.events.say(Severity.WARNING, f"{title} lost")
+            elif is_ok and name in self._lost:
+                self._lost.remove(name)
+                self._flight.events.say(Severity.INFO, f"{title} regained")
+
+    def _delivers(self, sensor: Sensor) -> bool:
+        now_us = self._flight.vehicle.time_us
+        return self._plant.sensors.is_delivering(sensor, now_us, _STALE_US)
 
     def _health(self, *, is_armable: bool) -> Health:
         flight, vehicle = self._flight, self._flight.vehicle
-        sensors, now_us = self._plant.sensors, vehicle.time_us
         return Health(
-            is_imu_ok=_is_fresh(sensors.imu.time_us, now_us),
-            is_mag_ok=_is_fresh(sensors.mag.time_us, now_us),
-            is_baro_ok=_is_fresh(sensors.baro.time_us, now_us),
+            is_imu_ok=self._delivers(IMU) and vehicle.is_imu_ok,
+            is_mag_ok=self._delivers(MAGNETOMETER),
+            is_baro_ok=self._delivers(BAROMETER),
             is_gnss_ok=self._has_fix(),
-            is_rangefinder_ok=not isnan(sensors.range_m),
+            is_rangefinder_ok=self._delivers(RANGEFINDER) and not isnan(vehicle.range_m),
             is_attitude_ok=vehicle.is_attitude_ok,
             is_position_ok=vehicle.is_position_ok,
             is_battery_ok=self._battery.warning < BatteryWarning.CRITICAL,
@@ -60,21 +99,17 @@ class ArmingChecks:
         )
 
     def _has_fix(self) -> bool:
-        gnss = self._plant.sensors.gnss
-        is_fresh = _is_fresh(gnss.time_us, self._flight.vehicle.time_us)
-        return is_fresh and gnss.fix_type >= _GNSS_FIX_3D
+        return self._delivers(GNSS) and self._plant.sensors.gnss.fix_type >= _GNSS_FIX_3D
 
     def _reasons(self, mode: Mode) -> list[str]:
         flight, vehicle, p = self._flight, self._flight.vehicle, self._flight.parameters
-        reasons: list[str] = []
+        reasons = self._sensor_reasons()
         if not vehicle.is_attitude_ok:
             reasons.append("attitude estimate not valid")
         elif vehicle.cos_tilt < _MAX_TILT_COSINE:
             reasons.append("vehicle is tilted by more than 60 degrees")
         if not vehicle.is_position_ok and (mode in POSITION_MODES or mode is Mode.OFFBOARD):
             reasons.append("position estimate not valid")
-        if p["COM_ARM_WO_GPS"] == 0 and not self._has_fix():
-            reasons.append("no satellite fix")
         if self._battery.warning >= BatteryWarning.CRITICAL:
             reasons.append("battery too low")
         if p["GF_ACTION"] > 1 and fence_breach(flight, vehicle.position_enu_m):
@@ -87,6 +122,17 @@ class ArmingChecks:
             reasons.extend(self._stick_reasons())
         return reasons
 
+    def _sensor_reasons(self) -> list[str]:
+        has_imu = self._delivers(IMU) and self._flight.vehicle.is_imu_ok
+        has_fix = self._flight.parameters["COM_ARM_WO_GPS"] != 0 or self._has_fix()
+        needed = {
+            "no inertial sensor": has_imu,
+            "no barometer": self._delivers(BAROMETER),
+            "no magnetometer": self._delivers(MAGNETOMETER),
+            "no satellite fix": has_fix,
+        }
+        return [reason for reason, is_there in needed.items() if not is_there]
+
     def _stick_reasons(self) -> list[str]:
         sticks, now_us = self._flight.sticks, self._flight.vehicle.time_us
         if not sticks.is_alive(now_us):
@@ -94,7 +140,3 @@ class ArmingChecks:
         if sticks.current(now_us).throttle > _LOW_THROTTLE:
             return ["throttle is not down"]
         return []
-
-
-def _is_fresh(time_us: int, now_us: int) -> bool:
-    return now_us - time_us < _STALE_US

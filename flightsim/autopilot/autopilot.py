@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from math import isfinite
 
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint, Vector3
+from flightsim.autopilot.actuator_test import ActuatorTest
 from flightsim.autopilot.arming import ArmingChecks
 from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.behaviours.mission import MissionFlight
 from flightsim.autopilot.commander import Commander
-from flightsim.autopilot.events import Event, EventLog, Severity
+from flightsim.autopilot.events import Event, EventLog
 from flightsim.autopilot.failsafes import Failsafes
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.guided import GuidedRequests
@@ -36,9 +37,11 @@ class Autopilot:
     Attributes:
         parameters: Changed by `parameters.set`.
         mission: Uploaded mission and its progress.
-        fence: Uploaded geofence.
-        rally: Uploaded rally points.
-        follow_target: Reports of the target of follow mode.
+        fence, rally: Uploaded geofence and rally points.
+        battery_monitor, datalink, sticks: What the autopilot reads, for letting it fail.
+        follow_target, landing_target: Reports of what to follow, and of what to land on.
+        collision_prevention: Reports of what not to fly into.
+        actuator_test: Tests of motors on the ground.
         setpoint: Setpoint applied last.
 
     Requests from `takeoff` to `set_home` are `flightsim.autopilot.guided.GuidedRequests`.
@@ -76,22 +79,23 @@ class Autopilot:
         self._events = EventLog()
         self._vehicle = Vehicle(plant, self.parameters, hover)
         self._flight = FlightContext(self._vehicle, self.parameters, self._events, frame)
-        self._battery = BatteryMonitor(self.parameters, self._events, airframe.battery.cells)
-        self._datalink = DatalinkWatch(self.parameters)
-        self._checks = ArmingChecks(plant, self._flight, self._battery)
-        self._failsafes = Failsafes(self._flight, self._battery, self._datalink)
+        self.battery_monitor = BatteryMonitor(self.parameters, self._events, airframe.battery.cells)
+        self.datalink = DatalinkWatch(self.parameters)
+        self._checks = ArmingChecks(plant, self._flight, self.battery_monitor)
+        self._failsafes = Failsafes(self._flight, self.battery_monitor, self.datalink)
         self._commander = Commander(self._flight, self._checks, self._failsafes)
         self.mission = self._flight.mission
         self.fence = self._flight.fence
         self.rally = self._flight.rally
+        self.sticks = self._flight.sticks
         self.follow_target = self._flight.follow_target
+        self.landing_target = self._flight.landing_target
+        self.collision_prevention = self._flight.collision_prevention
+        self.actuator_test = ActuatorTest(plant, self._flight, airframe)
         guided = GuidedRequests(self._flight, self._commander)
-        self.takeoff = guided.takeoff
-        self.land = guided.land
-        self.goto = guided.goto
-        self.orbit = guided.orbit
-        self.set_yaw = guided.set_yaw
-        self.set_speed = guided.set_speed
+        self.takeoff, self.land, self.restart = guided.takeoff, guided.land, guided.restart
+        self.goto, self.orbit = guided.goto, guided.orbit
+        self.set_yaw, self.set_speed = guided.set_yaw, guided.set_speed
         self.set_home = guided.set_home
         self.setpoint: Setpoint = OFF
         self._n_ticks = 0
@@ -118,6 +122,7 @@ class Autopilot:
             if self._n_ticks % _REPORT_EVERY == 0:
                 self._refresh_reports()
         self._n_ticks += 1
+        self.actuator_test.update(is_armed=commander.is_armed)
         setpoint = commander.tick()
         if setpoint.level > ControlLevel.IDLE and not vehicle.is_attitude_ok:
             setpoint = IDLE  # armed by force: there is nothing to fly by yet
@@ -156,7 +161,7 @@ class Autopilot:
             return SystemState.EMERGENCY
         if not self.is_armed:
             return SystemState.STANDBY
-        if self._battery.warning is BatteryWarning.EMERGENCY:
+        if self.battery_monitor.warning is BatteryWarning.EMERGENCY:
             return SystemState.EMERGENCY
         return SystemState.ACTIVE if self.failsafe is None else SystemState.CRITICAL
 
@@ -183,7 +188,7 @@ class Autopilot:
     @property
     def battery(self) -> BatteryView:
         """The battery; refreshed twice a second."""
-        return self._battery.view
+        return self.battery_monitor.view
 
     @property
     def target_enu_m(self) -> Vector3 | None:
@@ -261,8 +266,7 @@ class Autopilot:
     def run_prearm_checks(self) -> PrearmReport:
         """Run the arming checks now and announce what forbids arming."""
         report = self._checks.refresh(self.mode, is_armed=self.is_armed)
-        for reason in report.reasons:
-            self._events.say(Severity.WARNING, f"Preflight fail: {reason}")
+        self._checks.announce()
         return report
 
     # Streams
@@ -283,18 +287,14 @@ class Autopilot:
         if not all(isfinite(c) for c in (pitch, roll, throttle, yaw)):
             return
         sticks = Sticks.limited(pitch=pitch, roll=roll, throttle=throttle, yaw=yaw)
-        self._flight.sticks.receive(sticks, self._plant.time_us)
-
-    def set_sticks_heard(self, *, is_heard: bool) -> None:
-        """Lose the sticks' signal, or find it again."""
-        self._flight.sticks.is_heard = is_heard
+        self.sticks.receive(sticks, self._plant.time_us)
 
     def on_link_heartbeat(self, _source: object = None) -> None:
         """Accept the heartbeat of a ground station."""
-        self._datalink.receive(self._plant.time_us)
+        self.datalink.receive(self._plant.time_us)
 
     def _refresh_reports(self) -> None:
-        self._battery.update(self._plant.battery, is_armed=self.is_armed)
+        self.battery_monitor.update(self._plant.battery, is_armed=self.is_armed)
         if self._flight.home is None and self._vehicle.is_position_ok:
             self._flight.move_home(None, is_manual=False)
         self._checks.refresh(self.mode, is_armed=self.is_armed)

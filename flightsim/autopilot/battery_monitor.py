@@ -6,6 +6,7 @@ from flightsim.autopilot.events import EventLog, Severity
 from flightsim.autopilot.modes import BatteryWarning
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.status import BatteryView
+from flightsim.sensors.failure import Failure
 from flightsim.vehicles.battery import Battery
 
 _TEXTS = {
@@ -13,6 +14,10 @@ _TEXTS = {
     BatteryWarning.CRITICAL: (Severity.CRITICAL, "Critical battery level, land now"),
     BatteryWarning.EMERGENCY: (Severity.EMERGENCY, "Dangerous battery level, landing is urgent"),
 }
+
+BATTERY_FAILURES = frozenset({Failure.NONE, Failure.OFF, Failure.WRONG, Failure.STUCK})
+"""Kinds of failure that the monitor can have."""
+_WRONG_REMAINING = 0.1
 
 
 class BatteryMonitor:
@@ -23,11 +28,14 @@ class BatteryMonitor:
         self._events = events
         self._n_cells = n_cells
         self.warning = BatteryWarning.NONE
+        self.failure = Failure.NONE
+        """What it reads instead of the charge: nothing where it is off, as PX4 has it, too little
+        where it is wrong, and the same again where it is stuck."""
         self.view = BatteryView(n_cells=n_cells)
 
     def update(self, battery: Battery, *, is_armed: bool) -> None:
         """Read the battery; announce when it reaches the next warning level."""
-        remaining = battery.remaining
+        remaining = self._read(battery.remaining)
         level = self._level(remaining)
         if level > self.warning and level in _TEXTS:
             self._events.say(*_TEXTS[level])
@@ -40,6 +48,14 @@ class BatteryMonitor:
             warning=self.warning,
             n_cells=self._n_cells,
         )
+
+    def _read(self, remaining: float) -> float:
+        said = {
+            Failure.OFF: 0.0,
+            Failure.WRONG: min(remaining, _WRONG_REMAINING),
+            Failure.STUCK: self.view.remaining,
+        }
+        return said.get(self.failure, remaining)
 
     def _level(self, remaining: float) -> BatteryWarning:
         p = self._parameters

@@ -10,7 +10,7 @@ from flightsim.autopilot.behaviours.land import Descend
 from flightsim.autopilot.behaviours.manual import Manual
 from flightsim.autopilot.behaviours.offboard import Offboard
 from flightsim.autopilot.events import Severity
-from flightsim.autopilot.failsafes import BATTERY_REASONS, Action, Failsafes
+from flightsim.autopilot.failsafes import ACTION_MODES, BATTERY_REASONS, MEASURES, Action, Failsafes
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.flight_limits import SpeedRequests
 from flightsim.autopilot.mode_entry import behaviour_of, may_enter
@@ -22,19 +22,10 @@ _WITHOUT_REFERENCES = (Offboard, Manual, Descend)
 _ONE_FLIGHT_MODES = frozenset(
     {
         *(Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.FOLLOW),
-        *(Mode.DESCEND, Mode.TERMINATION),
+        *(Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION),
     }
 )
 """Modes that end with the flight: disarming switches them to hold."""
-_ACTION_MODES = {
-    Action.HOLD: Mode.HOLD,
-    Action.RETURN: Mode.RETURN,
-    Action.LAND: Mode.LAND,
-    Action.DESCEND: Mode.DESCEND,
-    Action.TERMINATE: Mode.TERMINATION,
-}
-_MEASURES = {Mode.RETURN: Action.RETURN, Mode.LAND: Action.LAND, Mode.DESCEND: Action.DESCEND}
-"""Modes that are themselves as strong as a failsafe action."""
 
 
 class Commander:
@@ -273,7 +264,7 @@ class Commander:
             flight.events.say(Severity.WARNING, f"Failsafe warning: {reason.value}")
             return
         mode = self._mode_for(action)
-        if action <= max(self._failsafe_action, _MEASURES.get(self.mode, Action.WARN)):
+        if action <= max(self._failsafe_action, MEASURES.get(self.mode, Action.WARN)):
             return
         self._failsafe_action = action
         self.failsafe = reason
@@ -294,7 +285,7 @@ class Commander:
             choice = int(flight.parameters["COM_OBL_RC_ACT"])
             mode = wanted.get(choice, Mode.POSITION) if has_sticks else Mode.HOLD
         else:
-            mode = _ACTION_MODES.get(action, Mode.HOLD)
+            mode = ACTION_MODES.get(action, Mode.HOLD)
         if mode in POSITION_MODES and not flight.vehicle.is_position_ok:
             return Mode.DESCEND
         return mode

@@ -6,6 +6,8 @@ from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum, unique
 
+from flightsim.autopilot.mission_item import MissionItem
+
 
 @unique
 class Severity(IntEnum):
@@ -38,7 +40,15 @@ class MissionItemReached:
     index: int
 
 
-Event = Statustext | MissionItemReached
+@dataclass(frozen=True, slots=True)
+class PayloadOrder:
+    """The mission has come to an item for what the vehicle carries."""
+
+    time_us: int
+    item: MissionItem
+
+
+Event = Statustext | MissionItemReached | PayloadOrder
 
 
 class EventLog:
@@ -63,6 +73,10 @@ class EventLog:
     def mission_item_reached(self, index: int) -> None:
         """Queue the arrival at a mission item."""
         self._waiting.append(MissionItemReached(self.time_us, index))
+
+    def payload_order(self, item: MissionItem) -> None:
+        """Queue an item for what the vehicle carries."""
+        self._waiting.append(PayloadOrder(self.time_us, item))
 
     def pop(self) -> list[Event]:
         """Remove and return all queued events, oldest first."""

@@ -40,6 +40,20 @@ class Action(IntEnum):
     TERMINATE = 7
 
 
+ACTION_MODES = {
+    Action.HOLD: Mode.HOLD,
+    Action.RETURN: Mode.RETURN,
+    Action.LAND: Mode.LAND,
+    Action.DESCEND: Mode.DESCEND,
+    Action.TERMINATE: Mode.TERMINATION,
+}
+MEASURES = {
+    Mode.RETURN: Action.RETURN,
+    Mode.LAND: Action.LAND,
+    Mode.PRECISION_LAND: Action.LAND,
+    Mode.DESCEND: Action.DESCEND,
+}
+"""Modes that are themselves as strong as a failsafe action."""
 _LINK_ACTIONS = {
     1: Action.HOLD,
     2: Action.RETURN,
@@ -66,11 +80,21 @@ _FENCE_ACTIONS = {
     4: Action.TERMINATE,
     5: Action.LAND,
 }
+"""Actions of GF_ACTION and COM_WIND_MAX_ACT."""
+_MOTOR_ACTIONS = {
+    0: Action.WARN,
+    1: Action.HOLD,
+    2: Action.LAND,
+    3: Action.RETURN,
+    4: Action.TERMINATE,
+}
 BATTERY_REASONS = frozenset(
     {FailsafeReason.BATTERY_LOW, FailsafeReason.BATTERY_CRITICAL, FailsafeReason.BATTERY_EMERGENCY}
 )
 """Reasons that the battery monitor announces in its own words."""
-_GOING_DOWN = frozenset({Mode.RETURN, Mode.LAND, Mode.DESCEND, Mode.TERMINATION})
+_GOING_DOWN = frozenset(
+    {Mode.RETURN, Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION}
+)
 _POSITION_GRACE_S = 0.5
 _SHORTEST_GAP_S = 0.1
 
@@ -90,7 +114,9 @@ class Failsafes:
         self._position_lost_us: int | None = None
         self._toppled_us: int | None = None
         self._checks: tuple[tuple[FailsafeReason, Callable[[Mode], Action | None]], ...] = (
+            (FailsafeReason.IMU_LOST, self._imu),
             (FailsafeReason.CRASHED, self._toppled),
+            (FailsafeReason.MOTOR_LOST, self._motors),
             (FailsafeReason.POSITION_LOST, self._position),
             (FailsafeReason.BATTERY_EMERGENCY, self._battery_emergency),
             (FailsafeReason.BATTERY_CRITICAL, self._battery_critical),
@@ -99,6 +125,7 @@ class Failsafes:
             (FailsafeReason.MANUAL_CONTROL_LOST, self._manual_control),
             (FailsafeReason.DATALINK_LOST, self._datalink_lost),
             (FailsafeReason.GEOFENCE, self._geofence),
+            (FailsafeReason.WIND, self._wind),
         )
 
     @property
@@ -143,6 +170,16 @@ class Failsafes:
         if len(news) > 1:
             news.sort(key=lambda pair: -pair[1])
         return news
+
+    def _imu(self, _mode: Mode) -> Action | None:
+        return None if self._flight.vehicle.is_imu_ok else Action.TERMINATE
+
+    def _motors(self, _mode: Mode) -> Action | None:
+        """One lost motor is flown without; nobody flies without two."""
+        n_lost = len(self._flight.vehicle.lost_rotors)
+        if n_lost > 1:
+            return Action.TERMINATE
+        return _MOTOR_ACTIONS[int(self._flight.parameters["COM_ACT_FAIL_ACT"])] if n_lost else None
 
     def _toppled(self, mode: Mode) -> Action | None:
         vehicle, p = self._flight.vehicle, self._flight.parameters
@@ -217,5 +254,12 @@ class Failsafes:
         flight = self._flight
         measure = int(flight.parameters["GF_ACTION"])
         if measure == 0 or fence_breach(flight, flight.vehicle.position_enu_m) is None:
+            return None
+        return _FENCE_ACTIONS[measure]
+
+    def _wind(self, _mode: Mode) -> Action | None:
+        p = self._flight.parameters
+        measure = int(p["COM_WIND_MAX_ACT"])
+        if measure == 0 or not 0.0 <= p["COM_WIND_MAX"] < self._flight.vehicle.wind_mps:
             return None
         return _FENCE_ACTIONS[measure]

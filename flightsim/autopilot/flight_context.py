@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import atan2, hypot, radians
 
 from autonomy.types import NAN3, ZERO3, ControlLevel, Setpoint, Vector3
+from flightsim.autopilot.collision_prevention import CollisionPrevention
 from flightsim.autopilot.events import EventLog
 from flightsim.autopilot.fence import FenceStore, RallyStore
 from flightsim.autopilot.flight_limits import FlightLimits
@@ -48,6 +49,8 @@ class FlightContext:
         self.sticks = StickStream(parameters)
         self.offboard = OffboardStream()
         self.follow_target = TargetStream()
+        self.landing_target = TargetStream()
+        self.collision_prevention = CollisionPrevention(parameters)
         self.land_detector = LandDetector(parameters)
         self.path = PathMotion()
         self.heading = HeadingMotion()

@@ -9,6 +9,7 @@ from autonomy.types import Vector3
 from flightsim.autopilot.behaviours.hold import Hold
 from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.behaviours.orbit import Orbit
+from flightsim.autopilot.behaviours.precision_land import Precision, PrecisionLand
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.commander import Commander
 from flightsim.autopilot.events import Severity
@@ -62,11 +63,16 @@ class GuidedRequests:
         latitude_deg: float | None = None,
         longitude_deg: float | None = None,
         yaw_rad: float | None = None,
+        precision: Precision = Precision.NONE,
     ) -> Reply:
-        """Land at a place, or at the present position."""
+        """Land at a place, or at the present position; with `precision` on the landing target."""
         place = self._place(latitude_deg, longitude_deg)
         if place is not None and not hypot(*place) <= _FARTHEST_M:
             return denied("landing place is out of range")
+        if precision is not Precision.NONE:
+            is_required = precision is Precision.REQUIRED
+            landing = PrecisionLand(self._flight, place, is_required=is_required)
+            return self._commander.request(Mode.PRECISION_LAND, landing)
         return self._commander.request(Mode.LAND, Land(self._flight, place, yaw_rad))
 
     def goto(
@@ -127,6 +133,17 @@ class GuidedRequests:
         if position is not None and not _is_near(position):
             return denied("home is out of range")
         self._flight.move_home(position)
+        return ACCEPTED
+
+    def restart(self) -> Reply:
+        """Begin again as after a reboot: parameters, mission, fence and rally points stay."""
+        flight = self._flight
+        if self._commander.is_armed:
+            return rejected("the vehicle is armed")
+        flight.home = None
+        flight.mission.rewind()
+        self._commander.request(Mode.HOLD)
+        flight.events.say(Severity.INFO, "Restarted")
         return ACCEPTED
 
     def _filled(self, position_enu_m: Vector3) -> Vector3:

@@ -13,11 +13,15 @@ from flightsim.autopilot.vehicle import TICK_S, Vehicle
 
 _CARRIED_FRACTION = 0.8
 """Fraction of the hover thrust; in the air the vehicle would sink at 2 m/s within a second."""
-_CONTACT_NEAR_GROUND_S = 0.1
+_CONTACT_BY_HEIGHT_S = ((0.06, 0.1), (0.25, 0.4), (inf, 1.2))
+"""How long something has to carry the vehicle, by the height that the rangefinder sees below it.
+
+A gust from below carries it too, for up to half a second, and a fall from 0.1 m is a hard landing.
+"""
 _CONTACT_S = 0.4
 _NEAR_GROUND_M = 0.25
 _TOUCH_S = 0.04
-_TOUCH_HEIGHT_M = 0.1
+_TOUCH_HEIGHT_M = 0.06
 _TOUCH_STOP_MPS = 0.2
 _BARE_DESCENT_MPS = -0.25
 """Least speed of a descent to a bare position, until it is stopped."""
@@ -34,9 +38,9 @@ class LandDetector:
 
     Attributes:
         has_contact: Whether something seems to carry the vehicle. It begins when a commanded
-            descent ends within a hand's breadth of the ground, or when the rotors have carried too
-            little for 0.1 s near the ground, 0.4 s where the rangefinder sees none. It ends when
-            the vehicle is lifted, or falls and is not near the ground.
+            descent ends within some centimetres of the ground, or when the rotors have carried too
+            little for 0.1 s there, longer above it. It ends when the vehicle is lifted, or falls
+            and is not near the ground.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -86,8 +90,9 @@ class LandDetector:
             and up_mps > commanded_up_mps + _TOUCH_STOP_MPS
         )
         self._touching_s = self._touching_s + TICK_S if is_touching else 0.0
-        is_near = height_m is not None and height_m < _NEAR_GROUND_M
-        enough_s = _CONTACT_NEAR_GROUND_S if is_near else _CONTACT_S
+        enough_s = _CONTACT_S
+        if height_m is not None:
+            enough_s = next(s for below_m, s in _CONTACT_BY_HEIGHT_S if height_m < below_m)
         self.has_contact = self._touching_s >= _TOUCH_S or self._carried_s >= enough_s
 
     def _is_carried(self, vehicle: Vehicle) -> bool:

@@ -51,12 +51,12 @@ PLACE_COMMANDS = frozenset(
 )
 """Items that fly to or at a place."""
 
-IGNORED_COMMANDS = frozenset(
+PAYLOAD_COMMANDS = frozenset(
     # servo, relay, region of interest, camera, gimbal, gripper, parachute off, video, trigger
     {181, 182, 183, 184, 195, 196, 197, 201, 202, 203, 204, 205, 206, 207, 211, 214, 530, 531, 532}
     | {1000, 1001, 2000, 2001, 2003, 2500, 2501}
 )
-"""Items for payloads that this vehicle does not carry: accepted, and skipped in flight."""
+"""Items for what a vehicle carries: told as `PayloadOrder`, on which those act who are aboard."""
 
 FRAME_GLOBAL = frozenset({0, 5})
 """Frames with altitude above mean sea level."""

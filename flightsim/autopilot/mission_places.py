@@ -9,14 +9,14 @@ from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_item import (
     FRAME_GLOBAL,
     FRAME_LOCAL_NED,
-    IGNORED_COMMANDS,
+    PAYLOAD_COMMANDS,
     PLACE_COMMANDS,
     Cmd,
     MissionItem,
 )
 from flightsim.frames import Geodetic, swap_enu_ned, swap_yaw_enu_ned
 
-_PASSED_OVER = IGNORED_COMMANDS | {Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOME}
+_PASSED_OVER = PAYLOAD_COMMANDS | {Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOME}
 
 
 def place_of(item: MissionItem, flight: FlightContext) -> Vector3:

@@ -12,6 +12,7 @@ from flightsim.autopilot.behaviours.land import Descend, Land
 from flightsim.autopilot.behaviours.manual import Manual, StickGuided
 from flightsim.autopilot.behaviours.mission import MissionFlight
 from flightsim.autopilot.behaviours.offboard import Offboard
+from flightsim.autopilot.behaviours.precision_land import PrecisionLand
 from flightsim.autopilot.behaviours.return_home import ReturnHome
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.flight_context import FlightContext
@@ -22,6 +23,7 @@ from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
 _BEHAVIOURS: dict[Mode, Callable[[FlightContext], Behaviour]] = {
     Mode.TAKEOFF: Takeoff,
     Mode.LAND: Land,
+    Mode.PRECISION_LAND: PrecisionLand,
     Mode.RETURN: ReturnHome,
     Mode.MISSION: MissionFlight,
     Mode.OFFBOARD: Offboard,

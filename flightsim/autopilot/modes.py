@@ -19,6 +19,7 @@ class Mode(Enum):
     MISSION = "Mission"
     RETURN = "Return"
     LAND = "Land"
+    PRECISION_LAND = "Precision land"
     OFFBOARD = "Offboard"
     ORBIT = "Orbit"
     FOLLOW = "Follow"
@@ -37,7 +38,7 @@ THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
 POSITION_MODES = frozenset(
     {
         *(Mode.POSITION, Mode.HOLD, Mode.TAKEOFF, Mode.MISSION, Mode.RETURN, Mode.LAND),
-        *(Mode.ORBIT, Mode.FOLLOW),
+        *(Mode.ORBIT, Mode.FOLLOW, Mode.PRECISION_LAND),
     }
 )
 """Modes that need a valid position estimate."""
@@ -73,6 +74,9 @@ class FailsafeReason(Enum):
     POSITION_LOST = "position estimate lost"
     GEOFENCE = "geofence breached"
     CRASHED = "vehicle toppled"
+    IMU_LOST = "inertial sensor lost"
+    MOTOR_LOST = "motor lost"
+    WIND = "wind too strong"
     BATTERY_LOW = "battery low"
     BATTERY_CRITICAL = "battery critical"
     BATTERY_EMERGENCY = "battery at emergency level"

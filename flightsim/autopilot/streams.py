@@ -128,10 +128,13 @@ class DatalinkWatch:
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         self._heard_us: int | None = None
+        self.is_heard = True
+        """Whether heartbeats are received at all; else the link is lost."""
 
     def receive(self, time_us: int) -> None:
         """Accept a heartbeat."""
-        self._heard_us = time_us
+        if self.is_heard:
+            self._heard_us = time_us
 
     def is_lost(self, time_us: int) -> bool:
         """Whether ground stations were present and have fallen silent."""

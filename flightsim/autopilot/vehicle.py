@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from math import hypot, isfinite
+from math import hypot, isfinite, nan
 
 from autonomy.types import LEVEL, ZERO3, yaw_of
 from flightsim.autopilot.parameters import Parameters
 from flightsim.plant import Plant
+from flightsim.sensors.imu import IMU
+from flightsim.sensors.rangefinder import RANGEFINDER
 
 TICK_S = 0.02
+_RANGE_PATIENCE_US, _IMU_PATIENCE_US = 500_000, 100_000
+_MOST_ACCEL_MPS2, _MOST_RATE_RADPS = 150.0, 60.0
+"""Nearly the 16 g of a usual sensor, and more than twice the spin of a vehicle on three rotors."""
+_MOST_WILD = 2
+"""Readings beyond that, a tenth of a second apart; an impact makes one."""
 
 
 class Vehicle:
@@ -27,7 +34,11 @@ class Vehicle:
         self.quat_wxyz = LEVEL
         self.is_attitude_ok = self.is_position_ok = False
         self.yaw_rad = self.thrust_fraction = 0.0
-        self.range_m = float("nan")
+        self.range_m = nan
+        self.is_imu_ok = True
+        self.lost_rotors: tuple[int, ...] = ()
+        self.wind_mps = 0.0
+        self._n_wild = 0
 
     def read(self) -> None:
         """Read the plant's present estimates and readings."""
@@ -42,12 +53,17 @@ class Vehicle:
         self.thrust_fraction = plant.collective_thrust_fraction
 
     def read_range(self) -> None:
-        """Read the rangefinder."""
-        self.range_m = self._plant.sensors.range_m
+        """Read the rangefinder; NaN where it has fallen silent."""
+        sensors = self._plant.sensors
+        is_heard = sensors.is_delivering(RANGEFINDER, self.time_us, _RANGE_PATIENCE_US)
+        self.range_m = sensors.range_m if is_heard else nan
 
     def read_slowly(self) -> None:
         """Read what changes slowly or is costly; call it a few times a second."""
         self.read_range()
+        self._read_imu()
+        self.lost_rotors = self._plant.lost_rotors
+        self.wind_mps = hypot(*self._plant.wind_est_enu_mps)
         estimator = self._plant.estimator
         self.is_attitude_ok = estimator.is_attitude_valid
         limit_m = self._parameters["COM_POS_FS_EPH"]
@@ -56,6 +72,17 @@ class Vehicle:
             and isfinite(self.position_enu_m[0])
             and (limit_m < 0.0 or estimator.sigma_horizontal_m <= limit_m)
         )
+
+    def _read_imu(self) -> None:
+        """Judge the inertial sensor: it must speak, change, and stay within what can be."""
+        imu = self._plant.sensors.imu
+        is_wild = (
+            max(map(abs, imu.accel_flu_mps2)) > _MOST_ACCEL_MPS2
+            or max(map(abs, imu.gyro_flu_radps)) > _MOST_RATE_RADPS
+        )
+        self._n_wild = self._n_wild + 1 if is_wild else 0
+        is_heard = self._plant.sensors.is_delivering(IMU, self.time_us, _IMU_PATIENCE_US)
+        self.is_imu_ok = is_heard and self._n_wild < _MOST_WILD
 
     @property
     def speed_xy_mps(self) -> float:

@@ -8,6 +8,7 @@ carry the semantics: `table_17_0` is the first solid of object 17, a table, and 
 from __future__ import annotations
 
 import itertools
+import shutil
 from collections import Counter
 from pathlib import Path
 
@@ -27,7 +28,7 @@ _AREA_ALPHA = 0.5
 
 
 def write_mjcf(world: World, folder: Path) -> Path:
-    """Write `<scene>.xml` and its textures into a folder and return the XML's path.
+    """Write `<scene>.xml`, its textures and meshes into a folder and return the XML's path.
 
     Raises:
         ExportError: If the folder cannot be written.
@@ -37,6 +38,7 @@ def write_mjcf(world: World, folder: Path) -> Path:
         spec = _spec(world)
         spec.compile()
         _put_textures_into_files(spec, stage)
+        _put_meshes_into_files(spec, stage)
         (stage / name).write_text(spec.to_xml(), encoding="utf-8")
     return folder / name
 
@@ -89,6 +91,17 @@ def plane_normal(area: InteractionArea) -> np.ndarray:
     following = np.roll(vertices, -1, axis=0)
     normal = np.cross(vertices, following).sum(axis=0)
     return normal / np.linalg.norm(normal)
+
+
+def _put_meshes_into_files(spec: mujoco.MjSpec, folder: Path) -> None:
+    """Copy the vehicle's mesh beside the XML."""
+    for mesh in spec.meshes:
+        if mesh.file:
+            source = Path(mesh.file)
+            (folder / "meshes").mkdir(exist_ok=True)
+            shutil.copyfile(source, folder / "meshes" / source.name)
+            mesh.file = source.name
+            spec.meshdir = "meshes"
 
 
 def _put_textures_into_files(spec: mujoco.MjSpec, folder: Path) -> None:

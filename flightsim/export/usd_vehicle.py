@@ -6,10 +6,11 @@ import math
 from typing import Any
 
 import mujoco
+import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from flightsim.export.meshes import pose_matrix
-from flightsim.export.usd_prims import define_xform, label, set_pose
+from flightsim.export.usd_prims import define_mesh, define_xform, label, set_pose
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.world import World
 
@@ -59,6 +60,8 @@ def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
         case _GEOM.mjGEOM_CYLINDER:
             gprim = UsdGeom.Cylinder.Define(stage, path)
             _set_round(gprim, size)
+        case _GEOM.mjGEOM_MESH:
+            gprim = define_mesh(stage, path, *_mesh(model, model.geom_dataid[index]))
         case _:
             # An ellipsoid, only part of the looks.
             gprim = UsdGeom.Sphere.Define(stage, path)
@@ -73,6 +76,15 @@ def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
         red, green, blue, alpha = model.geom_rgba[index].tolist()
         gprim.CreateDisplayColorAttr([Gf.Vec3f(red, green, blue)])
         gprim.CreateDisplayOpacityAttr([alpha])
+
+
+def _mesh(model: mujoco.MjModel, index: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3) and corners (f, 3) of a mesh of the model."""
+    points, faces = model.mesh_vertadr[index], model.mesh_faceadr[index]
+    return (
+        model.mesh_vert[points : points + model.mesh_vertnum[index]],
+        model.mesh_face[faces : faces + model.mesh_facenum[index]],
+    )
 
 
 def _set_round(gprim: Any, size: list[float]) -> None:

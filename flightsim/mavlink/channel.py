@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from flightsim.mavlink.dialect import Layout
+from flightsim.mavlink.dialect import LAYOUTS, MARKER_V2, SIGNED_FLAG, Layout
+from flightsim.mavlink.framing import OVERHEAD_BYTES, Framer
 from flightsim.mavlink.parsing import FrameParser, Message
+from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.streams import Profile
 
 Write = Callable[[Sequence[bytes]], None]
@@ -19,34 +21,77 @@ _REFILL_PER_TICK = 20
 _BURST = 200
 _STREAM_BACKLOG_BYTES = 16_384
 
+DATAGRAM_BYTES = 1400
+"""Largest datagram; below the Ethernet MTU with IP and UDP headers."""
+
+
+class _Outbox:
+    """Frames for a partner that wait to be sent, from whichever component."""
+
+    __slots__ = ("can_wait", "frames", "n_bytes")
+
+    def __init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self.frames: list[bytes] = []
+        self.n_bytes = 0
+        self.can_wait = True
+        """Whether all of them are of streams."""
+
 
 class Channel:
-    """One partner: a UDP address, a TCP connection or the in-process client.
+    """One partner: a UDP address, a TCP connection, a serial line or the in-process client.
 
     Every partner has its own sequence numbers, MAVLink version and budget.
     """
 
     def __init__(
-        self, name: str, write: Write, *, profile: Profile, clock: Clock, is_datagram: bool
+        self,
+        name: str,
+        write: Write,
+        *,
+        profile: Profile,
+        clock: Clock,
+        is_datagram: bool,
+        is_local: bool = True,
+        signing: Signing | None = None,
+        link_id: int = 0,
     ) -> None:
+        """Begin a conversation.
+
+        Args:
+            name: Name of the partner in messages to people.
+            write: Sends frames to it.
+            profile: Default stream rates.
+            clock: Clock of protocol timeouts.
+            is_datagram: Whether no frame continues in the bytes that come next.
+            is_local: Whether nobody but this machine sees what passes.
+            signing: Signs and checks signatures, once it has a key; None never does.
+            link_id: Number of the link in signatures.
+        """
         self.name = name
         self.profile: Profile = profile
         self.clock = clock
         self.is_open = True
+        self.is_local = is_local
+        self.is_crowded = False
+        """Whether the transport lags behind: what nobody waits for is held until it does not."""
         self.system_id = 1
         self.component_id = 1
         """Component id in outgoing frames."""
-        self.n_sent = 0
         self.n_refused_bytes = 0
-        self._parser = FrameParser()
+        self._parser = FrameParser(signing)
+        self._signing = signing
+        self._link_id = link_id
         self._write = write
         self._is_datagram = is_datagram
         self._sequence = 0
         self._budget = _BURST
         self._inbox: list[Message] = []
-        self._frames: list[bytes] = []
-        self._can_wait = True
-        """Whether all queued frames are of streams."""
+        self._outbox = _Outbox()
+        self._others: dict[int, Channel] = {}
 
     @property
     def n_received(self) -> int:
@@ -57,6 +102,43 @@ class Channel:
     def is_heard(self) -> bool:
         """Whether a valid message ever came from this partner."""
         return self.n_received > 0
+
+    @property
+    def speaks_version_2(self) -> bool:
+        """Whether the last valid message was one of MAVLink 2."""
+        return self.is_heard and not self._parser.is_version_1
+
+    @property
+    def knows_components(self) -> bool:
+        """Whether the partner tells components apart: it speaks MAVLink 2, and is one itself.
+
+        Others, such as scripts with pymavlink's defaults, take any heartbeat for the autopilot's.
+        """
+        return self.speaks_version_2 and self._parser.component_id != 0
+
+    def as_component(self, component_id: int) -> Channel:
+        """The same partner for another component of the vehicle, which numbers its own frames.
+
+        What is sent there leaves when this channel is flushed.
+        """
+        if component_id == self.component_id:
+            return self
+        other = self._others.get(component_id)
+        if other is None:
+            other = Channel(
+                self.name,
+                self._write,
+                profile=self.profile,
+                clock=self.clock,
+                is_datagram=self._is_datagram,
+                is_local=self.is_local,
+                signing=self._signing,
+                link_id=self._link_id,
+            )
+            other.system_id, other.component_id = self.system_id, component_id
+            other._parser, other._outbox = self._parser, self._outbox
+            self._others[component_id] = other
+        return other
 
     @property
     def has_room(self) -> bool:
@@ -92,25 +174,84 @@ class Channel:
 
     def send(self, layout: Layout, payload: bytes) -> None:
         """Queue a message, in the partner's version of MAVLink, for the next flush."""
-        self._can_wait = False
-        self.stream(layout, payload)
+        self.stream_one(layout, payload)
+        self._outbox.can_wait = False
 
-    def stream(self, layout: Layout, payload: bytes) -> None:
+    def stream(self, framer: Framer, indexes: Sequence[int], payloads: Sequence[bytes]) -> None:
+        """Queue messages that may wait to share a datagram with others.
+
+        Args:
+            framer: Knows their types.
+            indexes: Index of each message's type in `framer.layouts`, each at most once.
+            payloads: Payload of each.
+        """
+        if self._parser.is_version_1 or self._signs:
+            for index, payload in zip(indexes, payloads, strict=True):
+                self.stream_one(framer.layouts[index], payload)
+            return
+        joined = b"".join(payloads)
+        if len(joined) + OVERHEAD_BYTES * len(indexes) > DATAGRAM_BYTES and len(indexes) > 1:
+            half = len(indexes) // 2
+            self.stream(framer, indexes[:half], payloads[:half])
+            self.stream(framer, indexes[half:], payloads[half:])
+            return
+        ids = (self._sequence, self.system_id, self.component_id)
+        self._count(len(indexes))
+        self._queue(framer.frames_v2(bytes(indexes), joined, *ids))
+
+    @property
+    def _signs(self) -> bool:
+        return self._signing is not None and self._signing.key is not None
+
+    def stream_one(self, layout: Layout, payload: bytes) -> None:
         """Queue a message like `send`, but one that may wait to share a datagram with others."""
-        build = layout.frame_v1 if self._parser.is_version_1 else layout.frame_v2
-        frame = build(payload, self._sequence, self.system_id, self.component_id)
+        numbers = (self._sequence, self.system_id, self.component_id)
+        if self._signs:
+            frame = self._signed(layout, payload, numbers)
+        else:
+            build = layout.frame_v1 if self._parser.is_version_1 else layout.frame_v2
+            frame = build(payload, *numbers)
         if frame:
-            self._sequence = (self._sequence + 1) & 0xFF
-            self._frames.append(frame)
+            self._count(1)
+            self._queue(frame)
+
+    def _count(self, n_frames: int) -> None:
+        self._sequence = (self._sequence + n_frames) & 0xFF
+
+    def _queue(self, frames: bytes) -> None:
+        if self._is_datagram and self._outbox.n_bytes + len(frames) > DATAGRAM_BYTES:
+            self.flush()
+        self._outbox.frames.append(frames)
+        self._outbox.n_bytes += len(frames)
+
+    def forward(self, message: Message) -> None:
+        """Queue a message of somebody else, as it came if the partner can read it so."""
+        frame = bytes(message.get_msgbuf())
+        is_version_2 = frame[0] == MARKER_V2
+        payload = frame[10 : 10 + frame[1]] if is_version_2 else frame[6 : 6 + frame[1]]
+        layout = LAYOUTS[message.get_type()]
+        numbers = (message.get_seq(), message.get_srcSystem(), message.get_srcComponent())
+        if self._signs:
+            if not (is_version_2 and frame[2] & SIGNED_FLAG):
+                frame = self._signed(layout, payload, numbers)
+        elif is_version_2 and self._parser.is_version_1:
+            frame = layout.frame_v1(payload, *numbers)
+        if frame:
+            self._queue(frame)
+            self._outbox.can_wait = False
+
+    def _signed(self, layout: Layout, payload: bytes, numbers: tuple[int, int, int]) -> bytes:
+        assert self._signing is not None
+        return self._signing.sign(layout.frame_v2(payload, *numbers, SIGNED_FLAG), self._link_id)
 
     def flush(self, *, is_due: bool = True) -> None:
-        """Send the queued frames; those of streams to a datagram's partner wait until one is due.
+        """Send the queued frames; those of streams wait for a full datagram, or until it is due.
 
         Frames stay in their order, so that what cannot wait takes with it what is queued before.
         """
-        if not self._frames or (self._is_datagram and self._can_wait and not is_due):
+        outbox = self._outbox
+        frames = outbox.frames
+        if not frames or (self._is_datagram and outbox.can_wait and not is_due):
             return
-        self.n_sent += len(self._frames)
-        self._write(self._frames)
-        self._frames = []
-        self._can_wait = True
+        self._write(frames)
+        outbox.clear()

@@ -33,8 +33,8 @@ UNSUPPORTED = Reply(CommandResult.UNSUPPORTED)
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
-    """A command with its parameters as both messages carry them; NaN is "not given"."""
+class Order:
+    """A command's number and parameters, of a message or a mission item; NaN is "not given"."""
 
     number: int
     """Value of MAV_CMD."""
@@ -50,9 +50,10 @@ class Command:
     """Parameter 6; longitude in degrees if it is a place."""
     z: float
     """Parameter 7; altitude if it is a place."""
-    channel: Channel
     sender: tuple[int, int]
-    """System and component id of the client."""
+    """System and component id of who gives it."""
+    param5: float
+    """Parameter 5 where it is a number and no place, whichever message carries it."""
 
     @property
     def is_here(self) -> bool:
@@ -74,6 +75,13 @@ class Command:
         return self.z if self.frame in FRAME_GLOBAL else self.z + home_altitude_m
 
 
+@dataclass(frozen=True, slots=True)
+class Command(Order):
+    """An order that a client gave, who waits for its acknowledgement."""
+
+    channel: Channel
+
+
 Executor = Callable[[Command], Reply | None]
 """Carries out a command; None says that it will be acknowledged later."""
 
@@ -91,12 +99,12 @@ class CommandService:
 
     def _on_long(self, channel: Channel, m: Message) -> None:
         values = (m.param1, m.param2, m.param3, m.param4, m.param5, m.param6, m.param7)
-        self._execute(Command(m.command, 0, *values, channel, _sender(m)))
+        self._execute(Command(m.command, 0, *values, _sender(m), m.param5, channel))
 
     def _on_int(self, channel: Channel, m: Message) -> None:
         x, y = (coordinate_from_int(value, m.frame) for value in (m.x, m.y))
         values = (m.param1, m.param2, m.param3, m.param4, x, y, m.z)
-        self._execute(Command(m.command, m.frame, *values, channel, _sender(m)))
+        self._execute(Command(m.command, m.frame, *values, _sender(m), float(m.x), channel))
 
     def _execute(self, command: Command) -> None:
         executor = self._executors.get(command.number)
@@ -138,7 +146,7 @@ def _explanation(command: Command, reply: Reply) -> str:
     return f"Command {command.number} {reply.result.value}: {reply.reason}"
 
 
-def _values(c: Command) -> tuple[float, ...]:
+def _values(c: Order) -> tuple[float, ...]:
     return (c.param1, c.param2, c.param3, c.param4, c.x, c.y, c.z)
 
 

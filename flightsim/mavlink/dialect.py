@@ -9,15 +9,17 @@ from __future__ import annotations
 import math
 import re
 import struct
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 # `development` is `common` plus messages proposed for it, among them AVAILABLE_MODES.
 from pymavlink.dialects.v20 import development as dialect
 
-from flightsim.mavlink.play_tune import PlayTuneV2
+from flightsim.mavlink.supplement import SUPPLEMENT, SupplementaryMessage
 
 MARKER_V2 = 0xFD
+SIGNED_FLAG = 0x01
+"""Flag of a MAVLink 2 frame that a signature follows."""
 _V1_IDS = 256
 
 _Range = tuple[float, float]
@@ -33,6 +35,9 @@ _RANGES: Mapping[str, _Range] = {
 }
 """Least and greatest number of each letter of a struct format."""
 
+_HEADER_V2 = struct.Struct("<6B3s")
+"""Length, two bytes of flags, sequence, system, component and message, behind the marker."""
+_CHECKSUM = struct.Struct("<H")
 _crc16: Callable[[bytes], int] = dialect.mcrf4xx or (lambda data: dialect.x25crc(data).crc)
 
 
@@ -49,6 +54,7 @@ class Layout:
 
     Attributes:
         fields: Field names in wire order (larger types first, extensions last).
+        size: Bytes of a payload as packed, before zeros at its end are cut.
         base_size: Bytes without the extension fields, all that MAVLink 1 carries.
     """
 
@@ -67,9 +73,10 @@ class Layout:
         self.crc_seed = bytes((crc_extra,))
         self.fields = tuple(fields)
         self._struct = struct.Struct(wire_format)
-        self._lengths = tuple(lengths)
         self._id_v2 = message_id.to_bytes(3, "little")
         self._defaults = self._struct.unpack(bytes(self._struct.size))
+        self._places = dict(zip(self.fields, _places(self._defaults, lengths), strict=True))
+        self.size = self._struct.size
         self.base_size = _size_without_last(wire_format, n_extensions)
         self._limits = _limits(wire_format)
         self.pack: Callable[..., bytes] = self._struct.pack
@@ -83,36 +90,34 @@ class Layout:
 
         A number beyond the range of its field is sent as the end of that range.
         """
-        flat: list[Any] = []
-        start = 0
-        for field, length in zip(self.fields, self._lengths, strict=True):
-            default = self._defaults[start]
-            n_values = 1 if isinstance(default, bytes) else length
-            if field not in values:
-                flat += self._defaults[start : start + n_values]
+        flat = list(self._defaults)
+        for field, value in values.items():
+            if field not in self._places:
+                raise LayoutError(f"{self.name} has no field {field!r}; it has {self.fields}")
+            place = self._places[field]
+            if isinstance(place, int):
+                flat[place] = value.encode() if isinstance(value, str) else value
             else:
-                flat += _flatten(values.pop(field), n_values, is_text=isinstance(default, bytes))
-            start += n_values
-        if values:
-            raise LayoutError(f"{self.name} has no field {sorted(values)}; it has {self.fields}")
+                flat[place] = _filled(value, place.stop - place.start)
         try:
             return self._struct.pack(*flat)
         except (struct.error, OverflowError):
             return self._struct.pack(*map(_clamped, flat, self._limits))
 
-    def frame_v2(self, payload: bytes, sequence: int, system_id: int, component_id: int) -> bytes:
+    def frame_v2(
+        self, payload: bytes, sequence: int, system_id: int, component_id: int, flags: int = 0
+    ) -> bytes:
         """Build a MAVLink 2 frame; trailing zeros of the payload are cut as the protocol allows."""
         payload = payload.rstrip(b"\0") or b"\0"
-        body = (
-            bytes((len(payload), 0, 0, sequence, system_id, component_id)) + self._id_v2 + payload
-        )
-        return b"\xfd" + body + _crc16(body + self.crc_seed).to_bytes(2, "little")
+        ids = (sequence, system_id, component_id, self._id_v2)
+        body = _HEADER_V2.pack(len(payload), flags, 0, *ids) + payload
+        return b"\xfd" + body + _CHECKSUM.pack(_crc16(body + self.crc_seed))
 
     def frame_v1(self, payload: bytes, sequence: int, system_id: int, component_id: int) -> bytes:
         """Build a MAVLink 1 frame without extension fields; empty for ids above 255."""
         if self.message_id >= _V1_IDS:
             return b""
-        payload = payload[: self.base_size]
+        payload = payload[: self.base_size].ljust(self.base_size, b"\0")
         header = bytes((len(payload), sequence, system_id, component_id, self.message_id))
         body = header + payload
         return b"\xfe" + body + _crc16(body + self.crc_seed).to_bytes(2, "little")
@@ -138,17 +143,27 @@ def _size_without_last(wire_format: str, n_fields: int) -> int:
     return struct.calcsize("<" + "".join(parts[: len(parts) - n_fields]))
 
 
-def _flatten(value: Any, length: int, *, is_text: bool) -> Sequence[Any]:
-    if is_text:
-        return (value.encode() if isinstance(value, str) else bytes(value),)
-    if isinstance(value, (list, tuple, bytes, bytearray)):
-        if len(value) > length:
-            raise LayoutError(f"an array of {len(value)} values does not fit into {length}")
-        return (*value, *([0] * (length - len(value))))
-    return (value,)
+def _places(defaults: Sequence[Any], lengths: Sequence[int]) -> Iterator[int | slice]:
+    """Where each field is among the values: an index of a number or a text, a slice of an array."""
+    start = 0
+    for length in lengths:
+        is_array = length > 1 and not isinstance(defaults[start], bytes)
+        n_values = length if is_array else 1
+        yield slice(start, start + n_values) if is_array else start
+        start += n_values
+
+
+def _filled(values: Sequence[Any], length: int) -> Sequence[Any]:
+    """An array, with zeros at its end where it is too short."""
+    if len(values) > length:
+        raise LayoutError(f"an array of {len(values)} values does not fit into {length}")
+    return (*values, *([0] * (length - len(values))))
 
 
 def _layout_of(message_class: Any) -> Layout:
+    is_ours = issubclass(message_class, SupplementaryMessage)
+    # pymavlink's constructors have defaults for extension fields only.
+    defaults = message_class.__init__.__defaults__ or ()
     return Layout(
         message_class.msgname,
         message_class.id,
@@ -156,43 +171,16 @@ def _layout_of(message_class: Any) -> Layout:
         message_class.unpacker.format,
         message_class.ordered_fieldnames,
         message_class.lengths,
-        # pymavlink's constructors have defaults for extension fields only.
-        len(message_class.__init__.__defaults__ or ()),
+        message_class.n_extensions if is_ours else len(defaults),
     )
 
 
-# Deprecated in 2024 and absent from pymavlink's dialects; PX4 still answers with it.
-PROTOCOL_VERSION = Layout(
-    "PROTOCOL_VERSION",
-    300,
-    217,
-    "<HHH8B8B",
-    ("version", "min_version", "max_version", "spec_version_hash", "library_version_hash"),
-    (1, 1, 1, 8, 8),
-    0,
-)
-
-# Of ArduPilot's own dialect, whose thousands of lines need not be loaded for two messages.
-EKF_STATUS_REPORT = Layout(
-    "EKF_STATUS_REPORT",
-    193,
-    71,
-    "<fffffHf",
-    (
-        *("velocity_variance", "pos_horiz_variance", "pos_vert_variance", "compass_variance"),
-        *("terrain_alt_variance", "flags", "airspeed_variance"),
-    ),
-    (1,) * 7,
-    1,
-)
-RANGEFINDER = Layout("RANGEFINDER", 173, 83, "<ff", ("distance", "voltage"), (1, 1), 0)
-
-dialect.mavlink_map.setdefault(PlayTuneV2.id, PlayTuneV2)
+dialect.mavlink_map.update({message.id: message for message in SUPPLEMENT})
 
 LAYOUTS: Mapping[str, Layout] = {
     message_class.msgname: _layout_of(message_class)
     for message_class in dialect.mavlink_map.values()
-} | {layout.name: layout for layout in (PROTOCOL_VERSION, EKF_STATUS_REPORT, RANGEFINDER)}
+}
 MESSAGE_NAMES: Mapping[int, str] = {layout.message_id: name for name, layout in LAYOUTS.items()}
 
 

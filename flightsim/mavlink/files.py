@@ -8,11 +8,11 @@ parse.
 from __future__ import annotations
 
 import struct
-import zlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.crc32 import crc32
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, send
 
@@ -25,7 +25,10 @@ _DATA_BYTES = 239
 _NONE, _TERMINATE, _RESET, _LIST, _OPEN, _READ, _CRC, _BURST = 0, 1, 2, 3, 4, 5, 14, 15
 _WRITES = frozenset(range(6, 14))
 _ACK, _NAK = 128, 129
-_INVALID_SESSION, _END_OF_FILE, _UNKNOWN_COMMAND, _PROTECTED, _NOT_FOUND = 4, 6, 7, 9, 10
+_INVALID_SESSION, _NO_SESSION, _END_OF_FILE = 4, 5, 6
+_UNKNOWN_COMMAND, _PROTECTED, _NOT_FOUND = 7, 9, 10
+_MOST_SESSIONS = 8
+"""Files that a partner may have open at a time."""
 _CHUNKS_PER_TICK = 8
 
 
@@ -56,12 +59,13 @@ class _Burst:
     offset: int
 
 
-@dataclass(frozen=True)
-class _Open:
+@dataclass
+class _Session:
     """A file that a partner reads, as long as it was when it was opened."""
 
     data: bytes | bytearray
     size: int
+    burst: _Burst | None = None
 
 
 class FtpError(Exception):
@@ -73,39 +77,41 @@ class FtpError(Exception):
 
 
 class FileService:
-    """Answers requests to list and read; each partner may have one file open."""
+    """Answers requests to list and read.
+
+    A session has the number with which the client opened it, as ArduPilot has it, and clients may
+    begin the next before they end one.
+    """
 
     def __init__(self, tree: Tree) -> None:
         self._tree = tree
-        self._open: dict[Channel, _Open] = {}
-        self._bursts: dict[Channel, _Burst] = {}
+        self._sessions: dict[Channel, dict[int, _Session]] = {}
         self.handlers: Mapping[str, Handler] = {"FILE_TRANSFER_PROTOCOL": self._on_ftp}
 
     @property
     def busy(self) -> Collection[Channel]:
-        """Partners that read a file in a burst."""
-        return self._bursts
+        """Partners that have files open."""
+        return self._sessions
 
     def update(self, channel: Channel) -> None:
-        """Go on with what a partner reads in a burst."""
-        for _ in range(_CHUNKS_PER_TICK):
-            burst = self._bursts.get(channel)
-            if burst is None:
-                return
-            file = self._open[channel]
-            end = min(burst.offset + _chunk_bytes(burst.request), file.size)
-            is_last = end >= file.size
-            piece = bytes(file.data[burst.offset : end])
-            _send(channel, burst.request, _ACK, piece, burst.offset, burst.sequence, is_last)
-            burst.offset = end
-            burst.sequence += 1
-            if is_last:
-                del self._bursts[channel]
+        """Go on with what a partner reads in bursts."""
+        for session in self._sessions[channel].values():
+            for _ in range(_CHUNKS_PER_TICK):
+                burst = session.burst
+                if burst is None:
+                    break
+                end = min(burst.offset + _chunk_bytes(burst.request), session.size)
+                is_last = end >= session.size
+                piece = bytes(session.data[burst.offset : end])
+                _send(channel, burst.request, _ACK, piece, burst.offset, burst.sequence, is_last)
+                burst.offset = end
+                burst.sequence += 1
+                if is_last:
+                    session.burst = None
 
     def forget(self, channel: Channel) -> None:
-        """Close the file of a partner that left."""
-        self._open.pop(channel, None)
-        self._bursts.pop(channel, None)
+        """Close the files of a partner that left."""
+        self._sessions.pop(channel, None)
 
     def _on_ftp(self, channel: Channel, message: Message) -> None:
         payload = bytes(message.payload)
@@ -121,7 +127,9 @@ class FileService:
             offset=offset,
             data=payload[_HEADER.size : _HEADER.size + min(size, _DATA_BYTES)],
         )
-        self._bursts.pop(channel, None)
+        session = self._sessions.get(channel, {}).get(request.session)
+        if session is not None:
+            session.burst = None
         try:
             data = self._answer(channel, request)
         except FtpError as error:
@@ -137,7 +145,12 @@ class FileService:
             FtpError: If the request is refused.
         """
         opcode = request.opcode
-        if opcode in {_NONE, _TERMINATE, _RESET}:
+        if opcode == _NONE:
+            return b""
+        if opcode == _TERMINATE:
+            self._close(channel, request.session)
+            return b""
+        if opcode == _RESET:
             self.forget(channel)
             return b""
         if opcode == _LIST:
@@ -145,28 +158,39 @@ class FileService:
         if opcode in {_OPEN, _CRC}:
             data = self._file(request.path)
             if opcode == _CRC:
-                # Without the usual inversions, as PX4 computes it.
-                return struct.pack("<I", zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF)
-            self._open[channel] = _Open(data, len(data))
+                return struct.pack("<I", crc32(data))
+            self._open(channel, request.session, data)
             return struct.pack("<I", len(data))
         if opcode in {_READ, _BURST}:
             return self._read(channel, request)
         raise FtpError(_PROTECTED if opcode in _WRITES else _UNKNOWN_COMMAND)
 
     def _read(self, channel: Channel, request: _Request) -> bytes | None:
-        file = self._open.get(channel)
-        if file is None or request.session != 0:
+        session = self._sessions.get(channel, {}).get(request.session)
+        if session is None:
             raise FtpError(_INVALID_SESSION)
-        if request.offset >= file.size:
+        if request.offset >= session.size:
             raise FtpError(_END_OF_FILE)
         if request.opcode == _BURST:
-            self._bursts[channel] = _Burst(request, request.sequence + 1, request.offset)
+            session.burst = _Burst(request, request.sequence + 1, request.offset)
             return None
-        end = min(request.offset + _chunk_bytes(request), file.size)
-        return bytes(file.data[request.offset : end])
+        end = min(request.offset + _chunk_bytes(request), session.size)
+        return bytes(session.data[request.offset : end])
+
+    def _open(self, channel: Channel, number: int, data: bytes | bytearray) -> None:
+        sessions = self._sessions.setdefault(channel, {})
+        if number not in sessions and len(sessions) == _MOST_SESSIONS:
+            raise FtpError(_NO_SESSION)
+        sessions[number] = _Session(data, len(data))
+
+    def _close(self, channel: Channel, number: int) -> None:
+        sessions = self._sessions.get(channel, {})
+        sessions.pop(number, None)
+        if not sessions:
+            self.forget(channel)
 
     def _file(self, path: str) -> bytes | bytearray:
-        data = self._tree().get(path)
+        data = self._tree().get(path.partition("?")[0])  # ArduPilot's stations add wishes.
         if data is None:
             raise FtpError(_NOT_FOUND)
         return data

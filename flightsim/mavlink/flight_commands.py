@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from flightsim.autopilot.autopilot import Autopilot
+from flightsim.autopilot.behaviours.precision_land import Precision
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, CommandResult, Reply, denied, rejected
 from flightsim.frames import Geodetic, swap_yaw_enu_ned
@@ -24,6 +25,7 @@ _AIR_SPEED, _GROUND_SPEED = 0, 1
 _NO_CHANGE, _DEFAULT_SPEED = -1.0, -2.0
 _RESET_PARAMETERS = 2
 _MAX_MODE_PART = 0xFF
+_PRECISIONS = frozenset(Precision)
 
 
 def _yaw_of_degrees(heading_deg: float) -> float | None:
@@ -132,10 +134,14 @@ class FlightCommands:
         fault = c.place_fault()
         if fault:
             return denied(fault)
+        precision = choice(c.param2, default=Precision.NONE)
+        if precision is None or precision not in _PRECISIONS:
+            return denied(f"precision {c.param2:g}; valid are 0, 1 and 2")
         return self._autopilot.land(
             latitude_deg=None if c.is_here else c.x,
             longitude_deg=None if c.is_here else c.y,
             yaw_rad=_yaw_of_degrees(c.param4),
+            precision=Precision(precision),
         )
 
     def _loiter(self, c: Command) -> Reply:

@@ -17,7 +17,7 @@ from flightsim.mavlink.service import send
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.telemetry import TelemetryService
 
-_DENIED = Reply(CommandResult.DENIED)
+DENIED = Reply(CommandResult.DENIED)
 """Denial without a reason: clients request messages regularly; a text for each would be noise."""
 
 _AVAILABLE_MODES = LAYOUTS["AVAILABLE_MODES"].message_id
@@ -32,63 +32,78 @@ _IS_ADVANCED, _NOT_SELECTABLE = 1, 2
 
 
 class MessageCommands:
-    """Executes commands that request messages."""
+    """Executes a component's commands that request messages and intervals."""
+
+    def __init__(self, telemetry: TelemetryService) -> None:
+        self._telemetry = telemetry
+        self.executors: Mapping[int, Executor] = {
+            mav.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
+            mav.MAV_CMD_SET_MESSAGE_INTERVAL: self._set_interval,
+            mav.MAV_CMD_REQUEST_MESSAGE: self.request,
+        }
+
+    def request(self, c: Command) -> Reply:
+        """Send the message that parameter 1 names."""
+        message_id = choice(c.param1)
+        return DENIED if message_id is None else self.send_once(c.channel, message_id)
+
+    def send_once(self, channel: Channel, message_id: int) -> Reply:
+        """Send a message to a partner."""
+        if not self._telemetry.is_known(message_id):
+            return DENIED
+        return ACCEPTED if self._telemetry.send_now(channel, message_id) else rejected("")
+
+    def _get_interval(self, c: Command) -> Reply:
+        message_id = choice(c.param1)
+        is_sent = message_id is not None and self._telemetry.send_interval(c.channel, message_id)
+        return ACCEPTED if is_sent else DENIED
+
+    def _set_interval(self, c: Command) -> Reply:
+        message_id = choice(c.param1)
+        if message_id is None or math.isnan(c.param2):
+            return DENIED
+        is_set = self._telemetry.set_interval(c.channel, message_id, c.param2)
+        return ACCEPTED if is_set else DENIED
+
+
+class IdentityCommands:
+    """Executes the autopilot's commands that request messages of what it is and where its home is.
+
+    They go beyond `MessageCommands`, and replace its answer to a request for the list of modes.
+    """
 
     def __init__(
-        self, telemetry: TelemetryService, personality: Personality, statustext: StatustextSender
+        self, messages: MessageCommands, personality: Personality, statustext: StatustextSender
     ) -> None:
-        self._telemetry = telemetry
+        self._messages = messages
         self._statustext = statustext
         self._banner = personality.banner
         self._modes = _distinct(personality.modes)
+
+        def sends(message_id: int) -> Executor:
+            return lambda c: messages.send_once(c.channel, message_id)
+
         self.executors: Mapping[int, Executor] = {
-            mav.MAV_CMD_GET_HOME_POSITION: lambda c: self._send_once(c.channel, _HOME_POSITION),
-            mav.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
-            mav.MAV_CMD_SET_MESSAGE_INTERVAL: self._set_interval,
+            mav.MAV_CMD_GET_HOME_POSITION: sends(_HOME_POSITION),
             mav.MAV_CMD_REQUEST_MESSAGE: self._request_message,
-            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: lambda c: self._send_once(
-                c.channel, _PROTOCOL_VERSION
-            ),
-            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda c: self._send_once(
-                c.channel, _AUTOPILOT_VERSION
-            ),
+            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: sends(_PROTOCOL_VERSION),
+            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: sends(_AUTOPILOT_VERSION),
             **({_DO_SEND_BANNER: self._send_banner} if personality.banner else {}),
         }
 
     def _request_message(self, c: Command) -> Reply:
-        message_id = choice(c.param1)
-        if message_id is None:
-            return _DENIED
-        if message_id == _AVAILABLE_MODES:
-            return self._send_modes(c)
-        return self._send_once(c.channel, message_id)
-
-    def _send_once(self, channel: Channel, message_id: int) -> Reply:
-        if not self._telemetry.is_known(message_id):
-            return _DENIED
-        return ACCEPTED if self._telemetry.send_now(channel, message_id) else rejected("")
+        is_modes = choice(c.param1) == _AVAILABLE_MODES
+        return self._send_modes(c) if is_modes else self._messages.request(c)
 
     def _send_banner(self, _: Command) -> Reply:
         self._statustext.say(Severity.INFO, self._banner)
         return ACCEPTED
 
-    def _get_interval(self, c: Command) -> Reply:
-        message_id = choice(c.param1)
-        is_sent = message_id is not None and self._telemetry.send_interval(c.channel, message_id)
-        return ACCEPTED if is_sent else _DENIED
-
-    def _set_interval(self, c: Command) -> Reply:
-        message_id = choice(c.param1)
-        if message_id is None or math.isnan(c.param2):
-            return _DENIED
-        is_set = self._telemetry.set_interval(c.channel, message_id, c.param2)
-        return ACCEPTED if is_set else _DENIED
-
     def _send_modes(self, c: Command) -> Reply:
         """Send AVAILABLE_MODES: one by its index from 1, or all for index 0."""
         index = choice(c.param2, default=0)
         if index is None or not 0 <= index <= len(self._modes):
-            return _DENIED
+            return DENIED
         chosen = range(1, len(self._modes) + 1) if index == 0 else (index,)
         for i in chosen:
             entry = self._modes[i - 1]

@@ -33,7 +33,6 @@ FENCE = mav.MAV_MISSION_TYPE_FENCE
 RALLY = mav.MAV_MISSION_TYPE_RALLY
 _ALL = mav.MAV_MISSION_TYPE_ALL
 _MAX_ITEMS = {MISSION: MAX_MISSION_ITEMS, FENCE: MAX_FENCE_ITEMS, RALLY: MAX_RALLY_ITEMS}
-_REPEAT_ACK_S = 5.0
 _GUIDED_PLACE, _GUIDED_ALTITUDE = 2, 3
 _GUIDED = (_GUIDED_PLACE, _GUIDED_ALTITUDE)
 """Values of "current" that ArduPilot's clients send instead of a command to go somewhere."""
@@ -87,8 +86,8 @@ class MissionService:
         self._partners = partners
         self._statustext = statustext
         self._uploads: dict[int, Upload] = {}
-        # Acks that may have been lost: (channel, type) -> (result, last index, until).
-        self._finished: dict[tuple[Channel, int], tuple[int, int, float]] = {}
+        # Acks that may have been lost: (channel, type) -> (result, last index).
+        self._finished: dict[tuple[Channel, int], tuple[int, int]] = {}
         self.handlers: Mapping[str, Handler] = {
             "MISSION_COUNT": self._on_count,
             "MISSION_WRITE_PARTIAL_LIST": self._on_partial,
@@ -198,13 +197,12 @@ class MissionService:
         if upload.is_complete:
             del self._uploads[upload.mission_type]
             result = self._store(channel, upload.partner, upload.mission_type, upload.items)
-            until_s = channel.clock() + _REPEAT_ACK_S
-            self._finished[channel, upload.mission_type] = (result, message.seq, until_s)
+            self._finished[channel, upload.mission_type] = (result, message.seq)
 
     def _repeat_ack(self, channel: Channel, message: Message) -> None:
-        """Repeat the ack if the last item arrives again, since the ack was lost."""
-        result, last, until_s = self._finished.get((channel, message.mission_type), (0, -1, 0.0))
-        if message.seq == last and channel.clock() < until_s:
+        """Repeat the ack whenever the last item arrives again, since the ack was lost."""
+        result, last = self._finished.get((channel, message.mission_type), (0, -1))
+        if message.seq == last:
             self._ack(channel, _sender(message), message.mission_type, result)
 
     def _store(

@@ -7,7 +7,6 @@ https://mavlink.io/en/services/parameter.html.
 from __future__ import annotations
 
 import struct
-import zlib
 from collections.abc import Collection, Iterator, Mapping
 from typing import Protocol
 
@@ -18,6 +17,7 @@ from flightsim.autopilot.parameters import (
     UnknownParameterError,
 )
 from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.crc32 import crc32
 from flightsim.mavlink.dialect import MARKER_V2, layout
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
@@ -201,11 +201,11 @@ class ParameterService:
 
 
 def parameter_hash(parameters: NamedParameters) -> int:
-    """CRC-32 over names and values in order, without the usual inversions, as PX4 computes it."""
+    """Checksum of names and values in order, as PX4 computes it."""
     crc = 0
     for name in parameters:
         value = parameters[name]
         is_integer = parameters.is_integer(name)
         data = struct.pack("<i", int(value)) if is_integer else struct.pack("<f", value)
-        crc = zlib.crc32(name.encode() + data, crc ^ 0xFFFFFFFF) ^ 0xFFFFFFFF
+        crc = crc32(name.encode() + data, crc)
     return crc

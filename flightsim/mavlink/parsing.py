@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from flightsim.mavlink.dialect import MARKER_V2, dialect
+from flightsim.mavlink.dialect import MARKER_V2, SIGNED_FLAG, dialect
+from flightsim.mavlink.signing.signing import SIGNATURE_BYTES, Signing
 
 Message = Any
 """Decoded message: pymavlink's object with fields as attributes."""
 
 _MARKERS = re.compile(rb"[\xfd\xfe]")
-_SIGNED_FLAG = 0x01
-_SIGNATURE_BYTES = 13
 _BUFFER_LIMIT_BYTES = 65536
 _HEADER_V1_BYTES, _HEADER_V2_BYTES, _CHECKSUM_BYTES = 6, 10, 2
 
@@ -23,10 +22,12 @@ class FrameParser:
     """Splits the bytes of one partner into messages.
 
     A marker without a valid frame costs one step of the caller's budget and the search continues at
-    the next byte, so a damaged frame never hides the one after it. Unknown message ids are ignored.
+    the next byte, so a damaged frame never hides the one after it. Unknown message ids are ignored,
+    and so is what `signing` does not admit, if it is given.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, signing: Signing | None = None) -> None:
+        self._signing = signing
         self._buffer = bytearray()
         self._position = 0
         self._is_complete = False
@@ -34,6 +35,8 @@ class FrameParser:
         self.n_bad = 0
         self.is_version_1 = False
         """Whether the last valid frame was a MAVLink 1 frame."""
+        self.component_id = 0
+        """Component that sent the last valid frame; 0 if it has no number."""
 
     def feed(self, data: bytes, *, is_datagram: bool = False) -> None:
         """Add received bytes. A frame never continues into another datagram."""
@@ -69,8 +72,11 @@ class FrameParser:
                 self._position += 1
                 continue
             self._position += len(frame)
+            if self._signing is not None and not self._signing.admits(frame):
+                continue
             self.n_messages += 1
             self.is_version_1 = frame[0] != MARKER_V2
+            self.component_id = message.get_srcComponent()
             messages.append(message)
         return messages, budget
 
@@ -87,23 +93,23 @@ class FrameParser:
         length = self._buffer[start + 1] + _CHECKSUM_BYTES
         if self._buffer[start] == MARKER_V2:
             length += _HEADER_V2_BYTES
-            length += _SIGNATURE_BYTES if self._buffer[start + 2] & _SIGNED_FLAG else 0
+            length += SIGNATURE_BYTES if self._buffer[start + 2] & SIGNED_FLAG else 0
         else:
             length += _HEADER_V1_BYTES
         return self._buffer[start : start + length] if n_buffered >= length else None
 
 
-def starts_with_message(datagram: bytes) -> bool:
-    """Whether the first candidate frame in a datagram is a valid message; looks no further."""
+def starts_with_message(datagram: bytes, signing: Signing) -> bool:
+    """Whether the first candidate frame in a datagram is one to believe; looks no further."""
     parser = FrameParser()
     parser.feed(datagram, is_datagram=True)
     messages, _ = parser.take(1)
-    return bool(messages)
+    return bool(messages) and signing.fault(messages[0].get_msgbuf()) is None
 
 
 def _decode(frame: bytearray) -> Message | None:
     """Message of a candidate frame; None if it is damaged, unknown or of an unknown variant."""
-    if frame[0] == MARKER_V2 and frame[2] & ~_SIGNED_FLAG:
+    if frame[0] == MARKER_V2 and frame[2] & ~SIGNED_FLAG:
         return None
     try:
         message = _decoder.decode(frame)

@@ -12,42 +12,22 @@ from collections.abc import Sequence
 
 from autonomy.types import Vector3
 from flightsim.autopilot.autopilot import Autopilot
-from flightsim.autopilot.events import MissionItemReached, Severity
+from flightsim.autopilot.events import MissionItemReached, PayloadOrder, Severity
 from flightsim.frames import LocalFrame
-from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.channel import Channel
-from flightsim.mavlink.commands import CommandService
-from flightsim.mavlink.dialect import LAYOUTS
-from flightsim.mavlink.failure_commands import FailureCommands
 from flightsim.mavlink.faults import Faults
-from flightsim.mavlink.files import FileService
-from flightsim.mavlink.flight_commands import FlightCommands
-from flightsim.mavlink.follow_target import FollowTargetService
-from flightsim.mavlink.ground_stations import GroundStationService
-from flightsim.mavlink.guided import GuidedInput
 from flightsim.mavlink.links import Link
 from flightsim.mavlink.lockstep import Lockstep
-from flightsim.mavlink.logs import FlightRecorder, LogService
-from flightsim.mavlink.manual_control import ManualControlService
-from flightsim.mavlink.message_commands import MessageCommands
-from flightsim.mavlink.mission import FENCE, MISSION, RALLY, MissionService
-from flightsim.mavlink.mission_with_home import MissionWithHome
-from flightsim.mavlink.mode_report import ModeReport
-from flightsim.mavlink.offboard import OffboardService
-from flightsim.mavlink.old_requests import OldRequestService
-from flightsim.mavlink.parameter_names import AliasedParameters
-from flightsim.mavlink.parameters import ParameterService
 from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.payload import PayloadComponents
 from flightsim.mavlink.personalities import PX4, Personality
-from flightsim.mavlink.service import Handler, Partners, Service, StatefulService
-from flightsim.mavlink.shell import ShellService
+from flightsim.mavlink.routing import Router
+from flightsim.mavlink.service import Partners
+from flightsim.mavlink.services import Services, Setting
+from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.statustext import StatustextSender
-from flightsim.mavlink.telemetry import TelemetryService
-from flightsim.mavlink.telemetry_motion import MotionTelemetry
-from flightsim.mavlink.telemetry_sensors import SensorTelemetry
-from flightsim.mavlink.telemetry_status import StatusTelemetry
-from flightsim.mavlink.timesync import TimesyncService
 from flightsim.mavlink.view import VehicleView
+from flightsim.payload import Payload
 from flightsim.plant import Plant
 
 AUTOPILOT_COMPONENT = 1
@@ -68,6 +48,8 @@ class MavlinkServer:
         local_origin_enu_m: Vector3 | None = None,
         has_lockstep: bool = False,
         ticks_per_datagram: int = 1,
+        signing: Signing | None = None,
+        payload: Payload | None = None,
     ) -> None:
         """Open the links.
 
@@ -81,6 +63,8 @@ class MavlinkServer:
             local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
             has_lockstep: Whether a client may keep the time; `wait_for_tick` then waits for it.
             ticks_per_datagram: Number of ticks whose streams share a datagram; answers never wait.
+            signing: What the links sign with, so that clients can set its key; None if they do not.
+            payload: Camera and gimbal, updated here; None carries neither.
 
         Raises:
             LinkError: If a link cannot be opened; the others are closed again.
@@ -89,91 +73,36 @@ class MavlinkServer:
         self._autopilot = autopilot
         self._links = tuple(links)
         self._partners = Partners()
+        self._own = (system_id, AUTOPILOT_COMPONENT)
+        self._router = Router(self._partners, self._own)
         self._identified: set[Channel] = set()
         self._selector = selectors.DefaultSelector()
-        self._ticks_per_datagram = ticks_per_datagram
-        self._n_ticks = 0
+        self._ticks_per_datagram, self._n_ticks = ticks_per_datagram, 0
         origin = local_origin_enu_m or plant.truth.position_enu_m
         self._view = VehicleView(plant, autopilot, frame, origin)
         self.lockstep = Lockstep() if has_lockstep else None
         self.statustext = StatustextSender(self._partners)
         self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
-        self._build_services(personality)
-        self._open_links()
-
-    def _build_telemetry(self, personality: Personality, modes: ModeReport) -> TelemetryService:
-        view = self._view
-        rotors = view.plant.world.airframe.quadrotor.rotors
-        max_rotor_speed = max(rotor.max_speed_radps for rotor in rotors)
-        return TelemetryService(
-            {
-                **StatusTelemetry(view, personality, modes, self.system_id).producers,
-                **MotionTelemetry(view).producers,
-                **SensorTelemetry(view, max_rotor_speed_radps=max_rotor_speed).producers,
-                **personality.extra_telemetry(view),
-            },
-            self._partners,
-            lambda: view.plant.time_us,
+        self._payload = payload and PayloadComponents(
+            payload, self._view, self._partners, self.statustext, self._own
         )
-
-    def _build_services(self, personality: Personality) -> None:
-        autopilot, view, partners = self._autopilot, self._view, self._partners
-        statustext, modes = self.statustext, ModeReport(personality, autopilot)
-        self.telemetry = self._build_telemetry(personality, modes)
-        guided = GuidedInput(view, modes) if personality.has_guided_mode else None
-        self._recorder = FlightRecorder(view, statustext)
-        self._missions = MissionService(
-            {
-                MISSION: MissionWithHome(autopilot)
-                if personality.n_home_items
-                else autopilot.mission,
-                FENCE: autopilot.fence,
-                RALLY: autopilot.rally,
-            },
-            partners,
-            statustext,
-            guided.accept_item if guided else None,
-            requests_int=personality.requests_int,
+        services = Services(
+            Setting(
+                view=self._view,
+                partners=self._partners,
+                statustext=self.statustext,
+                personality=personality,
+                system_id=system_id,
+                signing=signing,
+                lockstep=self.lockstep,
+                payload=self._payload,
+            )
         )
+        self.telemetry = services.telemetry
+        self._missions, self._watching = services.missions, services.watching
         self._n_home_items = personality.n_home_items
-        names = personality.aliases
-        parameters = ParameterService(
-            AliasedParameters(autopilot.parameters, names) if names else autopilot.parameters,
-            partners,
-            statustext,
-            has_bytewise_integers=personality.has_bytewise_integers,
-        )
-        flight_commands = FlightCommands(view, personality, modes)
-        executors = {
-            **flight_commands.executors,
-            **MessageCommands(self.telemetry, personality, statustext).executors,
-            **FailureCommands(view, statustext).executors,
-            **(self.lockstep.executors if self.lockstep else {}),
-        }
-        accept = guided.accept_setpoint if guided else autopilot.set_offboard_setpoint
-        services: Sequence[Service] = (
-            CommandService(executors, statustext),
-            OldRequestService(flight_commands, self.telemetry, statustext),
-            OffboardService(view, accept),
-            FollowTargetService(view),
-            ManualControlService(autopilot, self.system_id),
-            TimesyncService(lambda: view.plant.time_us),
-            AbsentService(statustext),
-        )
-        self._stateful: Sequence[StatefulService] = (
-            GroundStationService(autopilot),
-            self._missions,
-            parameters,
-            ShellService(view, has_shell=personality.has_shell),
-            LogService(self._recorder),
-            FileService(self._recorder.files),
-            self.telemetry,
-        )
-        self._handlers: dict[int, Handler] = {
-            LAYOUTS[name].message_id: handler
-            for service in (*services, *self._stateful)
-            for name, handler in service.handlers.items()
-        }
+        self._stateful, self._handlers = services.stateful, services.handlers
+        self._open_links()
 
     def _open_links(self) -> None:
         with contextlib.ExitStack() as opened:
@@ -194,10 +123,11 @@ class MavlinkServer:
         self._receive(0.0)
         self._tell_events()
         self.statustext.end_tick()
-        with faults:
-            self._recorder.update()
+        for watching in self._watching:
+            with faults:
+                watching.update()
         for service in self._stateful:
-            for channel in tuple(service.busy):
+            for channel in [channel for channel in service.busy if not channel.is_crowded]:
                 with faults:
                     service.update(channel)
                 if faults.has_failed:
@@ -206,6 +136,9 @@ class MavlinkServer:
             self.lockstep.end_tick()
         self._n_ticks += 1
         self._flush(is_due=self._n_ticks % self._ticks_per_datagram == 0)
+        if self._payload is not None:
+            with faults:
+                self._payload.work()  # Pictures take their time: answers do not wait for it.
 
     def wait_for_tick(self, timeout_s: float) -> bool:
         """Answer clients until one that keeps the time grants a tick; at once without lockstep.
@@ -251,33 +184,39 @@ class MavlinkServer:
 
     def _meet_partners(self) -> None:
         channels = [channel for link in self._links for channel in link.channels]
-        if len(channels) == len(self._identified) and self._identified.issuperset(channels):
+        if channels == self._partners.channels:
             return
         for gone in self._identified.difference(channels):
             for service in self._stateful:
                 service.forget(gone)
+            self._router.forget(gone)
             if self.lockstep is not None:
                 self.lockstep.forget(gone)
         for channel in channels:
             channel.system_id = self.system_id
-            channel.component_id = AUTOPILOT_COMPONENT
         self._identified = set(channels)
         self._partners.channels = channels
 
     def _dispatch(self, channel: Channel, message: Message) -> None:
-        handler = self._handlers.get(message.get_msgId())
         sender = (message.get_srcSystem(), message.get_srcComponent())
-        if handler is None or sender == (self.system_id, AUTOPILOT_COMPONENT):
+        if sender == self._own:
             return
+        self._router.route(channel, message)
         if getattr(message, "target_system", 0) not in {0, self.system_id}:
             return
-        if getattr(message, "target_component", 0) not in {0, AUTOPILOT_COMPONENT}:
-            return
-        handler(channel, message)
+        component = getattr(message, "target_component", 0)
+        if component in {0, AUTOPILOT_COMPONENT}:
+            if handler := self._handlers.get(message.get_msgId()):
+                handler(channel, message)
+        elif self._payload is not None:
+            self._payload.hear(component, channel, message)
 
     def _tell_events(self) -> None:
         for event in self._autopilot.pop_events():
             if isinstance(event, MissionItemReached):
                 self._missions.announce_reached(event.index + self._n_home_items)
+            elif isinstance(event, PayloadOrder):
+                if self._payload is not None:
+                    self._payload.perform(event.item)
             else:
                 self.statustext.say(event.severity, event.text)

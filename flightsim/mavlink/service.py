@@ -38,6 +38,14 @@ class StatefulService(Service, Protocol):
         ...
 
 
+class Watching(Protocol):
+    """What looks at the vehicle in each tick."""
+
+    def update(self) -> None:
+        """Look, and keep or tell what there is; called once per tick."""
+        ...
+
+
 class Partners:
     """All present partners, for broadcasts."""
 

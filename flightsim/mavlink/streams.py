@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from flightsim.mavlink.dialect import LAYOUTS
@@ -24,6 +25,7 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "SYS_STATUS": (1, 5),
     "EXTENDED_SYS_STATE": (1, 5),
     "CURRENT_MODE": (0.5, 0.5),
+    "CURRENT_EVENT_SEQUENCE": (0.2, 0.2),
     "HOME_POSITION": (0.5, 0.5),
     "BATTERY_STATUS": (0.5, 0.5),
     "SYSTEM_TIME": (1, 1),
@@ -48,6 +50,13 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "NAV_CONTROLLER_OUTPUT": (1, 10),
     "SCALED_PRESSURE": (1, 1),
     "RANGEFINDER": (1, 1),
+    "RC_CHANNELS": (2, 2),
+    "ESC_STATUS": (1, 1),
+    "ESC_INFO": (0.5, 0.5),
+    "WIND_COV": (0.5, 0.5),
+    "ADSB_VEHICLE": (2, 2),
+    "GIMBAL_MANAGER_STATUS": (1, 1),
+    "GIMBAL_DEVICE_ATTITUDE_STATUS": (10, 10),
 }
 
 # The groups of REQUEST_DATA_STREAM as ground stations use them.
@@ -59,7 +68,7 @@ _GROUPS: Mapping[int, Sequence[str]] = {
         "MISSION_CURRENT",
         "NAV_CONTROLLER_OUTPUT",
     ),
-    mav.MAV_DATA_STREAM_RC_CHANNELS: ("SERVO_OUTPUT_RAW",),
+    mav.MAV_DATA_STREAM_RC_CHANNELS: ("SERVO_OUTPUT_RAW", "RC_CHANNELS"),
     mav.MAV_DATA_STREAM_POSITION: ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
     mav.MAV_DATA_STREAM_EXTRA1: ("ATTITUDE",),
     mav.MAV_DATA_STREAM_EXTRA2: ("VFR_HUD",),
@@ -70,8 +79,17 @@ _GROUPS: Mapping[int, Sequence[str]] = {
 }
 
 
+@dataclass(slots=True, eq=False)
+class _Beat:
+    """Streams of one interval that are due together, now and ever after."""
+
+    interval_us: int
+    next_us: int
+    message_ids: list[int]
+
+
 class StreamTable:
-    """Streams of one partner, in a calendar of ticks: streams that are not due cost nothing."""
+    """Streams of one partner, in a calendar of ticks: beats that are not due cost nothing."""
 
     def __init__(self, profile: Profile, supported: Collection[int], now_us: int = 0) -> None:
         """Start with the default rates of `profile` for the message ids in `supported`."""
@@ -82,16 +100,17 @@ class StreamTable:
             if (message_id := LAYOUTS[name].message_id) in supported
         }
         self._supported = frozenset(supported)
-        self._interval_us: dict[int, int] = {}
-        self._next_us: dict[int, int] = {}
-        self._calendar: dict[int, list[int]] = {}
+        self._beats: dict[int, _Beat] = {}
+        self._calendar: dict[int, list[_Beat]] = {}
         self._now_us = now_us
+        self._last_tick = now_us // TICK_US
         for message_id, interval_us in self._defaults_us.items():
             self.set_interval(message_id, interval_us)
 
     def interval_us(self, message_id: int) -> int:
         """Present interval in us; -1 if not streamed."""
-        return self._interval_us.get(message_id, -1)
+        beat = self._beats.get(message_id)
+        return -1 if beat is None else beat.interval_us
 
     def set_interval(self, message_id: int, interval_us: float) -> bool:
         """Set an interval in us; 0 is the default rate, -1 stops the stream.
@@ -105,12 +124,9 @@ class StreamTable:
             return False
         if interval_us == 0:
             interval_us = self._defaults_us.get(message_id, -1)
-        self._unschedule(message_id)
-        if interval_us < 0:
-            self._interval_us.pop(message_id, None)
-            return True
-        self._interval_us[message_id] = round(max(TICK_US, min(LONGEST_US, interval_us)))
-        self._schedule(message_id, self._now_us + TICK_US)
+        self._leave_beat(message_id)
+        if interval_us >= 0:
+            self._join_beat(message_id, round(max(TICK_US, min(LONGEST_US, interval_us))))
         return True
 
     def set_group(self, group: int, rate_hz: float, *, is_on: bool) -> bool:
@@ -130,29 +146,56 @@ class StreamTable:
             self.set_interval(LAYOUTS[name].message_id, interval_us)
         return True
 
-    def due(self, now_us: int) -> list[int]:
-        """Message ids to send at this tick."""
+    def due(self, now_us: int) -> Sequence[int]:
+        """Message ids to send at this tick, with those of the ticks at which nobody asked."""
         self._now_us = now_us
-        candidates = self._calendar.pop(now_us // TICK_US, None)
-        if candidates is None:
-            return []
-        for message_id in candidates:
-            self._schedule(message_id, self._next_us[message_id] + self._interval_us[message_id])
-        return candidates
+        tick, last_tick = now_us // TICK_US, self._last_tick
+        self._last_tick = tick
+        if tick > last_tick + 1:
+            beats = self._overdue(tick)
+        else:
+            beats = self._calendar.pop(tick, [])
+            for beat in beats:
+                beat.next_us += beat.interval_us
+        for beat in beats:
+            self._calendar.setdefault(_tick(beat.next_us), []).append(beat)
+        if len(beats) == 1:
+            return beats[0].message_ids
+        return [message_id for beat in beats for message_id in beat.message_ids]
 
-    def _schedule(self, message_id: int, next_us: int) -> None:
-        self._next_us[message_id] = next_us
-        self._calendar.setdefault(_tick(next_us), []).append(message_id)
+    def _overdue(self, tick: int) -> list[_Beat]:
+        """Beats that were due until a tick, each once, however often it was due."""
+        passed = sorted(waiting for waiting in self._calendar if waiting <= tick)
+        beats = [beat for waiting in passed for beat in self._calendar.pop(waiting)]
+        for beat in beats:
+            beat.next_us = max(beat.next_us + beat.interval_us, self._now_us + TICK_US)
+        return beats
 
-    def _unschedule(self, message_id: int) -> None:
+    def _join_beat(self, message_id: int, interval_us: int) -> None:
+        """Schedule a stream from the next tick on, with those of its interval that are due then."""
+        next_us = self._now_us + TICK_US
+        beats = self._calendar.setdefault(_tick(next_us), [])
+        for beat in beats:
+            if (beat.interval_us, beat.next_us) == (interval_us, next_us):
+                break
+        else:
+            beat = _Beat(interval_us, next_us, [])
+            beats.append(beat)
+        beat.message_ids.append(message_id)
+        self._beats[message_id] = beat
+
+    def _leave_beat(self, message_id: int) -> None:
         """Take a stream out of the calendar, so that changes of it leave nothing there."""
-        next_us = self._next_us.pop(message_id, None)
-        if next_us is None:
+        beat = self._beats.pop(message_id, None)
+        if beat is None:
             return
-        waiting = self._calendar[_tick(next_us)]
-        waiting.remove(message_id)
+        beat.message_ids.remove(message_id)
+        if beat.message_ids:
+            return
+        waiting = self._calendar[_tick(beat.next_us)]
+        waiting.remove(beat)
         if not waiting:
-            del self._calendar[_tick(next_us)]
+            del self._calendar[_tick(beat.next_us)]
 
 
 def _tick(time_us: int) -> int:

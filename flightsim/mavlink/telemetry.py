@@ -7,15 +7,19 @@ from collections.abc import Callable, Collection, Mapping
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import LAYOUTS, MESSAGE_NAMES, Layout
+from flightsim.mavlink.framing import Framer
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
 from flightsim.mavlink.streams import StreamTable
 
-Producer = Callable[[], bytes | None]
-"""Packs a message of this tick; None if there is no data yet."""
+Producer = Callable[[], bytes | tuple[bytes, ...] | None]
+"""Packs a message of this tick, or the parts of one that comes in several; None if there is no data
+yet."""
 
 # Answered on request, never streamed.
-_ON_REQUEST_ONLY = frozenset({"AUTOPILOT_VERSION", "PROTOCOL_VERSION", "FLIGHT_INFORMATION"})
+_ON_REQUEST_ONLY = frozenset(
+    {"AUTOPILOT_VERSION", "PROTOCOL_VERSION", "FLIGHT_INFORMATION", "COMPONENT_METADATA"}
+)
 
 
 class TelemetryService:
@@ -34,7 +38,9 @@ class TelemetryService:
         self._partners = partners
         self._now_us = now_us
         self._tables: dict[Channel, StreamTable] = {}
-        self._packed: dict[int, bytes | None] = {}
+        self._framer = Framer([LAYOUTS[MESSAGE_NAMES[i]] for i in self._streamed])
+        self._indexes = {message_id: index for index, message_id in enumerate(self._streamed)}
+        self._packed: dict[int, tuple[bytes, ...]] = {}
         self._packed_us = -1
         self.handlers: Mapping[str, Handler] = {"REQUEST_DATA_STREAM": self._on_data_stream}
 
@@ -49,12 +55,17 @@ class TelemetryService:
         if now_us != self._packed_us:
             self._packed_us = now_us
             self._packed.clear()
+        packed = self._packed
+        indexes: list[int] = []
+        payloads: list[bytes] = []
         for message_id in self._table(channel).due(now_us):
-            if message_id not in self._packed:
-                self._packed[message_id] = self._pack(message_id)
-            payload = self._packed[message_id]
-            if payload is not None:
-                channel.stream(self._producers[message_id][0], payload)
+            if message_id not in packed:
+                packed[message_id] = self._pack(message_id)
+            for payload in packed[message_id]:
+                indexes.append(self._indexes[message_id])
+                payloads.append(payload)
+        if indexes:
+            channel.stream(self._framer, indexes, payloads)
 
     def forget(self, channel: Channel) -> None:
         """Drop the rates of a partner that left."""
@@ -68,11 +79,10 @@ class TelemetryService:
         """
         if message_id not in self._producers:
             return False
-        payload = self._pack(message_id)
-        if payload is None:
-            return False
-        channel.send(self._producers[message_id][0], payload)
-        return True
+        payloads = self._pack(message_id)
+        for payload in payloads:
+            channel.send(self._producers[message_id][0], payload)
+        return len(payloads) > 0
 
     def is_known(self, message_id: int) -> bool:
         """Whether the message can be requested."""
@@ -95,8 +105,7 @@ class TelemetryService:
     def broadcast(self, name: str) -> None:
         """Send one message to all partners, for a change that should reach them at once."""
         message_id = LAYOUTS[name].message_id
-        payload = self._pack(message_id)
-        if payload is not None:
+        for payload in self._pack(message_id):
             self._partners.broadcast(LAYOUTS[name], payload)
 
     def _on_data_stream(self, channel: Channel, message: Message) -> None:
@@ -110,9 +119,12 @@ class TelemetryService:
             self._tables[channel] = table
         return table
 
-    def _pack(self, message_id: int) -> bytes | None:
+    def _pack(self, message_id: int) -> tuple[bytes, ...]:
         try:
-            return self._producers[message_id][1]()
+            payload = self._producers[message_id][1]()
         except (struct.error, ValueError, OverflowError):
             # A number that its field cannot hold (a diverged estimate) is not sent.
-            return None
+            return ()
+        if payload is None:
+            return ()
+        return payload if isinstance(payload, tuple) else (payload,)

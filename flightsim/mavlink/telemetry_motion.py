@@ -64,6 +64,15 @@ _IGNORE_VELOCITY, _IGNORE_ACCELERATION = 7 << 3, 7 << 6
 _IGNORE_YAW = mav.POSITION_TARGET_TYPEMASK_YAW_IGNORE
 _IGNORE_YAW_RATE = mav.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 _UNKNOWN_COVARIANCE = (math.nan, *(0.0,) * 20)
+_REST_OF_ODOMETRY = (
+    *_UNKNOWN_COVARIANCE,
+    *_UNKNOWN_COVARIANCE,
+    mav.MAV_FRAME_LOCAL_NED,
+    mav.MAV_FRAME_BODY_FRD,
+    0,
+    mav.MAV_ESTIMATOR_TYPE_AUTOPILOT,
+    100,
+)
 
 
 def _int16(value: float) -> int:
@@ -149,13 +158,7 @@ class MotionTelemetry:
             *v.quat_ned_frd,
             *velocity_frd,
             *v.rates_frd_radps,
-            *_UNKNOWN_COVARIANCE,
-            *_UNKNOWN_COVARIANCE,
-            mav.MAV_FRAME_LOCAL_NED,
-            mav.MAV_FRAME_BODY_FRD,
-            0,
-            mav.MAV_ESTIMATOR_TYPE_AUTOPILOT,
-            100,
+            *_REST_OF_ODOMETRY,
         )
 
     def _vfr_hud(self) -> bytes:

@@ -1,4 +1,4 @@
-"""Sensor telemetry: messages of sensors, motors and the battery."""
+"""Sensor telemetry: messages of sensors and the battery."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ _GPS_RAW_INT = layout(
     *("time_usec", "lat", "lon", "alt", "eph", "epv", "vel", "cog", "fix_type"),
     *("satellites_visible", "alt_ellipsoid", "h_acc", "v_acc", "vel_acc", "hdg_acc", "yaw"),
 )
-_SERVO_OUTPUT_RAW = layout("SERVO_OUTPUT_RAW")
 _DISTANCE_SENSOR = layout(
     "DISTANCE_SENSOR",
     *("time_boot_ms", "min_distance", "max_distance", "current_distance", "type", "id"),
@@ -35,7 +34,6 @@ _VIBRATION = layout("VIBRATION")
 
 _ALL_IMU_FIELDS = 0x1FFF
 _MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
-_PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900, 1000, 1000
 _UNKNOWN_U16 = 0xFFFF
 _CHARGE_STATES = {
     BatteryWarning.NONE: mav.MAV_BATTERY_CHARGE_STATE_OK,
@@ -56,13 +54,11 @@ def _millimetres(value_m: float) -> int:
 class SensorTelemetry:
     """Packs messages from the latest readings."""
 
-    def __init__(self, view: VehicleView, *, max_rotor_speed_radps: float) -> None:
+    def __init__(self, view: VehicleView) -> None:
         self._view = view
-        self._max_rotor_speed_radps = max_rotor_speed_radps
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
             "HIGHRES_IMU": self._highres_imu,
             "GPS_RAW_INT": self._gps_raw,
-            "SERVO_OUTPUT_RAW": self._servo_output,
             "DISTANCE_SENSOR": self._distance,
             "SCALED_PRESSURE": self._pressure,
             "BATTERY_STATUS": self._battery,
@@ -114,19 +110,6 @@ class SensorTelemetry:
             0,
             0,
             0,
-        )
-
-    def _servo_output(self) -> bytes:
-        v = self._view
-        pwm = [_PWM_STOPPED] * 4
-        if v.autopilot.is_armed:
-            pwm = [
-                _PWM_IDLE + round(_PWM_SPAN * speed / self._max_rotor_speed_radps)
-                for speed in v.plant.rotor_speed_commands_radps
-            ]
-        return _SERVO_OUTPUT_RAW.encode(
-            time_usec=v.time_us & 0xFFFFFFFF,
-            **{f"servo{i}_raw": value for i, value in enumerate(pwm, start=1)},
         )
 
     def _distance(self) -> bytes:

@@ -6,11 +6,13 @@ from collections.abc import Callable, Mapping
 
 from autonomy.types import quat_about_up
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
+from flightsim.environment.date import EPOCH_US
 from flightsim.frames import swap_quat_enu_flu_ned_frd
-from flightsim.mavlink.dialect import PROTOCOL_VERSION, layout
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.mode_report import ModeReport
 from flightsim.mavlink.personalities import Personality
+from flightsim.mavlink.vehicle_type import vehicle_type
 from flightsim.mavlink.view import VehicleView
 
 _HEARTBEAT = layout("HEARTBEAT")
@@ -23,6 +25,7 @@ _SYSTEM_TIME = layout("SYSTEM_TIME")
 _CURRENT_MODE = layout("CURRENT_MODE")
 _AUTOPILOT_VERSION = layout("AUTOPILOT_VERSION")
 _FLIGHT_INFORMATION = layout("FLIGHT_INFORMATION")
+_PROTOCOL_VERSION = layout("PROTOCOL_VERSION")
 
 _STATES = {
     SystemState.STANDBY: mav.MAV_STATE_STANDBY,
@@ -44,8 +47,6 @@ _PRESENT = (
     (_GYRO | _ACCEL | _MAG | _PRESSURE | _GPS | _LASER | _CONTROLLERS)
     | (_GEOFENCE | _AHRS | _BATTERY | _PREARM_CHECK)
 )  # fmt: skip
-# Simulated time has a date, the same in every run: 2026-01-01 00:00 UTC.
-SIMULATED_EPOCH_US = 1_767_225_600_000_000
 
 
 class StatusTelemetry:
@@ -58,6 +59,7 @@ class StatusTelemetry:
         self._personality = personality
         self._modes = modes
         self._system_id = system_id
+        self._type = vehicle_type(view.plant.world.airframe)
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
             "HEARTBEAT": self._heartbeat,
             "SYS_STATUS": self._sys_status,
@@ -79,7 +81,7 @@ class StatusTelemetry:
         if autopilot.mode is Mode.TERMINATION:
             state = mav.MAV_STATE_FLIGHT_TERMINATION
         return _HEARTBEAT.encode(
-            type=mav.MAV_TYPE_QUADROTOR,
+            type=self._type,
             autopilot=self._personality.autopilot,
             base_mode=entry.base_mode
             | (mav.MAV_MODE_FLAG_SAFETY_ARMED if autopilot.is_armed else 0),
@@ -168,9 +170,7 @@ class StatusTelemetry:
 
     def _system_time(self) -> bytes:
         v = self._view
-        return _SYSTEM_TIME.encode(
-            time_unix_usec=SIMULATED_EPOCH_US + v.time_us, time_boot_ms=v.time_boot_ms
-        )
+        return _SYSTEM_TIME.encode(time_unix_usec=EPOCH_US + v.time_us, time_boot_ms=v.time_boot_ms)
 
     def _current_mode(self) -> bytes:
         entry = self._modes.entry
@@ -190,7 +190,7 @@ class StatusTelemetry:
         )
 
     def _protocol_version(self) -> bytes:
-        return PROTOCOL_VERSION.encode(version=200, min_version=100, max_version=200)
+        return _PROTOCOL_VERSION.encode(version=200, min_version=100, max_version=200)
 
     def _flight_information(self) -> bytes:
         v = self._view
@@ -204,4 +204,4 @@ class StatusTelemetry:
 
 
 def _utc_us(time_us: int | None) -> int:
-    return 0 if time_us is None else SIMULATED_EPOCH_US + time_us
+    return 0 if time_us is None else EPOCH_US + time_us

@@ -1,9 +1,11 @@
 """The plant: everything that runs faster than 50 Hz, compiled, behind a call every 20 ms."""
 
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.fleet import Fleet
 from flightsim.plant.plant import Plant, compile_kernels
 
 __all__ = [
+    "Fleet",
     "NotAlignedError",
     "PhysicsDivergedError",
     "Plant",

@@ -66,6 +66,10 @@ class PlantCfg:
     physics_hz: int = 500
     control_hz: int = 250
     """Rate of the IMU, the estimator and the controller."""
+    advance_hz: int = ADVANCE_HZ
+    """Calls a simulated second; a setpoint holds until the next one."""
+    has_sensors: bool = True
+    """Whether anything is measured and estimated; without, the state is the truth."""
     wind: WindCfg = CALM
     effects: Effects = ALL_EFFECTS
     """What of the physics is on."""
@@ -92,11 +96,15 @@ class PlantCfg:
         Raises:
             PlantError: If they do not divide evenly.
         """
-        if self.control_hz % ADVANCE_HZ or not ADVANCE_HZ <= self.control_hz <= self.physics_hz:
+        if not 1 <= self.advance_hz <= self.control_hz:
+            raise PlantError(f"advance_hz = {self.advance_hz}: 1 to {self.control_hz} are valid")
+        if self.control_hz % self.advance_hz or self.control_hz > self.physics_hz:
             raise PlantError(
-                f"control_hz = {self.control_hz}: a multiple of {ADVANCE_HZ} up to physics_hz is "
-                "valid"
+                f"control_hz = {self.control_hz}: a multiple of {self.advance_hz} up to physics_hz "
+                "is valid"
             )
+        if self.state == "estimate" and not self.has_sensors:
+            raise PlantError("state = 'estimate': without sensors 'truth' is valid")
         if self.physics_hz % self.control_hz:
             raise PlantError(
                 f"physics_hz = {self.physics_hz}: a multiple of control_hz "

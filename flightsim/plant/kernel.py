@@ -9,66 +9,89 @@ import numpy as np
 
 from autonomy.control.controller import control
 from autonomy.estimation.alignment import align_when_ready
-from autonomy.jit import kernel
-from flightsim.environment.motion import move_traffic
+from autonomy.jit import kernel, kernel_without_lock
+from flightsim.environment.motion import MOVER_DTYPE, move_traffic
+from flightsim.environment.rooms import ROOM_COLUMNS
+from flightsim.environment.steel import STEEL_COLUMNS
 from flightsim.environment.wind import AIR_NORMALS, move_air
-from flightsim.plant.mujoco_calls import call_mj_step, doubles, integers, pointers
+from flightsim.plant.mujoco_calls import (
+    call_mj_step,
+    doubles,
+    integers,
+    pointers,
+    rows,
+    table,
+    take_number,
+)
+from flightsim.plant.record import HISTORY_DTYPE
 from flightsim.plant.sensing import sense
 from flightsim.plant.surfaces import feel_surfaces
 from flightsim.vehicles.rotor_model import step_rotors
 
+_N_ROOM_COLUMNS, _N_STEEL_COLUMNS = len(ROOM_COLUMNS), len(STEEL_COLUMNS)
 
-@kernel
-def advance(
-    plants: np.ndarray,
-    movers: np.ndarray,
-    mover_points: np.ndarray,
-    rooms: np.ndarray,
-    shelter: np.ndarray,
-    steel: np.ndarray,
-    normals: np.ndarray,
-    history: np.ndarray,
-) -> None:
-    """Advance by 20 ms.
+
+@kernel_without_lock
+def advance(plants: np.ndarray, counter: np.ndarray) -> None:
+    """Advance every plant in its own world by the control ticks of one call.
+
+    Several threads may call this with the same arrays at the same time: each plant is advanced by
+    the first thread that is free, and none waits for another. Who it was changes no bit.
 
     Args:
-        plants: `PLANT_DTYPE` (1,).
-        movers: `MOVER_DTYPE` (n,), a row for each moving obstacle.
-        mover_points: Control points of their paths (k, 3).
-        rooms: Without satellites and wind (n, 8), `flightsim.environment.rooms`.
-        shelter: Flow around buildings (nx, ny, nz, 3), `flightsim.environment.shelter`.
-        steel: Near the magnetometer (n, 5), `flightsim.environment.steel`.
-        normals: Standard normals for one second, a block for each sensor and one for the air.
-        history: `HISTORY_DTYPE`, a row for each control tick, written.
+        plants: `PLANT_DTYPE` (n,), at least one.
+        counter: Number of plants that are taken (1,), int64; 0 before the call.
     """
-    p = plants[0]
-    e, f = p.engine, p.filter
-    qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
-    e.contact_ticks = 0
     # MuJoCo reads its clock before and after each stage, a fifth of a step's time for us.
-    clock = pointers(e.clock_address, 1)
+    clock = pointers(plants[0].engine.clock_address, 1)
     stage_clock, clock[0] = clock[0], 0
-    feel_surfaces(p.surfaces, e, p.rotors, qpos)
-    for i in range(e.ticks_per_advance):
-        _tell_state(p.state, e, f, qpos, qvel)
-        control(p.controller, p.setpoint, p.state, e.has_new_setpoint == 1)
-        e.has_new_setpoint = 0
-        _move_world(p, movers, mover_points, rooms, shelter, normals, qpos, qvel)
-        is_touching = _step_physics(e, p.rotors, p.controller, qpos, qvel)
-        e.contact_ticks += is_touching
-        e.tick += 1
-        sense(p, qpos, qvel, rooms, steel, normals)
-        if f.is_aligned == 0:
-            align_when_ready(f)
-        _log(history[i], p, qpos, qvel, is_touching)
+    while True:
+        i = take_number(counter)
+        if i >= len(plants):
+            break
+        _advance(plants[i])
     clock[0] = stage_clock
 
 
 @kernel
+def _advance(p: np.record) -> None:
+    e = p.engine
+    qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
+    movers = rows(e.movers_address, e.n_movers, MOVER_DTYPE)
+    mover_points = table(e.mover_points_address, e.n_mover_points, 3)
+    rooms = table(e.rooms_address, e.n_rooms, _N_ROOM_COLUMNS)
+    steel = table(e.steel_address, e.n_steel, _N_STEEL_COLUMNS)
+    nx, ny, nz = e.shelter_shape[0], e.shelter_shape[1], e.shelter_shape[2]
+    shelter = doubles(e.shelter_address, 3 * nx * ny * nz).reshape(nx, ny, nz, 3)
+    normals = doubles(e.normals_address, e.n_normals)
+    history = rows(e.history_address, e.ticks_per_advance, HISTORY_DTYPE)
+    e.contact_ticks = 0
+    feel_surfaces(p.surfaces, e, p.rotors, qpos)
+    for i in range(e.ticks_per_advance):
+        _tell_state(p.state, e, p.filter, p.rotors, qpos, qvel)
+        control(p.controller, p.setpoint, p.state, e.has_new_setpoint == 1)
+        e.has_new_setpoint = 0
+        _move_world(p, movers, mover_points, rooms, shelter, normals, qpos, qvel)
+        is_touching = 0
+        if e.is_held == 0:
+            is_touching = _step_physics(e, p.rotors, p.controller, qpos, qvel)
+        e.contact_ticks += is_touching
+        e.tick += 1
+        if e.has_sensors == 1:
+            sense(p, qpos, qvel, rooms, steel, normals)
+            if p.filter.is_aligned == 0:
+                align_when_ready(p.filter)
+        _log(history[i], p, qpos, qvel, is_touching)
+
+
+@kernel
 def _tell_state(
-    x: np.record, e: np.record, f: np.record, qpos: np.ndarray, qvel: np.ndarray
+    x: np.record, e: np.record, f: np.record, r: np.record, qpos: np.ndarray, qvel: np.ndarray
 ) -> None:
-    """State that the controller may know: the estimate, or the truth for benchmarks of control."""
+    """State that the controller may know: the estimate, or the truth for benchmarks of control.
+
+    The rotors' speeds come from the telemetry of their speed controllers.
+    """
     is_true = e.knows_truth == 1
     for i in range(3):
         change = (qvel[i] - x.velocity_enu_mps[i]) * e.tick_hz
@@ -77,8 +100,11 @@ def _tell_state(
         x.velocity_enu_mps[i] = qvel[i] if is_true else f.velocity_enu_mps[i]
         rate = qvel[3 + i] if is_true else f.angular_rate_flu_radps[i]
         x.angular_rate_flu_radps[i] = rate
+    x.has_rotor_speeds = 1
     for i in range(4):
         x.quat_wxyz[i] = qpos[3 + i] if is_true else f.quat_wxyz[i]
+    for i in range(r.n_rotors):
+        x.rotor_speed_radps[i] = r.speed_radps[i]
 
 
 @kernel
@@ -103,8 +129,8 @@ def _move_world(
             movers,
             mover_points,
             qpos[0:3],
-            doubles(e.mocap_pos_address, 3 * n).reshape(n, 3),
-            doubles(e.mocap_quat_address, 4 * n).reshape(n, 4),
+            table(e.mocap_pos_address, n, 3),
+            table(e.mocap_quat_address, n, 4),
             integers(e.geom_bits_address, e.n_geoms),
             integers(e.body_bits_address, e.n_bodies),
         )
@@ -153,5 +179,6 @@ def _log(
     for i in range(4):
         row.quat_true_wxyz[i] = qpos[3 + i]
         row.quat_est_wxyz[i] = f.quat_wxyz[i]
+    for i in range(r.n_rotors):
         row.rotor_command_radps[i] = c.rotor_command_radps[i]
         row.rotor_speed_radps[i] = r.speed_radps[i]

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import mujoco
 import numpy as np
+from jaxtyping import Float
 
+from aeroscene.scene import Scene
 from autonomy.control import new_controller
 from autonomy.control.cfg import controller_cfg_for
 from autonomy.estimation import new_filter
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.draws import generator, seed_sequence
+from flightsim.environment.effects import Effects
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
-from flightsim.environment.motion import MOVER_DTYPE, new_movers, new_traffic, place_mover
-from flightsim.environment.rooms import ROOM_COLUMNS, indoor_rooms
-from flightsim.environment.shelter import blocks_of, grid_for, kept_shelter
-from flightsim.environment.steel import STEEL_COLUMNS, steel_dipoles
+from flightsim.environment.motion import new_movers, new_traffic, place_mover
+from flightsim.environment.rooms import indoor_rooms
+from flightsim.environment.shelter import Grid, blocks_of, grid_for, kept_shelter
+from flightsim.environment.steel import steel_dipoles
 from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
-from flightsim.plant.cfg import ADVANCE_HZ, PlantCfg, estimator_cfg_for
+from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
 from flightsim.plant.mujoco_calls import addresses
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS
@@ -37,16 +42,32 @@ _SKY_STREAM = 14
 
 def example_arguments() -> tuple[np.ndarray, ...]:
     """Arrays of the types that the kernel takes, for compiling it without a world."""
-    return (
-        np.zeros(1, PLANT_DTYPE),
-        np.zeros(1, MOVER_DTYPE),
-        np.zeros((1, 3)),
-        np.zeros((1, len(ROOM_COLUMNS))),
-        np.zeros((1, 1, 1, 3)),
-        np.zeros((1, len(STEEL_COLUMNS))),
-        np.zeros(1),
-        np.zeros(1, HISTORY_DTYPE),
-    )
+    return np.zeros(1, PLANT_DTYPE), np.zeros(1, np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What the plants of a scene feel of it besides its solids; see `kernel.advance`."""
+
+    rooms: Float[np.ndarray, "n 8"]
+    """Without satellites and wind, `flightsim.environment.rooms`."""
+    steel: Float[np.ndarray, "n 5"]
+    """Near the magnetometer, `flightsim.environment.steel`."""
+    blocks: Float[np.ndarray, "n 7"]
+    """In the wind, `flightsim.environment.shelter`."""
+    grid: Grid
+    """On which the flow around them is known."""
+
+    @classmethod
+    def of(cls, scene: Scene, effects: Effects) -> Surroundings:
+        """Surroundings in a scene, without those whose effect is off."""
+        blocks = blocks_of(scene)[: None if effects.shelter else 0]
+        return cls(
+            rooms=indoor_rooms(scene),
+            steel=steel_dipoles(scene)[: None if effects.steel else 0],
+            blocks=blocks,
+            grid=grid_for(scene, blocks),
+        )
 
 
 class PlantMemory:
@@ -62,34 +83,39 @@ class PlantMemory:
         movers: `MOVER_DTYPE`, a row for each moving obstacle.
     """
 
-    def __init__(self, world: World, cfg: PlantCfg, data: mujoco.MjData) -> None:
-        self.plants = np.zeros(1, PLANT_DTYPE)
+    def __init__(
+        self,
+        world: World,
+        cfg: PlantCfg,
+        data: mujoco.MjData,
+        *,
+        plants: np.ndarray | None = None,
+        history: np.ndarray | None = None,
+        surroundings: Surroundings | None = None,
+    ) -> None:
+        """Fill the record of a vehicle as it stands in `data`.
+
+        Args:
+            world: The world around it.
+            cfg: Its configuration.
+            data: State of the physics.
+            plants: The record itself, where it is one of many; zeros else.
+            history: The log, where it is a row of many.
+            surroundings: Of the same scene and effects, where they are known already.
+        """
+        self.plants = np.zeros(1, PLANT_DTYPE) if plants is None else plants
         self.plant: np.void = self.plants[0]
         self.setpoint_flat = self.plants["setpoint"].view("f8")
-        self.history = np.zeros(cfg.control_hz // ADVANCE_HZ, HISTORY_DTYPE)
+        n_rows = cfg.control_hz // cfg.advance_hz
+        self.history = np.zeros(n_rows, HISTORY_DTYPE) if history is None else history
         self.movers, self._mover_points = new_movers(world.obstacles)
-        self._rooms = indoor_rooms(world.scene)
-        self._steel = steel_dipoles(world.scene)[: None if cfg.effects.steel else 0]
-        self._blocks = blocks_of(world.scene)[: None if cfg.effects.shelter else 0]
-        self._grid = grid_for(world.scene, self._blocks)
-        self._shelter = np.zeros((*self._grid.shape, 3))
+        self._around = surroundings or Surroundings.of(world.scene, cfg.effects)
+        self._shelter = np.zeros((*self._around.grid.shape, 3))
         self._name_movers(world)
         self._connect(world, cfg, data)
         self._build_vehicle(world, cfg)
         self._switch_on(world, cfg)
-
-    def arguments(self) -> tuple[np.ndarray, ...]:
-        """Arguments of `flightsim.plant.kernel.advance`, the same arrays for the whole run."""
-        return (
-            self.plants,
-            self.movers,
-            self._mover_points,
-            self._rooms,
-            self._shelter,
-            self._steel,
-            self._normals,
-            self.history,
-        )
+        self._point_to_arrays()
 
     def draw_normals(self) -> None:
         """Draw the noise of the next second."""
@@ -101,10 +127,12 @@ class PlantMemory:
     def set_wind(self, cfg: WindCfg) -> None:
         """Change the wind from the next advance on."""
         was_smooth = self.plant["air"]["turbulence_mps"] == 0.0
-        is_sheltered = len(self._blocks) > 0 and cfg.speed_mps + cfg.gust_mps > 0.0
+        around = self._around
+        is_sheltered = len(around.blocks) > 0 and cfg.speed_mps + cfg.gust_mps > 0.0
         if is_sheltered:
-            self._shelter[:] = kept_shelter(self._grid, self._blocks, cfg.axis_enu)
-        set_wind(self.plant["air"], cfg, has_rooms=len(self._rooms) > 0, is_sheltered=is_sheltered)
+            self._shelter[:] = kept_shelter(around.grid, around.blocks, cfg.axis_enu)
+        has_rooms = len(around.rooms) > 0
+        set_wind(self.plant["air"], cfg, has_rooms=has_rooms, is_sheltered=is_sheltered)
         self.plant["rotors"]["wind_enu_mps"] = cfg.steady_enu_mps
         if was_smooth and cfg.turbulence_mps > 0.0:
             self._air_stream.draw()
@@ -123,8 +151,8 @@ class PlantMemory:
         e["tick_us"] = self.tick_us = 1_000_000 // cfg.control_hz
         e["tick_hz"] = cfg.control_hz
         e["steps_per_tick"] = cfg.physics_hz // cfg.control_hz
-        e["ticks_per_advance"] = cfg.control_hz // ADVANCE_HZ
-        e["has_power"] = 1
+        e["ticks_per_advance"] = cfg.control_hz // cfg.advance_hz
+        e["has_power"], e["has_sensors"] = 1, cfg.has_sensors
         e["knows_truth"] = cfg.state == "truth"
         e["step_address"], e["ray_address"], e["clock_address"] = addresses()
         e["model_address"], e["data_address"] = model._address, data._address
@@ -151,8 +179,8 @@ class PlantMemory:
         scene_id = world.scene.scene_id
         first_air = generator(cfg.seed, scene_id, "plant", _FIRST_AIR_STREAM)
         self.plant["air"] = new_air(first_air, dt_s=dt_s)[0]
-        self.plant["air"]["shelter_cell_m"] = self._grid.cell_m
-        self.plant["air"]["shelter_origin_enu_m"] = self._grid.origin_enu_m
+        self.plant["air"]["shelter_cell_m"] = self._around.grid.cell_m
+        self.plant["air"]["shelter_origin_enu_m"] = self._around.grid.origin_enu_m
         self.plant["traffic"] = new_traffic(dt_s)[0]
         self.plant["rotors"] = new_rotors(
             world.airframe,
@@ -190,7 +218,8 @@ class PlantMemory:
             cfg.effects,
         )[0]
         bounds, amperes = [0], amperes_per_cubed_speed(world.airframe.battery)
-        for sensor in SENSORS:
+        sensors = SENSORS if cfg.has_sensors else ()
+        for sensor in sensors:
             start = SensorStart(
                 tick_hz=cfg.control_hz,
                 rng=generator(cfg.seed, world.scene.scene_id, "plant", *sensor.start_streams),
@@ -208,8 +237,25 @@ class PlantMemory:
         self.plant["air"]["first_normal"] = bounds[-1]
         self._normals = np.zeros(bounds[-1] + cfg.control_hz * AIR_NORMALS)
         blocks = np.split(self._normals, bounds[1:])
-        numbers = [*(sensor.stream for sensor in SENSORS), _AIR_STREAM]
+        numbers = [*(sensor.stream for sensor in sensors), _AIR_STREAM]
         *self._streams, self._air_stream = (
             NormalStream(seed_sequence(cfg.seed, world.scene.scene_id, "plant", number), block)
             for number, block in zip(numbers, blocks, strict=True)
         )
+
+    def _point_to_arrays(self) -> None:
+        """Tell the kernel where the arrays without a fixed size are."""
+        e = self.plant["engine"]
+        for name, array in (
+            ("movers", self.movers),
+            ("mover_points", self._mover_points),
+            ("rooms", self._around.rooms),
+            ("steel", self._around.steel),
+            ("normals", self._normals),
+        ):
+            e[f"{name}_address"], e[f"n_{name}"] = array.ctypes.data, len(array)
+        e["shelter_address"], e["shelter_shape"] = (
+            self._shelter.ctypes.data,
+            self._around.grid.shape,
+        )
+        e["history_address"] = self.history.ctypes.data

@@ -7,6 +7,7 @@ integers; a cached kernel holds none of its own.
 from __future__ import annotations
 
 import ctypes
+import functools
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from autonomy.jit import kernel
 _POINTER = ir.IntType(8).as_pointer()
 
 
+@functools.cache
 def addresses() -> tuple[int, int, int]:
     """Addresses in the library that `mujoco` has loaded: of `mj_step`, `mj_ray` and `mjcb_time`.
 
@@ -98,10 +100,38 @@ def _pointer(_typing: Any, _address: Any) -> Any:
     return types.voidptr(types.intp), codegen
 
 
+@_in_kernel
+def _add_one(_typing: Any, _address: Any) -> Any:
+    def codegen(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        integer = ir.IntType(64)
+        number = builder.inttoptr(args[0], integer.as_pointer())
+        return builder.atomic_rmw("add", number, ir.Constant(integer, 1), "monotonic")
+
+    return types.int64(types.intp), codegen
+
+
+@kernel
+def take_number(counter: np.ndarray) -> int:
+    """The number in a counter (1,), int64, which then counts on; no two threads get the same."""
+    return _add_one(counter.ctypes.data)
+
+
+@kernel
+def rows(address: int, n: int, dtype: Any) -> np.ndarray:
+    """The n records of a type at an address."""
+    return carray(_pointer(address), (n,), dtype)
+
+
 @kernel
 def doubles(address: int, n: int) -> np.ndarray:
     """The n doubles at an address."""
     return carray(_pointer(address), (n,), np.float64)
+
+
+@kernel
+def table(address: int, n: int, columns: int) -> np.ndarray:
+    """The n rows of doubles at an address."""
+    return doubles(address, n * columns).reshape(n, columns)
 
 
 @kernel

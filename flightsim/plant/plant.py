@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,25 +19,20 @@ from autonomy.types import OFF, ControlLevel, Setpoint, State, Vector3, vector3
 from flightsim.environment.motion import MAX_RATE, obstacle_states
 from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
-from flightsim.plant.cfg import (
-    ADVANCE_HZ,
-    NotAlignedError,
-    PhysicsDivergedError,
-    PlantCfg,
-    PlantError,
-)
+from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.failures import Failures
+from flightsim.plant.handover import Handover
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, example_arguments
 from flightsim.plant.readings import EstimatorStatus, estimator_status
-from flightsim.plant.sensing import SENSORS, SensorReadings
-from flightsim.sensors.imu import IMU
+from flightsim.plant.record import with_rotors
+from flightsim.plant.sensing import SensorReadings
 from flightsim.vehicles.battery import Battery
 from flightsim.world import World
 
 _LOG = logging.getLogger(__name__)
 _COMPILE_SECONDS = 12.0
 _ESTIMATE = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_flu_radps")
-_ADVANCE_US = 1_000_000 // ADVANCE_HZ
 
 
 class Plant:
@@ -55,8 +51,7 @@ class Plant:
             raise PlantError("world: it has no vehicle, build it with vehicle=True")
         cfg.check(world.model.opt.timestep)
         compile_kernels()
-        self.world = world
-        self.cfg = cfg
+        self.world, self.cfg = world, cfg
         self.data = world.new_data()
         self.battery = Battery(world.airframe.battery)
         self.time_us = 0
@@ -66,46 +61,65 @@ class Plant:
         self.total_contact_ticks = 0
         self.n_refused_setpoints = 0
         self._n_advances = 0
+        self._handover: Handover | None = None
         self._memory = PlantMemory(world, cfg, self.data)
-        self._arguments = self._memory.arguments()
+        self._counter = np.zeros(1, np.int64)
+        self._advance_us = 1_000_000 // cfg.advance_hz
         self._record = self._memory.plant
         self._engine: np.void = self._record["engine"]
         self._controller: np.void = self._record["controller"]
         self._filter: np.void = self._record["filter"]
-        self._rotor_speeds: np.ndarray = self._record["rotors"]["speed_radps"]
+        n = len(world.airframe.quadrotor.rotors)
+        self._rotor_speeds: np.ndarray = self._record["rotors"]["speed_radps"][:n]
+        self._rotor_commands: np.ndarray = self._controller["rotor_command_radps"][:n]
         qpos, qvel = self._memory.qpos, self._memory.qvel
         self._true_views = (qpos[:3], qvel[:3], qpos[3:7], qvel[3:6])
         self._estimate_views = tuple(self._filter[name] for name in _ESTIMATE)
         self.sensors = SensorReadings(self._record, self._memory.tick_us)
         """Latest reading of each sensor."""
-        self.history = self._memory.history
+        self.failures = Failures(self._record, self.sensors)
+        """What of it fails."""
+        self.history = with_rotors(self._memory.history, n)
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
         self._read_afresh()
         self.wind = cfg.wind
         self.apply(OFF)
 
     def advance(self) -> None:
-        """Advance by 20 ms.
+        """Advance by 20 ms, or what `PlantCfg.advance_hz` says.
 
         Raises:
             PhysicsDivergedError: If the physics engine had to give the state up.
         """
-        if self._n_advances % ADVANCE_HZ == 0:
+        if self._n_advances % self.cfg.advance_hz == 0:
             self._memory.draw_normals()
-        advance(*self._arguments)
+        if self._handover is None:
+            self._counter[0] = 0
+            advance(self._memory.plants, self._counter)
+            self.time_us += self._advance_us
+            self.contact_ticks = int(self._engine["contact_ticks"])
+        else:
+            self.contact_ticks = self._handover.advance(self._end_tick)
         self._n_advances += 1
-        self.time_us += _ADVANCE_US
         if abs(self.data.time - 1e-6 * self.time_us) > 1e-3:
             raise PhysicsDivergedError(
                 f"the physics engine reset itself before t = {1e-6 * self.time_us:.2f} s: "
                 "its state had become infinite or not a number"
             )
         self._read_afresh()
-        self.contact_ticks = int(self._engine["contact_ticks"])
         self.total_contact_ticks += self.contact_ticks
-        self.battery.step(self.rotor_speeds_radps, 1.0 / ADVANCE_HZ)
+        self.battery.step(self.rotor_speeds_radps, 1.0 / self.cfg.advance_hz)
         if self.battery.remaining <= 0.0:
             self._engine["has_power"] = 0
+
+    def hand_over(self, drive: Callable[[], None]) -> Handover:
+        """Let another flight stack fly; `drive` is called before each control tick, to command."""
+        self._handover = Handover(self._memory, drive)
+        return self._handover
+
+    def _end_tick(self) -> None:
+        self.time_us += self._memory.tick_us
+        self._read_afresh()
 
     def _read_afresh(self) -> None:
         """Drop the objects built from the record of the tick before."""
@@ -190,14 +204,21 @@ class Plant:
         return self._status
 
     @property
-    def rotor_speeds_radps(self) -> tuple[float, float, float, float]:
+    def rotor_speeds_radps(self) -> tuple[float, ...]:
         """True rotor speeds."""
         return tuple(self._rotor_speeds.tolist())
 
     @property
-    def rotor_speed_commands_radps(self) -> tuple[float, float, float, float]:
+    def rotor_speed_commands_radps(self) -> tuple[float, ...]:
         """Speeds last commanded."""
-        return tuple(self._controller["rotor_command_radps"].tolist())
+        return tuple(self._rotor_commands.tolist())
+
+    @property
+    def lost_rotors(self) -> tuple[int, ...]:
+        """Rotors (from 0) that the controller has found not to turn, until they rest."""
+        if self._controller["n_lost"] == 0:
+            return ()
+        return tuple(np.flatnonzero(self._controller["is_lost"]).tolist())
 
     @property
     def collective_thrust_fraction(self) -> float:
@@ -257,29 +278,9 @@ class Plant:
             raise PlantError(f"traffic_speed = {rate}: 0 to {MAX_RATE:g} are valid")
         self._record["traffic"]["rate_cmd"] = rate
 
-    def set_rotor_effectiveness(self, rotor: int, effectiveness: float) -> None:
-        """Let a rotor (0 to 3) make only this share, 0 to 1, of its thrust and torque.
-
-        Raises:
-            PlantError: If there is no such rotor or share.
-        """
-        if rotor not in range(4) or not 0.0 <= effectiveness <= 1.0:
-            raise PlantError(
-                f"rotor = {rotor}, effectiveness = {effectiveness}: 0 to 3 and 0 to 1 are valid"
-            )
-        self._record["rotors"]["effectiveness"][rotor] = effectiveness
-
-    def set_sensor_enabled(self, sensor: str, *, is_enabled: bool) -> None:
-        """Switch a sensor off or on again; one that is off keeps its last reading and its time.
-
-        Raises:
-            PlantError: If there is no such sensor that can be switched off.
-        """
-        names = [s.name for s in SENSORS if s is not IMU]
-        if sensor not in names:
-            raise PlantError(f"sensor = {sensor!r}: valid are {', '.join(names)}")
-        self._record[sensor]["is_enabled"] = int(is_enabled)
-        self.sensors.drop()
+    def spin_rotors(self, speeds_radps: tuple[float, ...]) -> None:
+        """Turn the rotors at these speeds while the setpoint is `OFF`, as a test of the motors."""
+        self._controller["given_speed_radps"][: len(speeds_radps)] = speeds_radps
 
 
 def compile_kernels() -> None:

@@ -12,7 +12,9 @@ from flightsim.plant.rays import cast_ray_m
 from flightsim.plant.sky import look_up
 from flightsim.sensors.airspeed import AIRSPEED, AirspeedReading, sense_airspeed
 from flightsim.sensors.barometer import BAROMETER, BaroReading, sense_barometer
-from flightsim.sensors.gnss import GNSS, GnssReading, sense_gnss
+from flightsim.sensors.failure import MOST_ALIKE, is_stuck
+from flightsim.sensors.gnss import GNSS, sense_gnss
+from flightsim.sensors.gnss_reading import GnssReading
 from flightsim.sensors.imu import IMU, ImuReading, sense_imu
 from flightsim.sensors.magnetometer import MAGNETOMETER, MagReading, sense_magnetometer
 from flightsim.sensors.mocap import MOCAP, sense_mocap
@@ -53,15 +55,16 @@ def sense(
         normals: Standard normals of the present second for all sensors.
     """
     f, tick = p.filter, p.engine.tick
-    shake(p.vibration, p.rotors.speed_radps)
-    sense_imu(p.imu, f, tick, qpos, qvel, p.rotors.speed_radps, p.vibration, normals)
+    speeds = p.rotors.speed_radps[: p.rotors.n_rotors]
+    shake(p.vibration, speeds)
+    sense_imu(p.imu, f, tick, qpos, qvel, speeds, p.vibration, normals)
     if is_due(p.gnss, tick):
         look_up(p.sky, p.engine, qpos[0:3])
     sense_gnss(p.gnss, f, tick, qpos, qvel, p.sky, rooms, normals)
     sense_vio(p.vio, f, tick, qpos, normals)
     sense_mocap(p.mocap, f, tick, qpos, normals)
     sense_barometer(p.baro, f, tick, qpos, normals)
-    sense_magnetometer(p.mag, f, tick, qpos, p.rotors.speed_radps, steel, normals)
+    sense_magnetometer(p.mag, f, tick, qpos, speeds, steel, normals)
     _sense_range(p.range, f, p.engine, qpos, normals)
     sense_airspeed(p.airspeed, tick, qpos, qvel, p.rotors.wind_enu_mps, normals)
 
@@ -76,7 +79,7 @@ def _sense_range(
     aim_ray(r, qpos[0:3], qpos[3:7])
     distance_m = cast_ray_m(e, r)
     sample_rangefinder(r, e.tick, distance_m, noise(r, e.tick, normals))
-    if f.is_aligned == 1:
+    if f.is_aligned == 1 and not is_stuck(r, 0, r.range_m):
         fuse_range(f, r.range_m, r.period_ticks * f.dt_s)
 
 
@@ -100,6 +103,12 @@ class SensorReadings:
         if name not in self._readings:
             self._readings[name] = sensor.read(self._records[name], self._tick_us)
         return self._readings[name]
+
+    def is_delivering(self, sensor: Sensor, now_us: int, patience_us: int) -> bool:
+        """Whether a sensor has sent a sample of late, and does not repeat itself."""
+        r = self._records[sensor.name]
+        age_us = now_us - max(0, int(r["tick"])) * self._tick_us
+        return age_us < patience_us and max(r["n_alike"].tolist()) < MOST_ALIKE
 
     @property
     def imu(self) -> ImuReading:

@@ -69,7 +69,7 @@ def _look(
         s.ray[k], s.ray[3 + k] = position[k], sign * r.R[k, 2]
     distance_m = _distance_m(s, e)
     is_near = distance_m < reach_m + _MARGIN_M
-    for i in range(4):
+    for i in range(r.n_rotors):
         hub, height_m = r.position_flu_m[i], math.inf
         if is_near:
             for k in range(3):

@@ -13,11 +13,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from autonomy.jit import fields, kernel
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3, pressure_pa, temperature_k
+from flightsim.sensors.failure import said
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 _GAS_CONSTANT_JPKGK = 287.053
@@ -63,7 +65,8 @@ def sample_airspeed(
     altitude_m = r.origin_altitude_m + height_enu_m
     density = pressure_pa(altitude_m) / (_GAS_CONSTANT_JPKGK * temperature_k(altitude_m))
     dynamic_pa = 0.5 * density * speed * abs(speed)
-    r.differential_pa = r.span * dynamic_pa + r.zero_pa + r.noise_pa * normals[0]
+    measured_pa = r.span * dynamic_pa + r.zero_pa + r.noise_pa * normals[0]
+    r.differential_pa = said(r, 0, tick, 0, measured_pa, normals)
     indicated = math.sqrt(2.0 * abs(r.differential_pa) / AIR_DENSITY_KGPM3)
     r.indicated_mps = math.copysign(indicated, r.differential_pa)
     r.temperature_degc = temperature_k(altitude_m) - 273.15
@@ -85,8 +88,7 @@ def sense_airspeed(
         sample_airspeed(r, tick, qpos[2], qpos[3:7], air_velocity_enu_mps, qvel[0:3], row)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class AirspeedReading:
+class AirspeedReading(NamedTuple):
     """Differential pressure, and the forward speed through the air that it stands for."""
 
     time_us: int
@@ -106,6 +108,8 @@ AIRSPEED = Sensor(
     n_normals=1,
     stream=12,
     configure=_configure,
+    wrong=(60.0,),  # 10 m/s in still air
+    garbage=(500.0,),
     read=reader(AirspeedReading),
     gauge=("airspeed m/s", lambda reading: reading.indicated_mps),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from autonomy.estimation.fusion import fuse_barometer
 from autonomy.jit import fields, kernel
 from flightsim.environment.atmosphere import pressure_altitude_m, pressure_pa, temperature_k
 from flightsim.sensors.drift import drift_terms
+from flightsim.sensors.failure import is_stuck, said
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 
@@ -36,7 +38,8 @@ def sample_barometer(r: np.record, tick: int, height_enu_m: float, normals: np.n
     """Measure at a true height in the scene."""
     altitude = r.origin_altitude_m + height_enu_m
     r.drift_pa = r.decay * r.drift_pa + r.drift_sigma_pa * normals[1]
-    r.pressure_pa = pressure_pa(altitude) + r.drift_pa + r.noise_pa * normals[0]
+    measured_pa = pressure_pa(altitude) + r.drift_pa + r.noise_pa * normals[0]
+    r.pressure_pa = said(r, 0, tick, 0, measured_pa, normals)
     r.altitude_m = pressure_altitude_m(r.pressure_pa)
     r.temperature_degc = temperature_k(altitude) - 273.15
     r.tick = tick
@@ -50,6 +53,8 @@ def sense_barometer(
     if not is_due(r, tick):
         return
     sample_barometer(r, tick, qpos[2], noise(r, tick, normals))
+    if is_stuck(r, 0, r.pressure_pa):
+        return
     if f.is_aligned == 1:
         fuse_barometer(f, r.altitude_m)
     else:
@@ -57,8 +62,7 @@ def sense_barometer(
         f.n_baro += 1
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class BaroReading:
+class BaroReading(NamedTuple):
     """Static pressure and the altitude above mean sea level that the standard gives it."""
 
     time_us: int
@@ -77,5 +81,7 @@ BAROMETER = Sensor(
     n_normals=2,
     stream=4,
     configure=_configure,
+    wrong=(-120.0,),  # 10 m up
+    garbage=(5e4,),
     read=reader(BaroReading),
 )

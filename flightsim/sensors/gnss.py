@@ -19,7 +19,6 @@ import numpy as np
 from autonomy.estimation.alignment import collect_fix
 from autonomy.estimation.fusion import fuse_gnss
 from autonomy.jit import fields, kernel
-from autonomy.types import Vector3
 from flightsim.environment.constellation import (
     BEIDOU,
     GALILEO,
@@ -29,12 +28,12 @@ from flightsim.environment.constellation import (
 )
 from flightsim.environment.rooms import is_in_room
 from flightsim.sensors.drift import advance_drift, density_of, drift_terms
-from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, numbers
+from flightsim.sensors.failure import is_stuck, said
+from flightsim.sensors.gnss_reading import read_gnss
+from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise
 
 _MULTIPATH_S = 5.0
 """Correlation time of multipath of a receiver that flies past walls."""
-_FLOAT_TYPE = 5
-"""RTK float in MAVLink's GPS_FIX_TYPE."""
 N_GNSS_PAST = 64
 """IMU ticks that the receiver remembers; the longest delay."""
 
@@ -183,10 +182,12 @@ def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
         white = math.hypot(white, r.settling_sigma_m)
         slow = r.dilution[i] * r.drift_enu_m[i] + r.multipath_enu_m[i]
         noise = white * normals[3 + i]
-        r.position_enu_m[i] = r.past_position_enu_m[slot, i] + slow + noise
+        position = r.past_position_enu_m[slot, i] + slow + noise
+        r.position_enu_m[i] = said(r, 0, tick, i, position, normals)
         r.present_velocity_sigma_mps[i] = r.dilution[i] * r.velocity_sigma_mps[i]
         noise = r.present_velocity_sigma_mps[i] * normals[6 + i]
-        r.velocity_enu_mps[i] = r.past_velocity_enu_mps[slot, i] + noise
+        velocity = r.past_velocity_enu_mps[slot, i] + noise
+        r.velocity_enu_mps[i] = said(r, 0, tick, 3 + i, velocity, normals)
         # What fixes share counts more: multipath by its time, drift beyond what the filter expects.
         shared = r.multipath_samples * r.multipath_now_sigma_m[i] ** 2
         beyond = (r.dilution[i] * r.dilution[i] - 1.0) * r.drift_sigma_m[0 if i < 2 else 1] ** 2
@@ -213,6 +214,8 @@ def sense_gnss(
     drawn = noise(r, tick, normals)
     suffer_sky(r, sky, drawn)
     sample_gnss(r, tick, drawn)
+    if is_stuck(r, 0, r.position_enu_m[0]):
+        return
     if f.is_aligned == 1:
         fuse_gnss(
             f,
@@ -224,49 +227,6 @@ def sense_gnss(
         )
     else:
         collect_fix(f, r.position_enu_m, r.present_sigma_m)
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class GnssReading:
-    """Latest fix; `time_us` is the time for which it is valid, 0 before the first."""
-
-    time_us: int
-    position_enu_m: Vector3
-    velocity_enu_mps: Vector3
-    fix_type: int
-    """MAVLink's GPS_FIX_TYPE; 0 or 1 before the first fix or without signal."""
-    eph_m: float
-    epv_m: float
-    n_satellites: int
-
-
-_numbers = numbers(
-    *("tick", "position_enu_m", "velocity_enu_mps", "fix_type"),
-    *("reported_accuracy_m", "settling_sigma_m", "dilution", "multipath_now_sigma_m"),
-    *("is_float", "float_sigma_m", "n_heard"),
-    *("is_enabled", "under_sky_ticks", "reacquire_ticks"),
-)
-
-
-def _read(r: np.void, tick_us: int) -> GnssReading:
-    tick, position, velocity, fix_type, accuracy, settling, *rest = _numbers(r)
-    dilution, multipath, is_float, float_sigma, n_heard, *heard = rest
-    is_enabled, under_sky_ticks, reacquire_ticks = heard
-    ambiguous = is_float * float_sigma
-    eph_m, epv_m = (
-        math.hypot(math.hypot(accuracy[k], ambiguous) * dilution[2 * k], multipath[2 * k], settling)
-        for k in (0, 1)
-    )
-    is_fixed = is_enabled == 1 and under_sky_ticks >= reacquire_ticks and tick >= 0
-    return GnssReading(
-        time_us=max(0, tick) * tick_us,
-        position_enu_m=position,
-        velocity_enu_mps=velocity,
-        fix_type=(_FLOAT_TYPE if is_float else fix_type) if is_fixed else 1,
-        eph_m=eph_m if is_fixed else math.inf,
-        epv_m=epv_m if is_fixed else math.inf,
-        n_satellites=n_heard if is_fixed else 0,
-    )
 
 
 GNSS = Sensor(
@@ -294,5 +254,7 @@ GNSS = Sensor(
     stream=3,
     start_stream=1,
     configure=_configure,
-    read=_read,
+    wrong=(30.0, 20.0, 10.0),
+    garbage=(1e3, 1e3, 1e3, 20.0, 20.0, 20.0),
+    read=read_gnss,
 )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from autonomy.rotation import (
 )
 from autonomy.types import Vector3
 from flightsim.sensors.drift import advance_drift, drift_terms
+from flightsim.sensors.failure import is_heard, is_stuck, said
 from flightsim.sensors.sensor import Sensor, SensorStart, noise, reader
 
 
@@ -68,6 +70,8 @@ PX4_IMU = ImuCfg(
 """Sensor of PX4's gazebo-classic vehicles today: noisier, and calibrated."""
 
 IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
+ACCELEROMETER, GYROSCOPE = 0, 1
+"""Parts that can fail alone."""
 
 
 def _configure(r: np.void, cfg: ImuCfg, start: SensorStart) -> None:
@@ -136,11 +140,18 @@ def sense_imu(
     normals: np.ndarray,
 ) -> None:
     """Measure, and let the filter predict by it."""
-    sample_imu(r, qpos[3:7], qvel[0:3], noise(r, tick, normals))
+    drawn = noise(r, tick, normals)
+    sample_imu(r, qpos[3:7], qvel[0:3], drawn)
     for i in range(3):
-        r.accel_flu_mps2[i] += vibration.accel_flu_mps2[i]
-        r.gyro_flu_radps[i] += vibration.gyro_flu_radps[i]
-    r.tick = tick
+        accel = r.accel_flu_mps2[i] + vibration.accel_flu_mps2[i]
+        gyro = r.gyro_flu_radps[i] + vibration.gyro_flu_radps[i]
+        r.accel_flu_mps2[i] = said(r, ACCELEROMETER, tick, i, accel, drawn)
+        r.gyro_flu_radps[i] = said(r, GYROSCOPE, tick, 3 + i, gyro, drawn)
+    if is_heard(r, ACCELEROMETER, tick) and is_heard(r, GYROSCOPE, tick):
+        r.tick = tick
+    # There is no other one to go by: the filter goes on with what it says.
+    is_stuck(r, ACCELEROMETER, r.accel_flu_mps2[0])
+    is_stuck(r, GYROSCOPE, r.gyro_flu_radps[0])
     if f.is_aligned == 1:
         predict(f, r.accel_flu_mps2, r.gyro_flu_radps)
         fuse_drag(f, r.accel_flu_mps2, rotor_speed_radps)
@@ -148,8 +159,7 @@ def sense_imu(
         collect_imu(f, r.accel_flu_mps2, r.gyro_flu_radps)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ImuReading:
+class ImuReading(NamedTuple):
     """Mean specific force and angular rate of the last IMU interval."""
 
     time_us: int
@@ -173,5 +183,7 @@ IMU = Sensor(
     stream=2,
     start_stream=0,
     configure=_configure,
+    wrong=(2.0, 2.0, 0.0, 0.2, 0.2, 0.2),
+    garbage=(200.0, 200.0, 200.0, 80.0, 80.0, 80.0),
     read=reader(ImuReading),
 )

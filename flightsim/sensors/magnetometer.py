@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from autonomy.rotation import matrix_from_quat
 from autonomy.types import Vector3
 from flightsim.environment.steel import disturb
 from flightsim.sensors.drift import advance_drift, drift_terms
+from flightsim.sensors.failure import is_stuck, said
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 
@@ -60,13 +62,14 @@ def sample_magnetometer(
     field[:] = r.field_enu_ut
     disturb(steel, qpos[0:3], r.field_enu_ut, field)
     cubes = 0.0
-    for k in range(4):
+    for k in range(len(rotor_speed_radps)):
         cubes += abs(rotor_speed_radps[k]) ** 3
     advance_drift(r.drift_flu_ut, r.decay, r.drift_sigma_ut, normals, 3)
     for i in range(3):
         true = R[0, i] * field[0] + R[1, i] * field[1] + R[2, i] * field[2]
         motors = cubes * r.motor_flu_ut_s3[i]
-        r.field_flu_ut[i] = true + motors + r.drift_flu_ut[i] + r.noise_ut * normals[i]
+        measured = true + motors + r.drift_flu_ut[i] + r.noise_ut * normals[i]
+        r.field_flu_ut[i] = said(r, 0, tick, i, measured, normals)
     r.tick = tick
 
 
@@ -84,6 +87,8 @@ def sense_magnetometer(
     if not is_due(r, tick):
         return
     sample_magnetometer(r, tick, qpos, rotor_speed_radps, steel, noise(r, tick, normals))
+    if is_stuck(r, 0, r.field_flu_ut[0]):
+        return
     if f.is_aligned == 1:
         fuse_magnetometer(f, r.field_flu_ut)
     else:
@@ -91,8 +96,7 @@ def sense_magnetometer(
         f.n_mag += 1
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MagReading:
+class MagReading(NamedTuple):
     """Magnetic field in body axes."""
 
     time_us: int
@@ -111,5 +115,7 @@ MAGNETOMETER = Sensor(
     n_normals=6,
     stream=5,
     configure=_configure,
+    wrong=(15.0, 15.0, 0.0),  # a magnet beside it
+    garbage=(100.0, 100.0, 100.0),
     read=reader(MagReading),
 )

@@ -9,6 +9,7 @@ import numpy as np
 from autonomy.estimation.motion_capture import fuse_mocap
 from autonomy.jit import fields, kernel
 from autonomy.rotation import yaw_from_quat
+from flightsim.sensors.failure import is_stuck, said
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
 
@@ -39,8 +40,10 @@ def sample_mocap(
 ) -> None:
     """Measure at a true pose; the reading is valid for use after `delay_ticks`."""
     for i in range(3):
-        r.position_enu_m[i] = position_enu_m[i] + r.position_noise_m * normals[i]
-    r.yaw_rad = yaw_from_quat(quat_wxyz) + r.yaw_noise_rad * normals[3]
+        measured = position_enu_m[i] + r.position_noise_m * normals[i]
+        r.position_enu_m[i] = said(r, 0, tick, i, measured, normals)
+    yaw = yaw_from_quat(quat_wxyz) + r.yaw_noise_rad * normals[3]
+    r.yaw_rad = said(r, 0, tick, 3, yaw, normals)
     r.tick = tick
 
 
@@ -49,7 +52,8 @@ def sense_mocap(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
     """Fuse the pose that arrives at this tick, then take the next one."""
-    if has_arrived(r, tick) and f.is_aligned == 1:
+    has_come = has_arrived(r, tick) and not is_stuck(r, 0, r.position_enu_m[0])
+    if has_come and f.is_aligned == 1:
         fuse_mocap(f, r.position_enu_m, r.yaw_rad, r.delay_ticks)
     if is_due(r, tick):
         sample_mocap(r, tick, qpos[0:3], qpos[3:7], noise(r, tick, normals))
@@ -66,4 +70,6 @@ MOCAP = Sensor(
     n_normals=4,
     stream=8,
     configure=_configure,
+    wrong=(2.0, 2.0, 1.0, 0.5),
+    garbage=(20.0, 20.0, 20.0, 2.0),
 )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from autonomy.jit import fields, kernel
+from flightsim.sensors.failure import said
 from flightsim.sensors.sensor import Sensor, SensorStart
 
 
@@ -41,12 +42,12 @@ def aim_ray(r: np.record, position_enu_m: np.ndarray, q: np.ndarray) -> None:
 def sample_rangefinder(r: np.record, tick: int, distance_m: float, normals: np.ndarray) -> None:
     """Measure a true distance along the ray, negative if it meets nothing."""
     r.tick = tick
-    if distance_m < 0.0 or distance_m > r.max_range_m:
-        r.range_m = math.inf
-        return
     relative = r.relative_noise * distance_m
     sigma = math.sqrt(r.noise_m * r.noise_m + relative * relative)
-    r.range_m = max(0.0, distance_m + sigma * normals[0])
+    measured_m = distance_m + sigma * normals[0]
+    if distance_m < 0.0 or distance_m > r.max_range_m:
+        measured_m = math.inf
+    r.range_m = max(0.0, said(r, 0, tick, 0, measured_m, normals))
 
 
 RANGEFINDER = Sensor(
@@ -60,6 +61,8 @@ RANGEFINDER = Sensor(
     n_normals=1,
     stream=6,
     configure=_configure,
+    wrong=(2.0,),
+    garbage=(15.0,),
     read=lambda r, _: float(r["range_m"]),
     gauge=("range m", lambda range_m: range_m),
 )

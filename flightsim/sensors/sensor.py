@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from operator import itemgetter
 from typing import Any
 
@@ -18,6 +18,7 @@ import numpy as np
 from autonomy.jit import kernel
 from autonomy.types import LEVEL, ZERO3, Quaternion, Vector3
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
+from flightsim.sensors.failure import FAILURE_FIELDS, LATE_S, N_CHANNELS, N_KEPT, is_heard
 
 _CODES = {"f8": "d", "i8": "q"}
 """Numbers of a record in the terms of `struct`."""
@@ -28,6 +29,7 @@ _CLOCK_FIELDS = (
     ("is_enabled", "i8"),
     ("first_normal", "i8"),  # of its block among the plant's normals
     ("n_normals", "i8"),  # that a sample takes
+    *FAILURE_FIELDS,
 )
 
 
@@ -71,6 +73,10 @@ class Sensor:
     """Latest sample, from the record and the length of a control tick in us; see `reader`."""
     grades: Mapping[str, Any] | None = None
     """Configurations by name, where the setting is a name."""
+    wrong: Sequence[float] = ()
+    """What a failure adds to each number of a sample, see `flightsim.sensors.failure`."""
+    garbage: Sequence[float] = ()
+    """Standard deviation of each number that is garbage."""
     gauge: tuple[str, Callable[[Any], float]] | None = None
     """Legend and value that a recording plots of a reading."""
 
@@ -101,6 +107,9 @@ class Sensor:
         r["n_normals"] = self.n_normals
         r["is_enabled"] = 1
         r["tick"] = -1
+        r["n_late"] = min(round(LATE_S * r["rate_hz"]), N_KEPT - 1)
+        for name, numbers in (("wrong", self.wrong), ("garbage", self.garbage)):
+            r[name] = (*numbers, *(0.0,) * (N_CHANNELS - len(numbers)))
         self.configure(r, cfg, start)
         return records
 
@@ -108,7 +117,7 @@ class Sensor:
 @kernel
 def is_due(r: np.record, tick: int) -> bool:
     """Whether a sensor measures at this tick."""
-    return r.is_enabled == 1 and tick % r.period_ticks == 0
+    return r.is_enabled == 1 and tick % r.period_ticks == 0 and is_heard(r, 0, tick)
 
 
 @kernel
@@ -125,13 +134,14 @@ def noise(r: np.record, tick: int, normals: np.ndarray) -> np.ndarray:
 
 
 def reader(reading: Any) -> Callable[[np.void, int], Any]:
-    """Reads a dataclass of `time_us` and of fields that the record has too."""
-    names = tuple(f.name for f in fields(reading) if f.name != "time_us")
+    """Reads a named tuple of `time_us`, which comes first, and of fields that the record has."""
+    first, *names = reading._fields
+    assert first == "time_us", f"{reading.__name__} begins with {first}"
     read_numbers = numbers("tick", *names)
 
     def read(r: np.void, tick_us: int) -> Any:
         tick, *values = read_numbers(r)
-        return reading(time_us=max(0, tick) * tick_us, **dict(zip(names, values, strict=True)))
+        return reading(max(0, tick) * tick_us, *values)
 
     return read
 

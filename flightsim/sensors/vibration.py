@@ -25,9 +25,9 @@ import math
 import numpy as np
 
 from autonomy.jit import fields, kernel
+from autonomy.model.quadrotor import MAX_ROTORS
 from flightsim.vehicles.airframe import Airframe
 
-_IMBALANCE_KGM = 1.2e-6
 _RIPPLE = 0.05
 _N_BLADES = 2
 _LEAST_TURN_RAD = 0.05
@@ -37,8 +37,9 @@ VIBRATION_DTYPE = np.dtype(
     [
         ("is_on", "i8"),
         *fields("dt_s", "mass_kg"),
-        *fields("angle_rad", "sine", "cosine", "imbalance_kgm", "ripple_n", shape=(4,)),
-        ("hub_flu_m", "f8", (4, 3)),
+        ("n_rotors", "i8"),
+        *fields("angle_rad", "sine", "cosine", "imbalance_kgm", "ripple_n", shape=(MAX_ROTORS,)),
+        ("hub_flu_m", "f8", (MAX_ROTORS, 3)),
         *fields("inertia_flu_kgm2", "accel_flu_mps2", "gyro_flu_radps", shape=(3,)),
     ],
     align=True,
@@ -59,13 +60,14 @@ def new_vibration(
     records = np.zeros(1, VIBRATION_DTYPE)
     v = records[0]
     quadrotor = airframe.quadrotor
-    parts = rng.standard_normal((4, 2))
-    v["is_on"], v["dt_s"], v["mass_kg"] = is_on, dt_s, quadrotor.mass_kg
-    v["imbalance_kgm"] = _IMBALANCE_KGM * np.hypot(*parts.T) / math.sqrt(2.0)
-    v["angle_rad"] = np.arctan2(*parts.T)
+    n = len(quadrotor.rotors)
+    parts = rng.standard_normal((n, 2))
+    v["is_on"], v["dt_s"], v["mass_kg"], v["n_rotors"] = is_on, dt_s, quadrotor.mass_kg, n
+    v["imbalance_kgm"][:n] = airframe.rotor_imbalance_kgm * np.hypot(*parts.T) / math.sqrt(2.0)
+    v["angle_rad"][:n] = np.arctan2(*parts.T)
     v["sine"], v["cosine"] = np.sin(v["angle_rad"]), np.cos(v["angle_rad"])
-    v["ripple_n"] = [_RIPPLE * rotor.thrust_constant for rotor in quadrotor.rotors]
-    v["hub_flu_m"] = [rotor.position_flu_m for rotor in quadrotor.rotors]
+    v["ripple_n"][:n] = [_RIPPLE * rotor.thrust_constant for rotor in quadrotor.rotors]
+    v["hub_flu_m"][:n] = [rotor.position_flu_m for rotor in quadrotor.rotors]
     v["inertia_flu_kgm2"] = quadrotor.inertia_flu_kgm2
     return records
 
@@ -78,7 +80,7 @@ def shake(v: np.record, rotor_speed_radps: np.ndarray) -> None:
     gyro[:] = 0.0
     if v.is_on == 0:
         return
-    for i in range(4):
+    for i in range(v.n_rotors):
         turn = rotor_speed_radps[i] * v.dt_s
         if abs(turn) >= _LEAST_TURN_RAD:
             _add_rotor(v, i, rotor_speed_radps[i], turn)

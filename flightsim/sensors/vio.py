@@ -22,6 +22,7 @@ import numpy as np
 from autonomy.estimation.odometry import fuse_vio
 from autonomy.jit import fields, kernel
 from autonomy.rotation import yaw_from_quat
+from flightsim.sensors.failure import is_stuck, said
 from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
 
 
@@ -66,16 +67,18 @@ def sample_vio(
     r.frame_yaw_rad += r.yaw_walk * root * normals[3]
     for i in range(3):
         last[i] = now[i]
-        r.position_vio_m[i] = m[i] + r.position_noise_m * normals[4 + i]
+        measured = m[i] + r.position_noise_m * normals[4 + i]
+        r.position_vio_m[i] = said(r, 0, tick, i, measured, normals)
     yaw = yaw_from_quat(quat_wxyz) - r.frame_yaw_rad
-    r.yaw_vio_rad = yaw + r.yaw_noise_rad * normals[7]
+    r.yaw_vio_rad = said(r, 0, tick, 3, yaw + r.yaw_noise_rad * normals[7], normals)
     r.tick = tick
 
 
 @kernel
 def sense_vio(r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray) -> None:
     """Fuse the pose that arrives at this tick, then take the next one."""
-    if has_arrived(r, tick) and f.is_aligned == 1:
+    has_come = has_arrived(r, tick) and not is_stuck(r, 0, r.position_vio_m[0])
+    if has_come and f.is_aligned == 1:
         fuse_vio(f, r.position_vio_m, r.yaw_vio_rad, r.delay_ticks)
     if is_due(r, tick):
         sample_vio(r, tick, qpos[0:3], qpos[3:7], noise(r, tick, normals))
@@ -93,4 +96,6 @@ VIO = Sensor(
     n_normals=8,
     stream=7,
     configure=_configure,
+    wrong=(5.0, 5.0, 2.0, 0.5),
+    garbage=(50.0, 50.0, 50.0, 2.0),
 )

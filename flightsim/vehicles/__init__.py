@@ -1,13 +1,20 @@
 """Airframes, their rotor model and their battery."""
 
-from flightsim.vehicles.airframe import Airframe, BatteryParams, CameraMount
-from flightsim.vehicles.catalogue import AIRFRAMES, AirframeError, airframe_by_name
+from flightsim.vehicles.airframe import (
+    Airframe,
+    AirframeError,
+    BatteryParams,
+    BodyMesh,
+    CameraMount,
+)
+from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
 
 __all__ = [
     "AIRFRAMES",
     "Airframe",
     "AirframeError",
     "BatteryParams",
+    "BodyMesh",
     "CameraMount",
     "airframe_by_name",
 ]

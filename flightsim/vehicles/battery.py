@@ -35,13 +35,13 @@ def cell_voltage_v(state_of_charge: float) -> float:
 
 def watts_per_cubed_speed(params: BatteryParams) -> float:
     """Electrical power of the motors over the sum of their cubed speeds."""
-    return params.hover_power_w / (4 * params.hover_rotor_speed_radps**3)
+    return params.hover_power_w / (params.n_rotors * params.hover_rotor_speed_radps**3)
 
 
 def amperes_per_cubed_speed(params: BatteryParams) -> float:
     """Current of the motors at the nominal voltage over the sum of their cubed speeds."""
     nominal_v = _NOMINAL_CELL_V * params.cells
-    return params.hover_power_w / nominal_v / (4 * params.hover_rotor_speed_radps**3)
+    return params.hover_power_w / nominal_v / (params.n_rotors * params.hover_rotor_speed_radps**3)
 
 
 class Battery:
@@ -71,15 +71,15 @@ class Battery:
         return max(0.0, (self._initial_c - self._used_c) / self._capacity_c)
 
     def step(self, rotor_speeds_radps: Sequence[float], dt_s: float) -> None:
-        """Draw the power of four rotors at these speeds and of the avionics for `dt_s`.
+        """Draw the power of the rotors at these speeds and of the avionics for `dt_s`.
 
         An empty pack delivers nothing: voltage stays, the motors stop elsewhere for lack of charge.
         A load beyond the pack's greatest power, E^2 / 4R, gets that power.
         """
-        a, b, c, d = rotor_speeds_radps
-        power_w = self.params.avionics_power_w + self._watts_per_speed_cubed * (
-            abs(a * a * a) + abs(b * b * b) + abs(c * c * c) + abs(d * d * d)
-        )
+        cubes = 0.0
+        for speed in rotor_speeds_radps:
+            cubes += abs(speed * speed * speed)
+        power_w = self.params.avionics_power_w + self._watts_per_speed_cubed * cubes
         open_v = self.params.cells * cell_voltage_v(self.remaining)
         discriminant = open_v * open_v - 4.0 * self.params.internal_resistance_ohm * power_w
         self.voltage_v = (open_v + math.sqrt(max(0.0, discriminant))) / 2.0

@@ -12,9 +12,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from autonomy.model import RotorParams
 from autonomy.types import Vector3, quat_about_up
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.vehicles.airframe import Airframe, CameraMount
+from flightsim.vehicles.airframe import Airframe, BodyMesh, CameraMount
 
 VEHICLE_BODY = "vehicle"
 
@@ -23,10 +24,9 @@ _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 _CYLINDER = mujoco.mjtGeom.mjGEOM_CYLINDER
 _ELLIPSOID = mujoco.mjtGeom.mjGEOM_ELLIPSOID
 
-_DISC_HALF_THICKNESS_M = 0.005
-LEG_RADIUS_M = 0.009
-ARM_RADIUS_M = 0.010
-MOTOR_RADIUS_M = 0.018
+_MOST_DISC_HALF_THICKNESS_M = 0.005
+_FRONT_SHARE = 0.4
+"""A rotor ahead of the centre by more than this share of its radius has the colour of the front."""
 
 # Contact of the vehicle with anything, chosen by dropping it from 0.3 m on slopes of 0 to 8 degrees
 # (tests/flightsim/vehicles/test_builder.py): overdamped legs rebound at 5 % of the impact's speed,
@@ -77,9 +77,13 @@ def add_vehicle(
     )
     body.add_freejoint(name=VEHICLE_BODY)
     _add_collision_shape(body, airframe)
-    _add_fuselage_looks(body, airframe)
+    if airframe.mesh is None:
+        _add_fuselage_looks(body, airframe)
+    else:
+        _add_mesh(spec, body, airframe.mesh)
+    _add_gear_looks(body, airframe)
     for rotor in airframe.quadrotor.rotors:
-        _add_rotor_looks(body, airframe, rotor.position_flu_m, rotor.spin)
+        _add_rotor_looks(body, airframe, rotor)
     for mount in airframe.cameras:
         body.add_camera(
             name=mount.name,
@@ -99,39 +103,57 @@ def camera_quat_wxyz(mount: CameraMount) -> tuple[float, float, float, float]:
     return (w, x, y, z)
 
 
-def sole_positions_flu_m(airframe: Airframe) -> tuple[Vector3, ...]:
-    """Contact points of the four legs on level ground, in the body frame."""
-    soles = []
-    for rotor in airframe.quadrotor.rotors:
-        x, y, _ = rotor.position_flu_m
-        scale = airframe.leg_spread_m / math.hypot(x, y)
-        soles.append((x * scale, y * scale, -airframe.leg_length_m))
-    return tuple(soles)
-
-
 def leg_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
-    """Ends of each leg's axis in the body frame: at the arm, and one leg radius above the sole."""
+    """Ends of each leg's axis in the body frame: at the body, and one leg radius above the sole."""
     return [
-        ((0.7 * x, 0.7 * y, 0.0), (x, y, z + LEG_RADIUS_M))
-        for x, y, z in sole_positions_flu_m(airframe)
+        ((0.7 * x, 0.7 * y, 0.0), (x, y, z + airframe.leg_radius_m))
+        for x, y, z in airframe.soles_flu_m
     ]
+
+
+def skid_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
+    """Ends of the axis of each skid in the body frame, if it has skids."""
+    if not airframe.has_skids:
+        return []
+    a, b, c, d = (foot for _, foot in leg_axes_flu_m(airframe))
+    return [(a, b), (c, d)]
 
 
 def _add_collision_shape(body: Any, airframe: Airframe) -> None:
     length, width, height = airframe.body_size_m
     body.add_geom(name="fuselage", type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
-    for i, (rotor, leg) in enumerate(
-        zip(airframe.quadrotor.rotors, leg_axes_flu_m(airframe), strict=True)
-    ):
+    legs = leg_axes_flu_m(airframe)
+    for i, rotor in enumerate(airframe.quadrotor.rotors):
         hub = rotor.position_flu_m
-        disc = (airframe.rotor_radius_m, _DISC_HALF_THICKNESS_M, 0.0)
-        body.add_geom(name=f"disc{i}", type=_CYLINDER, pos=hub, size=disc, **_CONTACT)
-        for name, ends, radius_m in (
-            (f"arm{i}", (0.0, 0.0, 0.0, hub[0], hub[1], 0.0), ARM_RADIUS_M),
-            (f"leg{i}", (*leg[0], *leg[1]), LEG_RADIUS_M),
-        ):
-            size = (radius_m, 0.0, 0.0)
-            body.add_geom(name=name, type=_CAPSULE, fromto=ends, size=size, **_CONTACT)
+        disc = (airframe.rotor_radius_m, _disc_half_thickness_m(airframe), 0.0)
+        turn = _tilt(rotor.axis_flu)
+        body.add_geom(name=f"disc{i}", type=_CYLINDER, pos=hub, size=disc, quat=turn, **_CONTACT)
+        _add_bar(body, f"arm{i}", (0.0, 0.0, 0.0), (hub[0], hub[1], 0.0), airframe.arm_radius_m)
+        if i < len(legs):
+            _add_bar(body, f"leg{i}", *legs[i], airframe.leg_radius_m)
+    for i in range(len(airframe.quadrotor.rotors), len(legs)):
+        _add_bar(body, f"leg{i}", *legs[i], airframe.leg_radius_m)
+    for i, ends in enumerate(skid_axes_flu_m(airframe)):
+        _add_bar(body, f"skid{i}", *ends, airframe.leg_radius_m)
+
+
+def _add_bar(
+    body: Any, name: str, start_flu_m: Vector3, end_flu_m: Vector3, radius_m: float
+) -> None:
+    ends, size = (*start_flu_m, *end_flu_m), (radius_m, 0.0, 0.0)
+    body.add_geom(name=name, type=_CAPSULE, fromto=ends, size=size, **_CONTACT)
+
+
+def _disc_half_thickness_m(airframe: Airframe) -> float:
+    return min(_MOST_DISC_HALF_THICKNESS_M, 0.05 * airframe.rotor_radius_m)
+
+
+def _tilt(axis_flu: Vector3) -> tuple[float, float, float, float]:
+    """Rotation wxyz by the shortest way from body z to an axis."""
+    quat = np.empty(4)
+    mujoco.mju_quatZ2Vec(quat, np.array(axis_flu))
+    w, x, y, z = quat.tolist()
+    return (w, x, y, z)
 
 
 def _add_fuselage_looks(body: Any, airframe: Airframe) -> None:
@@ -142,26 +164,55 @@ def _add_fuselage_looks(body: Any, airframe: Airframe) -> None:
     _show(body, _BOX, (0.32 * x, 0.3 * y, 0.16 * z), _METAL, (-0.08 * x, 0.0, -0.36 * z))
     # The mast and puck of the GNSS antenna.
     _show(body, _CYLINDER, (0.22 * y, 0.09 * z, 0.0), _CARBON, (-0.25 * x, 0.0, 0.85 * z))
-    for mount in airframe.cameras:
-        _show(body, _ELLIPSOID, (0.014, 0.014, 0.014), _LENS, mount.position_flu_m)
-    for ends in leg_axes_flu_m(airframe):
-        _show_tube(body, *ends, LEG_RADIUS_M, _CARBON)
 
 
-def _add_rotor_looks(body: Any, airframe: Airframe, hub_flu_m: Vector3, spin: int) -> None:
-    x, y, z = hub_flu_m
-    is_front = x > 0.05
-    radius = airframe.rotor_radius_m
+def _add_rotor_looks(body: Any, airframe: Airframe, rotor: RotorParams) -> None:
+    x, y, z = rotor.position_flu_m
+    is_front = x > _FRONT_SHARE * airframe.rotor_radius_m
+    radius, arm_m = airframe.rotor_radius_m, airframe.arm_radius_m
     arm_rgba = _FRONT if is_front else _SHELL
-    _show_tube(body, (0.0, 0.0, 0.0), (x, y, 0.0), ARM_RADIUS_M, arm_rgba)
+    _show_tube(body, (0.0, 0.0, 0.0), (x, y, 0.0), arm_m, arm_rgba)
     # The motor ends just below the disc.
-    motor_half_m = (z + 0.012) / 2
-    middle_flu_m = (x, y, z - motor_half_m - 0.002)
-    _show(body, _CYLINDER, (MOTOR_RADIUS_M, motor_half_m, 0.0), _METAL, middle_flu_m)
-    blades = quat_about_up(math.atan2(y, x) + spin * math.radians(50.0))
-    _show(body, _BOX, (0.97 * radius, 0.010, 0.0015), _CARBON, hub_flu_m, quat=blades)
+    motor_half_m = max((z + 1.2 * arm_m) / 2, 0.5 * arm_m)
+    middle_flu_m = (x, y, z - motor_half_m - 0.2 * arm_m)
+    _show(body, _CYLINDER, (airframe.motor_radius_m, motor_half_m, 0.0), _METAL, middle_flu_m)
+    turn, blades = _tilt(rotor.axis_flu), np.empty(4)
+    mujoco.mju_mulQuat(
+        blades,
+        np.array(turn),
+        np.array(quat_about_up(math.atan2(y, x) + rotor.spin * math.radians(50.0))),
+    )
+    size_m = (0.97 * radius, arm_m, 0.15 * arm_m)
+    _show(body, _BOX, size_m, _CARBON, rotor.position_flu_m, quat=blades)
     disc_rgba = _DISC_FRONT if is_front else _DISC_REAR
-    _show(body, _CYLINDER, (radius, 0.003, 0.0), disc_rgba, hub_flu_m)
+    disc_m = (radius, 0.3 * arm_m, 0.0)
+    _show(body, _CYLINDER, disc_m, disc_rgba, rotor.position_flu_m, quat=turn)
+
+
+def _add_mesh(spec: mujoco.MjSpec, body: Any, mesh: BodyMesh) -> None:
+    # Only its surface is looked at: it need not be closed, and its mass is not asked for.
+    spec.add_mesh(
+        name=VEHICLE_BODY,
+        file=mesh.path,
+        scale=(mesh.scale, mesh.scale, mesh.scale),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname=VEHICLE_BODY,
+        pos=mesh.position_flu_m,
+        rgba=_SHELL,
+        **_LOOKS,
+    )
+
+
+def _add_gear_looks(body: Any, airframe: Airframe) -> None:
+    """Add the lenses, the legs and the skids."""
+    lens_m = 1.4 * airframe.arm_radius_m
+    for mount in airframe.cameras:
+        _show(body, _ELLIPSOID, (lens_m, lens_m, lens_m), _LENS, mount.position_flu_m)
+    for ends in (*leg_axes_flu_m(airframe), *skid_axes_flu_m(airframe)):
+        _show_tube(body, *ends, airframe.leg_radius_m, _CARBON)
 
 
 def _show(

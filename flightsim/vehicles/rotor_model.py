@@ -3,14 +3,14 @@
     symbol   name                                                unit
     w        rotor speed, negative backwards                     rad/s
     v        hub velocity relative to the air, FLU               m/s
-    v_perp   its part across the rotor axis (body x, y)          m/s
+    v_perp   its part across the rotor's axis, and v_z along it  m/s
     v_i      induced velocity, v_h in hover, kappa w             m/s
     q        (pitch of the blades) - kappa                       m/rad
     u        v_z / (3/4 R): speed along the axis as a rotation   rad/s
 
-    thrust           kf sqrt(w^2 + u^2) (w - (v_z + v_i - v_h) / q) along body z
+    thrust           kf sqrt(w^2 + u^2) (w - (v_z + v_i - v_h) / q) along the rotor's axis
     drag             -|w| k_drag v_perp, at the hub
-    reaction torque  -spin c thrust about body z
+    reaction torque  -spin c thrust about the axis
     rolling moment   -|w| k_roll v_perp
     lag              first order on w, faster up than down
     coasting         J w' = -kappa thrust - kf (c - kappa) w |w| -+ friction, without power
@@ -33,7 +33,7 @@ import numpy as np
 
 from autonomy.estimation import DragModel
 from autonomy.jit import fields, kernel
-from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
+from autonomy.model.quadrotor import MAX_ROTORS
 from autonomy.rotation import matrix_from_quat
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
 from flightsim.environment.effects import ALL_EFFECTS, Effects
@@ -47,27 +47,28 @@ _COEFFICIENTS = (
 )
 """Fields of `RotorParams` that the record has too."""
 
-# Bearings and cogging of a motor of 900 turns a minute and volt: 0.2 A of its no-load current.
-_FRICTION_NM = 2e-3
 _REPRESENTATIVE_RADIUS = 0.75
 
 ROTORS_DTYPE = np.dtype(
     [
-        ("effectiveness", "f8", 4),  # 1 sound, 0 failed
-        *fields("share_up", "share_down", shape=(4,)),  # of the way to the command in one step
-        *fields("speed_radps", "spin", *_COEFFICIENTS, shape=(4,)),
+        ("n_rotors", "i8"),
+        ("effectiveness", "f8", MAX_ROTORS),  # 1 sound, 0 without a blade
+        ("command_share", "f8", MAX_ROTORS),  # of its command at which a motor turns: 0 failed
+        ("stuck_radps", "f8", MAX_ROTORS),  # speed of a motor that is stuck, 0 of any other
+        *fields("share_up", "share_down", shape=(MAX_ROTORS,)),  # of the way in one step
+        *fields("speed_radps", "spin", *_COEFFICIENTS, shape=(MAX_ROTORS,)),
         *fields("has_inflow", "can_coast", kind="i8"),
         ("axial_limit_mps", "f8"),  # of PX4's model
         ("rad_per_m", "f8"),  # 1 / q, of inflow
         ("blade_rad_per_m", "f8"),  # 1 / (3/4 R)
-        ("induced_m", "f8", 4),  # kappa
+        ("induced_m", "f8", MAX_ROTORS),  # kappa
         *fields("dt_per_inertia", "friction_radps"),  # of a rotor that coasts; a step of friction
-        *fields("ground_share", "ceiling_ratio", shape=(4,)),  # see flightsim.vehicles.air
+        *fields("ground_share", "ceiling_ratio", shape=(MAX_ROTORS,)),  # see flightsim.vehicles.air
         *fields("radius_m", "neighbour_m", "opposite_m"),
         ("frame_drag", "f8", 3),  # rho / 2 CdA, kg/m
         *fields("wind_enu_mps", "air_velocity_flu_mps", shape=(3,)),
         *fields("force_flu_n", "torque_flu_nm", shape=(3,)),
-        ("position_flu_m", "f8", (4, 3)),
+        *fields("position_flu_m", "axis_flu", shape=(MAX_ROTORS, 3)),
         ("R", "f8", (3, 3)),
     ],
     align=True,
@@ -93,31 +94,26 @@ def new_rotors(
     records = np.zeros(1, ROTORS_DTYPE)
     r = records[0]
     rotors = airframe.quadrotor.rotors
-    r["effectiveness"] = 1.0
-    for name in ("position_flu_m", "spin", *_COEFFICIENTS):
-        r[name] = [getattr(rotor, name) for rotor in rotors]
-    r["share_up"] = [1.0 - math.exp(-dt_s / rotor.time_constant_up_s) for rotor in rotors]
-    r["share_down"] = [1.0 - math.exp(-dt_s / rotor.time_constant_down_s) for rotor in rotors]
+    n = r["n_rotors"] = len(rotors)
+    r["effectiveness"] = r["command_share"] = 1.0
+    for name in ("position_flu_m", "axis_flu", "spin", *_COEFFICIENTS):
+        r[name][:n] = [getattr(rotor, name) for rotor in rotors]
+    r["share_up"][:n] = [1.0 - math.exp(-dt_s / rotor.time_constant_up_s) for rotor in rotors]
+    r["share_down"][:n] = [1.0 - math.exp(-dt_s / rotor.time_constant_down_s) for rotor in rotors]
     r["axial_limit_mps"] = axial_limit_mps
     r["has_inflow"], r["can_coast"] = effects.inflow, effects.windmilling
     # Half of a slow climb is made up by less induced velocity.
-    r["rad_per_m"] = 2.0 * hover_speed_radps(airframe.quadrotor) / axial_limit_mps
+    r["rad_per_m"] = 2.0 * airframe.quadrotor.hover_speed_radps / axial_limit_mps
     r["blade_rad_per_m"] = 1.0 / (_REPRESENTATIVE_RADIUS * airframe.rotor_radius_m)
     disc_m2 = math.pi * airframe.rotor_radius_m**2
     r["induced_m"] = np.sqrt(r["thrust_constant"] / (2.0 * AIR_DENSITY_KGPM3 * disc_m2))
     r["dt_per_inertia"] = dt_s / airframe.rotor_inertia_kgm2
-    r["friction_radps"] = _FRICTION_NM * r["dt_per_inertia"]
+    r["friction_radps"] = airframe.rotor_friction_nm * r["dt_per_inertia"]
     r["ceiling_ratio"] = 1.0
     r["radius_m"] = airframe.rotor_radius_m
-    r["neighbour_m"], r["opposite_m"] = _hub_distances_m(r["position_flu_m"])
+    r["neighbour_m"], r["opposite_m"] = _hub_distances_m(r["position_flu_m"][:n])
     r["frame_drag"] = frame_drag(airframe, has_arms=effects.frame_drag)
     return records
-
-
-def hover_speed_radps(quadrotor: QuadrotorParams) -> float:
-    """Speed at which the rotors carry the weight."""
-    weight_n = quadrotor.mass_kg * GRAVITY_MPS2
-    return math.sqrt(weight_n / sum(rotor.thrust_constant for rotor in quadrotor.rotors))
 
 
 def drag_model(airframe: Airframe, effects: Effects = ALL_EFFECTS) -> DragModel:
@@ -125,19 +121,18 @@ def drag_model(airframe: Airframe, effects: Effects = ALL_EFFECTS) -> DragModel:
     quadrotor = airframe.quadrotor
     mass = quadrotor.mass_kg
     x, y, _ = (frame_drag(airframe, has_arms=effects.frame_drag) / mass).tolist()
-    a, b, c, d = ((r.drag_coefficient / mass, r.thrust_constant / mass) for r in quadrotor.rotors)
     return DragModel(
-        rotor_mps_per_rad=(a[0], b[0], c[0], d[0]),
+        rotor_mps_per_rad=tuple(rotor.drag_coefficient / mass for rotor in quadrotor.rotors),
         fuselage_per_m=(x, y),
-        thrust_m=(a[1], b[1], c[1], d[1]),
+        thrust_m=tuple(rotor.thrust_constant / mass for rotor in quadrotor.rotors),
     )
 
 
 def _hub_distances_m(hubs_flu_m: np.ndarray) -> tuple[float, float]:
-    """Mean distance of a rotor's axis to those of its neighbours, and to the opposite one."""
+    """Mean distance of a rotor's axis to those of the nearest two, and to the farthest one."""
     apart = np.linalg.norm(hubs_flu_m[:, None, :2] - hubs_flu_m[None, :, :2], axis=2)
     ordered = np.sort(apart, axis=1).mean(axis=0)
-    return float(ordered[1:3].mean()), float(ordered[3])
+    return float(ordered[1:3].mean()), float(ordered[-1])
 
 
 @kernel
@@ -153,7 +148,8 @@ def step_rotors(
 
     Args:
         r: Record of the rotors, changed.
-        command_radps: Speed commands (4,), clipped to the rotors' range; 0 is no power.
+        command_radps: Speed commands (n,), clipped to the rotors' range; 0 is no power, which
+            stops also a motor that is stuck.
         quat_wxyz: True attitude.
         velocity_enu_mps: True velocity of the centre of mass.
         rate_flu_radps: True body rates.
@@ -168,10 +164,13 @@ def step_rotors(
         v[i] = R[0, i] * vx + R[1, i] * vy + R[2, i] * vz
         r.force_flu_n[i] = -r.frame_drag[i] * abs(v[i]) * v[i]
         r.torque_flu_nm[i] = 0.0
-    for i in range(4):
-        is_coasting = r.can_coast == 1 and not command_radps[i] > 0.0
+    for i in range(r.n_rotors):
+        command = command_radps[i]
+        if command > 0.0:
+            command = command * r.command_share[i] + r.stuck_radps[i]
+        is_coasting = r.can_coast == 1 and not command > 0.0
         if not is_coasting:
-            _follow(r, i, command_radps[i])
+            _follow(r, i, command)
         _add_rotor(r, i, rate_flu_radps, is_coasting)
     F, M = r.force_flu_n, r.torque_flu_nm
     for i in range(3):
@@ -195,22 +194,29 @@ def _add_rotor(r: np.record, i: int, rate: np.ndarray, is_coasting: bool) -> Non
     vx = v[0] + rate[1] * hub[2] - rate[2] * hub[1]
     vy = v[1] + rate[2] * hub[0] - rate[0] * hub[2]
     vz = v[2] + rate[0] * hub[1] - rate[1] * hub[0]
-    thrust = _thrust(r, i, vz, vx * vx + vy * vy) * r.effectiveness[i]
+    axis = r.axis_flu[i]
+    along = vx * axis[0] + vy * axis[1] + vz * axis[2]
+    vx -= along * axis[0]
+    vy -= along * axis[1]
+    vz -= along * axis[2]
+    thrust = _thrust(r, i, along, vx * vx + vy * vy + vz * vz) * r.effectiveness[i]
     torque = 0.0
     if is_coasting:
         _coast(r, i, thrust)
     else:
         torque = r.spin[i] * r.torque_per_thrust_m[i] * thrust
-    fx = -abs(w) * r.drag_coefficient[i] * vx
-    fy = -abs(w) * r.drag_coefficient[i] * vy
+    drag = -abs(w) * r.drag_coefficient[i]
+    fx = drag * vx + thrust * axis[0]
+    fy = drag * vy + thrust * axis[1]
+    fz = drag * vz + thrust * axis[2]
     roll = -abs(w) * r.rolling_moment_coefficient[i]
     F, M = r.force_flu_n, r.torque_flu_nm
     F[0] += fx
     F[1] += fy
-    F[2] += thrust
-    M[0] += hub[1] * thrust - hub[2] * fy + roll * vx
-    M[1] += hub[2] * fx - hub[0] * thrust + roll * vy
-    M[2] += hub[0] * fy - hub[1] * fx - torque
+    F[2] += fz
+    M[0] += hub[1] * fz - hub[2] * fy + roll * vx - torque * axis[0]
+    M[1] += hub[2] * fx - hub[0] * fz + roll * vy - torque * axis[1]
+    M[2] += hub[0] * fy - hub[1] * fx + roll * vz - torque * axis[2]
 
 
 @kernel

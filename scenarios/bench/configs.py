@@ -217,7 +217,7 @@ class EstimateBenchCfg(AnyBenchCfg):
 
 @dataclass(frozen=True, kw_only=True)
 class ControlBenchCfg(AnyBenchCfg):
-    """Fly figure eights in still air and in wind, saturate the controller, recover from tumbling.
+    """Fly steps and figure eights, in still air and wind, beyond limits, and out of tumbling.
 
     Hummingbird, to whose figures the targets apply, and Iris. With the estimator in the loop,
     errors are relative to the estimate, which is all that the controller can track.
@@ -228,7 +228,8 @@ class ControlBenchCfg(AnyBenchCfg):
     flights: int = 10
     """Number of figure eights of each vehicle in 5 m/s of wind with moderate turbulence."""
     vehicles: tuple[str, ...] = ("hummingbird", "iris")
-    """Airframes to fly, by their names; an unknown one is answered with the valid names."""
+    """Airframes to fly, by their names, or files FILE.toml that describe them; an unknown name is
+    answered with the valid ones."""
     seed: int = 0
     """Seed of the noise, the wind and the attitudes."""
 
@@ -271,3 +272,29 @@ class LandBenchCfg(AnyBenchCfg):
     def title(self) -> str:
         """Title of the results."""
         return f"{self.areas} areas by {self.camera}, {self.flights} flights, seed {self.seed}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorldsBenchCfg(AnyBenchCfg):
+    """Fly many vehicles, each in a world of its own, on one thread and on two; step environments.
+
+    Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
+    """
+
+    worlds: int = 64
+    """Number of worlds."""
+    scenes: tuple[str, ...] = ("42",)
+    """Scenes by number or file, in turn."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+    seconds: float = 10.0
+    """Simulated seconds of each world."""
+
+    def __post_init__(self) -> None:
+        _check("worlds", self.worlds, 2, 4096)
+        _check("seconds", self.seconds, 1.0)
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        return f"{self.worlds} worlds, scenes {', '.join(self.scenes)}, {self.vehicle}"

@@ -1,8 +1,9 @@
 """`bench control`: tracking accuracy of the controller, and its robustness.
 
-Figure eights with a peak acceleration of 7 m/s^2, with the true state and with the estimator in the
-loop, in still air and in 5 m/s of wind with moderate turbulence; eights that no rotor can fly;
-recovery from random attitudes and rates. All in an empty field, in MuJoCo with rotor lag.
+Hover throttle and step responses; figure eights with a peak acceleration of 7 m/s^2, with the true
+state and with the estimator in the loop, in still air and in 5 m/s of wind with moderate
+turbulence; eights that no rotor can fly; recovery from random attitudes and rates. All in an empty
+field, in MuJoCo with rotor lag.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from scenarios.bench.figure_eight import FigureEight, Track, come_back, fly, tak
 from scenarios.bench.manoeuvres import meadow
 from scenarios.bench.recovery import Recovery, recover
 from scenarios.bench.row import OnProgress, Row, higher, lower
+from scenarios.bench.step_response import ASIDE_M, ROLL_RAD, step_response
 
 PEAK_ACCELERATION_MPS2 = 7.0
 WIND_MPS = 5.0
@@ -48,13 +50,26 @@ def rows(cfg: ControlBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     for i, name in enumerate(cfg.vehicles):
         done = i / len(cfg.vehicles)
         world = build_world(meadow(has_room=False), airframe_by_name(name))
-        on_progress(f"{name}: figure eights", done)
+        on_progress(f"{name}: step responses", done)
+        yield from _steps(cfg, name, world)
+        on_progress(f"{name}: figure eights", done + 0.05 / len(cfg.vehicles))
         yield from _tracking(cfg, name, world)
         on_progress(f"{name}: beyond its limits", done + 0.15 / len(cfg.vehicles))
         yield from _saturation(cfg, name, world)
         on_progress(f"{name}: recovery", done + 0.2 / len(cfg.vehicles))
         yield from _recovery(cfg, name, world)
     on_progress("done", 1.0)
+
+
+def _steps(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
+    found = step_response(world, cfg.seed)
+    yield lower(f"{name}, hover throttle", 100.0 * found.hover_throttle, "%")
+    title = f"{name}, step of {math.degrees(ROLL_RAD):.0f} degrees of roll"
+    yield lower(f"{title}: rise from 10 to 90 %", found.roll_rise_s, "s")
+    yield lower(f"{title}: overshoot", 100.0 * found.roll_overshoot, "%")
+    title = f"{name}, step of {ASIDE_M:g} m aside"
+    yield lower(f"{title}: within 5 cm after", found.aside_settled_s, "s")
+    yield lower(f"{title}: overshoot", found.aside_overshoot_m, "m")
 
 
 def _tracking(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:

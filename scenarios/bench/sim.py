@@ -15,8 +15,6 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import open_scene
-from flightsim.autopilot.modes import LandedState
-from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.links import UdpLink
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.sensors.cameras import Cameras
@@ -24,25 +22,21 @@ from flightsim.simulator import TICK_US, Observer
 from flightsim.testbench import Testbench, TestbenchCfg
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
+from scenarios.bench.client_cost import client_rows
 from scenarios.bench.clients import Clients
 from scenarios.bench.configs import BenchError, SimBenchCfg
 from scenarios.bench.figure_eight import hold
-from scenarios.bench.launch import seconds_to_first_heartbeat
+from scenarios.bench.launch import cpu_seconds_to_first_heartbeat
 from scenarios.bench.row import OnProgress, Row, higher, lower
+from scenarios.bench.square_flight import fly_square, take_off
 
 LEAST_SPEED = 30.0
 """Target in simulated seconds per CPU second for the whole stack without cameras."""
-LONGEST_LAUNCH_S = 3.0
+LONGEST_LAUNCH_S = 1.0
 CAMERA_HZ = 10
 _CAMERA_SHARE = 0.2
 """Share of the benchmark's length for flights with cameras, which take long."""
-_READY_S = 30.0
-_CLEARANCE_M = 5.0
-"""Height above everything, where nothing is in the way."""
-_CLIMB_S = 30.0
 _CLIMB_M = 10.0
-_LEG_S = 5.0
-_CORNERS_M = ((10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0))
 _N_STEPS = 20_000
 _SPEED_UNIT = "simulated s / CPU s"
 
@@ -72,6 +66,8 @@ def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     compile_kernels()
     on_progress("whole stack", 0.0)
     yield from _whole_stack(cfg, scene)
+    on_progress("cost of a client", 0.2)
+    yield from client_rows(scene, cfg.vehicle, cfg.seconds)
     on_progress("plant alone", 0.25)
     world = build_world(scene, airframe)
     yield _plant_alone(world, cfg.seconds)
@@ -82,8 +78,8 @@ def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     on_progress("recording with cameras", 0.55)
     yield _recorded(cfg, scene, camera_hz=CAMERA_HZ)
     on_progress("launch", 0.9)
-    launch_s = seconds_to_first_heartbeat(cfg.scene, cfg.vehicle)
-    yield lower("launch to first heartbeat", launch_s, "s", LONGEST_LAUNCH_S)
+    launch_s = cpu_seconds_to_first_heartbeat(cfg.scene, cfg.vehicle)
+    yield lower("launch to first heartbeat", launch_s, "CPU s", LONGEST_LAUNCH_S)
     on_progress("done", 1.0)
 
 
@@ -113,13 +109,13 @@ def _fly(
         )
         bench = Testbench(scene, bench_cfg, has_network=False, extra_links=(gcs, sdk))
         stack.enter_context(bench)
-        _take_off(bench)
+        take_off(bench)
         if equip is not None:
             bench.observers += equip(bench, stack)
         before, start_us = bench.simulator.timing, bench.plant.time_us
         n_messages = clients.n_messages()
         cpu_s, wall_s = time.process_time(), time.perf_counter()
-        _fly_square(bench, seconds)
+        fly_square(bench, seconds)
         cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
         n_messages = clients.n_messages() - n_messages
         after, sim_s = bench.simulator.timing, (bench.plant.time_us - start_us) * 1e-6
@@ -137,35 +133,6 @@ def _fly(
             {part: 1e6 * part_s / n_ticks for part, part_s in parts.items()},
             n_messages,
         )
-
-
-def _take_off(bench: Testbench) -> None:
-    simulator, plant, autopilot = bench.simulator, bench.plant, bench.autopilot
-    while not autopilot.prearm.is_ok and plant.time_us < _READY_S * 1e6:
-        simulator.run(until_us=plant.time_us + 25 * TICK_US)
-    roofs_m = max(o.bbox.p[2] + o.bbox.s[2] / 2 for o in bench.scene.objects)
-    altitude_m = bench.scene.altitude_m + roofs_m + _CLEARANCE_M
-    for reply in (autopilot.takeoff(altitude_m), autopilot.arm()):
-        if not reply.is_accepted:
-            raise BenchError(f"take-off refused: {reply.reason}")
-    simulator.run(until_us=plant.time_us + round(1e6 * _CLIMB_S))
-    if autopilot.landed_state is LandedState.ON_GROUND:
-        raise BenchError("the vehicle did not take off")
-
-
-def _fly_square(bench: Testbench, seconds: float) -> None:
-    plant, autopilot, scene = bench.plant, bench.autopilot, bench.scene
-    frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
-    east, north, up = plant.estimate.position_enu_m
-    end_us = plant.time_us + round(seconds * 1e6)
-    leg = 0
-    while plant.time_us < end_us:
-        dx, dy = _CORNERS_M[leg % len(_CORNERS_M)]
-        reply = autopilot.goto(frame.geodetic_from_enu((east + dx, north + dy, up)))
-        if not reply.is_accepted:
-            raise BenchError(f"flight to a corner refused: {reply.reason}")
-        bench.simulator.run(until_us=min(end_us, plant.time_us + round(_LEG_S * 1e6)))
-        leg += 1
 
 
 def _plant_alone(world: World, seconds: float) -> Row:

@@ -216,8 +216,9 @@ class Flyer:
         planned = getattr(sitl.companion, "planned_enu_m", None)
         return {
             **result.to_plain(),
-            # The task names the scene as it was opened.
+            # The task names scene and vehicle as they were opened.
             "scene": task.scene,
+            "vehicle": task.vehicle,
             "recording": None if sitl.missing else result.recording,
             "flown_enu_m": sitl.log.track(),
             "planned_enu_m": None if planned is None else track_of(planned),

@@ -23,6 +23,7 @@ from scenarios.bench.configs import (
     PlanBenchCfg,
     SceneBenchCfg,
     SimBenchCfg,
+    WorldsBenchCfg,
 )
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
@@ -39,6 +40,7 @@ Bench = (
     | Annotated[DifficultyBenchCfg, tyro.conf.subcommand("difficulty", prefix_name=False)]
     | Annotated[ControlBenchCfg, tyro.conf.subcommand("control", prefix_name=False)]
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
+    | Annotated[WorldsBenchCfg, tyro.conf.subcommand("worlds", prefix_name=False)]
 )
 
 _NAMES: Mapping[type, str] = {
@@ -49,6 +51,7 @@ _NAMES: Mapping[type, str] = {
     DifficultyBenchCfg: "difficulty",
     ControlBenchCfg: "control",
     LandBenchCfg: "land",
+    WorldsBenchCfg: "worlds",
     EstimateBenchCfg: "estimate",
 }
 

@@ -49,7 +49,7 @@ class CampaignCfg:
     trials: int = 30
     """Trials of each scene with each vehicle."""
     vehicles: str = "iris,hummingbird"
-    """Airframes by their names, joined by commas."""
+    """Airframes by their names, or files FILE.toml that describe them, joined by commas."""
     pilot: str = "demo"
     """Who flies: demo is ours, mueller the same with motion primitives for a planner; potential
     goes through a potential field, straight flies straight lines without looking; MODULE:CLASS is

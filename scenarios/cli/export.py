@@ -32,8 +32,8 @@ class ExportCfg:
     """Scene of the dataset by number, corpus:N, gen:SEED, field, a scene file or one of a file of
     layouts."""
     vehicle: str = "iris"
-    """Airframe at the start by its name, or none; an unknown one is answered with the valid names.
-    A GLB has none."""
+    """Airframe at the start: its name, a file FILE.toml that describes it, or none; an unknown name
+    is answered with the valid ones. A GLB has none."""
     json: bool = False
     """Print one JSON object: file, format, scene, objects, areas, bytes, seconds."""
 

@@ -44,7 +44,7 @@ class FlyCfg:
     scene: str = "42"
     """Scene as the campaign names it: by its number."""
     vehicle: str = "iris"
-    """Airframe by its name."""
+    """Airframe by its name, or a file FILE.toml as the campaign names it."""
     pilot: Annotated[str | None, default_hint("the campaign's, else demo")] = None
     """Who flies, see `aeroscene campaign`."""
     recipe: Annotated[Path | None, default_hint("the campaign's")] = None

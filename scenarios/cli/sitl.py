@@ -99,6 +99,11 @@ def run(command: SitlCommand) -> int:
                 print(f"Picture: {picture}")
         if sitl.viewer is not None and not should_stop():
             _keep_open(console, sitl.viewer)
+        external = sitl.bench.external
+    if external is not None and external.fault:
+        line = f"{PROG}: error: the run was ended by {external.fault}"
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        return EXIT_BAD_INPUT
     if sitl.missing:
         return EXIT_BAD_INPUT  # Not the vehicle failed but the disk.
     return EXIT_NEGATIVE if result.success is False else EXIT_DONE
@@ -122,7 +127,7 @@ def _refuse_output_over_output(cfg: SitlCfg) -> None:
 
 def _folders(cfg: SitlCfg) -> list[Path]:
     """Folders that the run writes to."""
-    folders = (cfg.record and cfg.record.parent, cfg.pictures)
+    folders = (cfg.record and cfg.record.parent, cfg.pictures, cfg.captures)
     return [folder for folder in folders if folder is not None]
 
 
@@ -135,12 +140,24 @@ def _announce(console: Console, sitl: Sitl) -> None:
         f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
         soft_wrap=True,
     )
-    console.print(
-        f"MAVLink: UDP {14550 + cfg.instance} (ground stations), "
-        f"UDP {14540 + cfg.instance} (SDKs), TCP {cfg.bind}:{5760 + 10 * cfg.instance}. "
-        "Ctrl-C ends.",
-        soft_wrap=True,
+    external = sitl.bench.external
+    if external is not None and not cfg.autopilot_binary:
+        console.print(
+            f"Waiting for {external.kind.title}, with the physics at {external.address}. Start it "
+            f"in a folder of its own:\n{external.start_line}",
+            highlight=False,
+            soft_wrap=True,
+        )
+    clients = (
+        f"UDP {14550 + cfg.instance} (ground stations), "
+        f"UDP {14540 + cfg.instance} (SDKs), TCP {cfg.bind}:{5760 + 10 * cfg.instance}"
+        f"{cfg.serial and f', serial {cfg.serial}'}{cfg.signing_key and ', signed'}"
     )
+    if external is not None:
+        clients = external.kind.clients(cfg.instance)
+    console.print(f"MAVLink: {clients}. Ctrl-C ends.", soft_wrap=True)
+    if external is None and (video := sitl.bench.payload.video) is not None:
+        console.print(f"Video: H.264 by RTP to {video.uri}", soft_wrap=True)
     if sitl.viewer is not None and sitl.viewer.url is not None:
         console.print(f"Watch at {sitl.viewer.url}", soft_wrap=True)
 

@@ -21,7 +21,7 @@ class StatusLine:
         self._console = console
         self._sitl = sitl
         self._n_transitions = 0
-        sitl.bench.server.statustext.listeners.append(lambda _, text: self._say(text))
+        sitl.bench.stack.listen(lambda _, text: self._say(text))
         self._status = Status("starting", console=console) if console.is_terminal else None
         self._due_s = 0.0
         self._last: tuple[float, float] | None = None
@@ -46,7 +46,7 @@ class StatusLine:
         )
 
     def _text(self, now_s: float) -> str:
-        plant, autopilot = self._sitl.bench.plant, self._sitl.bench.autopilot
+        plant, autopilot = self._sitl.bench.plant, self._sitl.bench.stack.reports
         sim_s = plant.time_us * 1e-6
         factor = ""
         if self._last is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from jaxtyping import Float
 
@@ -87,10 +88,12 @@ def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
     Raises:
         PictureError: If the recording does not say.
     """
-    name = rows.properties.get(layout.RUN_PROPERTY, {}).get("vehicle")
-    if name is None:
+    run = rows.properties.get(layout.RUN_PROPERTY, {})
+    if "airframe" in run:
+        return msgspec.json.decode(run["airframe"], type=Airframe)
+    if "vehicle" not in run:
         raise PictureError(f"recording {str(path)!r} names no vehicle; valid: one of a flight")
-    return airframe_by_name(name)
+    return airframe_by_name(run["vehicle"])  # of a recording that was made before they were kept
 
 
 def _track(rows: RecordedRows) -> Track:

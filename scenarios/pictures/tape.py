@@ -19,7 +19,7 @@ from scenarios.pictures.story import (
 
 if TYPE_CHECKING:
     from autonomy.planning import Trajectory
-    from flightsim.autopilot.autopilot import Autopilot
+    from flightsim.autopilot.reports import FlightReports
     from flightsim.plant import Plant
     from scenarios.pilot import Pilot
 
@@ -33,7 +33,7 @@ _FIELDS = ("position_true_enu_m", "position_est_enu_m", "reference_position_enu_
 class FlightTape:
     """Samples a run after every tick; call `story` when it is over."""
 
-    def __init__(self, plant: Plant, autopilot: Autopilot, pilot: Pilot | None) -> None:
+    def __init__(self, plant: Plant, autopilot: FlightReports, pilot: Pilot | None) -> None:
         self._plant = plant
         self._autopilot = autopilot
         self._pilot = pilot

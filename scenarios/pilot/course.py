@@ -12,6 +12,9 @@ from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 
 TOUCHDOWN_SPEED_MPS = 0.4
+_CONTACT_SPEED_MPS = 0.3
+"""Speed over the last `_SLOW_M` above the surface: a gust adds to it."""
+_SLOW_M = 0.2
 _PRESS_M = 0.4
 """Depth of the last setpoints below the surface, so that the rotors unload."""
 _AT_PLACE_M = 0.25
@@ -113,15 +116,19 @@ class Course:
 def _sinking(
     time_us: int, begun_us: int, begin: FlatReference, resting_height_m: float
 ) -> FlatReference:
-    """Vertical descent at a steady speed, to a little below the surface."""
+    """Vertical descent, slower at the end, to a little below the surface."""
     if time_us < begun_us:
         return begin
     x, y, z = begin.position_enu_m
-    lowest_m = resting_height_m - _PRESS_M
-    height_m = z - TOUCHDOWN_SPEED_MPS * (time_us - begun_us) * 1e-6
+    lowest_m, slow_m = resting_height_m - _PRESS_M, resting_height_m + _SLOW_M
+    speed_mps = TOUCHDOWN_SPEED_MPS
+    height_m = z - speed_mps * (time_us - begun_us) * 1e-6
+    if height_m < slow_m:
+        speed_mps = _CONTACT_SPEED_MPS
+        height_m = slow_m - (slow_m - height_m) * speed_mps / TOUCHDOWN_SPEED_MPS
     position_enu_m: Vector3 = (x, y, max(height_m, lowest_m))
     return FlatReference(
         position_enu_m=position_enu_m,
-        velocity_enu_mps=(0.0, 0.0, -TOUCHDOWN_SPEED_MPS if height_m > lowest_m else 0.0),
+        velocity_enu_mps=(0.0, 0.0, -speed_mps if height_m > lowest_m else 0.0),
         yaw_rad=begin.yaw_rad,
     )

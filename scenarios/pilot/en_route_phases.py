@@ -6,11 +6,15 @@ import math
 
 from autonomy.planning import BlockedError, PlanningError, UnreachableError
 from autonomy.types import FlatReference, Vector3
-from flightsim.mavlink.client.client import PX4_RETURN
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
-from scenarios.pilot.landing_phases import COMMIT_HEIGHTS_M, DESCENT_SPEED_MPS, LandingPhases
+from scenarios.pilot.landing_phases import (
+    COMMIT_HEIGHTS_M,
+    DESCENT_SPEED_MPS,
+    LAST_HEIGHT_M,
+    LandingPhases,
+)
 from scenarios.pilot.phases import Phase, Replan, Step
 
 MAX_HOLDS = 6
@@ -109,7 +113,7 @@ class EnRoutePhases:
         """Hand over to the autopilot's own return."""
         flight = self._flight
         if not flight.commands:
-            flight.commands = [flight.client.set_mode(PX4_RETURN)]
+            flight.commands = [flight.client.set_mode(flight.client.habits.return_home)]
         if all(command.is_done for command in flight.commands):
             return Phase.FAILED, flight.given_up or "handed over to the autopilot"
         return None
@@ -133,8 +137,11 @@ class EnRoutePhases:
         """Descend vertically onto the start."""
         flight = self._flight
         if flight.course.is_touching_down:
-            is_down = flight.telemetry.landed_state == LANDED_ON_GROUND
-            return (Phase.DISARM, "on the ground at home") if is_down else None
+            if flight.telemetry.landed_state == LANDED_ON_GROUND:
+                return Phase.DISARM, "on the ground at home"
+            if flight.setpoint.position_enu_m[2] - flight.home_resting_height_m < LAST_HEIGHT_M:
+                flight.let_land()
+            return None
         if flight.has_arrived:
             flight.course.touch_down(flight.time_us, flight.home_resting_height_m)
         return None

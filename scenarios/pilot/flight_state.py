@@ -62,6 +62,8 @@ class FlightState:
     time_us: int = 0
     since_us: int = 0
     """Start time of the present phase."""
+    is_silent: bool = False
+    """Whether it sends no setpoints, while the autopilot takes off by itself."""
     commands: list[Command] = field(default_factory=list)
     """Commands sent in the present phase."""
     replans: list[Replan] = field(default_factory=list)
@@ -120,6 +122,12 @@ class FlightState:
         """Latest text of the autopilot, to be appended to a reason."""
         texts = self.telemetry.texts
         return f"; the autopilot said: {texts[-1][1]}" if texts else ""
+
+    def let_land(self) -> None:
+        """Let the autopilot touch down by itself, if it knows no other way to find the ground."""
+        land = self.client.habits.land
+        if land is not None and not self.commands:
+            self.commands = [self.client.set_mode(land)]
 
     def is_at_end(self, goal_enu_m: Vector3) -> bool:
         """Whether the course ends at a place; in a growing map it may end before."""

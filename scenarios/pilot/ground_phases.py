@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 from autonomy.planning import PlanningError, prepare
-from flightsim.mavlink.client.client import PX4_OFFBOARD
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.phases import Phase, PilotVerdict, Step
 
 MAX_ARMING_TRIES = 10
 LIFT_OFF_M = 1.0
 """Height above the resting place up to which the map is not checked: the vehicle stood there."""
+LIFTED_OFF_M = 0.8
+"""Height above the resting place from which an autopilot that took off by itself is steered."""
 _STREAM_BEFORE_ARMING_S = 0.2
 
 
@@ -20,6 +21,8 @@ class GroundPhases:
 
     def __init__(self, flight: FlightState) -> None:
         self._flight = flight
+        self._patience_s = 0.0
+        """Time in the phase of arming before which what was asked for need not be reported."""
 
     def connect(self) -> Step:
         """Wait until the vehicle answers and sends the telemetry needed."""
@@ -49,20 +52,34 @@ class GroundPhases:
     def arm(self) -> Step:
         """Request offboard mode, then arm, while setpoints are streamed."""
         flight = self._flight
-        telemetry = flight.telemetry
-        if telemetry.is_armed and telemetry.custom_mode == PX4_OFFBOARD:
-            return self._rise()
+        telemetry, offboard = flight.telemetry, flight.client.habits.offboard
+        if telemetry.is_armed and telemetry.custom_mode == offboard:
+            return self._lift_off() if flight.client.habits.takes_off_by_itself else self._rise()
         is_waiting = not all(command.is_done for command in flight.commands)
-        if is_waiting or flight.elapsed_s < _STREAM_BEFORE_ARMING_S:
+        if is_waiting or flight.elapsed_s < max(_STREAM_BEFORE_ARMING_S, self._patience_s):
             return None
         if len(flight.commands) >= MAX_ARMING_TRIES:
             outcome = flight.commands[-1].outcome()
             return Phase.FAILED, f"mode or arming: {outcome}{flight.last_words()}"
-        if telemetry.custom_mode != PX4_OFFBOARD:
-            flight.commands.append(flight.client.set_mode(PX4_OFFBOARD))
+        if telemetry.custom_mode != offboard:
+            flight.commands.append(flight.client.set_mode(offboard))
         else:
             flight.commands.append(flight.client.arm())
+        self._patience_s = flight.elapsed_s + flight.client.habits.report_delay_s
         return None
+
+    def _lift_off(self) -> Step:
+        """Let the autopilot take off by itself, and rise from there."""
+        flight = self._flight
+        here, yaw_rad = flight.telemetry.position_enu_m, flight.telemetry.yaw_rad
+        if not flight.is_silent:
+            flight.is_silent = True  # A setpoint would end its take-off.
+            flight.commands = [flight.client.take_off(LIFT_OFF_M)]
+        if here[2] - flight.home_resting_height_m < LIFTED_OFF_M:
+            return None
+        flight.is_silent = False
+        flight.begin_with(flight.mission.surroundings.leg(here, here, yaw_rad))
+        return self._rise()
 
     def _rise(self) -> Step:
         flight = self._flight

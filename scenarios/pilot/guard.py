@@ -8,7 +8,6 @@ import numpy as np
 
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
-from flightsim.mavlink.client.client import PX4_OFFBOARD
 from scenarios.pilot.en_route_phases import EnRoutePhases
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.landing_phases import LandingPhases
@@ -30,6 +29,8 @@ CARRIED_S = 60.0
 _PULL_STEP_M = 0.1
 """Step along the way back to the course."""
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
+_AT_THE_GROUND = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
+"""Phases whose last stretch an autopilot may fly by itself."""
 _RISING = frozenset({Phase.TAKEOFF, Phase.CLIMB})
 _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAND_HOME})
 """Phases that reach the ground sooner than a return would."""
@@ -70,9 +71,12 @@ class Guard:
     def _control(self, phase: Phase) -> Step:
         """Check that the vehicle is armed and in offboard mode."""
         flight = self._flight
+        mode, habits = flight.telemetry.custom_mode, flight.client.habits
+        if phase in _AT_THE_GROUND and mode == habits.land:
+            return None if flight.telemetry.is_armed else (Phase.DISARM, "landed by itself")
         if not flight.telemetry.is_armed:
             return Phase.FAILED, f"disarmed in phase {phase.value}{flight.last_words()}"
-        if flight.telemetry.custom_mode != PX4_OFFBOARD:
+        if mode != habits.offboard:
             return Phase.FAILED, f"the autopilot left offboard mode{flight.last_words()}"
         return None
 

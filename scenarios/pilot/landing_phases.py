@@ -213,16 +213,18 @@ class LandingPhases:
 
     def touch_down(self) -> Step:
         """Sink through the last stretch."""
-        if self._flight.telemetry.landed_state != LANDED_ON_GROUND:
-            return self._keep_above()
-        return Phase.DISARM, "on the ground"
+        flight = self._flight
+        if flight.telemetry.landed_state == LANDED_ON_GROUND:
+            return Phase.DISARM, "on the ground"
+        if flight.setpoint.position_enu_m[2] - flight.resting_height_m < LAST_HEIGHT_M:
+            flight.let_land()
+            return None
+        return self._keep_above()
 
     def _keep_above(self) -> Step:
         """Sink only above the place: wait while a gust pushes, climb back if it carries off."""
         flight = self._flight
         should, away_m = flight.setpoint.position_enu_m, flight.level_deviation_m
-        if should[2] - flight.resting_height_m < LAST_HEIGHT_M:
-            return None
         if away_m > CARRIED_OFF_M:
             try:
                 x, y, _ = should

@@ -18,6 +18,7 @@ from autonomy.perception import (
     objection,
     site_at,
 )
+from autonomy.perception.needs import MAX_RISE_M, MAX_ROUGHNESS_M
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.surroundings import Surroundings
@@ -33,16 +34,31 @@ _BORDER_M = 0.8
 _MAX_HALF_EXTENT_M = 4.0
 _COLUMN_STEP_M = 0.25
 _COLUMN_MARGIN_M = 0.05
+_ROUGHNESS = 1.0 / 7.0
+"""Height range under the feet over their stance: 8 deg with one foot so much higher."""
+_RISE = 0.7
+"""Rise within the body's radius over the height of the rotors."""
+_SEEN_M = 0.02
+"""Least height that counts, above the noise of the map."""
 _LEAST_CLEARANCE_M = 0.1
 _LEAST_PERCHING_CLEARANCE_M = 0.05
 
 
 def landing_needs(airframe: Airframe, scatter_m: float = SCATTER_M) -> LandingNeeds:
     """Needs of an airframe for standing safely anywhere within the scatter of a touchdown."""
+    lowest_hub_m = min(rotor.position_flu_m[2] for rotor in airframe.quadrotor.rotors)
+    hub_height_m = airframe.leg_length_m + lowest_hub_m
     return LandingNeeds(
         footprint_radius_m=airframe.leg_spread_m + scatter_m,
         body_radius_m=airframe.collision_radius_m + scatter_m,
+        max_roughness_m=_within(_ROUGHNESS * 2.0 * airframe.leg_spread_m, MAX_ROUGHNESS_M),
+        max_rise_m=_within(_RISE * hub_height_m, MAX_RISE_M),
     )
+
+
+def _within(needed_m: float, most_m: float) -> float:
+    """What a vehicle bears, between what can be seen and what a common one bears."""
+    return min(max(needed_m, _SEEN_M), most_m)
 
 
 class LandingWatch:

@@ -170,7 +170,7 @@ class Pilot:
         step = self._guard.check(self.phase) or self._steps[self.phase]()
         if step is not None:
             self._enter(*step)
-        if flight.course.has_begun and not self.is_done:
+        if flight.course.has_begun and not flight.is_silent and not self.is_done:
             flight.client.send_setpoint(flight.senses.to_estimate(self._looking()))
 
     def _looking(self) -> FlatReference:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import rerun as rr
 
 from aeroscene.scene import Scene
 from aeroscene.scene.io import scene_to_json
+from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 
 
@@ -32,14 +33,15 @@ class RunInfo:
         return f"scene {self.scene}, {self.vehicle}, seed {self.seed}"
 
 
-def log_run(stream: rr.RecordingStream, info: RunInfo) -> None:
-    """Write the identity of the run before it begins."""
+def log_run(stream: rr.RecordingStream, info: RunInfo, airframe: Airframe) -> None:
+    """Write the identity of the run and all of its vehicle before it begins."""
     stream.send_recording_name(info.title)
     stream.send_property(
         layout.RUN_PROPERTY,
         rr.AnyValues(
             scene=info.scene,
             vehicle=info.vehicle,
+            airframe=json.dumps(asdict(airframe), sort_keys=True),
             seed=info.seed,
             config=json.dumps(info.config, sort_keys=True),
             limits=json.dumps(info.limits, sort_keys=True),

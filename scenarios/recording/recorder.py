@@ -26,7 +26,7 @@ from scenarios.recording.state_log import StateLog
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
-    from flightsim.autopilot.autopilot import Autopilot
+    from flightsim.autopilot.reports import FlightReports
     from flightsim.plant import Plant
     from flightsim.sensors.cameras import RgbdFrame
 
@@ -122,7 +122,7 @@ class Recorder:
         self._flush_period_us = SUMMARY_FLUSH_PERIOD_US if is_summary else FLUSH_PERIOD_US
         self._flush_due_us = self._flush_period_us
         self._executed = ExecutedPath()
-        log_run(self._stream, info)
+        log_run(self._stream, info, airframe)
         style = rr.LineStrips3D.from_fields(colors=_EXECUTED_RGB, radii=rr.Radius.ui_points(1.5))
         self._stream.log(layout.EXECUTED, style, static=True)
         self.plans = PlanLog(self._stream)
@@ -144,7 +144,7 @@ class Recorder:
             sinks.append(server)
         return sinks
 
-    def on_tick(self, plant: Plant, autopilot: Autopilot | None = None) -> None:
+    def on_tick(self, plant: Plant, autopilot: FlightReports | None = None) -> None:
         """Record the last 20 ms; without an autopilot there are no modes to show."""
         # Bytes: numpy copies and joins records of many fields one field at a time.
         self._history.append(plant.history.tobytes())

@@ -62,6 +62,12 @@ class RecordedRows:
         order = np.argsort(time_us, kind="stable")
         return time_us[order], np.concatenate(parts)[order]
 
+    def width(self, entity: str, component: str) -> int:
+        """Numbers in a row of an entity; 0 if it has none."""
+        for batch in self._with(entity, component):
+            return max((len(row.as_py() or ()) for row in batch.column(component)), default=0)
+        return 0
+
     def rows(self, entity: str, component: str) -> list[tuple[int, Row]]:
         """Time, us, and value of each row, in order of time; time 0 where it never changes."""
         found: list[tuple[int, Row]] = []

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import rerun as rr
 
+from autonomy.model.quadrotor import MAX_ROTORS
 from scenarios.recording import layout
 
 ESTIMATE_FIELD, REFERENCE_FIELD = "position_est_enu_m", "reference_position_enu_m"
@@ -34,7 +35,11 @@ _ORANGE, _VIOLET, _TEAL, _YELLOW = (255, 150, 50), (190, 120, 255), (60, 200, 19
 _GREY = (140, 146, 154)
 
 _AXES = (_RED, _GREEN, _BLUE)
-_ROTORS = (_ORANGE, _VIOLET, _TEAL, _YELLOW)
+_ROTORS = (
+    *(_ORANGE, _VIOLET, _TEAL, _YELLOW, _RED, _GREEN, _BLUE, _GREY),
+    *((150, 90, 30), (230, 140, 210), (120, 160, 60), (90, 110, 160)),
+)
+"""Of as many rotors as a vehicle can have."""
 
 
 def _axes(prefix: str, suffix: str, axes: Sequence[str] = layout.AXES) -> tuple[str, ...]:
@@ -42,7 +47,7 @@ def _axes(prefix: str, suffix: str, axes: Sequence[str] = layout.AXES) -> tuple[
 
 
 def _rotors(prefix: str) -> tuple[str, ...]:
-    return tuple(f"{prefix} {i + 1}" for i in range(4))
+    return tuple(f"{prefix} {i + 1}" for i in range(MAX_ROTORS))
 
 
 _BODY = layout.BODY_AXES
@@ -93,8 +98,9 @@ DERIVED: tuple[ScalarSeries, ...] = (
 """Series that are computed of several fields."""
 
 
-def log_legends(stream: rr.RecordingStream) -> None:
-    """Write names and colours of all series."""
+def log_legends(stream: rr.RecordingStream, n_rotors: int) -> None:
+    """Write names and colours of all series of a vehicle with so many rotors."""
     for series in (*SERIES, *DERIVED):
-        lines = rr.SeriesLines(names=series.legend, colors=series.colours, widths=1.2)
+        n = n_rotors if series.colours is _ROTORS else len(series.legend)
+        lines = rr.SeriesLines(names=series.legend[:n], colors=series.colours[:n], widths=1.2)
         stream.log(series.entity, lines, static=True)

@@ -26,7 +26,7 @@ from scenarios.recording.vehicle import log_vehicle
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
-    from flightsim.autopilot.autopilot import Autopilot
+    from flightsim.autopilot.reports import FlightReports
     from flightsim.plant import Plant
 
 
@@ -50,7 +50,7 @@ class StateLog:
         log_document(stream, scene)
         log_scene(stream, scene, primitives)
         log_vehicle(stream, airframe)
-        log_legends(stream)
+        log_legends(stream, len(airframe.quadrotor.rotors))
         stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
         self._status = StatusLog(stream)
         self._traffic = TrafficLog(stream)
@@ -59,7 +59,7 @@ class StateLog:
         self.landing = LandingLog(stream)
         self.tracks = TrackLog(stream)
 
-    def on_tick(self, plant: Plant, autopilot: Autopilot | None) -> None:
+    def on_tick(self, plant: Plant, autopilot: FlightReports | None) -> None:
         """Sample what is no part of `Plant.history`."""
         self._status.on_tick(plant, autopilot)
         self._traffic.on_tick(plant)

@@ -14,7 +14,7 @@ from scenarios.recording import layout
 from scenarios.recording.columns import send_scalars, set_sim_time, sim_time
 
 if TYPE_CHECKING:
-    from flightsim.autopilot.autopilot import Autopilot
+    from flightsim.autopilot.reports import FlightReports
     from flightsim.plant import Plant
 
 SAMPLE_TICKS = 5
@@ -66,7 +66,7 @@ class StatusLog:
         states = rr.StateConfiguration(values=list(_ARMED_RGB), colors=colours)
         stream.log(layout.ARMED, states, static=True)
 
-    def on_tick(self, plant: Plant, autopilot: Autopilot | None) -> None:
+    def on_tick(self, plant: Plant, autopilot: FlightReports | None) -> None:
         """Sample the vehicle after a tick."""
         time_us = plant.time_us
         if autopilot is not None:

@@ -9,7 +9,7 @@ import rerun as rr
 from jaxtyping import Float
 
 from flightsim.vehicles.airframe import Airframe, CameraMount
-from flightsim.vehicles.builder import ARM_RADIUS_M, LEG_RADIUS_M, leg_axes_flu_m
+from flightsim.vehicles.builder import leg_axes_flu_m, skid_axes_flu_m
 from scenarios.recording import layout
 
 _BODY_RGB = (45, 48, 55)
@@ -52,9 +52,11 @@ def rotation_flu_from_optical(mount: CameraMount) -> Float[np.ndarray, "3 3"]:
 
 
 def _frame_strips(
-    airframe: Airframe, hubs: Float[np.ndarray, "4 3"]
+    airframe: Airframe, hubs: Float[np.ndarray, "n 3"]
 ) -> tuple[list[np.ndarray], list[float]]:
-    """Axes of four arms and four legs as they touch things, and their radii."""
+    """Axes of the arms and the landing gear as they touch things, and their radii."""
     arms = [np.array([(0.0, 0.0, 0.0), (x, y, 0.0)]) for x, y, _ in hubs]
-    legs = [np.array(ends) for ends in leg_axes_flu_m(airframe)]
-    return [*arms, *legs], [ARM_RADIUS_M] * len(arms) + [LEG_RADIUS_M] * len(legs)
+    axes = (*leg_axes_flu_m(airframe), *skid_axes_flu_m(airframe))
+    legs = [np.array(ends) for ends in axes]
+    radii_m = [airframe.arm_radius_m] * len(arms) + [airframe.leg_radius_m] * len(legs)
+    return [*arms, *legs], radii_m

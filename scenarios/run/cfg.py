@@ -55,6 +55,12 @@ class SitlCfg:
         "png",
     )
     """What the pictures are; several may be named."""
+    captures: Annotated[Path | None, _UNSET] = None
+    """Write the photographs and films that clients and missions take with the gimbal's camera to
+    this folder; it is made if only that is missing. Without it none is kept."""
+    video: bool = False
+    """Stream what the gimbal's camera sees as H.264 by RTP to UDP port 5600 of this machine, plus
+    the instance; needs PyAV (pip install 'aeroscene[video]')."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""
@@ -81,13 +87,15 @@ class SitlCfg:
             _require_folder("record", self.record.parent)
         if self.pictures is not None:
             _require_folder("pictures", self.pictures)
+        if self.captures is not None:
+            _require_folder("captures", self.captures)
         if not self.formats:
             raise TestbenchError("format has no value; valid: png, svg, pdf")
 
     def to_plain(self) -> dict[str, Any]:
         """The resolved configuration as plain data."""
         plain = asdict(self)
-        paths = {"record": self.record, "pictures": self.pictures}
+        paths = {"record": self.record, "pictures": self.pictures, "captures": self.captures}
         return plain | {name: None if path is None else str(path) for name, path in paths.items()}
 
 

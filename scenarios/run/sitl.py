@@ -91,7 +91,13 @@ class Sitl:
             name = cfg.area
             self.area = None if name is None else find_area(scene, airframe, name, "area")
             bench = Testbench(
-                scene, cfg.bench, airframe=airframe, has_network=has_network, extra_links=links
+                scene,
+                cfg.bench,
+                airframe=airframe,
+                has_network=has_network,
+                extra_links=links,
+                captures=cfg.captures,
+                has_video=cfg.video,
             )
             self.bench = stack.enter_context(bench)
             self.log = FlightLog(bench.plant, is_judged=cfg.demo or pilot is not None)
@@ -120,7 +126,7 @@ class Sitl:
         bench = self.bench
         return Aboard(
             client=bench.connect(),
-            link=bench.pilot_link.client,
+            link=bench.stack.pipe(),
             # Opens the cameras only where somebody looks.
             render=lambda camera: self.cameras.render(camera),  # noqa: PLW0108
             scene=bench.scene,
@@ -155,7 +161,7 @@ class Sitl:
     def _open_tape(self) -> FlightTape:
         from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
 
-        tape = FlightTape(self.bench.plant, self.bench.autopilot, self.pilot)
+        tape = FlightTape(self.bench.plant, self.bench.stack.reports, self.pilot)
         self.bench.observers.append(tape.on_tick)
         return tape
 
@@ -198,7 +204,7 @@ class Sitl:
 
         def is_stopped() -> bool:
             nonlocal word
-            word = word or should_stop() or (self.bench.is_over and "the client that kept the time")
+            word = word or should_stop() or self.bench.stack.fault
             return bool(word)
 
         end_us = math.inf

@@ -50,10 +50,10 @@ def watch(sitl: Sitl, stack: ExitStack) -> tuple[Recorder, Viewer | None]:
 
         pilot_log = PilotLog(pilot, recorder)
         bench.observers.append(lambda: pilot_log.on_tick(plant.time_us))
-    bench.server.statustext.listeners.append(
+    bench.stack.listen(
         lambda severity, text: recorder.log_statustext(plant.time_us, severity, text)
     )
-    bench.observers.append(lambda: recorder.on_tick(plant, bench.autopilot))
+    bench.observers.append(lambda: recorder.on_tick(plant, bench.stack.reports))
     return recorder, viewer
 
 

@@ -89,7 +89,7 @@ class Sampler:
         rng = generator(recipe.seed, scene_id, "conditions", *stream)
         return Task(
             scene=self._name,
-            vehicle=self._airframe.name,
+            vehicle=self._airframe.vehicle,
             trial=trial,
             seed=int(rng.integers(_SEEDS)),
             start=start,

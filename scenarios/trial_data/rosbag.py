@@ -20,7 +20,7 @@ from scenarios.recording.layout import AXES, BODY_AXES
 from scenarios.trial_data.folders import building
 from scenarios.trial_data.reading import RecordedTrial, decoded
 from scenarios.trial_data.ros_messages import RosMessages
-from scenarios.trial_data.tables import QUATERNION, ROTORS
+from scenarios.trial_data.tables import QUATERNION
 
 _MAP, _BODY = "map", "base_link"
 _UNKNOWN = -1.0
@@ -153,7 +153,7 @@ class _Topics:
         """Rotor speeds in rad/s."""
         nothing = np.zeros(0)
         time_us = self._trial.tables["motors"]["time_us"].to_pylist()
-        speeds = self._trial.array("motors", prefix, "radps", ROTORS)
+        speeds = self._trial.array("motors", prefix, "radps", self._trial.rotors)
         for time, speed in zip(time_us, speeds, strict=True):
             message = self._ros.new(
                 "actuator_msgs/Actuators",

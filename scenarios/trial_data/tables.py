@@ -16,7 +16,6 @@ from scenarios.recording.layout import AXES, BODY_AXES
 
 SCHEMA_FILE = "schema.json"
 QUATERNION = ("w", "x", "y", "z")
-ROTORS = ("1", "2", "3", "4")
 _UNITS = {"m": "m", "mps": "m/s", "mps2": "m/s^2", "radps": "rad/s", "us": "us", "px": "px"}
 """Unit by the last word of a column's name."""
 
@@ -47,6 +46,23 @@ def _vector(prefix: str, parts: Iterable[str], unit: str, says: str) -> list[Col
 _TRIAL = Column("trial", pa.string(), "name of the recording's file, without .rrd")
 _TIME = Column("time_us", pa.int64(), "simulated time")
 _KNOWN = "NaN until there is one"
+
+
+def rotor_numbers(n_rotors: int) -> tuple[str, ...]:
+    """Numbers of so many rotors, as they stand in the names of columns."""
+    return tuple(str(number) for number in range(1, n_rotors + 1))
+
+
+def motor_columns(n_rotors: int) -> tuple[Column, ...]:
+    """Columns of the table of motors of a vehicle with so many rotors."""
+    parts = rotor_numbers(n_rotors)
+    return (
+        _TRIAL,
+        _TIME,
+        *_vector("command", parts, "radps", "commanded speed of the rotor, 250 Hz"),
+        *_vector("speed", parts, "radps", "its true speed"),
+    )
+
 
 TABLES: Mapping[str, tuple[Column, ...]] = {
     "trials": (
@@ -83,12 +99,7 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         *_vector("acceleration", BODY_AXES, "mps2", "specific force as measured, FLU, 250 Hz"),
         *_vector("angular_rate", BODY_AXES, "radps", "as measured, FLU"),
     ),
-    "motors": (
-        _TRIAL,
-        _TIME,
-        *_vector("command", ROTORS, "radps", "commanded speed of the rotor, 250 Hz"),
-        *_vector("speed", ROTORS, "radps", "its true speed"),
-    ),
+    "motors": motor_columns(4),
     "plans": (
         _TRIAL,
         Column("plan", pa.int64(), "number of the plan, from 0"),
@@ -131,7 +142,7 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         Column("value", pa.string(), "the new state, or the line"),
     ),
 }
-"""Columns of each table."""
+"""Columns of each table; that of motors has those of a quadrotor, and more where there are more."""
 
 
 def arrow_schema(columns: Iterable[Column]) -> pa.Schema:

@@ -16,13 +16,11 @@ from flightsim.mavlink.logs import ulog
 from flightsim.mavlink.logs.ulog import Topic
 from scenarios.recording.layout import AXES, BODY_AXES
 from scenarios.trial_data.reading import RecordedTrial
-from scenarios.trial_data.tables import QUATERNION, ROTORS
+from scenarios.trial_data.tables import QUATERNION
 
 _POSITION_FIELDS = tuple(f"float {name}" for name in ("x", "y", "z", "vx", "vy", "vz", "heading"))
 _IMU = Topic("sensor_combined", "float[3] gyro_rad", "float[3] accelerometer_m_s2")
 _SETPOINT = Topic("trajectory_setpoint", "float[3] position", "float[3] velocity")
-_COMMAND = Topic("actuator_outputs", "float[4] output")
-_SPEED = Topic("rotor_speed", "float[4] radps")
 _WIND = Topic("wind", "float windspeed_north", "float windspeed_east")
 _CONTACT = Topic("vehicle_contact", "bool is_touching")
 
@@ -90,8 +88,12 @@ def _samples(trial: RecordedTrial) -> Iterator[_Samples]:
     )
     yield _Samples(_IMU, trial.tables["imu"]["time_us"].to_numpy(), imu)
     time_us = trial.tables["motors"]["time_us"].to_numpy()
-    for topic, prefix in ((_COMMAND, "command"), (_SPEED, "speed")):
-        yield _Samples(topic, time_us, trial.array("motors", prefix, "radps", ROTORS))
+    numbers = f"float[{len(trial.rotors)}]"
+    for topic, prefix in (
+        (Topic("actuator_outputs", f"{numbers} output"), "command"),
+        (Topic("rotor_speed", f"{numbers} radps"), "speed"),
+    ):
+        yield _Samples(topic, time_us, trial.array("motors", prefix, "radps", trial.rotors))
 
 
 def _motion(trial: RecordedTrial, whose: str, suffix: str) -> Iterator[_Samples]:

@@ -12,6 +12,7 @@ from jaxtyping import Float
 from flightsim.environment.movers import ObstacleStates
 from flightsim.plant import Plant
 from flightsim.plant.cfg import ADVANCE_HZ
+from flightsim.plant.record import without_gaps
 from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
 from scenarios.trials.limits import LIMITS
@@ -73,9 +74,9 @@ class FlightLog:
 
     def state_hash(self) -> str:
         """BLAKE2b of every row so far: what was true, measured, estimated and commanded."""
-        for rows in self._ticks[self._n_hashed :]:
-            self._digest.update(rows)
-        self._n_hashed = len(self._ticks)
+        if self._n_hashed < len(self._ticks):
+            self._digest.update(without_gaps(self._rows(self._n_hashed)).tobytes())
+            self._n_hashed = len(self._ticks)
         return self._digest.hexdigest()
 
     def score(self, goal: Goal | None) -> FlightScore:

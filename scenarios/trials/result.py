@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from aeroscene.scene import InteractionArea
 from autonomy.types import Vector3
-from scenarios.trials.score import N_SOLES, FlightScore
+from scenarios.trials.score import FlightScore
 from scenarios.trials.verdict import Code
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def figures(
         "touchdown_error_m": rounded(score.touchdown_error_m),
         "touchdown_speed_mps": rounded(score.touchdown_speed_mps),
         "slide_m": rounded(score.slide_m),
-        "soles_inside": None if area is None else score.n_soles_inside == N_SOLES,
+        "soles_inside": None if area is None else score.n_soles_inside == score.n_soles,
         "tilt_at_rest_deg": rounded(score.tilt_at_rest_deg) if score.is_down else None,
         "stopped_after_s": rounded(score.stopped_after_s),
         "rotor_spin_ups": score.rotor_spin_ups if score.is_down else None,

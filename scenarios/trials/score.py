@@ -13,13 +13,11 @@ from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
-from flightsim.vehicles.builder import sole_positions_flu_m
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
 from scenarios.trials.measures.effort import Effort
 from scenarios.trials.measures.estimation import EstimationErrors
 
-N_SOLES = 4
 _IMPACT_S = 0.02
 """Time before the first contact in which its speed is measured: solids are a little soft."""
 
@@ -45,6 +43,7 @@ class FlightScore:
     """All that was touched after lift-off."""
     landed_area: int | None = None
     """Area that all soles ended on, the assigned one or another; None if there is none."""
+    n_soles: int = 4
     n_soles_inside: int = 0
     """Soles that ended on the assigned area."""
     touchdown_error_m: float | None = None
@@ -87,6 +86,8 @@ class Goal:
     """Point of the area that the pilot chose; None takes the centroid."""
     others: Sequence[InteractionArea] = ()
     """Other areas that the flight may have ended on."""
+    stays_up: bool = False
+    """Whether a flight without an assigned area may touch nothing once it is in the air."""
 
 
 def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightScore:
@@ -109,6 +110,7 @@ def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightS
         touchdown_s=None if end is None else float(time_s[end]),
         contacts_before_touchdown=brushes,
         landed_area=next(landed, None) if end is not None else None,
+        n_soles=len(soles_enu_m),
         n_soles_inside=_n_soles_inside(soles_enu_m, goal.area) if end is not None else 0,
         touchdown_error_m=_error_m(rest, goal) if end is not None else None,
         touchdown_speed_mps=None if end is None else _impact_mps(history, end),
@@ -159,9 +161,9 @@ def _error_m(rest: np.void, goal: Goal) -> float | None:
     return math.dist(rest["position_true_enu_m"][:2], chosen_enu_m[:2])
 
 
-def _soles_enu_m(row: np.void, airframe: Airframe) -> Float[np.ndarray, "4 3"]:
+def _soles_enu_m(row: np.void, airframe: Airframe) -> Float[np.ndarray, "n 3"]:
     scalar, axis = row["quat_true_wxyz"][0], row["quat_true_wxyz"][1:]
-    soles_flu_m = np.array(sole_positions_flu_m(airframe))
+    soles_flu_m = np.array(airframe.soles_flu_m)
     across = 2.0 * np.cross(axis, soles_flu_m)
     return row["position_true_enu_m"] + soles_flu_m + scalar * across + np.cross(axis, across)
 
@@ -188,8 +190,7 @@ def is_at_rest(history: np.ndarray) -> bool:
 
 def rotors_turn(history: np.ndarray, airframe: Airframe) -> Bool[np.ndarray, " n"]:
     """Whether any rotor turns, for each row of a history."""
-    rotors = airframe.quadrotor.rotors
-    hover_radps = math.sqrt(_weight_n(airframe) / sum(rotor.thrust_constant for rotor in rotors))
+    hover_radps = airframe.quadrotor.hover_speed_radps
     return np.max(history["rotor_speed_radps"], axis=1) > LIMITS.rotor_share * hover_radps
 
 
@@ -204,7 +205,7 @@ def _stopped_after_s(landed: np.ndarray, airframe: Airframe) -> float | None:
 
 def _spin_ups(landed: np.ndarray, airframe: Airframe) -> int:
     """Times that thrust rose above the upper share of the weight, each after the lower one."""
-    constants = np.array([rotor.thrust_constant for rotor in airframe.quadrotor.rotors])
+    constants = np.array([r.thrust_constant * r.axis_flu[2] for r in airframe.quadrotor.rotors])
     share = (landed["rotor_speed_radps"] ** 2 @ constants) / _weight_n(airframe)
     # Only rows beyond one of the shares matter; what follows a low one and is high is a spin-up.
     is_high = share[(share < LIMITS.unloaded_share) | (share > LIMITS.loaded_share)] > (

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import N_SOLES, FlightScore, Goal
+from scenarios.trials.score import FlightScore, Goal
 
 
 class Code(StrEnum):
@@ -111,7 +111,8 @@ def judge(score: FlightScore, goal: Goal, ending: Ending) -> Judgement:
     """Judge a flight: the first objection decides."""
     objections = [*_to_any_flight(score, ending)]
     if goal.area is None:
-        objections += _to_a_word(ending)
+        touched = goal.stays_up and (score.is_down or score.contacts_before_touchdown > 0)
+        objections += [(touched, Code.CONTACT, "touched something"), *_to_a_word(ending)]
         code, reason = Code.DONE, ending.word.reason
     else:
         objections += [*_to_the_way(score), *_to_the_place(score, goal.area, ending)]
@@ -170,7 +171,7 @@ def _to_the_place(
     yield (
         not is_there,
         Code.OUTSIDE_AREA,
-        f"came to rest with {n} of {N_SOLES} soles inside",
+        f"came to rest with {n} of {score.n_soles} soles inside",
     )
 
 

@@ -38,6 +38,15 @@ PLUS = quadrotor(
     c=0.016,
     max_speed=838.0,
 )
+
+
+def ring(n):
+    """Vehicle of the Iris's mass with n rotors around it, which spin in turn."""
+    bearings = 2.0 * np.pi * (np.arange(n) + 0.5) / n
+    hubs = tuple((0.25 * np.cos(b), 0.25 * np.sin(b), 0.02) for b in bearings)
+    return quadrotor(hubs, tuple(1 if k % 2 else -1 for k in range(n)))
+
+
 HOVER = np.sqrt(IRIS.mass_kg * G / sum(r.thrust_constant for r in IRIS.rotors))
 
 
@@ -47,5 +56,5 @@ def hovering():
     x = np.zeros(1, STATE_DTYPE)[0]
     x["quat_wxyz"][0] = 1.0
     c["R"] = np.eye(3)
-    c["rotor_model_radps"] = HOVER
+    c["rotor_model_radps"][:4] = HOVER
     return c, x

@@ -105,30 +105,111 @@ def test_mavproxy_connects_lists_parameters_and_arms(testbench, tmp_path):
         proxy.close()
 
 
-@pytest.mark.timeout(300)
-def test_mavproxy_flies_guided_as_with_ardupilot(copter, tmp_path):
+@pytest.fixture
+def guided(copter, tmp_path):
+    """MAVProxy at a vehicle as ArduPilot's, which signs all that either says from the start."""
     proxy = MavProxy(f"tcp:127.0.0.1:{copter.tcp_port}", tmp_path, dialect="ardupilotmega")
     try:
         proxy.expect(rf"Detected vehicle {1 + copter.instance}:1")
-        n_parameters = int(proxy.expect(r"Received (\d+) parameters")[1])
+        n_parameters = int(proxy.expect(r"Received (\d+) parameters \(ftp\)")[1])
         assert n_parameters == len(ARDUPILOT.aliases)
-        proxy.type("param set RTL_ALT 800")
-        proxy.ask("param show RTL_ALT", r"RTL_ALT\s+800\.0")
-        proxy.type("mode guided")
-        proxy.ask("status HEARTBEAT", r"custom_mode : 4\b")
-        proxy.type("arm throttle")
-        proxy.expect("ARMED")
-        proxy.type("takeoff 6")
-        proxy.expect(r"NAV_TAKEOFF: ACCEPTED")
-        height = r"relative_alt : (5[6-9]\d\d|6[0-4]\d\d)\b"
-        proxy.ask("status GLOBAL_POSITION_INT", height)
-        place = proxy.ask("status GLOBAL_POSITION_INT", r"lat : (-?\d+), lon : (-?\d+)")
-        latitude_deg, longitude_deg = (int(part) * 1e-7 for part in place.groups())
-        proxy.type(f"guided {latitude_deg + 1e-4} {longitude_deg} 9")
-        proxy.ask("status GLOBAL_POSITION_INT", r"relative_alt : (8[7-9]\d\d|9[0-3]\d\d)\b")
-        proxy.ask("status GLOBAL_POSITION_INT", rf"lat : {round(latitude_deg * 1e7 + 1000) // 100}")
-        proxy.type("mode rtl")
-        proxy.expect("Disarmed by landing|DISARMED", timeout_s=90.0)
+        proxy.type("signing setup open-sesame")
+        proxy.expect("Signing is on")
+        yield proxy
+        proxy.type("signing remove")
+        proxy.expect("Signing is off")
         proxy.type("exit")
     finally:
         proxy.close()
+
+
+def _save_and_load_parameters(proxy, directory):
+    saved = directory / "saved.parm"
+    proxy.type("param set RTL_ALT 800")
+    proxy.ask("param show RTL_ALT", r"RTL_ALT\s+800\.0")
+    proxy.type(f"param save {saved}")
+    proxy.expect(rf"Saved {len(ARDUPILOT.aliases)} parameters")
+    proxy.type("param set RTL_ALT 1200")
+    proxy.ask("param show RTL_ALT", r"RTL_ALT\s+1200\.0")
+    proxy.type(f"param load {saved}")
+    proxy.expect(r"changed RTL_ALT from 1200\S* to 800")
+    proxy.expect(rf"Loaded {len(ARDUPILOT.aliases)} parameters .*\(changed 1\)")
+
+
+def _load_and_read_back(proxy, directory, name, title, items):
+    """Load a plan's file, read it back from the vehicle, and hold that it is the same."""
+    sent, came = directory / f"{name}.txt", directory / f"{name}_back.txt"
+    rows = ["\t".join(map(str, (seq, 0, *item, 1))) for seq, item in enumerate(items)]
+    sent.write_text("\n".join(("QGC WPL 110", *rows, "")))
+    proxy.type(f"{name} load {sent}")
+    proxy.expect(rf"Loaded {len(items)} {title} in")
+    proxy.type(f"{name} save {came}")
+    proxy.expect(rf"Saved {len(items)} {title} to {came}")
+    back = [[float(word) for word in line.split()] for line in came.read_text().splitlines()[1:]]
+    n_home_items = 1 if name == "wp" else 0  # The vehicle knows better where home is.
+    assert len(back) == len(items)
+    for row, item in zip(back[n_home_items:], items[n_home_items:], strict=True):
+        assert row[2:11] == pytest.approx(item, abs=1e-6)
+
+
+def _place(proxy):
+    place = proxy.ask("status GLOBAL_POSITION_INT", r"lat : (-?\d+), lon : (-?\d+)")
+    return tuple(int(part) * 1e-7 for part in place.groups())
+
+
+def _load_plans(proxy, directory, latitude_deg, longitude_deg, altitude_m):
+    nothing, here = (0, 0, 0, 0), (latitude_deg, longitude_deg)
+    home = (0, 16, *nothing, *here, altitude_m)
+    away = (3, 16, *nothing, latitude_deg + 5e-5, longitude_deg, 9)
+    back = (3, 20, *nothing, 0, 0, 0)
+    _load_and_read_back(proxy, directory, "wp", "waypoints", [home, away, back])
+    circle = (0, 5003, 150, 0, 0, 0, *here, 0)
+    _load_and_read_back(proxy, directory, "fence", "fence items", [circle])
+    rally = (3, 5100, *nothing, latitude_deg - 5e-5, longitude_deg, 12)
+    _load_and_read_back(proxy, directory, "rally", "rally items", [rally])
+
+
+def _fly_guided_and_the_mission(proxy, latitude_deg, longitude_deg):
+    proxy.type("mode guided")
+    proxy.ask("status HEARTBEAT", r"custom_mode : 4\b")
+    proxy.type("arm throttle")
+    proxy.expect("ARMED")
+    proxy.type("takeoff 6")
+    proxy.expect(r"NAV_TAKEOFF: ACCEPTED")
+    height = r"relative_alt : (5[6-9]\d\d|6[0-4]\d\d)\b"
+    proxy.ask("status GLOBAL_POSITION_INT", height)
+    proxy.type(f"guided {latitude_deg + 1e-4} {longitude_deg} 9")
+    proxy.ask("status GLOBAL_POSITION_INT", r"relative_alt : (8[7-9]\d\d|9[0-3]\d\d)\b")
+    proxy.ask("status GLOBAL_POSITION_INT", rf"lat : {round(latitude_deg * 1e7 + 1000) // 100}")
+    proxy.type("mode auto")
+    proxy.ask("status MISSION_CURRENT", r"seq : 2\b")
+    proxy.expect("Disarmed by landing|DISARMED", timeout_s=90.0)
+
+
+def _download_the_log(proxy, directory):
+    """By the log protocol and by FTP, and hold that both are one."""
+    by_log, by_ftp = directory / "by_log.ulg", directory / "by_ftp.ulg"
+    proxy.type("log list")
+    size = int(proxy.expect(r"^Log 0 +numLogs 1 lastLog 0 size (\d+)")[1])
+    proxy.type(f"log download 0 {by_log}")
+    proxy.expect(rf"Finished downloading .* \({size} bytes")
+    proxy.type("ftp list /log")
+    proxy.expect(rf"0\.ulg\s+{size}\b")
+    proxy.type(f"ftp get /log/0.ulg {by_ftp}")
+    proxy.expect(rf"Wrote {size} bytes")
+    deadline_s = time.monotonic() + 10.0
+    while by_ftp.stat().st_size < size and time.monotonic() < deadline_s:
+        time.sleep(0.1)  # It says that it has written before it has.
+    assert by_log.read_bytes() == by_ftp.read_bytes()
+    assert by_log.read_bytes().startswith(b"ULog")
+
+
+@pytest.mark.timeout(300)
+def test_mavproxy_works_and_flies_signed_as_with_ardupilot(guided, copter, tmp_path):
+    latitude_deg, longitude_deg = _place(guided)
+    _save_and_load_parameters(guided, tmp_path)
+    _load_plans(guided, tmp_path, latitude_deg, longitude_deg, 0.0)
+    guided.type("motortest 1 0 10 1")
+    guided.expect(r"DO_MOTOR_TEST: ACCEPTED")
+    _fly_guided_and_the_mission(guided, latitude_deg, longitude_deg)
+    _download_the_log(guided, tmp_path)

@@ -108,6 +108,13 @@ def test_a_scene_from_twenty_lines_is_sound_and_flown():
     assert result.scene == "container-yard"
 
 
+def test_a_policy_learns_for_a_moment_and_is_tried():
+    pytest.importorskip("stable_baselines3")
+    share, distance_m = load("learn_hover")["main"](256, 2)
+    assert 0.0 <= share <= 1.0
+    assert 0.0 < distance_m < 6.0
+
+
 def test_a_vehicle_of_ones_own_lands():
     result = load("own_vehicle")["main"]()
     assert result.success, result.reason

@@ -4,16 +4,17 @@ import struct
 
 import fuzz_mavlink
 import pytest
+from fuzzing.clients import LINKS
 from fuzzing.frames import COMMANDS, Traffic
 from fuzzing.values import TYPES
-from fuzzing.vehicles import LINKS, DeadVehicleError, Vehicle
+from fuzzing.vehicles import DeadVehicleError, Vehicle
 
 from flightsim.mavlink import streams
 from flightsim.mavlink.dialect import LAYOUTS, dialect
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.server import MavlinkServer
 
-FRAMES = {"in-process": 30_000, "udp": 12_000, "tcp": 12_000}
+FRAMES = {"in-process": 30_000, "udp": 12_000, "tcp": 12_000, "serial": 8_000, "signed": 8_000}
 
 
 @pytest.mark.timeout(300)
@@ -67,7 +68,10 @@ def test_every_message_and_every_command_is_sent():
     decoder = dialect.MAVLink(None)
     seen, commands = set(), set()
     for _ in range(60_000):
-        message = decoder.decode(bytearray(next(frames)))
+        data = next(frames)
+        if not data:
+            continue
+        message = decoder.decode(bytearray(data))
         seen.add(message.get_type())
         if message.get_type() in {"COMMAND_LONG", "COMMAND_INT"}:
             commands.add(message.command)

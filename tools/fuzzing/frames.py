@@ -7,6 +7,7 @@ an answer that comes by itself later. So half of the traffic is conversations.
 from __future__ import annotations
 
 import random
+import struct
 from collections.abc import Callable, Iterator, Sequence
 
 from flightsim.mavlink.dialect import MESSAGE_NAMES
@@ -62,6 +63,17 @@ _ITEM_MESSAGES = ("MISSION_ITEM_INT", "MISSION_ITEM")
 _ASKED_FIRST = 12
 """Items of a mission that are sent or asked for in one conversation."""
 
+_OFFSETS = (0, 0, 90, 239, 100_000, 2**31, 2**32 - 1)
+_PATHS = (b"/", b"/log", b"/log/0.ulg", b"log/3.ulg", b"/log/../../etc/passwd", b"\xff" * 40, b"")
+_LINES = (
+    *(b"help\n", b"ver all\n", b"param show *\n", b"commander status\n", b"\n", b"\xff" * 70),
+    *(b"listener vehicle_attitude\n", b"listener", b"param show " + b"*?" * 29, b" " * 70),
+    *(b"param set MPC_XY_CRUISE 1e30\n", b"commander land\n", b"commander mode orbit\n"),
+)
+_N_HARMLESS = 10
+_PAUSES, _PAUSE_FRAMES = 5e-6, 24_000
+"""How often everybody falls silent, and for as many frames as four clients send in six seconds."""
+
 Act = Callable[[random.Random], Sequence[bytes]]
 
 
@@ -84,12 +96,17 @@ class Traffic:
             self._parameters,
             self._home,
             self._fleeting,
+            self._log,
+            self._file,
+            self._shell,
         )
 
     def frames(self) -> Iterator[bytes]:
-        """Frames without end."""
+        """Frames without end; an empty one is silence, in which what was begun times out."""
         rng = self._rng
         while True:
+            if chance(rng, _PAUSES):
+                yield from (b"",) * _PAUSE_FRAMES
             acts = self._acts if chance(rng, 0.7) else self._conversations
             yield from rng.choice(acts)(rng)
 
@@ -182,6 +199,47 @@ class Traffic:
         """What is answered at once, with what it held."""
         name = rng.choice(("PING", "TIMESYNC", "FILE_TRANSFER_PROTOCOL", "LOG_REQUEST_DATA"))
         return (frame(rng, name), frame(rng, "FILE_TRANSFER_PROTOCOL", target_network=0))
+
+    def _log(self, rng: random.Random) -> Sequence[bytes]:
+        """Logs are listed, read from anywhere, and erased while they are read."""
+        log_id = rng.randrange(3)
+        read = frame(rng, "LOG_REQUEST_DATA", id=log_id, ofs=rng.choice(_OFFSETS))
+        after = rng.choice(("LOG_ERASE", "LOG_REQUEST_END", "LOG_REQUEST_LIST"))
+        return (frame(rng, "LOG_REQUEST_LIST", start=0), read, frame(rng, after))
+
+    def _file(self, rng: random.Random) -> Sequence[bytes]:
+        """A file or folder is opened, and read at once or in a burst, from anywhere."""
+        path, offset = rng.choice(_PATHS), rng.choice(_OFFSETS)
+        asked = [
+            (rng.choice((3, 4, 14)), path),
+            (rng.choice((5, 15)), b""),
+            (rng.randrange(17), path),
+        ]
+        return [
+            frame(
+                rng,
+                "FILE_TRANSFER_PROTOCOL",
+                target_network=0,
+                payload=[*_file_request(rng, opcode, data, offset).ljust(251, b"\0")[:251]],
+            )
+            for opcode, data in asked
+        ]
+
+    def _shell(self, rng: random.Random) -> Sequence[bytes]:
+        line = rng.choice(_LINES if self._is_obeyed else _LINES[:_N_HARMLESS])
+        data = [*line.ljust(70, b"\0")[:70]]
+        said = frame(
+            rng, "SERIAL_CONTROL", device=10, flags=rng.choice((2, 6)), count=len(line), data=data
+        )
+        return (said,)
+
+
+def _file_request(rng: random.Random, opcode: int, data: bytes, offset: int) -> bytes:
+    size = len(data) if chance(rng, 0.8) else rng.randrange(256)
+    head = struct.pack(
+        "<HBBBBBxI", rng.randrange(1 << 16), rng.choice((0, 0, 1)), opcode, size, 0, 0, offset
+    )
+    return head + data
 
 
 def _command(rng: random.Random, number: int, **given: float) -> bytes:

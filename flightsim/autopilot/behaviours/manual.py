@@ -114,7 +114,9 @@ class StickGuided:
         is_piloted = flight.sticks.is_alive(flight.vehicle.time_us)
         if self._holds_position or (not is_piloted and flight.vehicle.is_position_ok):
             speed = limits.speed_xy_mps / max(1.0, hypot(east, north))
-            self._advance((east * speed, north * speed, up_mps), drifts=False)
+            wished = (east * speed, north * speed)
+            share = flight.collision_prevention.allowed_share(wished, flight.vehicle, limits)
+            self._advance((share * wished[0], share * wished[1], up_mps), drifts=False)
             x, y, z = self._motion.axes
             return flight.follow((x.x, y.x, z.x), (x.v, y.v, z.v), (x.a, y.a, z.a))
         self._advance((0.0, 0.0, up_mps), drifts=True)

@@ -16,7 +16,7 @@ from flightsim.autopilot.behaviours.mission_legs import (
 )
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight_context import FlightContext
-from flightsim.autopilot.mission_item import Cmd, MissionItem
+from flightsim.autopilot.mission_item import PAYLOAD_COMMANDS, Cmd, MissionItem
 from flightsim.autopilot.mission_places import place_of
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
@@ -196,6 +196,8 @@ class MissionFlight:
                 self.next_mode = Mode.RETURN
             case Cmd.SET_HOME:
                 flight.move_home(None if item.param1 == 1.0 else place_of(item, flight))
+            case command if command in PAYLOAD_COMMANDS:
+                flight.events.payload_order(item)
         return index + 1
 
     def _change_speed(self, item: MissionItem) -> None:

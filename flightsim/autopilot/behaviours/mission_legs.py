@@ -11,6 +11,7 @@ from flightsim.autopilot.behaviours import Behaviour
 from flightsim.autopilot.behaviours.hold import Hold
 from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.behaviours.orbit import Orbit
+from flightsim.autopilot.behaviours.precision_land import Precision, PrecisionLand
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.behaviours.waypoint import WaypointLeg
 from flightsim.autopilot.flight_context import FlightContext
@@ -75,7 +76,11 @@ def leg_of(
             return _takeoff_leg(Takeoff(flight, place_of(item, flight)[2], yaw_rad))
         case Cmd.LAND:
             x, y, _ = place_of(item, flight)
-            return MissionLeg(Land(flight, None if item.is_here else (x, y), yaw_rad), _never)
+            place = None if item.is_here else (x, y)
+            if item.param2 in {Precision.OPPORTUNISTIC, Precision.REQUIRED}:
+                is_required = item.param2 == Precision.REQUIRED
+                return MissionLeg(PrecisionLand(flight, place, is_required=is_required), _never)
+            return MissionLeg(Land(flight, place, yaw_rad), _never)
         case Cmd.LOITER_TURNS:
             return _circle_leg(item, flight)
         case Cmd.DELAY | Cmd.CONDITION_DELAY | Cmd.CONDITION_YAW:

@@ -17,8 +17,6 @@ from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy import sparse
-from scipy.sparse.linalg import cg
 
 _TOLERANCE = 1e-5
 
@@ -83,6 +81,9 @@ def _divergence(faces: Faces) -> np.ndarray:
 
 def _solve(is_solid: np.ndarray, divergence: np.ndarray) -> np.ndarray:
     """Multiplier of the divergence, times the edge of a cell."""
+    from scipy import sparse  # noqa: PLC0415 - loads only where a wind is solved for the first time
+    from scipy.sparse.linalg import cg  # noqa: PLC0415 - as above
+
     n = is_solid.size
     index = np.arange(n).reshape(is_solid.shape)
     diagonal = np.zeros(is_solid.shape)

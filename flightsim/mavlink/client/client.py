@@ -1,54 +1,27 @@
 """MAVLink companion client in lockstep with the simulation, over any byte pipe.
 
-It speaks MAVLink 2 with the `common` dialect like any other onboard computer: it sends heartbeats,
-repeats commands until they are acknowledged, and streams setpoints. Its only clock is the simulated
-time passed to `update`.
+It speaks MAVLink 2 like any other onboard computer, with the server's dialect, as loading another
+takes a tenth of a second: it sends heartbeats, repeats commands until they are acknowledged, and
+streams setpoints. Its only clock is the simulated time passed to `update`.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Protocol
 
-from pymavlink.dialects.v20 import common as mavlink
-
 from autonomy.types import FlatReference
 from flightsim.frames import LocalFrame, swap_enu_ned, swap_yaw_enu_ned
+from flightsim.mavlink.client.habits import PX4_HABITS, Habits
 from flightsim.mavlink.client.telemetry import Telemetry, TelemetryReader
+from flightsim.mavlink.dialect import dialect as mavlink
 
 _HEARTBEAT_PERIOD_US = 1_000_000
 _ACK_TIMEOUT_US = 500_000
 _PROGRESS_TIMEOUT_US = 5_000_000
 _TRIES = 5
 _AUTOPILOT_COMPONENT = 1
-# PX4's custom modes: sub << 24 | main << 16.
-PX4_OFFBOARD = 6 << 16
-PX4_LAND = 6 << 24 | 4 << 16
-PX4_RETURN = 5 << 24 | 4 << 16
-PX4_HOLD = 3 << 24 | 4 << 16
-_NEEDED_HZ = {
-    mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 50,
-    mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: 50,
-    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 10,
-    mavlink.MAVLINK_MSG_ID_HEARTBEAT: 5,
-    mavlink.MAVLINK_MSG_ID_DISTANCE_SENSOR: 10,
-    mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 5,
-}
-_NOT_NEEDED = (
-    mavlink.MAVLINK_MSG_ID_ATTITUDE,
-    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
-    mavlink.MAVLINK_MSG_ID_HIGHRES_IMU,
-    mavlink.MAVLINK_MSG_ID_ODOMETRY,
-    mavlink.MAVLINK_MSG_ID_VFR_HUD,
-    mavlink.MAVLINK_MSG_ID_ALTITUDE,
-    mavlink.MAVLINK_MSG_ID_ATTITUDE_TARGET,
-    mavlink.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED,
-    mavlink.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT,
-    mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW,
-    mavlink.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT,
-)
 
 
 class BytePipe(Protocol):
@@ -106,21 +79,24 @@ class MavlinkClient:
 
     Attributes:
         telemetry: Latest state reported by the vehicle.
+        habits: What is particular to its flight stack.
     """
 
-    def __init__(self, pipe: BytePipe, frame: LocalFrame) -> None:
+    def __init__(self, pipe: BytePipe, frame: LocalFrame, *, habits: Habits = PX4_HABITS) -> None:
         """Prepare a connection; nothing is sent before the first `update`.
 
         Args:
             pipe: Connection to the vehicle.
             frame: Local frame of the scene, used by `telemetry` and by setpoints.
+            habits: Which flight stack it is.
         """
         self._pipe = pipe
+        self.habits = habits
         self._mav = mavlink.MAVLink(
             None, srcSystem=1, srcComponent=mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
         )
         self._mav.robust_parsing = True
-        self._reader = TelemetryReader(frame)
+        self._reader = TelemetryReader(frame, habits)
         self.telemetry: Telemetry = self._reader.telemetry
         self._time_us = 0
         self._heartbeat_due_us = 0
@@ -130,6 +106,8 @@ class MavlinkClient:
         """Read messages, send heartbeats and repeat unacknowledged commands."""
         self._time_us = time_us
         for message in self._mav.parse_buffer(self._pipe.recv()) or ():
+            if not self._reader.is_of_vehicle(message):
+                continue
             if message.get_type() == "COMMAND_ACK":
                 self._on_ack(message)
             else:
@@ -145,7 +123,7 @@ class MavlinkClient:
 
     def command(self, command: int, *params: float) -> Command:
         """Send a command, repeated until the vehicle answers; the outcome is in the result."""
-        padded = (*params, *[math.nan] * (7 - len(params)))
+        padded = (*params, *[self.habits.unused] * (7 - len(params)))
         pending = Command(command=command, params=padded)
         self._commands.append(pending)
         return pending
@@ -155,8 +133,8 @@ class MavlinkClient:
         origin = self.command(
             mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
         )
-        wanted = [(message_id, 1e6 / hz) for message_id, hz in _NEEDED_HZ.items()]
-        unwanted = [(message_id, -1.0) for message_id in _NOT_NEEDED]
+        wanted = [(message_id, 1e6 / hz) for message_id, hz in self.habits.streams_hz.items()]
+        unwanted = [(message_id, -1.0) for message_id in self.habits.unwanted]
         return [
             origin,
             *(
@@ -167,12 +145,15 @@ class MavlinkClient:
 
     def set_mode(self, custom_mode: int) -> Command:
         """Change the flight mode; see `PX4_OFFBOARD` and the other modes."""
+        main, sub = (custom_mode >> shift & 0xFF for shift in self.habits.mode_shifts)
         return self.command(
-            mavlink.MAV_CMD_DO_SET_MODE,
-            mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED,
-            custom_mode >> 16 & 0xFF,
-            custom_mode >> 24,
+            mavlink.MAV_CMD_DO_SET_MODE, mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED, main, sub
         )
+
+    def take_off(self, height_m: float) -> Command:
+        """Rise to a height above home, where the vehicle then waits."""
+        unused = self.habits.unused
+        return self.command(mavlink.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, unused, unused, unused, height_m)
 
     def arm(self) -> Command:
         """Start the rotors."""

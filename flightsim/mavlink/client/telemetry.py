@@ -7,8 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from pymavlink.dialects.v20 import common as mavlink
-
 from autonomy.types import NAN3, Quaternion, Vector3, yaw_of
 from flightsim.frames import (
     Geodetic,
@@ -17,6 +15,8 @@ from flightsim.frames import (
     swap_flu_frd,
     swap_quat_enu_flu_ned_frd,
 )
+from flightsim.mavlink.client.habits import PX4_HABITS, Habits
+from flightsim.mavlink.dialect import dialect as mavlink
 
 _NAVIGATING_BITS = (
     mavlink.ESTIMATOR_ATTITUDE
@@ -73,19 +73,21 @@ class Telemetry:
 class TelemetryReader:
     """Updates a `Telemetry` from messages."""
 
-    def __init__(self, frame: LocalFrame) -> None:
+    def __init__(self, frame: LocalFrame, habits: Habits = PX4_HABITS) -> None:
         """Start with an empty state.
 
         Args:
             frame: Local frame of the scene, in which positions are reported.
+            habits: Which flight stack it is.
         """
-        self._frame = frame
+        self._frame, self._habits = frame, habits
         self.telemetry = Telemetry()
         self._readers: dict[str, Callable[[Any], None]] = {
             "HEARTBEAT": self._heartbeat,
             "SYS_STATUS": self._sys_status,
             "ESTIMATOR_STATUS": self._estimator_status,
             "EXTENDED_SYS_STATE": self._extended_sys_state,
+            "GPS_RAW_INT": self._receiver,
             "GPS_GLOBAL_ORIGIN": self._origin,
             "LOCAL_POSITION_NED": self._local_position,
             "ATTITUDE_QUATERNION": self._attitude,
@@ -94,10 +96,17 @@ class TelemetryReader:
             "STATUSTEXT": self._text,
         }
 
+    def is_of_vehicle(self, message: Any) -> bool:
+        """Whether the autopilot sent a message, and not another client by way of it."""
+        known = self.telemetry.system_id
+        return message.get_srcComponent() == _AUTOPILOT_COMPONENT and (
+            not known or known == message.get_srcSystem()
+        )
+
     def read(self, message: Any) -> None:
-        """Process a message; unknown types are ignored."""
+        """Process a message of the vehicle; unknown types are ignored."""
         reader = self._readers.get(message.get_type())
-        if reader is not None and message.get_srcComponent() == _AUTOPILOT_COMPONENT:
+        if reader is not None:
             reader(message)
 
     def _heartbeat(self, m: Any) -> None:
@@ -116,6 +125,10 @@ class TelemetryReader:
         self.telemetry.is_navigating = m.flags & _NAVIGATING_BITS == _NAVIGATING_BITS
         self.telemetry.horizontal_sigma_m = m.pos_horiz_accuracy
 
+    def _receiver(self, m: Any) -> None:
+        if not self._habits.has_estimator_status:
+            self.telemetry.horizontal_sigma_m = m.h_acc * 1e-3
+
     def _extended_sys_state(self, m: Any) -> None:
         self.telemetry.landed_state = m.landed_state
 
@@ -131,6 +144,8 @@ class TelemetryReader:
         self.telemetry.position_enu_m = (east + origin[0], north + origin[1], up + origin[2])
         self.telemetry.velocity_enu_mps = swap_enu_ned((m.vx, m.vy, m.vz))
         self.telemetry.position_time_ms = m.time_boot_ms
+        if not self._habits.has_estimator_status:
+            self.telemetry.is_navigating = True
 
     def _attitude(self, m: Any) -> None:
         self.telemetry.quat_wxyz = swap_quat_enu_flu_ned_frd((m.q1, m.q2, m.q3, m.q4))

@@ -1,10 +1,12 @@
-"""Transports for MAVLink bytes: UDP, TCP and in-process.
+"""Transports for MAVLink bytes: UDP, TCP, serial and in-process.
 
 Links never block, and no partner can delay or stop the flight.
 """
 
 from flightsim.mavlink.links.in_process import InProcessClient, InProcessLink
 from flightsim.mavlink.links.link import Link, LinkError, PortInUseError
+from flightsim.mavlink.links.network import network_links
+from flightsim.mavlink.links.serial import SerialLine, SerialLink
 from flightsim.mavlink.links.tcp import TcpServerLink
 from flightsim.mavlink.links.udp import UdpLink
 
@@ -14,6 +16,9 @@ __all__ = [
     "Link",
     "LinkError",
     "PortInUseError",
+    "SerialLine",
+    "SerialLink",
     "TcpServerLink",
     "UdpLink",
+    "network_links",
 ]

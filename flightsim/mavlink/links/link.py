@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import ipaddress
 import selectors
 import socket
 from collections.abc import Callable, Sequence
@@ -42,6 +43,11 @@ class Link(Protocol):
     def close(self) -> None:
         """Release the port. Closing twice is fine."""
         ...
+
+
+def is_loopback(address: str) -> bool:
+    """Whether an IP address is one of this machine's own that nobody else hears."""
+    return ipaddress.ip_address(address).is_loopback
 
 
 def bind(transport: socket.socket, kind: Literal["UDP", "TCP"], address: str, port: int) -> None:

@@ -9,8 +9,9 @@ import socket
 import time
 from collections.abc import Callable, Sequence
 
-from flightsim.mavlink.channel import Channel, Clock
-from flightsim.mavlink.links.link import MAX_PARTNERS, bind
+from flightsim.mavlink.channel import Channel, Clock, Write
+from flightsim.mavlink.links.link import MAX_PARTNERS, bind, is_loopback
+from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.streams import Profile
 
 _LOG = logging.getLogger(__name__)
@@ -24,12 +25,12 @@ _STUCK_LIMIT_S = 30.0
 class _Connection:
     """One accepted connection and the bytes that its socket has not accepted yet."""
 
-    def __init__(self, tcp: socket.socket, name: str, profile: Profile, clock: Clock) -> None:
+    def __init__(self, tcp: socket.socket, open_channel: Callable[[Write], Channel]) -> None:
         self.socket = tcp
         self.is_broken = False
         self._unsent = bytearray()
         self._last_progress_s = time.monotonic()
-        self.channel = Channel(name, self.write, profile=profile, clock=clock, is_datagram=False)
+        self.channel = open_channel(self.write)
 
     def read(self) -> None:
         """Read received bytes, unless the partner has exceeded its budget."""
@@ -75,6 +76,7 @@ class TcpServerLink:
         profile: Profile = "normal",
         bind_address: str = "127.0.0.1",
         is_lockstep: bool = False,
+        signing: Signing | None = None,
     ) -> None:
         """Prepare a link.
 
@@ -83,8 +85,11 @@ class TcpServerLink:
             profile: Default stream rates.
             bind_address: Address to listen on.
             is_lockstep: Whether protocol timeouts run in simulated time.
+            signing: Key and timestamps that all links share; None never signs.
         """
         self._is_lockstep = is_lockstep
+        self._signing = signing or Signing()
+        self._link_id = self._signing.new_link_id()
         self._clock: Clock = time.monotonic
         self.name = f"tcp:{port}"
         self._local = (bind_address, port)
@@ -145,20 +150,32 @@ class TcpServerLink:
                 return  # nobody waits any more
             name = f"{self.name} {address[0]}:{address[1]}"
             if len(self.channels) < MAX_PARTNERS:
-                self._welcome(tcp, name)
+                self._welcome(tcp, name, is_local=is_loopback(address[0]))
                 continue
             tcp.close()
             if not self._is_full_told:
                 _LOG.warning("%s is turned away: %d clients are connected", name, MAX_PARTNERS)
             self._is_full_told = True
 
-    def _welcome(self, tcp: socket.socket, name: str) -> None:
+    def _welcome(self, tcp: socket.socket, name: str, *, is_local: bool) -> None:
         assert self._selector is not None
         self._is_full_told = False
         tcp.setblocking(False)
         with contextlib.suppress(OSError):
             tcp.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        connection = _Connection(tcp, name, self._profile, self._clock)
+        connection = _Connection(
+            tcp,
+            lambda write: Channel(
+                name,
+                write,
+                profile=self._profile,
+                clock=self._clock,
+                is_datagram=False,
+                is_local=is_local,
+                signing=self._signing,
+                link_id=self._link_id,
+            ),
+        )
         self._connections.append(connection)
         self._selector.register(tcp, selectors.EVENT_READ, connection.read)
 

@@ -9,14 +9,13 @@ import time
 from collections.abc import Callable, Sequence
 
 from flightsim.mavlink.channel import Channel, Clock
-from flightsim.mavlink.links.link import MAX_PARTNERS, bind
+from flightsim.mavlink.links.link import MAX_PARTNERS, bind, is_loopback
 from flightsim.mavlink.parsing import starts_with_message
+from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.streams import Profile
 
 _Address = tuple[str, int]
 
-_MAX_DATAGRAM_BYTES = 1400
-"""Largest datagram; below the Ethernet MTU with IP and UDP headers."""
 _DATAGRAMS_PER_TICK = 128
 _SILENCE_LIMIT_S = 60.0
 
@@ -36,6 +35,7 @@ class UdpLink:
         bind_address: str = "127.0.0.1",
         remote_address: str = "127.0.0.1",
         is_lockstep: bool = False,
+        signing: Signing | None = None,
     ) -> None:
         """Prepare a link.
 
@@ -46,8 +46,11 @@ class UdpLink:
             bind_address: Address to bind.
             remote_address: Address of the partner that is addressed first.
             is_lockstep: Whether protocol timeouts run in simulated time.
+            signing: Key and timestamps that all links share; None never signs.
         """
         self._is_lockstep = is_lockstep
+        self._signing = signing or Signing()
+        self._link_id = self._signing.new_link_id()
         self._clock: Clock = time.monotonic
         self.name = f"udp:{local_port}->{remote_port}"
         self._local: _Address = (bind_address, local_port)
@@ -98,7 +101,7 @@ class UdpLink:
             except OSError:
                 continue  # an ICMP error left by a partner that is gone
             channel = self._partners.get(address)
-            if channel is None and starts_with_message(data):
+            if channel is None and starts_with_message(data, self._signing):
                 channel = self._learn(address)
             if channel is not None:
                 self._last_heard_s[address] = time.monotonic()
@@ -126,29 +129,15 @@ class UdpLink:
             profile=self._profile,
             clock=lambda: self._clock(),  # noqa: PLW0108 - set when the link is opened
             is_datagram=True,
+            is_local=is_loopback(address[0]),
+            signing=self._signing,
+            link_id=self._link_id,
         )
 
     def _write(self, frames: Sequence[bytes], address: _Address) -> None:
+        """Send frames as one datagram, as which a channel gives them."""
         if self._socket is None:
             return
-        for datagram in join(frames):
-            # A full buffer or an unreachable partner loses the datagram, as radio would.
-            with contextlib.suppress(OSError):
-                self._socket.sendto(datagram, address)
-
-
-def join(frames: Sequence[bytes]) -> list[bytes]:
-    """Join whole frames into as few datagrams as possible, each below the size limit."""
-    if sum(map(len, frames)) <= _MAX_DATAGRAM_BYTES:
-        return [b"".join(frames)]
-    datagrams: list[bytes] = []
-    batch: list[bytes] = []
-    size = 0
-    for frame in frames:
-        if size + len(frame) > _MAX_DATAGRAM_BYTES:
-            datagrams.append(b"".join(batch))
-            batch, size = [], 0
-        batch.append(frame)
-        size += len(frame)
-    datagrams.append(b"".join(batch))
-    return datagrams
+        # A full buffer or an unreachable partner loses the datagram, as radio would.
+        with contextlib.suppress(OSError):
+            self._socket.sendto(b"".join(frames), address)

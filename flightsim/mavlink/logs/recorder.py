@@ -36,6 +36,7 @@ _BATTERY = Topic(
 _STATUS = Topic("vehicle_status", "uint8_t nav_state", "uint8_t arming_state", "bool failsafe")
 _LANDED = Topic("vehicle_land_detected", "bool landed")
 _TOPICS = (_POSITION, _ATTITUDE, _RATES, _GPS, _BATTERY, _STATUS, _LANDED)
+_SAMPLE_BYTES = sum(topic.size for topic in _TOPICS)
 
 # PX4's vehicle_status.msg, v1.15.
 _NAV_STATES = {
@@ -53,6 +54,7 @@ _NAV_STATES = {
     Mode.TAKEOFF: 17,
     Mode.LAND: 18,
     Mode.FOLLOW: 19,
+    Mode.PRECISION_LAND: 20,
     Mode.ORBIT: 21,
 }
 _ARMED = 2
@@ -69,6 +71,11 @@ class FlightLog:
 
     started_us: int
     data: bytearray = field(default_factory=bytearray)
+
+    @property
+    def has_room(self) -> bool:
+        """Whether a sample of all topics may be added."""
+        return len(self.data) + _SAMPLE_BYTES <= MAX_BYTES
 
     def append(self, more: bytes) -> None:
         """Add bytes while there is room for all of them."""
@@ -96,11 +103,10 @@ class FlightRecorder:
         if is_armed and not self._is_recording:
             self._begin()
         self._is_recording = is_armed
-        if is_armed and self._n_ticks % _EVERY == 0:
-            for message_id, (topic, values) in enumerate(
-                zip(_TOPICS, self._samples(), strict=True)
-            ):
-                self.logs[-1].append(topic.pack(message_id, self._view.time_us, *values))
+        if is_armed and self._n_ticks % _EVERY == 0 and self.logs[-1].has_room:
+            time_us = self._view.time_us
+            for message_id, values in enumerate(self._samples()):
+                self.logs[-1].append(_TOPICS[message_id].pack(message_id, time_us, *values))
         self._n_ticks += 1
 
     def files(self) -> Mapping[str, bytearray]:

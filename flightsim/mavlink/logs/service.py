@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+from flightsim.environment.date import EPOCH_US
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.logs.recorder import FlightRecorder
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, send
-from flightsim.mavlink.telemetry_status import SIMULATED_EPOCH_US
 
 _CHUNK_BYTES = 90
 _CHUNKS_PER_TICK = 20
@@ -74,7 +74,7 @@ class LogService:
                 id=log_id,
                 num_logs=len(logs),
                 last_log_num=len(logs) - 1,
-                time_utc=(SIMULATED_EPOCH_US + logs[log_id].started_us) // 1_000_000,
+                time_utc=(EPOCH_US + logs[log_id].started_us) // 1_000_000,
                 size=len(logs[log_id].data),
             )
 

@@ -10,6 +10,9 @@ from collections.abc import Iterable, Mapping
 
 _MAGIC = b"ULog\x01\x12\x35\x01"
 _NO_FLAGS = bytes(40)
+_HEADER = struct.Struct("<HB")
+"""Size and kind of a message, before its bytes."""
+_DATA = ord("D")
 _STRUCT_LETTERS = {"uint64_t": "Q", "int32_t": "i", "float": "f", "uint8_t": "B", "bool": "?"}
 
 
@@ -17,6 +20,9 @@ class Topic:
     """A message that is logged: its name and its fields, larger types first.
 
     A field is written as in ULog, such as `float[4] q`; the first is always the time.
+
+    Attributes:
+        size: Bytes of a sample in the file.
     """
 
     def __init__(self, name: str, *fields: str) -> None:
@@ -24,16 +30,17 @@ class Topic:
         self.definition = f"{name}:" + "".join(
             f"{field};" for field in ("uint64_t timestamp", *fields)
         )
-        self._struct = struct.Struct("<HQ" + "".join(map(_letters, fields)))
+        self._struct = struct.Struct("<HBHQ" + "".join(map(_letters, fields)))
+        self.size = self._struct.size
 
     def pack(self, message_id: int, time_us: int, *values: float) -> bytes:
         """Data message of one sample; arrays are spread out."""
-        return message(b"D", self._struct.pack(message_id, time_us, *values))
+        return self._struct.pack(self.size - _HEADER.size, _DATA, message_id, time_us, *values)
 
 
 def message(kind: bytes, payload: bytes) -> bytes:
     """A message of the file: its size, its type, its bytes."""
-    return struct.pack("<H", len(payload)) + kind + payload
+    return _HEADER.pack(len(payload), ord(kind)) + payload
 
 
 def start(

@@ -6,10 +6,15 @@ import math
 from collections.abc import Callable, Mapping
 
 from flightsim.autopilot.modes import Mode
-from flightsim.mavlink.dialect import EKF_STATUS_REPORT, RANGEFINDER
+from flightsim.frames import euler_rpy_rad, swap_flu_frd, swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.personalities.personality import Alias, ModeEntry, Personality
 from flightsim.mavlink.view import VehicleView
+
+_EKF_STATUS_REPORT = layout("EKF_STATUS_REPORT")
+_RANGEFINDER = layout("RANGEFINDER")
+_SIMSTATE = layout("SIMSTATE")
 
 _STICKS = (
     mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
@@ -49,13 +54,29 @@ def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | Non
         flags = (_EKF_ATTITUDE if health.is_attitude_ok else 0) or _EKF_NOT_READY
         if health.is_position_ok:
             flags |= _EKF_VELOCITY | _EKF_POSITION_ABSOLUTE | _EKF_HEIGHT | _EKF_PREDICTS_POSITION
-        return EKF_STATUS_REPORT.encode(flags=flags)
+        return _EKF_STATUS_REPORT.encode(flags=flags)
 
     def rangefinder() -> bytes | None:
         range_m = view.plant.sensors.range_m
-        return RANGEFINDER.encode(distance=range_m) if math.isfinite(range_m) else None
+        return _RANGEFINDER.encode(distance=range_m) if math.isfinite(range_m) else None
 
-    return {"EKF_STATUS_REPORT": ekf_status, "RANGEFINDER": rangefinder}
+    def simulated_state() -> bytes:
+        truth = view.plant.truth
+        place = view.frame.geodetic_from_enu(truth.position_enu_m)
+        roll, pitch, yaw = euler_rpy_rad(swap_quat_enu_flu_ned_frd(truth.quat_wxyz))
+        xacc, yacc, zacc = swap_flu_frd(view.plant.sensors.imu.accel_flu_mps2)
+        xgyro, ygyro, zgyro = swap_flu_frd(truth.angular_rate_flu_radps)
+        return _SIMSTATE.pack(
+            *(roll, pitch, yaw, xacc, yacc, zacc, xgyro, ygyro, zgyro),
+            round(place.latitude_deg * 1e7),
+            round(place.longitude_deg * 1e7),
+        )
+
+    return {
+        "EKF_STATUS_REPORT": ekf_status,
+        "RANGEFINDER": rangefinder,
+        "SIMSTATE": simulated_state,
+    }
 
 
 # Our modes without a place in ArduCopter are reported as what the vehicle does in them.
@@ -71,7 +92,7 @@ ARDUPILOT = Personality(
         _mode("LOITER", 5, Mode.POSITION),
         _mode("RTL", 6, Mode.RETURN),
         _mode("CIRCLE", 7, Mode.ORBIT, is_selectable=False),
-        _mode("LAND", 9, Mode.LAND, Mode.DESCEND, Mode.TERMINATION),
+        _mode("LAND", 9, Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION),
         _mode("POSHOLD", 16, Mode.POSITION),
         _mode("BRAKE", 17, Mode.HOLD),
         _mode("FOLLOW", 23, Mode.FOLLOW),
@@ -83,6 +104,7 @@ ARDUPILOT = Personality(
         mav.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | mav.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+        | mav.MAV_PROTOCOL_CAPABILITY_FTP
         | mav.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
         | mav.MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
         | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
@@ -139,7 +161,9 @@ ARDUPILOT = Personality(
     },
     takes_off_above_home=True,
     has_guided_mode=True,
+    tests_motors_clockwise=True,
     has_shell=False,
+    has_metadata=False,
     requests_int=False,
     n_home_items=1,
     extra_telemetry=_extra_telemetry,

@@ -75,8 +75,12 @@ class Personality:
     """Whether the altitude of a takeoff counts from home, instead of as its frame says."""
     has_guided_mode: bool = False
     """Whether setpoints and single items fly in the mode of HOLD, instead of in OFFBOARD."""
+    tests_motors_clockwise: bool = False
+    """Whether motor tests count clockwise from the nose, instead of by the motors' numbers."""
     has_shell: bool = True
     """Whether SERIAL_CONTROL leads to a shell."""
+    has_metadata: bool = True
+    """Whether it describes its parameters and events, and tells of events."""
     requests_int: bool = True
     """Whether uploads of missions are asked for with MISSION_REQUEST_INT."""
     n_home_items: int = 0

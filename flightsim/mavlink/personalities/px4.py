@@ -11,7 +11,7 @@ from flightsim.mavlink.personalities.personality import ModeEntry, Personality
 # custom_mode = sub << 24 | main << 16
 _MANUAL, _ALTCTL, _POSCTL, _AUTO, _ACRO, _OFFBOARD, _STABILIZED = (n << 16 for n in range(1, 8))
 _TAKEOFF, _LOITER, _MISSION, _RTL, _LAND = (_AUTO | n << 24 for n in range(2, 7))
-_FOLLOW = _AUTO | 8 << 24
+_FOLLOW, _PRECLAND = (_AUTO | n << 24 for n in (8, 9))
 _POSCTL_ORBIT = _POSCTL | 1 << 24
 
 # pymavlink infers from these flags whether a custom mode is one of sticks or automatic.
@@ -27,7 +27,13 @@ _AUTOMATIC = (
 
 
 def _mode(
-    mode: Mode, custom_mode: int, base_mode: int, standard: int = 0, *, is_selectable: bool = True
+    mode: Mode,
+    custom_mode: int,
+    base_mode: int,
+    standard: int = 0,
+    *,
+    also: Mode | None = None,
+    is_selectable: bool = True,
 ) -> ModeEntry:
     return ModeEntry(
         mode=mode,
@@ -35,10 +41,11 @@ def _mode(
         base_mode=base_mode,
         standard_mode=standard,
         is_selectable=is_selectable,
+        also=frozenset() if also is None else frozenset({also}),
     )
 
 
-# Modes that clients cannot select are reported as the nearest one that every client knows.
+# Modes that clients have not selected are reported as the nearest one that every client knows.
 PX4 = Personality(
     name="px4",
     autopilot=mav.MAV_AUTOPILOT_PX4,
@@ -51,10 +58,11 @@ PX4 = Personality(
         _mode(Mode.HOLD, _LOITER, _AUTOMATIC),
         _mode(Mode.MISSION, _MISSION, _AUTOMATIC, mav.MAV_STANDARD_MODE_MISSION),
         _mode(Mode.RETURN, _RTL, _AUTOMATIC, mav.MAV_STANDARD_MODE_SAFE_RECOVERY),
-        _mode(Mode.LAND, _LAND, _AUTOMATIC, mav.MAV_STANDARD_MODE_LAND),
+        _mode(Mode.LAND, _LAND, _AUTOMATIC, mav.MAV_STANDARD_MODE_LAND, also=Mode.PRECISION_LAND),
         _mode(Mode.TAKEOFF, _TAKEOFF, _AUTOMATIC, mav.MAV_STANDARD_MODE_TAKEOFF),
         _mode(Mode.OFFBOARD, _OFFBOARD, _AUTOMATIC),
         _mode(Mode.FOLLOW, _FOLLOW, _AUTOMATIC),
+        _mode(Mode.PRECISION_LAND, _PRECLAND, _AUTOMATIC),
         _mode(
             Mode.ORBIT,
             _POSCTL_ORBIT,
@@ -72,6 +80,7 @@ PX4 = Personality(
         mav.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
         | mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
         | mav.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+        | mav.MAV_PROTOCOL_CAPABILITY_FTP
         | mav.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
         | mav.MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
         | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED

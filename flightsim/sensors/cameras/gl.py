@@ -58,10 +58,13 @@ class GlCameraRenderer:
         """See `CameraRenderer`."""
         stage = self._stage("fast")
         stage.poses.update(data)
-        view = stage.poses.viewpoint(camera_name)
-        rgb, depth_m = stage.draw(view, has_vehicle=False)
-        _paint_sky(rgb, depth_m, view)
-        return view.frame(time_us, rgb, depth_m)
+        return self._aboard(stage, stage.poses.viewpoint(camera_name), time_us)
+
+    def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
+        """See `CameraRenderer`."""
+        stage = self._stage("fast")
+        stage.poses.update(data)
+        return self._aboard(stage, view, time_us)
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
         """See `CameraRenderer`; drawn without textures, which cost more than all else, or a sky."""
@@ -95,6 +98,12 @@ class GlCameraRenderer:
         time_us = round(data.time * 1e6)
         if quality == "fine":
             return self._lit(view, time_us, rgb, depth_m, stage)
+        _paint_sky(rgb, depth_m, view)
+        return view.frame(time_us, rgb, depth_m)
+
+    @staticmethod
+    def _aboard(stage: _Stage, view: Viewpoint, time_us: int) -> RgbdFrame:
+        rgb, depth_m = stage.draw(view, has_vehicle=False)
         _paint_sky(rgb, depth_m, view)
         return view.frame(time_us, rgb, depth_m)
 

@@ -68,6 +68,11 @@ class RaycastCameraRenderer:
         view = self._poses.viewpoint(camera_name)
         return self._frame(view, time_us, self._cast(view, has_vehicle=False))
 
+    def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
+        """See `CameraRenderer`."""
+        self._poses.update(data)
+        return self._frame(view, time_us, self._cast(view, has_vehicle=False))
+
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
         """See `CameraRenderer`."""
         self._poses.update(data)

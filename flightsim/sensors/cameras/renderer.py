@@ -15,7 +15,13 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
-from flightsim.sensors.cameras.view import CameraError, PosedDepth, Quality, RgbdFrame
+from flightsim.sensors.cameras.view import (
+    CameraError,
+    PosedDepth,
+    Quality,
+    RgbdFrame,
+    Viewpoint,
+)
 from flightsim.world import World
 
 _log = logging.getLogger(__name__)
@@ -33,6 +39,10 @@ class CameraRenderer(Protocol):
 
     def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
         """Frame of an on-board camera at the positions in `data`, which is not changed."""
+        ...
+
+    def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
+        """Frame of an on-board camera that is held at a viewpoint without roll."""
         ...
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:

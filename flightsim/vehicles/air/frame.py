@@ -16,7 +16,7 @@ from jaxtyping import Float
 
 from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
 from flightsim.vehicles.airframe import Airframe
-from flightsim.vehicles.builder import ARM_RADIUS_M, LEG_RADIUS_M, MOTOR_RADIUS_M, leg_axes_flu_m
+from flightsim.vehicles.builder import leg_axes_flu_m, skid_axes_flu_m
 
 _BOX_DRAG_COEFFICIENT = 1.05
 _BAR_DRAG_COEFFICIENT = 1.1
@@ -35,8 +35,8 @@ def frame_drag(airframe: Airframe, *, has_arms: bool) -> Float[np.ndarray, " 3"]
     if has_arms:
         for rotor in airframe.quadrotor.rotors:
             area_m2 += _arm(airframe, np.array(rotor.position_flu_m))
-        for top, foot in leg_axes_flu_m(airframe):
-            area_m2 += _bar(np.subtract(foot, top), LEG_RADIUS_M)
+        for start, end in (*leg_axes_flu_m(airframe), *skid_axes_flu_m(airframe)):
+            area_m2 += _bar(np.subtract(end, start), airframe.leg_radius_m)
     return 0.5 * AIR_DENSITY_KGPM3 * area_m2
 
 
@@ -47,9 +47,9 @@ def _arm(airframe: Airframe, hub_flu_m: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore"):
         inside = min(1.0, float(np.min(half_m / across_m)))
     arm_m = np.array([*hub_flu_m[:2], 0.0]) * (1.0 - inside)
-    side_m2 = 2.0 * MOTOR_RADIUS_M * max(float(hub_flu_m[2]), 0.0)
+    side_m2 = 2.0 * airframe.motor_radius_m * max(float(hub_flu_m[2]), 0.0)
     motor_m2 = _SHORT_BAR_DRAG_COEFFICIENT * np.array([side_m2, side_m2, 0.0])
-    return _bar(arm_m, ARM_RADIUS_M) + motor_m2
+    return _bar(arm_m, airframe.arm_radius_m) + motor_m2
 
 
 def _bar(axis_m: np.ndarray, radius_m: float) -> np.ndarray:

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from scenarios.recording import layout
 from scenarios.recording.rows import RecordedRows
-from scenarios.trial_data.tables import QUATERNION, ROTORS, names
+from scenarios.trial_data.tables import QUATERNION, names, rotor_numbers
 
 Columns = dict[str, Any]
 """Columns of a table by their names, of one length."""
@@ -25,14 +25,13 @@ _EVENTS = {
     "text": (layout.STATUSTEXT, "TextLog:text"),
 }
 _AXES, _BODY = layout.AXES, layout.BODY_AXES
-_FAST = {
+_OF_QUADROTOR = 4
+_Vector = tuple[str, str, tuple[str, ...], str]
+"""A vector of a table: prefix of its columns, entity, parts and unit."""
+_FAST: Mapping[str, tuple[_Vector, ...]] = {
     "imu": (
         ("acceleration", layout.ACCELERATION, _BODY, "mps2"),
         ("angular_rate", layout.ANGULAR_RATE, _BODY, "radps"),
-    ),
-    "motors": (
-        ("command", layout.MOTOR_COMMAND, ROTORS, "radps"),
-        ("speed", layout.MOTOR_SPEED, ROTORS, "radps"),
     ),
 }
 _VECTORS = (
@@ -97,11 +96,24 @@ def pose_at(
 def measured(rows: RecordedRows, table: str) -> Columns:
     """Vectors of the table imu or motors, which are kept at every control tick."""
     found: Columns = {}
-    for prefix, entity, parts, unit in _FAST[table]:
+    for prefix, entity, parts, unit in _FAST[table] if table in _FAST else _motors(rows):
         time_us, values = rows.vectors(entity, _SCALARS, len(parts))
         found |= {"time_us": time_us, **spread(prefix, parts, unit, values)}
     n = min(len(column) for column in found.values())
     return {name: column[:n] for name, column in found.items()}
+
+
+def n_rotors(rows: RecordedRows) -> int:
+    """Number of rotors of the vehicle, 4 where nothing is recorded of them."""
+    return rows.width(layout.MOTOR_SPEED, _SCALARS) or _OF_QUADROTOR
+
+
+def _motors(rows: RecordedRows) -> tuple[_Vector, ...]:
+    parts = rotor_numbers(n_rotors(rows))
+    return (
+        ("command", layout.MOTOR_COMMAND, parts, "radps"),
+        ("speed", layout.MOTOR_SPEED, parts, "radps"),
+    )
 
 
 def plans(rows: RecordedRows) -> Columns:

@@ -22,10 +22,18 @@ from scenarios.trial_data.reading.states import (
     events,
     measured,
     movers,
+    n_rotors,
     plans,
     states,
 )
-from scenarios.trial_data.tables import TABLES, arrow_schema, names
+from scenarios.trial_data.tables import (
+    TABLES,
+    Column,
+    arrow_schema,
+    motor_columns,
+    names,
+    rotor_numbers,
+)
 
 _WANTED = (
     layout.STATE,
@@ -58,6 +66,12 @@ class RecordedTrial:
         """Columns of a vector in a table, (n, len(parts))."""
         columns = self.tables[table].select(names(prefix, parts, unit))
         return np.column_stack([column.to_numpy() for column in columns.columns])
+
+    @property
+    def rotors(self) -> tuple[str, ...]:
+        """Numbers of the vehicle's rotors, as they stand in the names of columns."""
+        speeds = [name for name in self.tables["motors"].column_names if name.startswith("speed_")]
+        return rotor_numbers(len(speeds))
 
     def require(self, *tables: str, what: str) -> None:
         """Refuse a recording without some tables.
@@ -114,13 +128,14 @@ def read_trial(path: Path) -> RecordedTrial:
         "contacts": contacts(figures.get("contacts", ())),
         "events": events(rows),
     }
-    tables = {name: _table(name, path.stem, found) for name, found in columns.items()}
+    known = {**TABLES, "motors": motor_columns(n_rotors(rows))}
+    tables = {name: _table(known[name], path.stem, found) for name, found in columns.items()}
     return RecordedTrial(name=path.stem, tables=tables, pictures=tuple(pictures), mounts=mounts)
 
 
-def _table(name: str, trial: str, columns: Columns) -> pa.Table:
+def _table(known: tuple[Column, ...], trial: str, columns: Columns) -> pa.Table:
     """Columns as a table; those that are not there are null."""
-    schema = arrow_schema(TABLES[name])
+    schema = arrow_schema(known)
     n = len(next(iter(columns.values()), ()))
     arrays = [
         pa.array([trial] * n, pa.string())

@@ -33,7 +33,7 @@ def specific_force(f, wind=None):
     R = Rotation.from_quat(f["quat_wxyz"], scalar_first=True).as_matrix()
     wind = f["wind_enu_mps"] if wind is None else wind
     u = R.T @ (f["velocity_enu_mps"] - [*wind, 0.0])
-    linear = HOVER @ f["drag_rotor_mps_per_rad"]
+    linear = HOVER @ f["drag_rotor_mps_per_rad"][:4]
     across = -(linear + f["drag_fuselage_per_m"] * np.abs(u[:2])) * u[:2]
     return np.array([*(across + f["accel_bias_flu_mps2"][:2]), G])
 

@@ -4,7 +4,7 @@ import math
 from functools import cache
 
 from flightsim.autopilot.autopilot import Autopilot
-from flightsim.autopilot.events import Statustext
+from flightsim.autopilot.events import MissionItemReached, Statustext
 from flightsim.autopilot.mission_item import MissionItem
 from flightsim.autopilot.modes import LandedState, Mode
 from flightsim.frames import Geodetic, LocalFrame
@@ -56,7 +56,7 @@ class Bench:
         for event in self.pilot.pop_events():
             if isinstance(event, Statustext):
                 self.texts.append(event.text)
-            else:
+            elif isinstance(event, MissionItemReached):
                 self.reached.append(event.index)
         self.setpoints.append(self.pilot.setpoint)
         self.positions.append(self.plant.truth.position_enu_m)

@@ -10,6 +10,7 @@ from flightsim.autopilot.modes import LandedState, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
 from flightsim.environment.wind import WindCfg
 from flightsim.plant import Plant, PlantCfg
+from flightsim.sensors.failure import Failure
 from flightsim.vehicles.catalogue import AIRFRAMES
 from tests.flightsim.autopilot.bench import Bench
 
@@ -18,7 +19,7 @@ REJECTED = CommandResult.TEMPORARILY_REJECTED
 
 def test_arming_waits_for_the_estimator():
     fresh = Bench()
-    fresh.plant.set_sensor_enabled("gnss", is_enabled=False)
+    fresh.plant.failures.fail_sensor("gnss", Failure.OFF)
     assert fresh.run(60.0, lambda: not fresh.pilot.health.is_position_ok)
     reply = fresh.pilot.arm()
     assert reply.result is REJECTED
@@ -31,7 +32,7 @@ def test_arming_waits_for_the_estimator():
 
 def test_forced_arming_skips_the_checks():
     bench = Bench()
-    bench.plant.set_sensor_enabled("gnss", is_enabled=False)
+    bench.plant.failures.fail_sensor("gnss", Failure.OFF)
     assert bench.run(60.0, lambda: not bench.pilot.health.is_position_ok)
     assert bench.pilot.arm(is_forced=True).is_accepted
     assert bench.pilot.is_armed
@@ -41,7 +42,7 @@ def test_a_satellite_fix_is_asked_for_where_a_parameter_says_so():
     bench = Bench()
     bench.pilot.parameters.set("COM_ARM_WO_GPS", 0)
     assert bench.pilot.run_prearm_checks().is_ok
-    bench.plant.set_sensor_enabled("gnss", is_enabled=False)
+    bench.plant.failures.fail_sensor("gnss", Failure.OFF)
     bench.run(1.0)
     assert bench.pilot.arm().reason == "arming denied: no satellite fix"
     bench.pilot.run_prearm_checks()
@@ -80,7 +81,7 @@ def test_a_forgotten_vehicle_disarms():
 def test_a_vehicle_that_cannot_lift_off_disarms():
     bench = Bench()
     for rotor in range(4):
-        bench.plant.set_rotor_effectiveness(rotor, 0.4)
+        bench.plant.failures.weaken_rotor(rotor, 0.4)
     bench.pilot.arm()
     bench.pilot.takeoff()
     bench.run(5.0)
@@ -152,8 +153,8 @@ def test_termination_stops_the_rotors_and_disarms_on_the_ground():
 
 def test_a_toppled_vehicle_disarms():
     bench = Bench().take_off(4.0)
-    bench.plant.set_rotor_effectiveness(0, 0.0)
-    bench.plant.set_rotor_effectiveness(2, 0.0)
+    bench.plant.failures.weaken_rotor(0, 0.0)
+    bench.plant.failures.weaken_rotor(2, 0.0)
     assert bench.run(30.0, lambda: not bench.pilot.is_armed)
     assert bench.says("Failsafe activated: vehicle toppled, disarming")
 
@@ -182,12 +183,12 @@ def test_armed_by_force_before_there_is_an_attitude_it_idles():
             pilot.update()
             levels.add(pilot.setpoint.level)
 
-    plant.set_sensor_enabled("gnss", is_enabled=False)
+    plant.failures.fail_sensor("gnss", Failure.OFF)
     hold_the_throttle_up(0.1)
     assert pilot.set_mode(Mode.STABILIZED).is_accepted
     assert pilot.arm(is_forced=True).is_accepted
     hold_the_throttle_up(3.0)
     assert levels == {ControlLevel.OFF, ControlLevel.IDLE}
-    plant.set_sensor_enabled("gnss", is_enabled=True)
+    plant.failures.fail_sensor("gnss", Failure.NONE)
     hold_the_throttle_up(2.0)
     assert ControlLevel.ATTITUDE in levels

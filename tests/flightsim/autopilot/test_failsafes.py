@@ -5,6 +5,7 @@ import pytest
 from autonomy.types import ControlLevel, Setpoint
 from flightsim.autopilot.modes import BatteryWarning, FailsafeReason, Mode, SystemState
 from flightsim.autopilot.results import CommandResult
+from flightsim.sensors.failure import Failure
 from flightsim.vehicles.battery import Battery
 from tests.flightsim.autopilot.bench import Bench
 
@@ -96,6 +97,34 @@ def test_one_of_two_ground_stations_is_enough():
     assert bench.pilot.mode is Mode.HOLD
 
 
+@pytest.mark.parametrize(
+    ("measure", "mode"),
+    [(1, Mode.HOLD), (2, Mode.RETURN), (3, Mode.LAND), (5, Mode.TERMINATION)],
+)
+def test_lost_sticks_are_acted_on_as_the_parameter_says(measure, mode):
+    bench = Bench(initial_parameters={"NAV_RCL_ACT": measure}).take_off()
+    bench.steer(1.0)
+    assert bench.pilot.set_mode(Mode.ALTITUDE).is_accepted
+    assert bench.run(2.0, lambda: bench.says("Failsafe activated: manual control lost"))
+    assert bench.pilot.mode is mode
+
+
+@pytest.mark.parametrize("parameter", ["NAV_RCL_ACT", "NAV_DLL_ACT", "COM_OBL_RC_ACT"])
+def test_a_lost_link_disarms_where_the_parameter_says_so(parameter):
+    measure = 7 if parameter == "COM_OBL_RC_ACT" else 6
+    bench = in_offboard(**{parameter: measure, "COM_DL_LOSS_T": 5})
+    if parameter == "COM_OBL_RC_ACT":
+        bench.run(1.5)
+    elif parameter == "NAV_DLL_ACT":
+        bench.pilot.on_link_heartbeat("gcs")
+        bench.stream(CRUISING, 6.0)
+    else:
+        bench.pilot.set_manual_control(pitch=0.0, roll=0.0, throttle=0.5, yaw=0.0)
+        bench.stream(CRUISING, 1.5)
+    assert not bench.pilot.is_armed
+    assert bench.says("Disarmed by failsafe")
+
+
 def test_lost_sticks_return_by_default_and_hold_where_they_are_excepted():
     bench = Bench().take_off()
     bench.steer(1.0)
@@ -132,6 +161,14 @@ def test_battery_warns_then_returns_then_lands():
     assert bench.says("Critical battery level")
 
 
+def test_a_critical_battery_lands_at_once_where_the_parameter_says_so():
+    bench = Bench(initial_parameters={"COM_LOW_BAT_ACT": 2}).take_off(5.0)
+    discharge(bench, 0.065)
+    bench.run(1.5)
+    assert bench.pilot.mode is Mode.LAND
+    assert bench.run(40.0, lambda: not bench.pilot.is_armed)
+
+
 def test_battery_can_be_left_to_the_pilot():
     bench = Bench(initial_parameters={"COM_LOW_BAT_ACT": 0}).take_off()
     discharge(bench, 0.06)
@@ -164,7 +201,7 @@ def test_a_return_does_not_interrupt_a_landing():
 
 def test_without_a_position_it_comes_down_level():
     bench = Bench().take_off(5.0)
-    bench.plant.set_sensor_enabled("gnss", is_enabled=False)
+    bench.plant.failures.fail_sensor("gnss", Failure.OFF)
     assert bench.run(60.0, lambda: bench.pilot.mode is Mode.DESCEND)
     assert bench.pilot.failsafe is FailsafeReason.POSITION_LOST
     assert bench.run(40.0, lambda: not bench.pilot.is_armed)
@@ -174,7 +211,10 @@ def test_without_a_position_it_comes_down_level():
 
 @pytest.mark.parametrize(
     ("measure", "mode"),
-    [(0, Mode.OFFBOARD), (1, Mode.OFFBOARD), (2, Mode.HOLD), (3, Mode.RETURN), (5, Mode.LAND)],
+    [
+        *((0, Mode.OFFBOARD), (1, Mode.OFFBOARD), (2, Mode.HOLD), (3, Mode.RETURN)),
+        *((4, Mode.TERMINATION), (5, Mode.LAND)),
+    ],
 )
 def test_leaving_the_fence_is_acted_on_as_the_parameter_says(measure, mode):
     bench = in_offboard(GF_ACTION=measure, GF_MAX_HOR_DIST=8)

@@ -14,6 +14,7 @@ from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink
 from flightsim.mavlink.personalities import PX4, Personality
 from flightsim.mavlink.server import MavlinkServer
+from flightsim.payload import Payload, PayloadCfg
 from flightsim.plant import Plant, PlantCfg
 from flightsim.simulator import Simulator
 from flightsim.vehicles.catalogue import AIRFRAMES
@@ -26,7 +27,9 @@ START_ENU_M = (12.0, -7.0, 0.0)
 class Flight:
     """A simulated vehicle and one client of its MAVLink server, in lockstep."""
 
-    def __init__(self, world: World, personality: Personality = PX4):
+    def __init__(
+        self, world: World, personality: Personality = PX4, payload: PayloadCfg | None = None
+    ):
         self.plant = Plant(world, PlantCfg(seed=3))
         scene = world.scene
         self.frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
@@ -37,12 +40,25 @@ class Flight:
             initial_parameters=personality.initial_parameters,
         )
         self.link = InProcessLink()
+        self.payload = (
+            None if payload is None else Payload(self.plant, self.autopilot, self.frame, payload)
+        )
         self.server = MavlinkServer(
-            self.autopilot, self.plant, self.frame, [self.link], personality=personality
+            self.autopilot,
+            self.plant,
+            self.frame,
+            [self.link],
+            personality=personality,
+            payload=self.payload,
         )
         self.simulator = Simulator(self.plant, self.autopilot, self.server, speed="max")
         self.wire = Wire()
         self.heard: list[Any] = []
+
+    def close(self) -> None:
+        self.server.close()
+        if self.payload is not None:
+            self.payload.close()
 
     def send(self, name: str, *values: Any, **named_values: Any) -> None:
         self.link.client.send(self.wire.encode(name, *values, **named_values))
@@ -75,7 +91,8 @@ class Flight:
     def command(self, number: int, *params: float, **fields: Any) -> int:
         """Send a COMMAND_LONG and return the result of its acknowledgement."""
         params = (*params, *(0.0,) * (7 - len(params)))
-        self.send("COMMAND_LONG", fields.get("system", 1), 1, number, 0, *params)
+        target = (fields.get("system", 1), fields.get("component", 1))
+        self.send("COMMAND_LONG", *target, number, 0, *params)
         return self.result_of(number)
 
     def command_int(self, number: int, frame: int, *params: Any) -> int:
@@ -131,4 +148,4 @@ def flight(field: World) -> Iterator[Flight]:
     flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
     flight.step()
     yield flight
-    flight.server.close()
+    flight.close()

@@ -2,6 +2,7 @@
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.framing import Framer
 from tests.flightsim.mavlink.wire import Loop, Wire
 
 _PING = layout("PING")
@@ -58,8 +59,13 @@ def test_streams_wait_for_a_datagram_and_answers_take_them_along():
         is_datagram=True,
     )
 
+    framer = Framer([_PING])
+
     def put(kind, number):
-        getattr(channel, kind)(_PING, _PING.encode(seq=number))
+        if kind == "send":
+            channel.send(_PING, _PING.encode(seq=number))
+        else:
+            channel.stream(framer, (0,), [_PING.encode(seq=number)])
 
     put("stream", 1)
     channel.flush(is_due=False)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from autonomy.types import FlatReference
-from flightsim.mavlink.client.client import PX4_HOLD, PX4_OFFBOARD, CommandState, MavlinkClient
+from flightsim.mavlink.client import PX4_HOLD, PX4_OFFBOARD, CommandState, MavlinkClient
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.testbench import Testbench, TestbenchCfg

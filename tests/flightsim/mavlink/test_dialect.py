@@ -6,8 +6,15 @@ import struct
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pymavlink.dialects.v20 import ardupilotmega
 
-from flightsim.mavlink.dialect import LAYOUTS, LayoutError, UnknownMessageError, dialect, layout
+from flightsim.mavlink.dialect import (
+    LAYOUTS,
+    LayoutError,
+    UnknownMessageError,
+    dialect,
+    layout,
+)
 
 _INTEGERS = {
     "uint8_t": (0, 0xFF),
@@ -69,7 +76,8 @@ def test_version_1_frames_decode_to_the_same_fields_without_extensions(message):
     decoded = dialect.MAVLink(None).decode(bytearray(frame))
     assert len(frame) == 8 + found.base_size
     expected = message_class(**values)
-    n_extensions = len(message_class.__init__.__defaults__ or ())
+    defaults = message_class.__init__.__defaults__ or ()
+    n_extensions = getattr(message_class, "n_extensions", len(defaults))
     for field in message_class.fieldnames[: len(message_class.fieldnames) - n_extensions]:
         sent, received = getattr(expected, field), getattr(decoded, field)
         if isinstance(sent, str):
@@ -132,3 +140,26 @@ def test_no_float_is_too_large_and_infinity_stays():
 def test_what_is_no_number_of_its_field_is_refused():
     with pytest.raises(struct.error):
         LAYOUTS["MESSAGE_INTERVAL"].encode(interval_us=math.nan)
+
+
+@pytest.mark.parametrize(
+    ("name", "crc_extra"),
+    [
+        *(("ESC_INFO", 251), ("ESC_STATUS", 10), ("PROTOCOL_VERSION", 217)),
+        *(("COMPONENT_METADATA", 182), ("EVENT", 160), ("CURRENT_EVENT_SEQUENCE", 106)),
+        *(("REQUEST_EVENT", 33), ("RESPONSE_EVENT_ERROR", 77), ("PLAY_TUNE_V2", 110)),
+    ],
+)
+def test_messages_that_pymavlink_lacks_have_the_checksum_that_mavlink_publishes(name, crc_extra):
+    assert layout(name).crc_seed == bytes((crc_extra,))
+
+
+@pytest.mark.parametrize("name", ["simstate", "rangefinder", "ekf_status_report"])
+def test_messages_of_ardupilot_are_laid_out_as_its_dialect_has_them(name):
+    theirs = getattr(ardupilotmega, f"MAVLink_{name}_message")
+    ours = dialect.mavlink_map[theirs.id]
+    for what in ("fieldnames", "ordered_fieldnames", "fieldtypes", "orders", "array_lengths"):
+        assert getattr(ours, what) == getattr(theirs, what)
+    assert (ours.crc_extra, ours.unpacker.format) == (theirs.crc_extra, theirs.unpacker.format)
+    found = layout(name.upper())
+    assert found.base_size == theirs.unpacker.size - 4 * (name == "ekf_status_report")

@@ -8,7 +8,7 @@ import pytest
 from tests.flightsim.mavlink.wire import named
 
 ACK, NAK = 128, 129
-LIST, OPEN, READ, CRC, BURST = 3, 4, 5, 14, 15
+TERMINATE, RESET, LIST, OPEN, READ, CRC, BURST = 1, 2, 3, 4, 5, 14, 15
 END, NOT_FOUND, UNKNOWN, PROTECTED, NO_SESSION = 6, 10, 7, 9, 4
 
 
@@ -40,16 +40,18 @@ def flown(flight):
     return flight
 
 
-def test_the_root_is_there_and_empty_before_a_flight(flight):
+def test_there_are_no_logs_before_a_flight(flight):
     (answer,) = ask(flight, LIST, b"/")
-    assert (answer.opcode, answer.data) == (NAK, bytes((END,)))
+    assert (answer.opcode, answer.data) == (ACK, b"D@PARAM\0Dmetadata\0")
+    (answer,) = ask(flight, LIST, b"/log")
+    assert (answer.opcode, answer.data) == (NAK, bytes((NOT_FOUND,)))
 
 
 def test_directories_and_files_are_listed_once(flown):
-    size = len(flown.server._recorder.logs[0].data)
+    size = len(flown.server._watching[0].logs[0].data)
     for root in (b"/", b"", b"."):
         (answer,) = ask(flown, LIST, root)
-        assert (answer.opcode, answer.data) == (ACK, b"Dlog\0")
+        assert (answer.opcode, answer.data) == (ACK, b"D@PARAM\0Dlog\0Dmetadata\0")
         assert (answer.sequence, answer.request) == (42, LIST)
     (answer,) = ask(flown, LIST, b"/log")
     assert answer.data == b"F0.ulg\t%d\0" % size
@@ -58,7 +60,7 @@ def test_directories_and_files_are_listed_once(flown):
 
 
 def test_a_file_is_read_piece_by_piece_and_in_a_burst(flown):
-    whole = bytes(flown.server._recorder.logs[0].data)
+    whole = bytes(flown.server._watching[0].logs[0].data)
     (answer,) = ask(flown, OPEN, b"/log/0.ulg")
     assert struct.unpack("<I", answer.data) == (len(whole),)
     (answer,) = ask(flown, READ, offset=100, size=50)
@@ -97,13 +99,45 @@ def test_what_is_not_to_be_had_is_refused_well_formed(flown, opcode, error):
     assert (answer.session, answer.request) == (3, opcode)
 
 
-@pytest.mark.parametrize("opcode", [0, 1, 2])
+@pytest.mark.parametrize("opcode", [TERMINATE, RESET])
 def test_sessions_can_be_ended(flown, opcode):
     ask(flown, OPEN, b"/log/0.ulg")
     (answer,) = ask(flown, opcode)
     assert answer.opcode == ACK
     (answer,) = ask(flown, READ, size=10)
     assert (answer.opcode, answer.data) == (NAK, bytes((NO_SESSION,)))
+
+
+def test_a_file_is_read_in_the_session_that_opened_it(flown):
+    (opened,) = ask(flown, OPEN, b"/log/0.ulg", session=129)  # MAVProxy chooses the number.
+    assert (opened.opcode, opened.session) == (ACK, 129)
+    (answer,) = ask(flown, READ, size=50)
+    assert (answer.opcode, answer.data) == (NAK, bytes((NO_SESSION,)))
+    for opcode in (READ, BURST):
+        answer, *_ = ask(flown, opcode, size=50, session=129)
+        assert (answer.opcode, answer.session, answer.data[:4]) == (ACK, 129, b"ULog")
+
+
+def test_the_end_of_one_session_leaves_the_next_open(flown):
+    whole = bytes(flown.server._watching[0].logs[0].data)
+    for session in (8, 9):
+        ask(flown, OPEN, b"/log/0.ulg", session=session)
+    (answer,) = ask(flown, TERMINATE, session=8)
+    assert answer.opcode == ACK
+    pieces = ask(flown, BURST, size=239, session=9, ticks=40)
+    assert b"".join(piece.data for piece in pieces) == whole
+    (answer,) = ask(flown, READ, size=10, session=8)
+    assert (answer.opcode, answer.data) == (NAK, bytes((NO_SESSION,)))
+
+
+def test_a_partner_may_have_eight_files_open(flown):
+    opened = [ask(flown, OPEN, b"/log/0.ulg", session=session)[0].opcode for session in range(9)]
+    assert opened == [ACK] * 8 + [NAK]
+    (answer,) = ask(flown, OPEN, b"/log/0.ulg", session=3)
+    assert answer.opcode == ACK
+    ask(flown, RESET)
+    (answer,) = ask(flown, OPEN, b"/log/0.ulg", session=8)
+    assert answer.opcode == ACK
 
 
 def test_an_answer_of_somebody_else_is_not_answered(flown):

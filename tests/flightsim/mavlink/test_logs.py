@@ -5,6 +5,7 @@ import struct
 
 import pytest
 
+from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.logs import recorder
 from flightsim.mavlink.logs.ulog import Topic
 from tests.flightsim.mavlink.wire import named
@@ -107,3 +108,8 @@ def test_a_topic_packs_its_fields_in_order():
     assert topic.definition == "thing:uint64_t timestamp;float[2] xy;uint8_t kind;"
     packed = topic.pack(3, 20, 1.0, 2.0, 9)
     assert packed == struct.pack("<HcHQffB", 19, b"D", 3, 20, 1.0, 2.0, 9)
+
+
+def test_every_mode_has_a_number_of_its_own_in_the_log():
+    assert set(recorder._NAV_STATES) == set(Mode)
+    assert len(set(recorder._NAV_STATES.values())) == len(Mode)

@@ -122,6 +122,14 @@ def test_five_hundred_items_arrive_though_a_quarter_of_the_frames_is_lost():
     assert len(bench.stores[MISSION]) == 500
 
 
+def test_the_last_item_is_acknowledged_whenever_it_comes_again():
+    bench, item = _Bench(), _waypoint(0)
+    assert _upload(bench, [item]) == 0
+    bench.wait(60.0)
+    (ack,) = bench.ask("MISSION_ITEM_INT", *item)
+    assert ack.type == 0
+
+
 @given(latitude=st.floats(-90, 90), longitude=st.floats(-180, 180), altitude=st.floats(-99, 9e3))
 @settings(max_examples=50)
 def test_places_come_back_to_the_last_digit(latitude, longitude, altitude):

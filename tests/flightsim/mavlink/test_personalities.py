@@ -244,3 +244,18 @@ def test_the_banner_and_the_filters_status_are_ardupilots_own(copter):
     decoder = ardupilotmega.MAVLink(None)
     heard = [m for m in decoder.parse_buffer(raw) or () if m.get_type() == "EKF_STATUS_REPORT"]
     assert heard[-1].flags & ardupilotmega.EKF_POS_HORIZ_ABS
+
+
+def test_ground_truth_is_told_as_by_ardupilots_simulator(copter):
+    from pymavlink.dialects.v20 import ardupilotmega  # noqa: PLC0415 - large
+
+    copter.send("COMMAND_LONG", 1, 1, mav.MAV_CMD_REQUEST_MESSAGE, 0, 164, *(0.0,) * 6)
+    copter.simulator.step()
+    decoder = ardupilotmega.MAVLink(None)
+    came = decoder.parse_buffer(copter.link.client.recv()) or ()
+    (state,) = [m for m in came if m.get_type() == "SIMSTATE"]
+    place = copter.frame.geodetic_from_enu(copter.plant.truth.position_enu_m)
+    assert state.lat * 1e-7 == pytest.approx(place.latitude_deg, abs=1e-6)
+    assert state.lng * 1e-7 == pytest.approx(place.longitude_deg, abs=1e-6)
+    assert state.yaw == pytest.approx(math.pi / 2 - 0.7, abs=0.01)
+    assert state.zacc == pytest.approx(-9.8, abs=0.5)

@@ -6,6 +6,7 @@ import pytest
 from pymavlink import mavutil
 
 from flightsim.autopilot.modes import Mode
+from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
 from flightsim.frames import Geodetic
 from flightsim.mavlink.dialect import LAYOUTS
@@ -13,6 +14,8 @@ from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink
 from flightsim.mavlink.personalities import PX4
 from flightsim.mavlink.server import MavlinkServer
+from flightsim.vehicles.catalogue import AIRFRAMES
+from flightsim.world import build_world
 from tests.flightsim.mavlink.conftest import START_ENU_M, Flight
 from tests.flightsim.mavlink.wire import Wire, named
 
@@ -150,6 +153,43 @@ def test_ground_truth_comes_only_when_asked_for(flight):
     assert len(came) == 20
     place = flight.frame.geodetic_from_enu(flight.plant.truth.position_enu_m)
     assert came[-1].lat == pytest.approx(place.latitude_deg * 1e7, abs=1)
+
+
+def test_the_wind_the_sticks_and_the_motors_are_told(flight):
+    flight.plant.wind = WindCfg.towards((4.0, 0.0, 0.0))
+    flight.take_off(4.0)
+    for _ in range(60):
+        flight.send("MANUAL_CONTROL", 1, 500, -250, 750, 0, 0)
+        flight.step(5)
+    wind = flight.last("WIND_COV")
+    assert (wind.wind_x, wind.wind_y) == pytest.approx((0.0, 4.0), abs=1.5)
+    sticks = flight.last("RC_CHANNELS")
+    assert (sticks.chan1_raw, sticks.chan2_raw, sticks.chan3_raw) == (1375, 1250, 1750)
+    assert (sticks.chan4_raw, sticks.chan5_raw, sticks.chancount) == (1500, 0xFFFF, 4)
+
+
+def test_other_drones_report_themselves_and_nothing_else_does(field, flight):
+    assert not named(flight.run(1.0), "ADSB_VEHICLE")
+    movers = [
+        MovingObstacle(
+            kind=kind, path_enu_m=((20.0, 0.0, height_m), (60.0, 0.0, height_m)), speed_mps=2.0
+        )
+        for kind, height_m in (("person", 0.0), ("drone", 5.0), ("drone", 9.0))
+    ]
+    other = Flight(build_world(field.scene, AIRFRAMES["iris"], traffic=movers))
+    other.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
+    came = named(other.run(2.0), "ADSB_VEHICLE")
+    assert {m.callsign for m in came} == {"DRONE0", "DRONE1"}
+    assert len({m.ICAO_address for m in came}) == 2
+    states = other.plant.obstacles_true
+    place = other.frame.geodetic_from_enu(tuple(states.position_enu_m[1].tolist()))
+    report = [m for m in came if m.callsign == "DRONE0"][-1]
+    assert (report.lat * 1e-7, report.lon * 1e-7) == pytest.approx(
+        (place.latitude_deg, place.longitude_deg), abs=3e-5
+    )
+    assert report.altitude * 1e-3 == pytest.approx(place.altitude_m, abs=0.1)
+    assert report.hor_velocity == pytest.approx(200, abs=5)
+    other.server.close()
 
 
 def test_each_client_has_its_own_rates(field):

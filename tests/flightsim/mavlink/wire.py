@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import socket
+import time
 from collections.abc import Iterable
 from typing import Any
 
 from flightsim.mavlink.channel import Channel
-from flightsim.mavlink.dialect import dialect
+from flightsim.mavlink.dialect import dialect, layout
 
 
 def free_port(kind: socket.SocketKind) -> int:
@@ -26,9 +27,18 @@ class Wire:
         self._decoder.robust_parsing = True
         self.is_version_1 = is_version_1
 
+    def sign(self, key: bytes | None, seconds: float | None = None, *, link_id: int = 0) -> None:
+        """Sign from now on and believe signed messages only, as pymavlink does; None ends that."""
+        now_s = time.time() if seconds is None else seconds
+        for end in (self._encoder, self._decoder):
+            end.signing.secret_key = key
+            end.signing.link_id = link_id
+            end.signing.timestamp = int((now_s - 1_420_070_400) * 100_000)
+        self._encoder.signing.sign_outgoing = key is not None
+
     def encode(self, name: str, *values: Any, **named: Any) -> bytes:
         """Frame of the message with this name."""
-        message = getattr(dialect, f"MAVLink_{name.lower()}_message")(*values, **named)
+        message = dialect.mavlink_map[layout(name).message_id](*values, **named)
         frame = message.pack(self._encoder, force_mavlink1=self.is_version_1)
         self._encoder.seq = (self._encoder.seq + 1) % 256
         return bytes(frame)

@@ -9,6 +9,7 @@ from autonomy.types import OFF, ControlLevel, Setpoint
 from flightsim.environment.wind import WindCfg
 from flightsim.plant import Plant
 from flightsim.plant.cfg import PlantCfg, PlantError
+from flightsim.sensors.failure import Failure
 from flightsim.sensors.vio import VioCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
@@ -49,7 +50,7 @@ def test_beside_odometry_a_receiver_of_metre_grade_hardly_moves_the_estimate_in_
 
 def test_odometry_keeps_the_position_valid_without_satellites(field):
     plant, _ = flown(field, seconds=2.0, aiding="auto")
-    plant.set_sensor_enabled("gnss", is_enabled=False)
+    plant.failures.fail_sensor("gnss", Failure.OFF)
     for _ in range(500):
         plant.advance()
     assert plant.estimator.gnss_age_s > 9.0

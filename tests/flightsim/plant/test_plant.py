@@ -15,10 +15,11 @@ from scipy.spatial.transform import Rotation
 
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.environment.wind import WindCfg, WindError
-from flightsim.plant import NotAlignedError, Plant
+from flightsim.plant import Fleet, NotAlignedError, Plant
 from flightsim.plant.cfg import PlantCfg, PlantError
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import example_arguments
+from flightsim.sensors.failure import Failure
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene
@@ -240,11 +241,14 @@ def test_another_process_gives_the_same_bits(request):
     assert result.stdout.strip() == history_digest()
 
 
-def test_ahead_of_time_compilation_is_for_the_types_of_the_plant(worlds):
-    arguments = Plant(worlds["iris"], PlantCfg(seed=0))._arguments
-    expected = tuple(numba.typeof(a) for a in example_arguments())
-    assert tuple(numba.typeof(a) for a in arguments) == expected
-    assert len(advance.overloads) == 1
+def test_ahead_of_time_compilation_is_for_the_types_of_one_plant_and_of_many(worlds):
+    cfgs = [PlantCfg(seed=0)] * 2
+    Plant(worlds["iris"], cfgs[0]).advance()
+    with Fleet([worlds["iris"]] * 2, cfgs) as fleet:
+        fleet.advance()
+        fleet.advance_one(1)
+    expected = tuple(numba.typeof(argument) for argument in example_arguments())
+    assert list(advance.overloads) == [expected]
 
 
 def test_before_the_first_advance_everything_is_readable(worlds):
@@ -332,7 +336,7 @@ def test_attitude_and_rate_levels_are_flown(worlds):
 
 def test_lost_satellites_leave_a_valid_then_an_invalid_position(worlds):
     flight = Flight(worlds["iris"]).take_off(height_m=6.0)
-    flight.plant.set_sensor_enabled("gnss", is_enabled=False)
+    flight.plant.failures.fail_sensor("gnss", Failure.OFF)
     flight.fly(1.0, velocity(0.0, 0.0, 0.0))
     assert flight.plant.estimator.is_position_valid
     assert flight.plant.estimator.gnss_age_s > 0.9
@@ -341,7 +345,7 @@ def test_lost_satellites_leave_a_valid_then_an_invalid_position(worlds):
     sigma = flight.plant.estimator.sigma_horizontal_m
     flight.fly(10.0, velocity(0.0, 0.0, 0.0))
     assert flight.plant.estimator.sigma_horizontal_m > 3.0 * sigma
-    flight.plant.set_sensor_enabled("gnss", is_enabled=True)
+    flight.plant.failures.fail_sensor("gnss", Failure.NONE)
     flight.fly(4.0, velocity(0.0, 0.0, 0.0))
     error = np.subtract(flight.plant.truth.position_enu_m, flight.plant.estimate.position_enu_m)
     assert np.linalg.norm(error) < 0.4
@@ -356,13 +360,13 @@ def test_a_reading_is_made_once_until_the_sensor_measures_again_or_is_switched(w
     assert plant.sensors.imu.time_us == plant.time_us
     assert plant.sensors.imu != first
     assert plant.sensors.gnss.fix_type > 1
-    plant.set_sensor_enabled("gnss", is_enabled=False)
+    plant.failures.fail_sensor("gnss", Failure.OFF)
     assert plant.sensors.gnss.fix_type == 1
 
 
 def test_a_failed_rotor_brings_the_vehicle_down_and_ends_nothing(worlds):
     flight = Flight(worlds["iris"]).take_off()
-    flight.plant.set_rotor_effectiveness(0, 0.0)
+    flight.plant.failures.weaken_rotor(0, 0.0)
     h = flight.fly(3.0, position(*flight.hover))
     assert h["is_touching"].any()
     assert np.all(np.isfinite(h["rotor_command_radps"]))
@@ -400,7 +404,7 @@ def test_impossible_wind_and_rotor_are_refused(worlds):
     with pytest.raises(WindError):
         plant.wind = WindCfg.towards((100.0, 0.0, 0.0))
     with pytest.raises(PlantError, match="0 to 3"):
-        plant.set_rotor_effectiveness(4, 0.5)
+        plant.failures.weaken_rotor(4, 0.5)
 
 
 def test_physics_at_a_kilohertz_flies_too():
@@ -427,8 +431,8 @@ def test_setpoints_before_the_alignment_are_refused_by_name(worlds, level):
 
 def test_an_alignment_that_cannot_come_ends_with_what_is_missing(worlds):
     plant = Plant(worlds["iris"], PlantCfg(seed=0))
-    plant.set_sensor_enabled("gnss", is_enabled=False)
+    plant.failures.fail_sensor("gnss", Failure.OFF)
     with pytest.raises(NotAlignedError, match=r"after 3 s.*satellites"):
         plant.align(timeout_s=3.0)
     with pytest.raises(PlantError, match="'radar': valid are gnss, vio"):
-        plant.set_sensor_enabled("radar", is_enabled=False)
+        plant.failures.fail_sensor("radar", Failure.OFF)

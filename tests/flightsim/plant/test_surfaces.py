@@ -33,11 +33,11 @@ def rotors_at(world, position, **cfg):
 
 def test_rotors_over_the_edge_of_a_roof_have_no_ground(world):
     r = rotors_at(world, (5.0, 0.0, 5.3))
-    is_over = r["position_flu_m"][:, 0] > 0.0
+    is_over = r["position_flu_m"][:4, 0] > 0.0
     height_m = 0.3 + r["position_flu_m"][0, 2]
     expected = ground_share(height_m, r["radius_m"], r["neighbour_m"], r["opposite_m"])
-    np.testing.assert_allclose(r["ground_share"][is_over], expected, rtol=1e-3)
-    np.testing.assert_array_equal(r["ground_share"][~is_over], 0.0)
+    np.testing.assert_allclose(r["ground_share"][:4][is_over], expected, rtol=1e-3)
+    np.testing.assert_array_equal(r["ground_share"][:4][~is_over], 0.0)
     assert expected > 0.04
 
 
@@ -52,7 +52,8 @@ def test_high_up_and_without_the_effect_there_is_none(world):
 def test_a_ceiling_is_felt_by_its_gap(world):
     r = rotors_at(world, (-10.0, 0.0, 4.9))
     gap_m = 0.1 - r["position_flu_m"][0, 2]
-    np.testing.assert_allclose(r["ceiling_ratio"], ceiling_ratio(gap_m, r["radius_m"]), rtol=1e-2)
+    expected = ceiling_ratio(gap_m, r["radius_m"])
+    np.testing.assert_allclose(r["ceiling_ratio"][:4], expected, rtol=1e-2)
     r = rotors_at(world, (-10.0, 0.0, 4.9), effects=Effects.without("ceiling"))
     np.testing.assert_array_equal(r["ceiling_ratio"], 1.0)
 
@@ -72,7 +73,7 @@ def test_a_surface_that_comes_near_in_flight_is_noticed(world):
     speeds = [np.mean(plant.rotor_speeds_radps)]
     for _ in range(300):
         plant.advance()
-        shares.append(r["ground_share"].mean())
+        shares.append(r["ground_share"][:4].mean())
         speeds.append(np.mean(plant.rotor_speeds_radps))
     # It hovers 0.2 m above ground with less rotor speed, by the root of the thrust's gain.
     expected = speeds[0] * np.sqrt(1.0 - shares[-1])

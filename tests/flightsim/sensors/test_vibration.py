@@ -14,8 +14,8 @@ IRIS = AIRFRAMES["iris"]
 
 def one_rotor(*, imbalance=1e-6, ripple=0.0, is_on=True):
     v = new_vibration(IRIS, np.random.default_rng(3), dt_s=1.0 / HZ, is_on=is_on)[0]
-    v["imbalance_kgm"] = (imbalance, 0.0, 0.0, 0.0)
-    v["ripple_n"] = (ripple, 0.0, 0.0, 0.0)
+    v["imbalance_kgm"], v["ripple_n"] = 0.0, 0.0
+    v["imbalance_kgm"][0], v["ripple_n"][0] = imbalance, ripple
     return v
 
 

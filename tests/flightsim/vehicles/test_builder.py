@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.vehicles.builder import camera_quat_wxyz, sole_positions_flu_m
+from flightsim.vehicles.builder import camera_quat_wxyz
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene, slope, solid
@@ -44,7 +44,9 @@ def test_looks_touch_nothing_and_shape_is_not_drawn(airframe):
     looks = vehicle_geoms(world, GeomGroup.VEHICLE_LOOKS)
     shape = vehicle_geoms(world, GeomGroup.VEHICLE_SHAPE)
     assert len(looks) > 20
-    assert len(shape) == 13
+    n_bars = 1 + 3 * len(airframe.quadrotor.rotors)
+    # On skids: four legs and two tubes, whatever the number of arms.
+    assert len(shape) == (1 + 2 * 6 + 6 if airframe.has_skids else n_bars)
     assert not world.model.geom_contype[looks].any()
     assert world.model.geom_contype[shape].all()
 
@@ -69,7 +71,8 @@ def test_dropped_vehicle_rests_level_on_its_legs(airframe, slope_deg):
     assert abs(tilt_deg(data.qpos[3:7]) - slope_deg) < 0.5
     assert np.linalg.norm(np.ptp(after_landing[:, :2], axis=0)) < 0.005
     touching = {world.model.geom(int(max(c.geom))).name for c in data.contact}
-    assert touching == {"leg0", "leg1", "leg2", "leg3"}
+    skids = {"skid0", "skid1"} if airframe.has_skids else set()
+    assert touching == {"leg0", "leg1", "leg2", "leg3"} | skids
 
 
 def test_sliding_landing_stops_upright():
@@ -112,8 +115,12 @@ def test_vehicle_does_not_fly_through_a_wall(airframe, speed_mps):
 
 
 @EACH
-def test_soles_are_at_leg_length_under_the_arms(airframe):
-    for rotor, sole in zip(airframe.quadrotor.rotors, sole_positions_flu_m(airframe), strict=True):
+def test_soles_are_at_leg_length_under_the_arms_or_where_the_skids_end(airframe):
+    soles = airframe.soles_flu_m
+    if airframe.has_skids:
+        assert {(abs(x), abs(y), z) for x, y, z in soles} == {(0.15, 0.14315, -0.1767)}
+        return
+    for rotor, sole in zip(airframe.quadrotor.rotors, soles, strict=True):
         assert math.hypot(sole[0], sole[1]) == pytest.approx(airframe.leg_spread_m)
         assert sole[2] == -airframe.leg_length_m
         cross = rotor.position_flu_m[0] * sole[1] - rotor.position_flu_m[1] * sole[0]

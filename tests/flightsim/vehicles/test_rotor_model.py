@@ -13,19 +13,20 @@ from scipy.spatial.transform import Rotation
 from autonomy.model.dynamics import thrust_torque_matrix
 from flightsim.environment.effects import ALL_EFFECTS, NO_EFFECTS
 from flightsim.vehicles.catalogue import AIRFRAMES
-from flightsim.vehicles.rotor_model import hover_speed_radps, new_rotors, step_rotors
+from flightsim.vehicles.rotor_model import new_rotors, step_rotors
 
 AIRFRAME = AIRFRAMES["iris"]
 IRIS = AIRFRAME.quadrotor
 BARE = replace(AIRFRAME, body_size_m=(0.0, 0.0, 0.0))
 DT = 0.002
+DIRECTIONS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
 vectors = hnp.arrays(float, 3, elements=st.floats(-12.0, 12.0))
 
 
 def rotors(speed=0.0, *, airframe=BARE, axial=math.inf, effects=NO_EFFECTS):
     r = new_rotors(airframe, dt_s=DT, axial_limit_mps=axial, effects=effects)[0]
-    r["speed_radps"] = speed
+    r["speed_radps"][: r["n_rotors"]] = speed
     return r
 
 
@@ -48,7 +49,7 @@ def test_step_response_is_first_order_with_its_own_time_constant(start, command,
     for k in range(1, 40):
         wrench_of(r, command)
         expected = command + (start - command) * math.exp(-k * DT / tau)
-        np.testing.assert_allclose(r["speed_radps"], expected, rtol=1e-9)
+        np.testing.assert_allclose(r["speed_radps"][:4], expected, rtol=1e-9)
 
 
 @given(hnp.arrays(float, 4, elements=st.floats(0.0, 1100.0)))
@@ -116,11 +117,33 @@ def test_the_frame_adds_quadratic_drag(effects):
     assert fast[0] == pytest.approx(4.0 * slow[0])
 
 
+@given(vectors, vectors)
+def test_canted_rotors_pull_and_drag_along_and_across_their_axes(velocity, rate):
+    tilt = 0.3
+    axes = [(math.sin(tilt) * c, math.sin(tilt) * s, math.cos(tilt)) for c, s in DIRECTIONS]
+    canted = tuple(replace(r, axis_flu=a) for r, a in zip(IRIS.rotors, axes, strict=True))
+    airframe = replace(BARE, quadrotor=replace(IRIS, rotors=canted))
+    speeds = np.array([700.0, 800.0, 900.0, 600.0])
+    r = rotors(speeds, airframe=airframe)
+    wrench = wrench_of(r, speeds, velocity=velocity, rate=rate)
+    force, torque = np.zeros(3), np.zeros(3)
+    for rotor, w in zip(canted, speeds, strict=True):
+        axis, hub = np.array(rotor.axis_flu), np.array(rotor.position_flu_m)
+        air = velocity + np.cross(rate, hub)
+        across = air - (air @ axis) * axis
+        thrust = rotor.thrust_constant * w**2
+        pull = thrust * axis - w * rotor.drag_coefficient * across
+        force += pull
+        torque += np.cross(hub, pull) - rotor.spin * rotor.torque_per_thrust_m * thrust * axis
+        torque -= w * rotor.rolling_moment_coefficient * across
+    np.testing.assert_allclose(wrench, [*force, *torque], atol=1e-9)
+
+
 def test_commands_are_clipped_and_nan_stops_the_rotor():
     r = rotors(1000.0)
     for _ in range(500):
         wrench_of(r, [5000.0, -3.0, math.nan, 500.0])
-    np.testing.assert_allclose(r["speed_radps"], (1100.0, 0.0, 0.0, 500.0), atol=1e-6)
+    np.testing.assert_allclose(r["speed_radps"][:4], (1100.0, 0.0, 0.0, 500.0), atol=1e-6)
 
 
 def test_a_failed_rotor_makes_no_thrust():
@@ -131,7 +154,7 @@ def test_a_failed_rotor_makes_no_thrust():
 
 
 def test_hover_is_the_same_with_inflow_and_without():
-    w = hover_speed_radps(IRIS)
+    w = IRIS.hover_speed_radps
     for effects in (ALL_EFFECTS, NO_EFFECTS):
         wrench = wrench_of(rotors(w, axial=25.0, effects=effects), w)
         assert wrench[2] == pytest.approx(IRIS.mass_kg * 9.81, rel=1e-9)
@@ -139,7 +162,7 @@ def test_hover_is_the_same_with_inflow_and_without():
 
 def test_slow_climb_costs_the_thrust_of_the_axial_limit():
     """By momentum theory half of the climb is made up by less induced velocity."""
-    w, slow = hover_speed_radps(IRIS), 0.01
+    w, slow = IRIS.hover_speed_radps, 0.01
     r = rotors(w, axial=25.0, effects=ALL_EFFECTS)
     climbing = wrench_of(r, w, velocity=(0.0, 0.0, slow))[2]
     assert 1.0 - climbing / (IRIS.mass_kg * 9.81) == pytest.approx(slow / 25.0, rel=1e-2)
@@ -153,7 +176,7 @@ def test_a_rotor_without_power_coasts_by_its_torque():
     for _ in range(steps):
         wrench = wrench_of(r, 0.0)
     rate = rotor.thrust_constant * rotor.torque_per_thrust_m * 800.0 / AIRFRAME.rotor_inertia_kgm2
-    np.testing.assert_allclose(r["speed_radps"], 800.0 / (1.0 + rate * steps * DT), rtol=0.02)
+    np.testing.assert_allclose(r["speed_radps"][:4], 800.0 / (1.0 + rate * steps * DT), rtol=0.02)
     assert wrench[5] == pytest.approx(0.0, abs=1e-12)  # nothing drives it, nothing reacts
 
 

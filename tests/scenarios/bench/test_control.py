@@ -82,4 +82,11 @@ def test_rows_meet_their_targets_and_say_how_far_they_are():
     measured = list(rows(cfg, lambda title, _: titles.append(title)))
     assert titles[-1] == "done"
     assert all(row.is_met for row in measured)
+    value = {row.metric: row.value for row in measured}
+    weight_share = 100.0 * AIRFRAMES["hummingbird"].quadrotor.hover_thrust_fraction
+    assert value["hummingbird, hover throttle"] == pytest.approx(weight_share, rel=0.01)
+    step = "hummingbird, step of 15 degrees of roll: "
+    assert 0.1 < value[f"{step}rise from 10 to 90 %"] < 0.25
+    assert value[f"{step}overshoot"] < 5.0
+    assert value["hummingbird, step of 2 m aside: within 5 cm after"] < 4.0
     assert sum(row.target is not None for row in measured) == 6

@@ -20,7 +20,7 @@ def fails_with(capsys, *args):
     [
         (
             ["--vehicle", "spitfire"],
-            "vehicle 'spitfire' is unknown; valid: iris, iris-rotors, hummingbird",
+            "vehicle 'spitfire' is unknown; valid: iris, iris-rotors, hummingbird, crazyflie, ",
         ),
         (
             ["--scene", "1016"],
@@ -54,9 +54,15 @@ def fails_with(capsys, *args):
         (["1016"], "scene '1016' is unknown, valid: a number from 0 to 1015"),
         (["--record", "a/b/c.rrd"], "record: 'a' is not there; valid: a folder that exists"),
         (["--pictures", "pyproject.toml"], "pictures: 'pyproject.toml' is a file; valid: a folder"),
+        (["--captures", "a/b"], "captures: 'a' is not there; valid: a folder that exists"),
         (["--format", "jpg"], "format 'jpg' is not valid; valid: png, svg, pdf"),
         (["--format"], "format has no value; valid: png, svg, pdf"),
         (["--vehicle"], "--vehicle has no value"),
+        (
+            ["--serial", "/dev/ttyS0:1234"],
+            "serial '/dev/ttyS0:1234': 1234 baud is unknown; valid: ",
+        ),
+        (["--signing-key", "absent"], "signing-key 'absent' cannot be read: No such file"),
     ],
 )
 def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
@@ -137,4 +143,4 @@ def test_help_lines_break_where_the_terminal_ends_not_where_the_source_does(caps
         main(["--help"])
     text = capsys.readouterr().out
     assert "or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID" in text
-    assert "mocap (motion capture), or auto, which is GNSS" in text  # of a nested dataclass
+    assert "(visual-inertial odometry), mocap (motion capture), or auto" in text  # of a nested one

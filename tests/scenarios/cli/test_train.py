@@ -10,6 +10,7 @@ import sys
 import time
 from dataclasses import replace
 
+import psutil
 import pytest
 import torch
 
@@ -216,11 +217,18 @@ def test_streamed_training_is_the_same_with_any_workers_and_after_a_resume(
 
 
 def is_there(group):
+    """Whether a process of a group still runs: one that waits to be reaped has ended."""
+    return any(
+        process.info["status"] != psutil.STATUS_ZOMBIE and group_of(process.pid) == group
+        for process in psutil.process_iter(["status"])
+    )
+
+
+def group_of(pid):
     try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+        return os.getpgid(pid)
+    except (ProcessLookupError, PermissionError):
+        return None
 
 
 @pytest.mark.timeout(600)

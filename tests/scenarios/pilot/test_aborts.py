@@ -8,6 +8,7 @@ import pytest
 
 from autonomy.planning import CertificateError
 from flightsim.autopilot.modes import Mode
+from flightsim.sensors.failure import Failure
 from scenarios.pilot import Phase
 from scenarios.pilot.landing_phases import LAST_HEIGHT_M
 from tests.scenarios.landing_scenes import yard
@@ -152,7 +153,7 @@ def test_an_estimator_that_loses_its_place_is_held_for_until_the_autopilot_acts(
     pilot = demo.fly_to(Phase.NAVIGATE)
     # Neither satellites nor a camera that tells it how it moves any longer.
     for sensor in ("gnss", "vio"):
-        demo.bench.plant.set_sensor_enabled(sensor, is_enabled=False)
+        demo.bench.plant.failures.fail_sensor(sensor, Failure.OFF)
     demo.fly_to(Phase.HOLD)
     assert pilot.transitions[-1].reason == "the autopilot's estimator does not know the position"
     # Before the pilot's patience is over, the autopilot's own failsafe sees to it.

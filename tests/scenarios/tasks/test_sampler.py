@@ -2,13 +2,15 @@
 
 import dataclasses
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from aeroscene.sources import open_scene
 from autonomy.model.quadrotor import GRAVITY_MPS2
-from flightsim.vehicles.catalogue import AIRFRAMES
+from flightsim import vehicles
+from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
 from scenarios.mission.goals import fitting_areas
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
@@ -16,6 +18,7 @@ from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures, least_n
 from tests.scenarios.landing_scenes import field, thing
 
 IRIS = AIRFRAMES["iris"]
+SHIPPED = Path(vehicles.__file__).parent / "shipped" / "iris.toml"
 RECIPE = Recipe(
     wind_mps=(1.0, 2.0),
     gust_mps=(0.0, 3.0),
@@ -39,6 +42,16 @@ def test_a_task_depends_on_its_number_alone(scene):
     reseeded = Sampler("7", scene, IRIS, dataclasses.replace(RECIPE, seed=1))
     assert [reseeded.task(n) for n in range(6)] != first
     assert [task.trial_id for task in first[:2]] == ["7/iris/0", "7/iris/1"]
+
+
+def test_a_vehicle_from_a_file_has_its_tasks_by_name_and_is_found_by_its_path(scene, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(SHIPPED.read_text())
+    mine = airframe_by_name(str(path))
+    task = Sampler("7", scene, mine, RECIPE).task(1)
+    assert dataclasses.replace(task, vehicle="iris") == Sampler("7", scene, IRIS, RECIPE).task(1)
+    assert task.trial_id == f"7/{path}/1"
+    assert airframe_by_name(task.cfg().bench.vehicle) == mine
 
 
 def test_tasks_keep_to_the_recipe(scene):

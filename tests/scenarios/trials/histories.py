@@ -7,7 +7,7 @@ import numpy as np
 from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.types import ControlLevel
-from flightsim.plant.record import HISTORY_DTYPE
+from flightsim.plant.record import history_dtype
 from flightsim.vehicles.catalogue import AIRFRAMES
 
 LEG_M = AIRFRAMES["iris"].leg_length_m
@@ -42,7 +42,7 @@ LANDED = (10.2, 0.1, 2.0 + LEG_M)
 
 def flight(*segments, quat_wxyz=(1.0, 0.0, 0.0, 0.0)):
     """History of segments at rest: seconds, position, whether it touches, speed of its rotors."""
-    rows = [np.zeros(round(segment[0] * 1e6) // TICK_US, HISTORY_DTYPE) for segment in segments]
+    rows = [np.zeros(round(segment[0] * 1e6) // TICK_US, history_dtype(4)) for segment in segments]
     for part, (_, position, is_touching, *rotor_radps) in zip(rows, segments, strict=True):
         part["position_true_enu_m"] = part["position_est_enu_m"] = position
         part["is_touching"] = is_touching

@@ -1,0 +1,1 @@
+"""How external flight stacks are started, and with which parameters."""

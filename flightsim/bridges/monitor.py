@@ -1,0 +1,140 @@
+"""What an external flight stack says of itself by MAVLink: estimate, mode, arming, texts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from autonomy.types import State
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.modes import LandedState
+from flightsim.bridges.pipes import Tap, Wire
+from flightsim.frames import LocalFrame
+from flightsim.mavlink.client import Habits, MavlinkClient, Telemetry
+from flightsim.mavlink.dialect import dialect as mavlink
+from flightsim.mavlink.personalities import Personality
+from flightsim.plant import Plant
+
+_ASK_EVERY_US = 1_000_000
+_STREAMS_HZ = {
+    mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 50,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: 50,
+    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 5,
+}
+_LANDED = {
+    mavlink.MAV_LANDED_STATE_TAKEOFF: LandedState.TAKEOFF,
+    mavlink.MAV_LANDED_STATE_IN_AIR: LandedState.IN_AIR,
+    mavlink.MAV_LANDED_STATE_LANDING: LandedState.LANDING,
+}
+
+
+class ModeName(NamedTuple):
+    """Flight mode of a stack that has modes of its own."""
+
+    value: str
+
+
+class Monitor:
+    """Listens on a MAVLink port of the stack; call `update` after every 20 ms.
+
+    Attributes:
+        telemetry: Latest state that the stack has reported.
+        listeners: Called with severity and text of each of its messages.
+        failsafe: Nothing; a stack reports it as a mode and in texts.
+    """
+
+    failsafe = None
+
+    def __init__(
+        self,
+        wire: Wire,
+        plant: Plant,
+        frame: LocalFrame,
+        *,
+        names: Personality,
+        habits: Habits,
+    ) -> None:
+        """Prepare to listen.
+
+        Args:
+            wire: The port; it is opened as soon as the stack is there.
+            plant: Owner of the time.
+            frame: Local frame of the scene.
+            names: Our imitation of it, which has the names of its modes.
+            habits: What a client must know of it.
+        """
+        self._wire, self._plant = wire, plant
+        self._taps: list[Tap] = []
+        self._client = MavlinkClient(Tap(wire, self._taps), frame, habits=habits)
+        self.telemetry: Telemetry = self._client.telemetry
+        self.listeners: list[Callable[[Severity, str], None]] = []
+        # The first of several entries of a number is the preferred one.
+        self._names = {
+            entry.custom_mode: entry.title or entry.mode.value for entry in reversed(names.modes)
+        }
+        self._ask_due_us, self._asked_at_ms = 0, -1
+
+    def tap(self) -> Tap:
+        """A byte pipe of one's own to the stack, for a companion."""
+        return Tap(self._wire, self._taps)
+
+    def update(self) -> None:
+        """Read what has come, and ask for what is missing."""
+        if not self._wire.open():
+            return
+        telemetry, time_us = self.telemetry, self._plant.time_us
+        self._client.update(time_us)
+        if time_us >= self._ask_due_us and telemetry.system_id:
+            self._ask_due_us = time_us + _ASK_EVERY_US
+            # No position comes before the estimator is ready, nor from a stack that began anew.
+            if telemetry.position_time_ms in {0, self._asked_at_ms}:
+                self._ask()
+            self._asked_at_ms = telemetry.position_time_ms
+        for severity, text in telemetry.texts:
+            for listener in self.listeners:
+                listener(Severity(min(severity, Severity.DEBUG)), text)
+        telemetry.texts.clear()
+
+    def _ask(self) -> None:
+        """Ask for the origin of its local frame, and for what is recorded."""
+        self._client.command(
+            mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
+        )
+        for message_id, hz in _STREAMS_HZ.items():
+            self._client.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, 1e6 / hz)
+
+    @property
+    def estimate(self) -> State | None:
+        """State that the stack believes in; None before it has told any."""
+        telemetry = self.telemetry
+        if not telemetry.has_state:
+            return None
+        return State(
+            time_us=self._plant.time_us,
+            position_enu_m=telemetry.position_enu_m,
+            velocity_enu_mps=telemetry.velocity_enu_mps,
+            quat_wxyz=telemetry.quat_wxyz,
+            angular_rate_flu_radps=telemetry.angular_rate_flu_radps,
+        )
+
+    @property
+    def is_armed(self) -> bool:
+        """Whether its rotors may turn."""
+        return self.telemetry.is_armed
+
+    @property
+    def mode(self) -> ModeName:
+        """Its flight mode, by the name that its users know."""
+        if not self.telemetry.system_id:
+            return ModeName("not heard yet")
+        number = self.telemetry.custom_mode
+        return ModeName(self._names.get(number, f"mode {number}"))
+
+    @property
+    def landed_state(self) -> LandedState:
+        """Phase between ground and air."""
+        return _LANDED.get(self.telemetry.landed_state, LandedState.ON_GROUND)
+
+    def close(self) -> None:
+        """Release the port."""
+        self._wire.close()

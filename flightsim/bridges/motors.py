@@ -1,0 +1,30 @@
+"""From a flight stack's motor outputs to the speeds of our rotors.
+
+PX4 and ArduPilot number the motors of a quadrotor alike; `Airframe.motors` has the order. A speed
+controller turns its motor at a speed in proportion to its input, so thrust is its square; both
+stacks are told so by a parameter (`flightsim.bridges.launch`).
+"""
+
+from __future__ import annotations
+
+from flightsim.bridges.physics.bridge import MotorOutputs
+from flightsim.plant.handover import RotorSpeeds
+from flightsim.vehicles import Airframe
+
+
+class MotorMap:
+    """Order and greatest speeds of an airframe's rotors."""
+
+    def __init__(self, airframe: Airframe) -> None:
+        self._motors = airframe.motors
+        self._max_radps = [rotor.max_speed_radps for rotor in airframe.quadrotor.rotors]
+
+    def rotor_speeds_radps(self, outputs: MotorOutputs) -> RotorSpeeds | None:
+        """Speeds of our rotors 0 to 3 for the outputs of motors 1 to 4; None if all are off."""
+        if max(outputs) <= 0.0:
+            return None
+        speeds = [0.0] * 4
+        for rotor, output in zip(self._motors, outputs, strict=True):
+            speeds[rotor] = min(max(output, 0.0), 1.0) * self._max_radps[rotor]
+        a, b, c, d = speeds
+        return (a, b, c, d)

@@ -1,0 +1,1 @@
+"""Protocols by which external flight stacks meet our physics."""

@@ -1,0 +1,44 @@
+"""Physics protocol of an external flight stack: motor outputs in, sensors or truth out."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from flightsim.plant import Plant
+
+MotorOutputs = tuple[float, float, float, float]
+"""Outputs of the motors 1 to 4, 0 to 1."""
+
+
+class BridgeError(ValueError):
+    """An external flight stack cannot be waited for, started or understood."""
+
+
+class Bridge(Protocol):
+    """One exchange a control tick: tell the state, then wait for the outputs of the next tick.
+
+    Attributes:
+        address: Where the flight stack finds the physics, in words.
+        notices: A line for each thing worth saying; whoever says them takes them out.
+        n_restarts: How many times the flight stack has begun anew.
+    """
+
+    address: str
+    notices: list[str]
+    n_restarts: int
+
+    def connect(self, timeout_s: float) -> bool:
+        """Whether a flight stack is there; waits for one at most this wall time."""
+        ...
+
+    def tell(self, plant: Plant) -> None:
+        """Send the present state, unless nobody waits for it."""
+        ...
+
+    def receive(self, timeout_s: float) -> MotorOutputs | None:
+        """Outputs for the next control tick; None if they do not come within this wall time."""
+        ...
+
+    def close(self) -> None:
+        """Release the port."""
+        ...

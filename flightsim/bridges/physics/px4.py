@@ -1,0 +1,164 @@
+"""PX4's simulator MAVLink: sensors and truth by TCP, motor outputs back, a step at a time.
+
+PX4 connects to us. Its clock is the time in HIL_SENSOR, and it answers each with its outputs; until
+its outputs run, which takes a second or two, time passes at the pace of the wall clock.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import selectors
+import socket
+import time
+from typing import Any
+
+from flightsim.bridges.physics.bridge import BridgeError, MotorOutputs
+from flightsim.bridges.physics.px4_messages import SensorMessages
+from flightsim.frames import LocalFrame
+from flightsim.mavlink.dialect import dialect as mavlink
+from flightsim.plant import Plant
+
+PORT = 4560
+_CHUNK_BYTES = 1 << 16
+_LOCKSTEP_FLAG = 1
+_FREE_TICK_S = 0.004
+_OFF: MotorOutputs = (0.0, 0.0, 0.0, 0.0)
+
+
+class Px4Bridge:
+    """Simulator for one PX4; one that connects later takes the place of the one before."""
+
+    def __init__(self, instance: int, frame: LocalFrame) -> None:
+        """Listen on the port of an instance.
+
+        Raises:
+            BridgeError: If the port is taken.
+        """
+        port = PORT + instance
+        self.address = f"TCP 127.0.0.1:{port}"
+        self.notices: list[str] = []
+        self.n_restarts = 0
+        self._listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            self._listener.bind(("127.0.0.1", port))
+        except OSError as error:
+            self._listener.close()
+            raise BridgeError(
+                f"TCP port {port} for PX4's simulator is taken; valid: another --instance"
+            ) from error
+        self._listener.listen(1)
+        self._listener.setblocking(False)
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._listener, selectors.EVENT_READ)
+        self._socket: socket.socket | None = None
+        self._messages = SensorMessages(frame)
+        self._parser = mavlink.MAVLink(None)
+        self._has_outputs = False
+        """Whether PX4 has answered a step since it connected."""
+        self._outputs: MotorOutputs | None = None
+        self._told_us = 0
+        self._told: set[str] = set()
+
+    def connect(self, timeout_s: float) -> bool:
+        """Whether PX4 is connected; waits for it at most this wall time."""
+        if self._socket is None and self._selector.select(timeout_s):
+            self._accept()
+        return self._socket is not None
+
+    def tell(self, plant: Plant) -> None:
+        """Send the sensors' samples and the truth."""
+        self._outputs = None
+        data, self._told_us = self._messages.frames(plant)
+        self._send(data)
+
+    def receive(self, timeout_s: float) -> MotorOutputs | None:
+        """Outputs that answer the last samples; off while PX4 starts."""
+        limit_s = timeout_s if self._has_outputs else _FREE_TICK_S
+        deadline_s = time.monotonic() + limit_s
+        while self._outputs is None:
+            left_s = deadline_s - time.monotonic()
+            if left_s <= 0.0:
+                is_starting = self._socket is not None and not self._has_outputs
+                return _OFF if is_starting else None
+            for key, _ in self._selector.select(left_s):
+                if key.fileobj is self._listener:
+                    self._accept()
+                else:
+                    self._read()
+        return self._outputs
+
+    def close(self) -> None:
+        """Release the port."""
+        self._drop()
+        self._selector.close()
+        self._listener.close()
+
+    def _accept(self) -> None:
+        try:
+            client, _ = self._listener.accept()
+        except OSError:
+            return
+        if self._socket is not None or self._told_us:
+            self.n_restarts += 1
+            self.notices.append(f"PX4 has begun anew at {self.address}")
+        self._drop()
+        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        client.setblocking(False)
+        self._socket = client
+        self._selector.register(client, selectors.EVENT_READ)
+        self._parser = mavlink.MAVLink(None)
+        self._parser.robust_parsing = True
+
+    def _drop(self) -> None:
+        """Forget a connection that has ended."""
+        if self._socket is not None:
+            self._selector.unregister(self._socket)
+            self._socket.close()
+        self._socket, self._has_outputs = None, False
+
+    def _send(self, data: bytes) -> None:
+        # A connection that has broken is noticed by reading.
+        with contextlib.suppress(OSError):
+            if self._socket is not None:
+                self._socket.sendall(data)
+
+    def _read(self) -> None:
+        assert self._socket is not None
+        try:
+            data = self._socket.recv(_CHUNK_BYTES)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self._drop()
+            return
+        for message in self._parser.parse_buffer(data) or ():
+            if message.get_type() == "HIL_ACTUATOR_CONTROLS":
+                self._take(message)
+            elif message.get_type() == "BAD_DATA":
+                self._say(
+                    f"{self.address}: bytes that are no MAVLink are ignored; valid: the simulator "
+                    "link of PX4 1.12 and later"
+                )
+
+    def _take(self, message: Any) -> None:
+        if not message.flags & _LOCKSTEP_FLAG:
+            self._say(
+                f"{self.address}: PX4 runs without lockstep (flags {message.flags}), so that its "
+                "flights do not repeat; valid: a build for simulation with lockstep"
+            )
+        elif message.time_usec < self._told_us and self._has_outputs:
+            return  # It answers an earlier step.
+        self._has_outputs = True
+        is_armed = message.mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+        a, b, c, d = (c if math.isfinite(c) else 0.0 for c in message.controls[:4])
+        self._outputs = (a, b, c, d) if is_armed else _OFF
+
+    def _say(self, line: str) -> None:
+        """Note a line once."""
+        if line not in self._told:
+            self._told.add(line)
+            self.notices.append(line)

@@ -1,0 +1,141 @@
+"""Messages of PX4's simulator link, from our sensors' samples and from the truth."""
+
+from __future__ import annotations
+
+import math
+
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from flightsim.frames import LocalFrame, swap_enu_ned, swap_flu_frd, swap_quat_enu_flu_ned_frd
+from flightsim.mavlink.dialect import Layout, layout
+from flightsim.plant import Plant
+
+_HIL_SENSOR = layout(
+    "HIL_SENSOR",
+    *("time_usec", "xacc", "yacc", "zacc", "xgyro", "ygyro", "zgyro", "xmag", "ymag", "zmag"),
+    *("abs_pressure", "diff_pressure", "pressure_alt", "temperature", "fields_updated", "id"),
+)
+_HIL_GPS = layout("HIL_GPS")
+_HIL_STATE = layout("HIL_STATE_QUATERNION")
+_DISTANCE_SENSOR = layout("DISTANCE_SENSOR")
+_IMU_FIELDS, _MAG_FIELDS, _BARO_FIELDS = 0b111111, 0b111000000, 0b1101000000000
+_GAUSS_PER_UT, _HPA_PER_PA = 0.01, 0.01
+_FIRST_US = 1_000_000
+"""Time of the first sample: PX4 takes zero for none."""
+_TRUTH_EVERY_US = _RANGE_EVERY_US = 20_000
+_MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
+_UNKNOWN_CM = 65535
+_SYSTEM, _COMPONENT = 1, 200
+_FACING_DOWN = 25
+
+
+class SensorMessages:
+    """Builds the frames of a tick: HIL_SENSOR last, since it lets PX4's time pass."""
+
+    def __init__(self, frame: LocalFrame) -> None:
+        self._frame = frame
+        self._sequence = 0
+        self._mag_us = self._baro_us = self._gnss_us = -1
+
+    def frames(self, plant: Plant) -> tuple[bytes, int]:
+        """Frames of what has been measured, and the time that they tell, us."""
+        time_us = plant.time_us + _FIRST_US
+        parts = []
+        if plant.time_us % _TRUTH_EVERY_US == 0:
+            parts.append(self._frame_of(_HIL_STATE, self._state(plant, time_us)))
+            parts.append(self._frame_of(_DISTANCE_SENSOR, _range(plant, time_us)))
+        gnss = plant.sensors.gnss
+        if gnss.time_us != self._gnss_us:
+            self._gnss_us = gnss.time_us
+            parts.append(self._frame_of(_HIL_GPS, self._gps(plant, time_us)))
+        parts.append(self._frame_of(_HIL_SENSOR, self._sensor(plant, time_us)))
+        return b"".join(parts), time_us
+
+    def _frame_of(self, kind: Layout, payload: bytes) -> bytes:
+        self._sequence = (self._sequence + 1) % 256
+        return kind.frame_v2(payload, self._sequence, _SYSTEM, _COMPONENT)
+
+    def _sensor(self, plant: Plant, time_us: int) -> bytes:
+        imu, mag, baro = plant.sensors.imu, plant.sensors.mag, plant.sensors.baro
+        updated = _IMU_FIELDS
+        if mag.time_us != self._mag_us:
+            self._mag_us = mag.time_us
+            updated |= _MAG_FIELDS
+        if baro.time_us != self._baro_us and baro.pressure_pa > 0.0:
+            self._baro_us = baro.time_us
+            updated |= _BARO_FIELDS
+        mx, my, mz = swap_flu_frd(mag.field_flu_ut)
+        return _HIL_SENSOR.pack(
+            time_us,
+            *swap_flu_frd(imu.accel_flu_mps2),
+            *swap_flu_frd(imu.gyro_flu_radps),
+            mx * _GAUSS_PER_UT,
+            my * _GAUSS_PER_UT,
+            mz * _GAUSS_PER_UT,
+            baro.pressure_pa * _HPA_PER_PA,
+            0.0,
+            baro.altitude_m,
+            baro.temperature_degc,
+            updated,
+            0,
+        )
+
+    def _gps(self, plant: Plant, time_us: int) -> bytes:
+        gnss = plant.sensors.gnss
+        place = self._frame.geodetic_from_enu(gnss.position_enu_m)
+        vn, ve, vd = swap_enu_ned(gnss.velocity_enu_mps)
+        course_deg = math.degrees(math.atan2(ve, vn)) % 360.0
+        return _HIL_GPS.encode(
+            time_usec=time_us,
+            fix_type=gnss.fix_type,
+            lat=round(place.latitude_deg * 1e7),
+            lon=round(place.longitude_deg * 1e7),
+            alt=round(place.altitude_m * 1e3),
+            eph=_centimetres(gnss.eph_m),
+            epv=_centimetres(gnss.epv_m),
+            vel=_centimetres(math.hypot(vn, ve)),
+            vn=round(100 * vn),
+            ve=round(100 * ve),
+            vd=round(100 * vd),
+            cog=round(100 * course_deg) % 36_000,
+            satellites_visible=gnss.n_satellites,
+        )
+
+    def _state(self, plant: Plant, time_us: int) -> bytes:
+        truth = plant.truth
+        place = self._frame.geodetic_from_enu(truth.position_enu_m)
+        rates = swap_flu_frd(truth.angular_rate_flu_radps)
+        vn, ve, vd = (round(100 * v) for v in swap_enu_ned(truth.velocity_enu_mps))
+        accel = swap_flu_frd(plant.sensors.imu.accel_flu_mps2)
+        x_mg, y_mg, z_mg = (round(1e3 * a / GRAVITY_MPS2) for a in accel)
+        return _HIL_STATE.encode(
+            time_usec=time_us,
+            attitude_quaternion=swap_quat_enu_flu_ned_frd(truth.quat_wxyz),
+            rollspeed=rates[0],
+            pitchspeed=rates[1],
+            yawspeed=rates[2],
+            lat=round(place.latitude_deg * 1e7),
+            lon=round(place.longitude_deg * 1e7),
+            alt=round(place.altitude_m * 1e3),
+            vx=vn,
+            vy=ve,
+            vz=vd,
+            xacc=x_mg,
+            yacc=y_mg,
+            zacc=z_mg,
+        )
+
+
+def _range(plant: Plant, time_us: int) -> bytes:
+    range_m = plant.sensors.range_m
+    return _DISTANCE_SENSOR.encode(
+        time_boot_ms=time_us // 1000,
+        min_distance=_MIN_RANGE_CM,
+        max_distance=_MAX_RANGE_CM,
+        # Beyond the greatest range is out of reach.
+        current_distance=min(_centimetres(range_m), _MAX_RANGE_CM + 1),
+        orientation=_FACING_DOWN,
+    )
+
+
+def _centimetres(value_m: float) -> int:
+    return min(round(100 * value_m), _UNKNOWN_CM) if math.isfinite(value_m) else _UNKNOWN_CM

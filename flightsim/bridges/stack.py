@@ -1,0 +1,239 @@
+"""An external flight stack that flies a plant: bridge, process, and what it says of itself."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from autonomy.types import yaw_of
+from flightsim.autopilot.events import Severity
+from flightsim.bridges.launch import ardupilot, px4
+from flightsim.bridges.launch.launch import Launch, Start
+from flightsim.bridges.launch.process import StackProcess
+from flightsim.bridges.monitor import Monitor
+from flightsim.bridges.motors import MotorMap
+from flightsim.bridges.physics.ardupilot import ArduPilotBridge
+from flightsim.bridges.physics.bridge import Bridge, BridgeError
+from flightsim.bridges.physics.px4 import Px4Bridge
+from flightsim.bridges.pipes import Tap, TcpWire, UdpWire, Wire
+from flightsim.frames import LocalFrame
+from flightsim.mavlink.client import ARDUPILOT_HABITS, REAL_PX4_HABITS, Habits
+from flightsim.mavlink.personalities import PERSONALITIES
+from flightsim.plant import Plant
+from flightsim.vehicles import Airframe
+
+SILENCE_S = 10.0
+"""Wall time after which a stack that has fallen silent has ended the run."""
+_N_MOTORS = 4
+_START_S = 60.0
+"""Wall time within which a binary must have found the physics."""
+_LOOK_S = 0.05
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class StackKind:
+    """A flight stack that we have a bridge for."""
+
+    title: str
+    program: str
+    """Usual name of its binary, for the start line."""
+    rate_hz: int
+    """Exchanges a simulated second."""
+    bridge: Callable[[int, LocalFrame], Bridge]
+    launch: Callable[[Airframe, Start, int, Path, Path | None], Launch]
+    wire: Callable[[int], Wire]
+    """Port for our recorder and pilot, by the instance."""
+    clients: Callable[[int], str]
+    """Where clients find it, by the instance."""
+    habits: Habits
+    """What a client must know of it."""
+
+
+STACKS = MappingProxyType(
+    {
+        "ardupilot": StackKind(
+            title="ArduPilot",
+            program="arducopter",
+            rate_hz=500,
+            bridge=lambda instance, _: ArduPilotBridge(instance),
+            launch=ardupilot.launch,
+            wire=lambda instance: TcpWire(5763 + 10 * instance),
+            clients=ardupilot.clients,
+            habits=ARDUPILOT_HABITS,
+        ),
+        "px4": StackKind(
+            title="PX4",
+            program="px4",
+            rate_hz=250,
+            bridge=Px4Bridge,
+            launch=px4.launch,
+            wire=lambda instance: UdpWire(px4.OUR_PORT + instance, px4.STACK_PORT + instance),
+            clients=px4.clients,
+            habits=REAL_PX4_HABITS,
+        ),
+    }
+)
+"""Kinds by their names on the command line."""
+
+
+class ExternalStack:
+    """Flies a plant in lockstep: one exchange before every control tick.
+
+    Attributes:
+        monitor: What the stack says of itself.
+        start_line: Command line that starts it, for whoever does.
+        fault: What has ended the run, in words; empty while it goes on.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        plant: Plant,
+        frame: LocalFrame,
+        *,
+        instance: int = 0,
+        binary: Path | None = None,
+    ) -> None:
+        """Open the ports, and start the binary if there is one.
+
+        Args:
+            name: One of `STACKS`.
+            plant: Vehicle at rest, which is handed over.
+            frame: Local frame of the scene.
+            instance: Shifts all ports.
+            binary: Program of the stack; None waits for one that the user starts.
+
+        Raises:
+            BridgeError: If the vehicle is no quadrotor, a port is taken, or the binary cannot be
+                started.
+        """
+        self.kind, self._plant = STACKS[name], plant
+        airframe = plant.world.airframe
+        n_rotors = len(airframe.quadrotor.rotors)
+        if n_rotors != _N_MOTORS:
+            raise BridgeError(
+                f"vehicle {airframe.name!r} has {n_rotors} rotors, and {self.kind.title} flies "
+                f"vehicles of {_N_MOTORS} here; valid: --vehicle iris or hummingbird"
+            )
+        self.fault = ""
+        self._process: StackProcess | None = None
+        self._bridge = self.kind.bridge(instance, frame)
+        self._motors = MotorMap(airframe)
+        self._handover = plant.hand_over(self._drive)
+        self.monitor = Monitor(
+            self.kind.wire(instance),
+            plant,
+            frame,
+            names=PERSONALITIES[name],
+            habits=self.kind.habits,
+        )
+        self._folder = Path(tempfile.mkdtemp(prefix=f"aeroscene-{name}-"))
+        self._is_connected = False
+        try:
+            launch = self.kind.launch(
+                airframe, _start(plant, frame), instance, self._folder, binary
+            )
+            words = [f"{key}={value}" for key, value in launch.environment.items()]
+            self.start_line = " ".join([*words, self.kind.program, *launch.arguments])
+            if binary is not None:
+                self._process = StackProcess(self.kind.title, binary, launch, self._folder)
+        except BaseException:
+            self.close()
+            raise
+        self._deadline_s = time.monotonic() + _START_S
+
+    @property
+    def address(self) -> str:
+        """Where the stack finds the physics."""
+        return self._bridge.address
+
+    @property
+    def habits(self) -> Habits:
+        """What a client must know of it."""
+        return self.kind.habits
+
+    @property
+    def reports(self) -> Monitor:
+        """Whose mode and arming are shown and recorded."""
+        return self.monitor
+
+    def pipe(self) -> Tap:
+        """MAVLink for a companion inside this process."""
+        return self.monitor.tap()
+
+    def listen(self, listener: Callable[[Severity, str], None]) -> None:
+        """Call a function with severity and text of each message of the stack, and of ours."""
+        self.monitor.listeners.append(listener)
+
+    def wait_for_tick(self, timeout_s: float) -> bool:
+        """Whether time may pass; waits a moment for the stack to be there."""
+        if self.fault or self._is_connected:
+            return True
+        self._is_connected = self._bridge.connect(timeout_s)
+        self._say_notices()
+        if not self._is_connected and self._process is not None:
+            self.fault = self._process.fault()
+            if not self.fault and time.monotonic() > self._deadline_s:
+                self.fault = (
+                    f"{self.kind.title}'s absence: it has not come to {self.address} "
+                    f"within {_START_S:.0f} s"
+                )
+        return self._is_connected or bool(self.fault)
+
+    def update(self) -> None:
+        """Take the estimate of the stack, and pass on what there is to say."""
+        if (estimate := self.monitor.estimate) is not None:
+            self._handover.take_estimate(estimate)
+        self._say_notices()
+
+    def _drive(self) -> None:
+        """Tell the state, and command what the stack answers; no power once it is lost."""
+        if self.fault:
+            self._handover.command_rotors(None)
+            return
+        self._bridge.tell(self._plant)
+        outputs = self._bridge.receive(_LOOK_S)
+        if outputs is None:
+            deadline_s = time.monotonic() + SILENCE_S
+            while outputs is None and not self.fault:
+                outputs = self._bridge.receive(_LOOK_S)
+                self._look_for_fault(deadline_s)
+        self._handover.command_rotors(outputs and self._motors.rotor_speeds_radps(outputs))
+
+    def _look_for_fault(self, deadline_s: float) -> None:
+        if self._process is not None:
+            self.fault = self._process.fault()
+        if not self.fault and time.monotonic() > deadline_s:
+            self.fault = (
+                f"{self.kind.title}'s silence of {SILENCE_S:.0f} s "
+                f"at t = {self._plant.time_us * 1e-6:.2f} s"
+            )
+
+    def _say_notices(self) -> None:
+        while self._bridge.notices:
+            line = self._bridge.notices.pop(0)
+            for listener in self.monitor.listeners:
+                listener(Severity.WARNING, line)
+
+    def close(self) -> None:
+        """End the binary, release the ports, and remove its folder."""
+        if self._process is not None:
+            self._process.close()
+        self.monitor.close()
+        self._bridge.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _start(plant: Plant, frame: LocalFrame) -> Start:
+    truth = plant.truth
+    heading_deg = 90.0 - math.degrees(yaw_of(truth.quat_wxyz))
+    return Start(
+        place=frame.geodetic_from_enu(truth.position_enu_m),
+        heading_deg=heading_deg % 360.0,
+    )

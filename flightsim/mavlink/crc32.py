@@ -1,0 +1,12 @@
+"""CRC-32 as PX4 computes it over files and parameters: without inversions at either end."""
+
+from __future__ import annotations
+
+import zlib
+
+_INVERTED = 0xFFFFFFFF
+
+
+def crc32(data: bytes | bytearray, before: int = 0) -> int:
+    """Checksum of data, or of what came before and the data."""
+    return zlib.crc32(data, before ^ _INVERTED) ^ _INVERTED

@@ -1,0 +1,59 @@
+"""LANDING_TARGET: where the target of a precision landing is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from autonomy.types import Vector3
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler
+from flightsim.mavlink.view import VehicleView
+
+_FARTHEST_M = 1e3
+_STEEPEST_RAD = 1.4
+_STILL = (0.0, 0.0, 0.0)
+_LOCAL, _BODY = mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_BODY_FRD
+
+
+class LandingTargetService:
+    """Passes the target's place on; a report that is incomplete or out of range is dropped whole.
+
+    A report has a position, in the local frame as PX4 wants it or relative to the body, or the two
+    angles at which a camera that looks down sees the target, right and up in its image.
+    """
+
+    def __init__(self, view: VehicleView) -> None:
+        self._view = view
+        self.handlers: Mapping[str, Handler] = {"LANDING_TARGET": self._on_target}
+
+    def _on_target(self, _: Channel, message: Message) -> None:
+        position_ned_m = self._position(message)
+        if position_ned_m is None or not all(abs(c) <= _FARTHEST_M for c in position_ned_m):
+            return
+        v = self._view
+        v.autopilot.landing_target.receive(v.enu_from_ned(position_ned_m), _STILL, v.plant.time_us)
+
+    def _position(self, m: Message) -> Vector3 | None:
+        if m.position_valid:
+            if m.frame == _LOCAL:
+                return (m.x, m.y, m.z)
+            return self._beside(m.x, m.y, m.z) if m.frame == _BODY else None
+        height_m = m.distance if m.distance > 0.0 else self._view.plant.sensors.range_m
+        if not max(abs(m.angle_x), abs(m.angle_y)) <= _STEEPEST_RAD or not math.isfinite(height_m):
+            return None
+        forward_m, right_m = -height_m * math.tan(m.angle_y), height_m * math.tan(m.angle_x)
+        return self._beside(forward_m, right_m, height_m)
+
+    def _beside(self, forward_m: float, right_m: float, down_m: float) -> Vector3:
+        """Local position of an offset from the vehicle, along its heading."""
+        north_m, east_m, below_m = self._view.position_ned_m
+        yaw_rad = self._view.rpy_rad[2]
+        c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+        return (
+            north_m + c * forward_m - s * right_m,
+            east_m + s * forward_m + c * right_m,
+            below_m + down_m,
+        )

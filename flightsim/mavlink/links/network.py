@@ -1,0 +1,42 @@
+"""All links of a testbench to clients outside its process."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from flightsim.mavlink.links.link import Link
+from flightsim.mavlink.links.serial import SerialLine, SerialLink
+from flightsim.mavlink.links.tcp import TcpServerLink
+from flightsim.mavlink.links.udp import UdpLink
+from flightsim.mavlink.signing import Signing
+
+
+def network_links(
+    instance: int,
+    bind: str,
+    *,
+    serial_line: SerialLine | None = None,
+    is_lockstep: bool = False,
+    signing: Signing | None = None,
+) -> list[Link]:
+    """MAVLink ports of both flight stacks' simulators, and a serial device if there is one.
+
+    UDP to 14550 and 14540 as PX4 has it, TCP servers on 5760, 5762 and 5763 as ArduPilot has them.
+
+    Args:
+        instance: Number of the vehicle, which shifts all ports.
+        bind: Address that the ports listen on.
+        serial_line: Serial device; None for none.
+        is_lockstep: Whether protocol timeouts run in simulated time.
+        signing: Key and timestamps that the links share; None never signs.
+    """
+    udp = partial(UdpLink, bind_address=bind, is_lockstep=is_lockstep, signing=signing)
+    tcp = partial(TcpServerLink, bind_address=bind, is_lockstep=is_lockstep, signing=signing)
+    links: list[Link] = [
+        udp(local_port=18570 + instance, remote_port=14550 + instance),
+        udp(local_port=14580 + instance, remote_port=14540 + instance, profile="onboard"),
+        *(tcp(port=port + 10 * instance) for port in (5760, 5762, 5763)),
+    ]
+    if serial_line is not None:
+        links.append(SerialLink(serial_line, is_lockstep=is_lockstep, signing=signing))
+    return links

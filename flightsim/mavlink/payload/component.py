@@ -1,0 +1,118 @@
+"""A component of the vehicle besides its autopilot: heartbeat, streams, requests and commands."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.commands import CommandService, Executor
+from flightsim.mavlink.dialect import LAYOUTS, layout
+from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.message_commands import MessageCommands
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Handler, Partners
+from flightsim.mavlink.statustext import StatustextSender
+from flightsim.mavlink.telemetry import Producer, TelemetryService
+from flightsim.mavlink.view import VehicleView
+
+_HEARTBEAT = layout("HEARTBEAT")
+
+
+class Component:
+    """Introduces itself to everybody, and streams to those who have addressed it.
+
+    Its messages are all of MAVLink 2, and clients that do not tell components apart hear nothing of
+    it until they address it.
+
+    Attributes:
+        telemetry: Its messages.
+    """
+
+    def __init__(
+        self,
+        component_id: int,
+        kind: int,
+        *,
+        view: VehicleView,
+        everybody: Partners,
+        statustext: StatustextSender,
+        producers: Mapping[str, Producer],
+        handlers: Mapping[str, Handler],
+    ) -> None:
+        """Prepare a component.
+
+        Args:
+            component_id: Value of MAV_COMPONENT.
+            kind: Value of MAV_TYPE.
+            view: State of the vehicle.
+            everybody: All partners of the vehicle.
+            statustext: Texts for people.
+            producers: Its messages besides the heartbeat.
+            handlers: What it answers besides commands.
+        """
+        self._id = component_id
+        self._everybody = everybody
+        self._statustext = statustext
+        self._heartbeat = _HEARTBEAT.encode(
+            type=kind,
+            autopilot=mav.MAV_AUTOPILOT_INVALID,
+            system_status=mav.MAV_STATE_ACTIVE,
+            mavlink_version=3,
+        )
+        self._own: dict[Channel, Channel] = {}
+        self.telemetry = TelemetryService(
+            {"HEARTBEAT": lambda: self._heartbeat, **producers},
+            Partners(),  # Broadcasts go by `tell`.
+            lambda: view.plant.time_us,
+        )
+        self._own_handlers = handlers
+        self._handlers: dict[int, Handler] = {}
+
+    def execute(self, executors: Mapping[int, Executor]) -> None:
+        """Answer commands from now on: for messages and intervals, and those given."""
+        messages = MessageCommands(self.telemetry)
+        commands = CommandService({**messages.executors, **executors}, self._statustext)
+        handlers = {**self._own_handlers, **commands.handlers}
+        self._handlers = {LAYOUTS[name].message_id: handler for name, handler in handlers.items()}
+
+    @property
+    def partners(self) -> Collection[Channel]:
+        """Partners that have addressed this component."""
+        return self._own.keys()
+
+    def of(self, channel: Channel) -> Channel:
+        """A partner's channel as this component's, which streams to it from now on."""
+        own = channel.as_component(self._id)
+        if own is not channel:
+            self._own[channel] = own
+        return own
+
+    def hear(self, channel: Channel, message: Message) -> None:
+        """Handle a message that is addressed to this component."""
+        handler = self._handlers.get(message.get_msgId())
+        if handler is not None:
+            handler(self.of(channel), message)
+
+    def tell(self, name: str, payload: bytes) -> None:
+        """Send a message to everybody."""
+        for channel in self._everybody.channels:
+            if channel.speaks_version_2:
+                channel.as_component(self._id).send(LAYOUTS[name], payload)
+
+    def introduce(self) -> None:
+        """Send the heartbeat to those who have not addressed this component."""
+        for channel in self._everybody.channels:
+            if channel.knows_components and channel not in self._own:
+                channel.as_component(self._id).stream_one(_HEARTBEAT, self._heartbeat)
+
+    def update(self, channel: Channel) -> None:
+        """Send a partner what is due at this tick."""
+        own = self._own.get(channel)
+        if own is not None:
+            self.telemetry.update(own)
+
+    def forget(self, channel: Channel) -> None:
+        """Drop a partner that left."""
+        own = self._own.pop(channel, None)
+        if own is not None:
+            self.telemetry.forget(own)

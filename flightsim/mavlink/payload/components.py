@@ -1,0 +1,149 @@
+"""Camera and gimbal as components of the vehicle: who hears what, and what missions order."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from flightsim.autopilot.events import Severity
+from flightsim.autopilot.mission_item import MissionItem
+from flightsim.autopilot.results import CommandResult
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.commands import Executor, Order
+from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.mission_items import scale_of
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.payload.camera_commands import CameraCommands
+from flightsim.mavlink.payload.camera_messages import CameraMessages
+from flightsim.mavlink.payload.component import Component
+from flightsim.mavlink.payload.gimbal_commands import GimbalCommands
+from flightsim.mavlink.payload.gimbal_messages import DEVICE_ID, Control, GimbalMessages
+from flightsim.mavlink.service import Handler, Partners
+from flightsim.mavlink.statustext import StatustextSender
+from flightsim.mavlink.view import VehicleView
+from flightsim.payload import Payload
+from flightsim.payload.photograph import Photograph
+
+_HEARTBEAT_US = 1_000_000
+_CAMERA, _GIMBAL = mav.MAV_COMP_ID_CAMERA, mav.MAV_COMP_ID_GIMBAL
+
+
+class PayloadComponents:
+    """The camera, component 100, and the gimbal, component 154.
+
+    Attributes:
+        executors: Their commands, for those who address the autopilot.
+        handlers: Their messages, for those who address the autopilot.
+    """
+
+    def __init__(
+        self,
+        payload: Payload,
+        view: VehicleView,
+        everybody: Partners,
+        statustext: StatustextSender,
+        autopilot_address: tuple[int, int],
+    ) -> None:
+        """Put a payload on the wire.
+
+        Args:
+            payload: The payload, updated here.
+            view: State of the vehicle.
+            everybody: All partners of the vehicle.
+            statustext: Texts for people.
+            autopilot_address: System and component id of who flies missions.
+        """
+        self._payload = payload
+        self._statustext = statustext
+        self._address = autopilot_address
+        self._control = Control()
+        gimbal = GimbalMessages(view, payload.gimbal, self._control)
+        turning = GimbalCommands(
+            view,
+            payload.gimbal,
+            self._control,
+            own_address=autopilot_address,
+            tell_status=lambda: self._gimbal.tell("GIMBAL_MANAGER_STATUS", gimbal.status()),
+        )
+        self._camera_messages = CameraMessages(view, payload, DEVICE_ID)
+        self._camera = Component(
+            _CAMERA,
+            mav.MAV_TYPE_CAMERA,
+            view=view,
+            everybody=everybody,
+            statustext=statustext,
+            producers=self._camera_messages.producers,
+            handlers={},
+        )
+        self._gimbal = Component(
+            _GIMBAL,
+            mav.MAV_TYPE_GIMBAL,
+            view=view,
+            everybody=everybody,
+            statustext=statustext,
+            producers=gimbal.producers,
+            handlers=turning.handlers,
+        )
+        taking = CameraCommands(payload, self._camera, self._camera_messages)
+        self._orders = {**taking.orders, **turning.orders}
+        self._camera.execute(
+            {
+                **taking.orders,
+                **taking.requests,
+                mav.MAV_CMD_REQUEST_MESSAGE: taking.request_message,
+            }
+        )
+        self._gimbal.execute(turning.orders)
+        self.executors: Mapping[int, Executor] = {**self._orders, **taking.requests}
+        self.handlers: Mapping[str, Handler] = turning.handlers
+        self._components = {_CAMERA: self._camera, _GIMBAL: self._gimbal}
+        payload.camera.listeners.append(self._tell_photograph)
+
+    def hear(self, component_id: int, channel: Channel, message: Message) -> None:
+        """Handle a message that is addressed to one of the components; ignore any other."""
+        component = self._components.get(component_id)
+        if component is not None:
+            component.hear(channel, message)
+
+    def perform(self, item: MissionItem) -> None:
+        """Do what a mission item orders; one for what is not aboard is skipped."""
+        execute = self._orders.get(item.command)
+        if execute is None:
+            return
+        reply = execute(
+            Order(
+                item.command,
+                item.frame,
+                *(item.param1, item.param2, item.param3, item.param4),
+                *(item.x, item.y, item.z),
+                self._address,
+                item.x * scale_of(item.frame),
+            )
+        )
+        if reply.result is not CommandResult.ACCEPTED:
+            text = f"Mission item {item.command} {reply.result.value}: {reply.reason}"
+            self._statustext.say(Severity.WARNING, text)
+
+    def work(self) -> None:
+        """Let the payload work for a tick, and introduce the components once a second."""
+        self._payload.update()
+        if self._payload.now_us() % _HEARTBEAT_US == 0:
+            for component in self._components.values():
+                component.introduce()
+
+    @property
+    def busy(self) -> Collection[Channel]:
+        """Partners that have addressed a component."""
+        return {*self._camera.partners, *self._gimbal.partners}
+
+    def update(self, channel: Channel) -> None:
+        """Send a partner what is due at this tick."""
+        for component in self._components.values():
+            component.update(channel)
+
+    def forget(self, channel: Channel) -> None:
+        """Drop a partner that left."""
+        for component in self._components.values():
+            component.forget(channel)
+
+    def _tell_photograph(self, photograph: Photograph) -> None:
+        self._camera.tell("CAMERA_IMAGE_CAPTURED", self._camera_messages.captured(photograph))

@@ -1,0 +1,68 @@
+"""Routing: what a partner sends to others goes on to them.
+
+https://mavlink.io/en/guide/routing.html. A message for nobody in particular goes to all
+other partners, one for a system or component to those behind whom it has been heard, and none ever
+back to where it came from.
+"""
+
+from __future__ import annotations
+
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.parsing import Message
+from flightsim.mavlink.service import Partners
+
+_KEPT = frozenset(LAYOUTS[name].message_id for name in ("RADIO_STATUS", "SETUP_SIGNING"))
+"""Messages that mean one link alone: the state of its radio, and a key that nobody else may see."""
+_MOST_BEHIND_ONE = 64
+"""Systems and components that are remembered behind one partner; no client can make this grow."""
+
+Address = tuple[int, int]
+"""System and component id."""
+
+
+class Router:
+    """Knows who has been heard where, and passes on what is not for this vehicle alone."""
+
+    def __init__(self, partners: Partners, own: Address) -> None:
+        """Route between all present partners.
+
+        Args:
+            partners: Those to route between.
+            own: Address of this vehicle's autopilot.
+        """
+        self._partners = partners
+        self._own = own
+        self._heard: dict[Channel, set[Address]] = {}
+
+    def forget(self, channel: Channel) -> None:
+        """Drop what was heard from a partner that left."""
+        self._heard.pop(channel, None)
+
+    def route(self, origin: Channel, message: Message) -> None:
+        """Pass a message on to whom it may concern; one for this autopilot concerns nobody else."""
+        heard = self._heard.setdefault(origin, set())
+        if len(heard) < _MOST_BEHIND_ONE:
+            heard.add((message.get_srcSystem(), message.get_srcComponent()))
+        system, component = _target(message)
+        if (system, component) == self._own or message.get_msgId() in _KEPT:
+            return
+        for channel in self._partners.channels:
+            if channel is not origin and (
+                not system or self._is_behind(channel, system, component)
+            ):
+                channel.forward(message)
+
+    def _is_behind(self, channel: Channel, system: int, component: int) -> bool:
+        heard = self._heard.get(channel, ())
+        if component:
+            return (system, component) in heard
+        return any(known == system for known, _ in heard)
+
+
+def _target(message: Message) -> Address:
+    """Addressed system and component; 0 is all."""
+    system = getattr(message, "target_system", None)
+    if system is None:
+        system = getattr(message, "target", 0) if message.get_type() == "MANUAL_CONTROL" else 0
+    return system, getattr(message, "target_component", 0)

@@ -1,0 +1,199 @@
+"""All microservices of a vehicle, and which of them answers which message."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from flightsim.mavlink.absent import AbsentService
+from flightsim.mavlink.commands import CommandService, Executor
+from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.failure_commands import FailureCommands
+from flightsim.mavlink.files import FileService
+from flightsim.mavlink.flight_commands import FlightCommands
+from flightsim.mavlink.follow_target import FollowTargetService
+from flightsim.mavlink.ground_stations import GroundStationService
+from flightsim.mavlink.guided import GuidedInput
+from flightsim.mavlink.landing_target import LandingTargetService
+from flightsim.mavlink.lockstep import Lockstep
+from flightsim.mavlink.logs import FlightRecorder, LogService
+from flightsim.mavlink.maintenance_commands import MaintenanceCommands
+from flightsim.mavlink.manual_control import ManualControlService
+from flightsim.mavlink.message_commands import IdentityCommands, MessageCommands
+from flightsim.mavlink.metadata import PACKED_PARAMETERS, MetadataService, packed_parameters
+from flightsim.mavlink.mission import FENCE, MISSION, RALLY, MissionService
+from flightsim.mavlink.mission_with_home import MissionWithHome
+from flightsim.mavlink.mode_report import ModeReport
+from flightsim.mavlink.motor_commands import MotorCommands
+from flightsim.mavlink.obstacle_distance import ObstacleDistanceService
+from flightsim.mavlink.offboard import OffboardService
+from flightsim.mavlink.old_requests import OldRequestService
+from flightsim.mavlink.parameter_names import AliasedParameters
+from flightsim.mavlink.parameters import NamedParameters, ParameterService
+from flightsim.mavlink.payload import PayloadComponents
+from flightsim.mavlink.personalities import Personality
+from flightsim.mavlink.service import Handler, Partners, Service, StatefulService, Watching
+from flightsim.mavlink.shell import ShellService
+from flightsim.mavlink.signing import Signing
+from flightsim.mavlink.signing.setup import SigningSetup
+from flightsim.mavlink.statustext import StatustextSender
+from flightsim.mavlink.telemetry import Producer, TelemetryService
+from flightsim.mavlink.telemetry_motion import MotionTelemetry
+from flightsim.mavlink.telemetry_motors import MotorTelemetry
+from flightsim.mavlink.telemetry_sensors import SensorTelemetry
+from flightsim.mavlink.telemetry_status import StatusTelemetry
+from flightsim.mavlink.telemetry_surroundings import SurroundingsTelemetry
+from flightsim.mavlink.timesync import TimesyncService
+from flightsim.mavlink.view import VehicleView
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What services are built from."""
+
+    view: VehicleView
+    """What they tell of the vehicle."""
+    partners: Partners
+    """Who is present."""
+    statustext: StatustextSender
+    """Texts for everybody."""
+    personality: Personality
+    """Flight stack to imitate."""
+    system_id: int
+    """MAVLink system id of the vehicle."""
+    signing: Signing | None
+    """What the links sign with; None if they do not."""
+    lockstep: Lockstep | None
+    """Lets a client keep the time; None if none may."""
+    payload: PayloadComponents | None
+    """Camera and gimbal; None carries neither."""
+
+
+class Services:
+    """All microservices of one vehicle.
+
+    Attributes:
+        telemetry: Streams.
+        missions: Missions, fences and rally points.
+        watching: What looks at each tick, for nobody in particular.
+        stateful: Services that act by themselves.
+        handlers: What answers each message, by its id.
+    """
+
+    def __init__(self, setting: Setting) -> None:
+        """Build them."""
+        view, personality, payload = setting.view, setting.personality, setting.payload
+        modes = ModeReport(personality, view.autopilot)
+        guided = GuidedInput(view, modes) if personality.has_guided_mode else None
+        metadata = MetadataService(view, setting.partners) if personality.has_metadata else None
+        recorder = FlightRecorder(view, setting.statustext)
+        parameters = _named_parameters(setting)
+
+        def files() -> Mapping[str, bytes | bytearray]:
+            packed = {PACKED_PARAMETERS: packed_parameters(parameters)}
+            return {**recorder.files(), **packed, **(metadata.files if metadata else {})}
+
+        self.telemetry = _telemetry(setting, modes, metadata.producers if metadata else {})
+        self.missions = _missions(setting, guided)
+        self.watching: Sequence[Watching] = (recorder, *((metadata,) if metadata else ()))
+        self.stateful: Sequence[StatefulService] = (
+            GroundStationService(view.autopilot),
+            self.missions,
+            _parameters(setting, parameters),
+            ShellService(view, has_shell=personality.has_shell),
+            LogService(recorder),
+            FileService(files),
+            self.telemetry,
+            *((payload,) if payload else ()),
+        )
+        stateless = _answering(setting, modes, guided, self.telemetry)
+        self.handlers: dict[int, Handler] = {
+            LAYOUTS[name].message_id: handler
+            for service in (*stateless, *((metadata,) if metadata else ()), *self.stateful)
+            for name, handler in service.handlers.items()
+        }
+
+
+def _answering(
+    setting: Setting, modes: ModeReport, guided: GuidedInput | None, telemetry: TelemetryService
+) -> Sequence[Service]:
+    """Services that do nothing by themselves."""
+    view, statustext, signing = setting.view, setting.statustext, setting.signing
+    flight_commands = FlightCommands(view, setting.personality, modes)
+    accept = guided.accept_setpoint if guided else view.autopilot.set_offboard_setpoint
+    return (
+        CommandService(_executors(setting, flight_commands, telemetry), statustext),
+        OldRequestService(flight_commands, telemetry, statustext),
+        OffboardService(view, accept),
+        FollowTargetService(view),
+        LandingTargetService(view),
+        ObstacleDistanceService(view),
+        ManualControlService(view.autopilot, setting.system_id),
+        TimesyncService(lambda: view.plant.time_us),
+        AbsentService(statustext),
+        *((SigningSetup(signing, view.autopilot, statustext),) if signing else ()),
+    )
+
+
+def _executors(
+    setting: Setting, flight_commands: FlightCommands, telemetry: TelemetryService
+) -> Mapping[int, Executor]:
+    """What carries out each command."""
+    view, statustext, personality = setting.view, setting.statustext, setting.personality
+    messages = MessageCommands(telemetry)
+    return {
+        **flight_commands.executors,
+        **(setting.payload.executors if setting.payload else {}),
+        **messages.executors,
+        **IdentityCommands(messages, personality, statustext).executors,
+        **FailureCommands(view, statustext).executors,
+        **MotorCommands(view, personality).executors,
+        **MaintenanceCommands(view, statustext).executors,
+        **(setting.lockstep.executors if setting.lockstep else {}),
+    }
+
+
+def _missions(setting: Setting, guided: GuidedInput | None) -> MissionService:
+    autopilot, personality = setting.view.autopilot, setting.personality
+    mission = MissionWithHome(autopilot) if personality.n_home_items else autopilot.mission
+    return MissionService(
+        {MISSION: mission, FENCE: autopilot.fence, RALLY: autopilot.rally},
+        setting.partners,
+        setting.statustext,
+        guided.accept_item if guided else None,
+        requests_int=personality.requests_int,
+    )
+
+
+def _named_parameters(setting: Setting) -> NamedParameters:
+    """The autopilot's parameters, under the names of the flight stack."""
+    parameters, names = setting.view.autopilot.parameters, setting.personality.aliases
+    return AliasedParameters(parameters, names) if names else parameters
+
+
+def _parameters(setting: Setting, parameters: NamedParameters) -> ParameterService:
+    return ParameterService(
+        parameters,
+        setting.partners,
+        setting.statustext,
+        has_bytewise_integers=setting.personality.has_bytewise_integers,
+    )
+
+
+def _telemetry(
+    setting: Setting, modes: ModeReport, more: Mapping[str, Producer]
+) -> TelemetryService:
+    view, personality = setting.view, setting.personality
+    return TelemetryService(
+        {
+            **StatusTelemetry(view, personality, modes, setting.system_id).producers,
+            **MotionTelemetry(view).producers,
+            **SensorTelemetry(view).producers,
+            **MotorTelemetry(view).producers,
+            **SurroundingsTelemetry(view).producers,
+            **personality.extra_telemetry(view),
+            **more,
+        },
+        setting.partners,
+        lambda: view.plant.time_us,
+    )

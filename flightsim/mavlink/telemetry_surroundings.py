@@ -1,0 +1,115 @@
+"""Telemetry of what is around: wind, obstacles, other aircraft, and the pilot's sticks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+from autonomy.types import vector3
+from flightsim.frames import euler_rpy_rad, swap_enu_ned, swap_yaw_enu_ned
+from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.view import VehicleView
+from flightsim.sensors.ring_scanner import MAX_RANGE_M, MIN_RANGE_M, N_BEAMS, RingScanner
+
+_WIND_COV = layout("WIND_COV")
+_ADSB_VEHICLE = layout("ADSB_VEHICLE")
+_RC_CHANNELS = layout("RC_CHANNELS")
+_OBSTACLE_DISTANCE = layout("OBSTACLE_DISTANCE")
+
+_FIRST_ICAO_ADDRESS = 0xF00000
+"""Of a block that the ICAO has given to nobody."""
+_PWM_MIDDLE, _PWM_HALF_SPAN = 1500, 500
+_UNUSED_CHANNEL, _FULL_SIGNAL = 0xFFFF, 254
+
+
+class SurroundingsTelemetry:
+    """Packs messages of what the vehicle flies among."""
+
+    def __init__(self, view: VehicleView) -> None:
+        self._view = view
+        kinds = view.plant.obstacles_true.kinds
+        self._aircraft = [index for index, kind in enumerate(kinds) if kind == "drone"]
+        self._n_sent = 0
+        self._scanner = RingScanner(view.plant.world, view.plant.data)
+        self.producers: Mapping[str, Callable[[], bytes | None]] = {
+            "WIND_COV": self._wind,
+            "ADSB_VEHICLE": self._aircraft_report,
+            "RC_CHANNELS": self._sticks,
+            "OBSTACLE_DISTANCE": self._obstacles,
+        }
+
+    def _wind(self) -> bytes:
+        v = self._view
+        east_mps, north_mps = v.plant.wind_est_enu_mps
+        return _WIND_COV.encode(
+            time_usec=v.time_us,
+            wind_x=north_mps,
+            wind_y=east_mps,
+            wind_alt=v.place.altitude_m,
+            horiz_accuracy=math.nan,
+            vert_accuracy=math.nan,
+        )
+
+    def _aircraft_report(self) -> bytes | None:
+        """Report the other aircraft in turn, one a message; none if there are none."""
+        if not self._aircraft:
+            return None
+        number = self._n_sent % len(self._aircraft)
+        self._n_sent += 1
+        v = self._view
+        index, states = self._aircraft[number], v.plant.obstacles_true
+        place = v.frame.geodetic_from_enu(vector3(states.position_enu_m[index]))
+        vn, ve, vd = swap_enu_ned(vector3(states.velocity_enu_mps[index]))
+        heading_deg = math.degrees(swap_yaw_enu_ned(float(states.yaw_rad[index]))) % 360.0
+        return _ADSB_VEHICLE.encode(
+            ICAO_address=_FIRST_ICAO_ADDRESS + number,
+            lat=round(place.latitude_deg * 1e7),
+            lon=round(place.longitude_deg * 1e7),
+            altitude_type=mav.ADSB_ALTITUDE_TYPE_GEOMETRIC,
+            altitude=round(place.altitude_m * 1e3),
+            heading=round(heading_deg * 100.0) % 36000,
+            hor_velocity=round(100.0 * math.hypot(vn, ve)),
+            ver_velocity=round(-100.0 * vd),
+            callsign=f"DRONE{number}",
+            emitter_type=mav.ADSB_EMITTER_TYPE_UAV,
+            flags=mav.ADSB_FLAGS_VALID_COORDS
+            | mav.ADSB_FLAGS_VALID_ALTITUDE
+            | mav.ADSB_FLAGS_VALID_HEADING
+            | mav.ADSB_FLAGS_VALID_VELOCITY
+            | mav.ADSB_FLAGS_VALID_CALLSIGN,
+        )
+
+    def _obstacles(self) -> bytes:
+        """Report the nearest solid in each of 72 level directions, clockwise from the nose."""
+        v = self._view
+        truth = v.plant.truth
+        yaw_rad = euler_rpy_rad(truth.quat_wxyz)[2]
+        ranges_m = self._scanner.scan_m(truth.position_enu_m, yaw_rad)
+        none_cm = round(100.0 * MAX_RANGE_M) + 1
+        return _OBSTACLE_DISTANCE.encode(
+            time_usec=v.time_us,
+            sensor_type=mav.MAV_DISTANCE_SENSOR_LASER,
+            distances=[round(100.0 * r) if r < MAX_RANGE_M else none_cm for r in ranges_m],
+            increment=360 // N_BEAMS,
+            increment_f=360.0 / N_BEAMS,
+            min_distance=round(100.0 * MIN_RANGE_M),
+            max_distance=none_cm - 1,
+            frame=mav.MAV_FRAME_BODY_FRD,
+        )
+
+    def _sticks(self) -> bytes | None:
+        """Report the sticks as pulses: roll, pitch, throttle, yaw; none if there are none."""
+        v = self._view
+        if not v.autopilot.sticks.is_alive(v.time_us):
+            return None
+        sticks = v.autopilot.sticks.current(v.time_us)
+        axes = (sticks.roll, -sticks.pitch, 2.0 * sticks.throttle - 1.0, sticks.yaw)
+        pulses = [_PWM_MIDDLE + round(_PWM_HALF_SPAN * axis) for axis in axes]
+        pulses += [_UNUSED_CHANNEL] * (18 - len(pulses))
+        return _RC_CHANNELS.encode(
+            time_boot_ms=v.time_boot_ms,
+            chancount=len(axes),
+            rssi=_FULL_SIGNAL,
+            **{f"chan{number}_raw": pulse for number, pulse in enumerate(pulses, start=1)},
+        )

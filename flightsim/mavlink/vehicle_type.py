@@ -1,0 +1,32 @@
+"""What kind of vehicle clients are told of, by its number of rotors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flightsim.mavlink.dialect import dialect as mav
+from flightsim.vehicles.airframe import Airframe
+
+_TYPES = {
+    4: mav.MAV_TYPE_QUADROTOR,
+    6: mav.MAV_TYPE_HEXAROTOR,
+    8: mav.MAV_TYPE_OCTOROTOR,
+    10: mav.MAV_TYPE_DECAROTOR,
+    12: mav.MAV_TYPE_DODECAROTOR,
+}
+_AUTOSTART = {6: 6001, 8: 8001}
+"""PX4's airframes of so many rotors, besides the default."""
+
+
+def vehicle_type(airframe: Airframe) -> int:
+    """Value of MAV_TYPE."""
+    return _TYPES.get(len(airframe.quadrotor.rotors), mav.MAV_TYPE_GENERIC_MULTIROTOR)
+
+
+def vehicle_parameters(airframe: Airframe) -> Mapping[str, float]:
+    """Parameters that say what kind of vehicle it is, where it is no quadrotor."""
+    n = len(airframe.quadrotor.rotors)
+    parameters: dict[str, float] = {"MAV_TYPE": vehicle_type(airframe)}
+    if n in _AUTOSTART:
+        parameters["SYS_AUTOSTART"] = _AUTOSTART[n]
+    return parameters

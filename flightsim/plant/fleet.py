@@ -1,0 +1,282 @@
+"""Many plants at once: each vehicle alone in its own world, all advanced by one compiled call.
+
+What a vehicle does depends on its own world, configuration and setpoints only, bit for bit: not on
+how many others there are, nor on the number of threads.
+"""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Self
+
+import mujoco
+import numpy as np
+
+from autonomy.control.record import setpoint_row
+from autonomy.types import OFF, Quaternion, Vector3
+from flightsim.environment.effects import Effects
+from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.kernel import advance
+from flightsim.plant.memory import PlantMemory, Surroundings
+from flightsim.plant.plant import compile_kernels
+from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors
+from flightsim.world import World
+
+_LONGEST_ALIGNMENT_S = 10.0
+_MOST_LATE_S = 1e-3
+"""By which the engine's clock may differ from ours: it restarts where the state is lost."""
+
+
+class Fleet:
+    """Vehicles, each alone in its own world, that advance together.
+
+    The battery of a fleet's vehicle is always full.
+
+    Attributes:
+        worlds: World of each vehicle; several may be the same.
+        records: `PLANT_DTYPE` (n,), the state of all plants.
+        history: `history_dtype` of r rotors (n, k), the last advance, a column for each of k
+            control ticks.
+        setpoints: `SETPOINT_DTYPE` (n,), to be written before `advance`.
+        motor_speeds_radps: Speeds of the rotors (n, r) while the setpoint is `OFF`, to be written.
+    """
+
+    def __init__(
+        self, worlds: Sequence[World], cfgs: Sequence[PlantCfg], *, n_threads: int | None = None
+    ) -> None:
+        """Put every vehicle at rest at its world's start.
+
+        Args:
+            worlds: A world for each vehicle, with as many rotors each; vehicles that share one do
+                not meet.
+            cfgs: A configuration for each; their rates are the same.
+            n_threads: Threads that advance them; None takes one for each core.
+
+        Raises:
+            PlantError: If there is no world, one has no vehicle, or rates or numbers of rotors
+                differ or do not fit.
+        """
+        _check(worlds, cfgs, n_threads)
+        compile_kernels()
+        # The kernel writes into the model what may touch a mover just now.
+        self.worlds = [_with_own_model(world) if world.obstacles else world for world in worlds]
+        n, rate = len(worlds), cfgs[0]
+        self.records = np.zeros(n, PLANT_DTYPE)
+        n_rotors = _n_rotors(self.worlds[0])
+        self._log = np.zeros((n, rate.control_hz // rate.advance_hz), HISTORY_DTYPE)
+        self.history = with_rotors(self._log, n_rotors)
+        self.setpoints = self.records["setpoint"]
+        self.motor_speeds_radps = self.records["controller"]["given_speed_radps"][:, :n_rotors]
+        self._engine = self.records["engine"]
+        self._ticks: np.ndarray = self._engine["tick"]
+        self._tick_s, self._tick_hz = 1.0 / rate.control_hz, rate.control_hz
+        self._counter = np.zeros(1, np.int64)
+        self._surroundings: dict[tuple[int, Effects], Surroundings] = {}
+        self._datas = [world.new_data() for world in self.worlds]
+        self._memories = [self._new_memory(i, cfg) for i, cfg in enumerate(cfgs)]
+        for i, cfg in enumerate(cfgs):
+            self._begin(i, cfg)
+        n_helpers = min(n_threads or os.cpu_count() or 1, n) - 1
+        self._pool = ThreadPoolExecutor(n_helpers, "fleet") if n_helpers else None
+        self._n_helpers = n_helpers
+        self._clock = ctypes.c_void_p.from_address(int(self._engine["clock_address"][0]))
+
+    def __len__(self) -> int:
+        return len(self.worlds)
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """Simulated time of each vehicle (n,) since its own start."""
+        return self._ticks * self._tick_s
+
+    def advance(self) -> None:
+        """Advance all vehicles by one call of `PlantCfg.advance_hz`; other threads may run.
+
+        Raises:
+            PhysicsDivergedError: If the physics engine had to give a state up.
+        """
+        self._draw(np.flatnonzero(self._ticks % self._tick_hz == 0).tolist())
+        self._engine["has_new_setpoint"] = 1
+        self._counter[0] = 0
+        if self._pool is None:
+            advance(self.records, self._counter)
+        else:
+            self._advance_on_threads(self._pool)
+        self._check_physics(range(len(self)))
+
+    def advance_one(self, index: int) -> None:
+        """Advance one vehicle alone.
+
+        Raises:
+            PhysicsDivergedError: If the physics engine had to give its state up.
+        """
+        if self._ticks[index] % self._tick_hz == 0:
+            self._draw([index])
+        self._engine["has_new_setpoint"][index] = 1
+        self._counter[0] = 0
+        advance(self.records[index : index + 1], self._counter)
+        self._check_physics([index])
+
+    def restart(
+        self,
+        index: int,
+        cfg: PlantCfg,
+        *,
+        held_at: tuple[Vector3, Quaternion] | None = None,
+        mass_share: float = 1.0,
+    ) -> None:
+        """Begin anew with one vehicle, at rest and with its rotors off.
+
+        Args:
+            index: Number of the vehicle.
+            cfg: Its new configuration, with the rates of the old one.
+            held_at: Pose, ENU, body to world, where a hand holds it until `release`; None stands it
+                at the start.
+            mass_share: Its mass and inertia over those that its controller believes.
+        """
+        world, data = self._laden(index, mass_share), self._datas[index]
+        mujoco.mj_resetData(world.model, data)
+        data.qpos[:] = world.rest_qpos
+        if held_at is not None:
+            data.qpos[:7] = [*held_at[0], *held_at[1]]
+        mujoco.mj_forward(world.model, data)
+        self.records[index : index + 1].view(np.uint8).fill(0)
+        self._memories[index] = self._new_memory(index, cfg)
+        self._engine["is_held"][index] = held_at is not None
+        self._begin(index, cfg)
+
+    def is_touching(self, index: int) -> bool:
+        """Whether a vehicle that was just put somewhere touches or is inside something there."""
+        return self._datas[index].ncon > 0
+
+    def align(self, index: int) -> None:
+        """Let one vehicle rest, or be held, until its estimator is aligned.
+
+        Raises:
+            NotAlignedError: If it is not within ten seconds.
+        """
+        if self._engine["knows_truth"][index] == 1:
+            return
+        for _ in range(round(_LONGEST_ALIGNMENT_S * self._tick_hz)):
+            if self.records["filter"]["is_aligned"][index] == 1:
+                return
+            self.advance_one(index)
+        raise NotAlignedError(f"vehicle {index}: its estimator is not aligned after ten seconds")
+
+    def release(self, index: int) -> None:
+        """Let go of one vehicle that is held, with its rotors at the speed of hover."""
+        speed_radps = self.worlds[index].airframe.quadrotor.hover_speed_radps
+        n_rotors = _n_rotors(self.worlds[index])
+        self.records["rotors"]["speed_radps"][index, :n_rotors] = speed_radps
+        self.records["controller"]["rotor_model_radps"][index, :n_rotors] = speed_radps
+        self.history["rotor_speed_radps"][index] = speed_radps
+        self._datas[index].time = self._ticks[index] * self._tick_s
+        self._engine["is_held"][index] = 0
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def _advance_on_threads(self, pool: ThreadPoolExecutor) -> None:
+        # Nobody may restore MuJoCo's clock of stages while others still step.
+        stage_clock, self._clock.value = self._clock.value, None
+        try:
+            waiting = [
+                pool.submit(advance, self.records, self._counter) for _ in range(self._n_helpers)
+            ]
+            advance(self.records, self._counter)
+            for helper in waiting:
+                helper.result()
+        finally:
+            self._clock.value = stage_clock
+
+    def _draw(self, indices: Sequence[int]) -> None:
+        """Draw the noise of the next second of these vehicles."""
+        for i in indices:
+            self._memories[i].draw_normals()
+
+    def _check_physics(self, indices: Sequence[int]) -> None:
+        engine_s = np.array([self._datas[i].time for i in indices])
+        is_late = abs(engine_s - self.time_s[indices]) > _MOST_LATE_S
+        lost = np.flatnonzero(is_late & (self._engine["is_held"][indices] == 0))
+        if lost.size:
+            raise PhysicsDivergedError(
+                f"world {indices[lost[0]]}: the physics engine reset itself: the state had become "
+                "infinite or not a number"
+            )
+
+    def _new_memory(self, index: int, cfg: PlantCfg) -> PlantMemory:
+        world = self.worlds[index]
+        key = id(world.scene), cfg.effects
+        if key not in self._surroundings:
+            self._surroundings[key] = Surroundings.of(world.scene, cfg.effects)
+        return PlantMemory(
+            world,
+            cfg,
+            self._datas[index],
+            plants=self.records[index : index + 1],
+            history=self._log[index],
+            surroundings=self._surroundings[key],
+        )
+
+    def _begin(self, index: int, cfg: PlantCfg) -> None:
+        """Set wind and setpoint, and write the start into the last column of the log."""
+        memory = self._memories[index]
+        memory.set_wind(cfg.wind)
+        memory.setpoint_flat[:] = setpoint_row(OFF)
+        self._log[index : index + 1].view(np.uint8).fill(0)
+        row: np.void = self.history[index, -1]
+        row["position_true_enu_m"], row["quat_true_wxyz"] = memory.qpos[:3], memory.qpos[3:]
+
+    def _laden(self, index: int, mass_share: float) -> World:
+        """World of a vehicle, with a share of the mass in a model of its own."""
+        world = self.worlds[index]
+        quadrotor, body = world.airframe.quadrotor, world.vehicle_body_id
+        mass_kg = mass_share * quadrotor.mass_kg
+        if world.model.body_mass[body] == mass_kg:
+            return world
+        world = _with_own_model(world)
+        world.model.body_mass[body] = mass_kg
+        world.model.body_inertia[body] = mass_share * np.array(quadrotor.inertia_flu_kgm2)
+        mujoco.mj_setConst(world.model, self._datas[index])
+        self.worlds[index] = world
+        return world
+
+
+def _n_rotors(world: World) -> int:
+    return len(world.airframe.quadrotor.rotors)
+
+
+def _with_own_model(world: World) -> World:
+    return replace(world, model=copy.copy(world.model))
+
+
+def _check(worlds: Sequence[World], cfgs: Sequence[PlantCfg], n_threads: int | None) -> None:
+    if not worlds or len(worlds) != len(cfgs):
+        raise PlantError(
+            f"cfgs: {len(cfgs)} for {len(worlds)} worlds: as many as worlds are valid, at least one"
+        )
+    if n_threads is not None and n_threads < 1:
+        raise PlantError(f"n_threads = {n_threads}: 1 or more are valid")
+    rates = {(cfg.physics_hz, cfg.control_hz, cfg.advance_hz) for cfg in cfgs}
+    if len(rates) > 1:
+        raise PlantError(f"cfgs: rates {sorted(rates)}: the same for all are valid")
+    numbers = sorted({_n_rotors(world) for world in worlds})
+    if len(numbers) > 1:
+        raise PlantError(f"worlds: vehicles with {numbers} rotors: the same number is valid")
+    for i, (world, cfg) in enumerate(zip(worlds, cfgs, strict=True)):
+        if world.vehicle_body_id < 0:
+            raise PlantError(f"world {i}: it has no vehicle, build it with vehicle=True")
+        cfg.check(world.model.opt.timestep)

@@ -1,0 +1,49 @@
+"""A level ring of range beams about the vehicle, as a small spinning lidar has them."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from autonomy.types import Vector3
+from flightsim.world import World
+
+N_BEAMS = 72
+MIN_RANGE_M, MAX_RANGE_M = 0.2, 30.0
+
+
+class RingScanner:
+    """Scans the true world: all that the vehicle can collide with, and not the vehicle itself."""
+
+    def __init__(self, world: World, data: mujoco.MjData) -> None:
+        self._model, self._data = world.model, data
+        self._vehicle_body = world.vehicle_body_id
+        self._directions = np.zeros((N_BEAMS, 3))
+        self._geom_ids = np.zeros(N_BEAMS, np.int32)
+        self._ranges_m = np.zeros(N_BEAMS)
+
+    def scan_m(self, position_enu_m: Vector3, yaw_rad: float) -> list[float]:
+        """Distance along each beam, from the nose on clockwise; infinite beyond the range.
+
+        Args:
+            position_enu_m: Where the scanner is.
+            yaw_rad: Heading of the nose, counterclockwise from east.
+        """
+        bearings_rad = yaw_rad - np.arange(N_BEAMS) * (2.0 * np.pi / N_BEAMS)
+        self._directions[:, 0], self._directions[:, 1] = np.cos(bearings_rad), np.sin(bearings_rad)
+        mujoco.mj_multiRay(
+            self._model,
+            self._data,
+            np.array(position_enu_m),
+            self._directions.ravel(),
+            None,
+            True,
+            self._vehicle_body,
+            self._geom_ids,
+            self._ranges_m,
+            None,
+            N_BEAMS,
+            MAX_RANGE_M,
+        )
+        is_met = (self._ranges_m >= 0.0) & (self._ranges_m <= MAX_RANGE_M)
+        return np.where(is_met, self._ranges_m, np.inf).tolist()

@@ -1,0 +1,197 @@
+"""Settings of a testbench: vehicle, seed, air, sensors, speed, ports, and who flies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from flightsim.bridges import STACKS
+from flightsim.environment.effects import Effects
+from flightsim.environment.parameters import wind_parameters
+from flightsim.environment.traffic import TrafficCfg
+from flightsim.environment.wind import WindCfg, turbulence_mps
+from flightsim.mavlink.links import LinkError, SerialLine
+from flightsim.mavlink.personalities import PERSONALITIES
+from flightsim.mavlink.signing import Signing, SigningKeyError, read_key
+from flightsim.plant import PlantCfg
+from flightsim.vehicles import airframe_by_name
+
+MAX_INSTANCES = 100
+_TICKS_PER_DATAGRAM = 5
+"""Most ticks whose telemetry shares a datagram at full speed, where they take less than a
+millisecond. A companion's datagram is full before; sending one costs as much as packing three."""
+
+
+class TestbenchError(ValueError):
+    """No testbench can be built from the configuration."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TestbenchCfg:
+    """Settings of a simulation."""
+
+    vehicle: str = "iris"
+    """Airframe by its name, or a file FILE.toml that describes one (docs/airframes.md); an unknown
+    name is answered with the valid ones."""
+    seed: int = 0
+    """Seed of every random draw: sensor noise, choice of the landing area."""
+    gnss: Literal["rtk", "standard"] = "rtk"
+    """GNSS grade: rtk has decimetre errors, standard metres."""
+    aiding: Literal["gnss", "vio", "mocap", "auto"] = "auto"
+    """Position source: gnss (not in rooms), vio (visual-inertial odometry), mocap (motion capture),
+    or auto, which is GNSS under open sky and VIO everywhere."""
+    wind: float = 0.0
+    """Speed of the steady wind, m/s."""
+    wind_from: float = 270.0
+    """Direction of the wind's origin in degrees clockwise from north: 270 is the west."""
+    turbulence: str = "none"
+    """Dryden turbulence: none, natural (by the steady wind), light, moderate, severe, or the
+    standard deviation of its vertical part in m/s."""
+    gust: float = 0.0
+    """Peak speed that a gust adds to the wind, m/s; 3 s of every 15 s."""
+    traffic: str = "none"
+    """Movers besides the vehicle, such as people=3,cars=2,drones=1."""
+    depth_camera: Literal["exact", "d435", "d455"] = "exact"
+    """Depth of the cameras: exact, or with the errors of a RealSense D435 or D455."""
+    without: str = ""
+    """Effects of the physics to leave out, such as ground,ceiling; docs/physics.md names them."""
+    speed: float | Literal["max"] = 1.0
+    """Simulated seconds per wall second, or max for as fast as it goes."""
+    instance: int = 0
+    """Number of this vehicle: shifts every port and the MAVLink system id (1 + instance)."""
+    bind: str = "127.0.0.1"
+    """Address that the MAVLink ports listen on; 0.0.0.0 opens them to the network."""
+    serial: str = ""
+    """Serial device for one more client, PATH or PATH:BAUD, such as /dev/ttyUSB0:57600."""
+    signing_key: str = ""
+    """File whose line is a passphrase as ground stations take it: messages are signed with its key,
+    and others are refused; without it clients may set one. See docs/connect.md."""
+    personality: str = "px4"
+    """Flight stack whose modes, parameters and habits clients meet: px4 or ardupilot."""
+    autopilot: Literal["builtin", "px4", "ardupilot"] = "builtin"
+    """Who flies: our autopilot, or a flight stack of its own that runs in lockstep with our
+    physics; see docs/flight_stacks.md."""
+    autopilot_binary: str = ""
+    """Program of that flight stack, which is started and ended with the run; without it the run
+    waits for one that you start."""
+    lockstep: bool = False
+    """Let time wait for a client that grants every tick, so that its flight can be repeated bit for
+    bit; the run ends when it leaves. See docs/lockstep.md."""
+
+    def __post_init__(self) -> None:
+        """Refuse invalid settings before anything is built."""
+        airframe_by_name(self.vehicle)
+        _ = self.wind_cfg, self.traffic_cfg, self.effects, self.serial_line, self.signing
+        if self.speed != "max" and not 0.0 < self.speed < float("inf"):
+            raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
+        if not 0 <= self.instance < MAX_INSTANCES:
+            raise TestbenchError(
+                f"instance {self.instance} is out of range; valid: 0 to {MAX_INSTANCES - 1}"
+            )
+        if self.personality not in PERSONALITIES:
+            raise TestbenchError(
+                f"personality {self.personality!r} is unknown; valid: {', '.join(PERSONALITIES)}"
+            )
+        if self.seed < 0:
+            raise TestbenchError(f"seed {self.seed} is negative; valid: 0 or more")
+        self._check_autopilot()
+
+    def _check_autopilot(self) -> None:
+        """Refuse what only our autopilot has, where another one flies."""
+        if self.autopilot == "builtin":
+            if self.autopilot_binary:
+                raise TestbenchError(
+                    f"autopilot-binary {self.autopilot_binary!r} needs an autopilot; "
+                    f"valid: --autopilot {' or '.join(STACKS)}"
+                )
+            return
+        for name in ("lockstep", "serial", "signing_key"):
+            if value := getattr(self, name):
+                raise TestbenchError(
+                    f"{name.replace('_', '-')} {value} is our autopilot's, and "
+                    f"{self.autopilot} flies; valid: --autopilot builtin"
+                )
+
+    @property
+    def wind_cfg(self) -> WindCfg:
+        """Wind of these settings.
+
+        Raises:
+            WindError: If it is invalid.
+        """
+        return WindCfg(
+            speed_mps=self.wind,
+            from_deg=self.wind_from,
+            turbulence_mps=turbulence_mps(self.turbulence, self.wind),
+            gust_mps=self.gust,
+        )
+
+    @property
+    def traffic_cfg(self) -> TrafficCfg:
+        """Traffic of these settings.
+
+        Raises:
+            TrafficError: If it is invalid.
+        """
+        return TrafficCfg.parse(self.traffic, self.seed)
+
+    @property
+    def effects(self) -> Effects:
+        """Physics of these settings.
+
+        Raises:
+            EffectError: If there is no effect of a name.
+        """
+        return Effects.without(self.without)
+
+    @property
+    def serial_line(self) -> SerialLine | None:
+        """Serial device of these settings, if there is one.
+
+        Raises:
+            TestbenchError: If its speed is unknown.
+        """
+        try:
+            return SerialLine.parse(self.serial) if self.serial else None
+        except LinkError as error:
+            raise TestbenchError(str(error)) from error
+
+    @property
+    def signing(self) -> Signing:
+        """What the network and serial links of these settings sign with.
+
+        Raises:
+            TestbenchError: If the file of the key holds none.
+        """
+        try:
+            return Signing(read_key(self.signing_key) if self.signing_key else None)
+        except SigningKeyError as error:
+            raise TestbenchError(str(error)) from error
+
+    @property
+    def initial_parameters(self) -> Mapping[str, float]:
+        """The autopilot's parameters that these settings change from their defaults."""
+        return {
+            **PERSONALITIES[self.personality].initial_parameters,
+            "MAV_SYS_ID": 1 + self.instance,
+            **wind_parameters(self.wind_cfg),
+        }
+
+    @property
+    def ticks_per_datagram(self) -> int:
+        """Number of ticks whose telemetry shares a datagram."""
+        return _TICKS_PER_DATAGRAM if self.speed == "max" and not self.lockstep else 1
+
+    @property
+    def plant_cfg(self) -> PlantCfg:
+        """Plant of these settings."""
+        cfg = PlantCfg(
+            seed=self.seed,
+            gnss=self.gnss,
+            aiding=self.aiding,
+            wind=self.wind_cfg,
+            effects=self.effects,
+        )
+        stack = STACKS.get(self.autopilot)
+        return cfg if stack is None else replace(cfg, control_hz=stack.rate_hz)

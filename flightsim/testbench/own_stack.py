@@ -1,0 +1,113 @@
+"""Our flight stack around a plant: autopilot, payload and MAVLink."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.autopilot.events import Severity
+from flightsim.environment.parameters import follow_parameters
+from flightsim.frames import LocalFrame
+from flightsim.mavlink.client import PX4_HABITS, BytePipe
+from flightsim.mavlink.links import InProcessLink, Link, network_links
+from flightsim.mavlink.personalities import PERSONALITIES
+from flightsim.mavlink.server import MavlinkServer
+from flightsim.mavlink.vehicle_type import vehicle_parameters
+from flightsim.payload import VIDEO_PORT, Payload, PayloadCfg
+from flightsim.plant import Plant
+from flightsim.testbench.cfg import TestbenchCfg
+
+
+class OwnStack:
+    """Builds the parts of our stack, and owns what must be closed.
+
+    Attributes:
+        autopilot: Flies the plant.
+        payload: Gimbal and camera.
+        pilot_link: Lockstep MAVLink for a companion inside this process.
+        server: Serves that link, and all others.
+        habits: What a client must know of it.
+    """
+
+    habits = PX4_HABITS
+
+    def __init__(
+        self,
+        plant: Plant,
+        frame: LocalFrame,
+        cfg: TestbenchCfg,
+        *,
+        has_network: bool,
+        extra_links: Sequence[Link],
+        captures: Path | None,
+        has_video: bool,
+    ) -> None:
+        """Build the parts and open the links; see `Testbench`.
+
+        Raises:
+            PortInUseError: If a MAVLink port is taken.
+            VideoError: If there is nothing to encode video with.
+            OSError: If the folder cannot be made.
+        """
+        self.autopilot = Autopilot(
+            plant,
+            frame,
+            airframe=plant.world.airframe,
+            initial_parameters={
+                **vehicle_parameters(plant.world.airframe),
+                **cfg.initial_parameters,
+            },
+        )
+        follow_parameters(self.autopilot.parameters, plant)
+        video_port = VIDEO_PORT + cfg.instance if has_video else None
+        payload_cfg = PayloadCfg(captures=captures, video_port=video_port)
+        self.payload = Payload(plant, self.autopilot, frame, payload_cfg)
+        self.pilot_link, signing = InProcessLink(), cfg.signing
+        links: list[Link] = [self.pilot_link, *extra_links]
+        if has_network:
+            links += network_links(
+                cfg.instance,
+                cfg.bind,
+                serial_line=cfg.serial_line,
+                is_lockstep=cfg.lockstep,
+                signing=signing,
+            )
+        self.server = MavlinkServer(
+            self.autopilot,
+            plant,
+            frame,
+            links,
+            system_id=1 + cfg.instance,
+            personality=PERSONALITIES[cfg.personality],
+            has_lockstep=cfg.lockstep,
+            ticks_per_datagram=cfg.ticks_per_datagram,
+            signing=signing,
+            payload=self.payload,
+        )
+        self.payload.prepare()
+
+    @property
+    def fault(self) -> str:
+        """What keeps time from passing for good, in words; empty while it passes."""
+        lockstep = self.server.lockstep
+        is_over = lockstep is not None and lockstep.is_over
+        return "the client that kept the time" if is_over else ""
+
+    @property
+    def reports(self) -> Autopilot:
+        """Whose mode and arming are shown and recorded."""
+        return self.autopilot
+
+    def pipe(self) -> BytePipe:
+        """MAVLink for a companion inside this process."""
+        return self.pilot_link.client
+
+    def listen(self, listener: Callable[[Severity, str], None]) -> None:
+        """Call a function with severity and text of each message to clients."""
+        self.server.statustext.listeners.append(listener)
+
+    def close(self) -> None:
+        """Close every link, and end what the payload still does."""
+        self.server.close()
+        self.payload.close()

@@ -1,0 +1,157 @@
+"""Checked access to a TOML table: each fault names file, field, value, and what would be valid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NoReturn
+
+from flightsim.vehicles.airframe import AirframeError
+
+
+class Fields:
+    """A table whose fields are asked for one by one; what nobody asked for is unknown."""
+
+    def __init__(self, plain: dict[str, Any], file: str, path: str = "") -> None:
+        """Read a table.
+
+        Args:
+            plain: The table.
+            file: Where it is from, for messages.
+            path: Where it stands in the file, such as `body`; empty for the whole file.
+        """
+        self._plain, self._file, self._path = plain, file, path
+        self._others: dict[str, Any] = {}
+        """What a merged table has from another one, which stands at the fallback."""
+        self._fallback = path
+        self._asked: list[str] = []
+
+    def fail(self, field: str, fault: str) -> NoReturn:
+        """Refuse a field; the fault says what is wrong and what would be valid.
+
+        Raises:
+            AirframeError: Always.
+        """
+        path = self._path if field in self._plain else self._fallback
+        where = f"{path}.{field}".strip(".")
+        raise AirframeError(f"airframe {self._file}: {where} {fault}")
+
+    def has(self, field: str) -> bool:
+        """Whether a field is given."""
+        self._asked.append(field)
+        return field in self._plain or field in self._others
+
+    def check_all_known(self) -> None:
+        """Refuse fields that nobody asked for.
+
+        Raises:
+            AirframeError: If there is one.
+        """
+        valid = list(dict.fromkeys(self._asked))
+        for field in self._plain:
+            if field not in valid:
+                self.fail(field, f"is unknown; valid: {', '.join(valid)}")
+
+    def text(self, field: str, *, most: int = 80) -> str:
+        """A line of text."""
+        value = self._required(field, "a line of text")
+        if not isinstance(value, str) or not value.strip() or len(value) > most:
+            self.fail(field, f"is {value!r}; valid: 1 to {most} characters")
+        return value
+
+    def word(self, field: str, valid: Sequence[str]) -> str:
+        """One of several words."""
+        names = " or ".join(valid)
+        value = self._required(field, names)
+        if value not in valid:
+            self.fail(field, f"is {value!r}; valid: {names}")
+        return value
+
+    def number(
+        self, field: str, low: float, high: float, unit: str = "", default: float | None = None
+    ) -> float:
+        """A number within bounds, both of them valid; without a default it must be given."""
+        valid = f"{low:g} to {high:g} {unit}".rstrip()
+        if default is not None and not self.has(field):
+            return default
+        value = self._required(field, valid)
+        if not _is_number(value) or not low <= value <= high:
+            self.fail(field, f"is {value!r}; valid: {valid}")
+        return float(value)
+
+    def count(self, field: str, low: int, high: int) -> int:
+        """A whole number within bounds, both of them valid."""
+        value = self._required(field, f"{low} to {high}")
+        if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+            self.fail(field, f"is {value!r}; valid: a whole number from {low} to {high}")
+        return value
+
+    def vector(
+        self,
+        field: str,
+        n: int,
+        low: float,
+        high: float,
+        unit: str = "",
+        default: tuple[float, ...] | None = None,
+    ) -> tuple[float, ...]:
+        """Numbers within bounds, both of them valid; without a default they must be given."""
+        valid = f"{n} numbers from {low:g} to {high:g} {unit}".rstrip()
+        if default is not None and not self.has(field):
+            return default
+        value = self._required(field, valid)
+        is_row = isinstance(value, list) and len(value) == n and all(map(_is_number, value))
+        if not is_row or not all(low <= each <= high for each in value):
+            self.fail(field, f"is {value!r}; valid: {valid}")
+        return tuple(map(float, value))
+
+    def rows(
+        self, field: str, n: int, least: int, low: float, high: float, unit: str = ""
+    ) -> list[tuple[float, ...]]:
+        """Rows of n numbers within bounds, at least so many."""
+        valid = f"{least} rows or more of {n} numbers from {low:g} to {high:g} {unit}".rstrip()
+        value = self._required(field, valid)
+        if not isinstance(value, list) or len(value) < least:
+            self.fail(field, f"is {value!r}; valid: {valid}")
+        for row in value:
+            is_row = isinstance(row, list) and len(row) == n and all(map(_is_number, row))
+            if not is_row or not all(low <= each <= high for each in row):
+                self.fail(field, f"has the row {row!r}; valid: {valid}")
+        return [tuple(map(float, row)) for row in value]
+
+    def table(self, field: str) -> Fields:
+        """A table within; an empty one if it is not given."""
+        value = self._plain.get(field, {})
+        self._asked.append(field)
+        if not isinstance(value, dict):
+            self.fail(field, f"is {value!r}; valid: a table, [{field}]")
+        return Fields(value, self._file, f"{self._path}.{field}".strip("."))
+
+    def tables(self, field: str) -> Iterator[Fields]:
+        """Tables of a list, which count from 1 in messages."""
+        value = self._required(field, f"tables, each below [[{field}]]")
+        if not isinstance(value, list) or not all(isinstance(each, dict) for each in value):
+            self.fail(field, f"is {value!r}; valid: tables, each below [[{field}]]")
+        for number, plain in enumerate(value, start=1):
+            yield Fields(plain, self._file, f"{field}[{number}]")
+
+    def merged_under(self, other: Fields) -> Fields:
+        """The same table with what it lacks taken from another one."""
+        merged = Fields(self._plain, self._file, self._path)
+        merged._others, merged._fallback = other._plain, other._path
+        return merged
+
+    def know_as(self, merged: Fields) -> None:
+        """Take what was asked of a merged table as asked of this one."""
+        self._asked += merged._asked
+
+    def _required(self, field: str, valid: str) -> Any:
+        if not self.has(field):
+            self.fail(field, f"is missing; valid: {valid}")
+        return self._plain.get(field, self._others.get(field))
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    return math.isfinite(value)

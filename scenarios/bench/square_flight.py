@@ -1,0 +1,55 @@
+"""The flight of the benchmarks of speed: up above everything, then a square."""
+
+from __future__ import annotations
+
+from flightsim.autopilot.modes import LandedState
+from flightsim.frames import Geodetic, LocalFrame
+from flightsim.simulator import TICK_US
+from flightsim.testbench import Testbench
+from scenarios.bench.configs import BenchError
+
+_READY_S = 30.0
+_CLEARANCE_M = 5.0
+"""Height above everything, where nothing is in the way."""
+_CLIMB_S = 30.0
+_LEG_S = 5.0
+_CORNERS_M = ((10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0))
+
+
+def take_off(bench: Testbench) -> None:
+    """Wait until the vehicle is ready, and climb above all that the scene has.
+
+    Raises:
+        BenchError: If it does not take off.
+    """
+    simulator, plant, autopilot = bench.simulator, bench.plant, bench.autopilot
+    while not autopilot.prearm.is_ok and plant.time_us < _READY_S * 1e6:
+        simulator.run(until_us=plant.time_us + 25 * TICK_US)
+    roofs_m = max(o.bbox.p[2] + o.bbox.s[2] / 2 for o in bench.scene.objects)
+    altitude_m = bench.scene.altitude_m + roofs_m + _CLEARANCE_M
+    for reply in (autopilot.takeoff(altitude_m), autopilot.arm()):
+        if not reply.is_accepted:
+            raise BenchError(f"take-off refused: {reply.reason}")
+    simulator.run(until_us=plant.time_us + round(1e6 * _CLIMB_S))
+    if autopilot.landed_state is LandedState.ON_GROUND:
+        raise BenchError("the vehicle did not take off")
+
+
+def fly_square(bench: Testbench, seconds: float) -> None:
+    """Fly from corner to corner for some simulated seconds.
+
+    Raises:
+        BenchError: If a corner is refused.
+    """
+    plant, autopilot, scene = bench.plant, bench.autopilot, bench.scene
+    frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
+    east, north, up = plant.estimate.position_enu_m
+    end_us = plant.time_us + round(seconds * 1e6)
+    leg = 0
+    while plant.time_us < end_us:
+        dx, dy = _CORNERS_M[leg % len(_CORNERS_M)]
+        reply = autopilot.goto(frame.geodetic_from_enu((east + dx, north + dy, up)))
+        if not reply.is_accepted:
+            raise BenchError(f"flight to a corner refused: {reply.reason}")
+        bench.simulator.run(until_us=min(end_us, plant.time_us + round(_LEG_S * 1e6)))
+        leg += 1

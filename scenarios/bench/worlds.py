@@ -1,0 +1,133 @@
+"""`bench worlds`: many vehicles, each in a world of its own, and the environments over them."""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from aeroscene.sources import open_scene
+from autonomy.types import LEVEL, ControlLevel
+from flightsim.plant import Fleet, PlantCfg, compile_kernels
+from flightsim.plant.cfg import ADVANCE_HZ
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import World, build_world
+from scenarios.bench.configs import BenchError, WorldsBenchCfg
+from scenarios.bench.row import OnProgress, Row, higher, lower
+
+LEAST_SPEED = 650.0
+"""Target in simulated seconds per wall second on two quiet cores."""
+LEAST_GAIN = 1.8
+"""Target of two threads over one."""
+LEAST_STEPS, LEAST_DEPTH_STEPS = 30_000.0, 2_000.0
+"""Targets in steps of an environment a second."""
+DEPTH_PX = (64, 64)
+_CLIMB_M = 6.0
+_DEPTH_SHARE = 0.1
+"""Share of the benchmark's length for images, which take long."""
+_ROUNDS = 10
+"""In which one thread and two take turns, so that both meet the same moods of the machine."""
+
+
+def rows(cfg: WorldsBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Run every part of the benchmark.
+
+    Raises:
+        SceneError: If there is no such scene.
+        AirframeError: If there is no such vehicle.
+        BenchError: If gymnasium is not installed, or the vehicles do not fly.
+    """
+    if importlib.util.find_spec("gymnasium") is None:
+        raise BenchError("gymnasium is not installed; valid: pip install 'aeroscene[rl]'")
+    compile_kernels()
+    airframe = airframe_by_name(cfg.vehicle)
+    worlds = [build_world(open_scene(name), airframe) for name in cfg.scenes]
+    on_progress("worlds", 0.0)
+    yield from _fleet_rows([worlds[i % len(worlds)] for i in range(cfg.worlds)], cfg)
+    on_progress("environments", 0.6)
+    yield from _environment_rows(cfg)
+    on_progress("done", 1.0)
+
+
+def _fleet_rows(worlds: list[World], cfg: WorldsBenchCfg) -> Iterator[Row]:
+    n, round_s = len(worlds), cfg.seconds / _ROUNDS
+    wall_s, cpu_s = [0.0, 0.0], [0.0, 0.0]
+    with _hovering(worlds, 1) as alone, _hovering(worlds, 2) as together:
+        for _ in range(_ROUNDS):
+            for i, fleet in enumerate((alone, together)):
+                spent = _time(fleet.advance, round(round_s * ADVANCE_HZ))
+                wall_s[i], cpu_s[i] = wall_s[i] + spent[0], cpu_s[i] + spent[1]
+        for fleet in (alone, together):
+            _check_flight(fleet)
+    sim_s = n * cfg.seconds
+    what = f"{n} worlds with sensors, filter and control"
+    yield higher(f"{what}, one thread", sim_s / wall_s[0], "simulated s / wall s")
+    yield higher(f"{what}, two threads", sim_s / wall_s[1], "simulated s / wall s", LEAST_SPEED)
+    yield higher("two threads over one", wall_s[0] / wall_s[1], "", LEAST_GAIN)
+    yield higher(f"{what}, one thread", sim_s / cpu_s[0], "simulated s / CPU s")
+    yield lower("CPU time on two threads over one", cpu_s[1] / cpu_s[0], "")
+    with _hovering(worlds[:1], 1) as one:
+        _, one_s = _time(one.advance, round(10 * cfg.seconds * ADVANCE_HZ))
+    yield higher("one world", 10 * cfg.seconds / one_s, "simulated s / CPU s")
+
+
+def _hovering(worlds: list[World], n_threads: int) -> Fleet:
+    """Vehicles that hold their places above the start, estimators aligned."""
+    cfgs = [PlantCfg(seed=i, aiding="auto") for i in range(len(worlds))]
+    fleet = Fleet(worlds, cfgs, n_threads=n_threads)
+    for i, (world, plant_cfg) in enumerate(zip(worlds, cfgs, strict=True)):
+        x, y, z = world.scene.start_position_enu_m
+        place = (x, y, z + _CLIMB_M)
+        fleet.restart(i, plant_cfg, held_at=(place, LEVEL))
+        fleet.align(i)
+        fleet.release(i)
+        fleet.setpoints["position_enu_m"][i] = place
+    fleet.setpoints["level"] = ControlLevel.TRAJECTORY
+    return fleet
+
+
+def _check_flight(fleet: Fleet) -> None:
+    start_m = [world.scene.start_position_enu_m[2] for world in fleet.worlds]
+    heights_m = fleet.history["position_true_enu_m"][:, -1, 2] - start_m
+    if not np.all(heights_m > 0.5 * _CLIMB_M):
+        raise BenchError(f"world {int(np.argmin(heights_m))}: the vehicle did not stay in the air")
+
+
+def _environment_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
+    from scenarios.environments import (  # noqa: PLC0415 - gymnasium is an extra
+        AeroSceneVectorEnv,
+        EnvironmentCfg,
+        ObservationCfg,
+    )
+
+    n_steps = round(cfg.seconds * ADVANCE_HZ)
+    width, height = DEPTH_PX
+    for what, observation, share, target in (
+        ("state", ObservationCfg(), 1.0, LEAST_STEPS),
+        (
+            f"{width} x {height} depth",
+            ObservationCfg(depth=DEPTH_PX),
+            _DEPTH_SHARE,
+            LEAST_DEPTH_STEPS,
+        ),
+    ):
+        env_cfg = EnvironmentCfg(vehicle=cfg.vehicle, action="velocity", observation=observation)
+        env = AeroSceneVectorEnv("hover", cfg.worlds, cfg.scenes, env_cfg, 2)
+        env.reset(seed=0)
+        actions = np.zeros((cfg.worlds, 4))
+        n = max(1, round(share * n_steps))
+        wall_s, cpu_s = _time(lambda env=env, actions=actions: env.step(actions), n)
+        env.close()
+        title = f"environments, {what}, two threads"
+        yield higher(title, cfg.worlds * n / wall_s, "steps of 20 ms / wall s", target)
+        yield higher(title, cfg.worlds * n / cpu_s, "steps of 20 ms / CPU s")
+
+
+def _time(step: Callable[[], object], n: int) -> tuple[float, float]:
+    """Wall time and CPU time of all threads for n steps."""
+    wall_s, cpu_s = time.perf_counter(), time.process_time()
+    for _ in range(n):
+        step()
+    return time.perf_counter() - wall_s, time.process_time() - cpu_s

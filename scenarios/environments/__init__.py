@@ -1,0 +1,27 @@
+"""Gymnasium environments in which policies learn to fly; see docs/learning.md.
+
+Importing this package registers `AeroScene/Hover-v0`, `AeroScene/Navigation-v0` and
+`AeroScene/Landing-v0`. It needs the extra `rl`.
+"""
+
+from scenarios.environments.cfg import (
+    EnvironmentCfg,
+    EnvironmentInputError,
+    ObservationCfg,
+    RandomisationCfg,
+)
+from scenarios.environments.registration import register_environments
+from scenarios.environments.single import AeroSceneEnv
+from scenarios.environments.vector import AeroSceneVectorEnv
+
+__all__ = [
+    "AeroSceneEnv",
+    "AeroSceneVectorEnv",
+    "EnvironmentCfg",
+    "EnvironmentInputError",
+    "ObservationCfg",
+    "RandomisationCfg",
+    "register_environments",
+]
+
+register_environments()

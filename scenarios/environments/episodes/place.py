@@ -1,0 +1,49 @@
+"""Free air and areas of a world."""
+
+from __future__ import annotations
+
+import copy
+
+import mujoco
+
+from aeroscene.scene import InteractionArea
+from autonomy.types import LEVEL, Vector3
+from flightsim.world import World
+from scenarios.mission.goals import draw_goals
+
+_ROOM_M = 0.3
+"""Distance from everything at which an episode may begin, and targets may lie."""
+
+
+class Place:
+    """A world as episodes see it.
+
+    Attributes:
+        world: The world.
+        areas: Areas to land on that fit the vehicle and are not where it starts, by their number.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        areas = draw_goals(world.scene, world.airframe, 0)
+        self.areas: tuple[InteractionArea, ...] = tuple(sorted(areas, key=lambda area: area.id))
+        self._model = copy.copy(world.model)
+        is_hull = self._model.geom_bodyid == world.vehicle_body_id
+        self._model.geom_margin[is_hull] = _ROOM_M
+        self._data = mujoco.MjData(self._model)
+        mujoco.mj_setConst(self._model, self._data)
+
+    @property
+    def start_enu_m(self) -> Vector3:
+        """Where the scene starts its vehicle."""
+        return self.world.scene.start_position_enu_m
+
+    def is_free(self, position_enu_m: Vector3) -> bool:
+        """Whether a vehicle has room around itself at a position within the flight volume."""
+        scene = self.world.scene
+        bounds = zip(scene.extent_min_enu_m, position_enu_m, scene.extent_max_enu_m, strict=True)
+        if not all(low <= c <= high for low, c, high in bounds):
+            return False
+        self._data.qpos[:7] = [*position_enu_m, *LEVEL]
+        mujoco.mj_fwdPosition(self._model, self._data)
+        return self._data.ncon == 0

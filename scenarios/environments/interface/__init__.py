@@ -1,0 +1,1 @@
+"""Between agent and vehicle: actions to setpoints, states and sensors to observations."""

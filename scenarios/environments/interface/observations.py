@@ -1,0 +1,173 @@
+"""Observations: what agents see, all vehicles of a fleet at once.
+
+part         numbers                                                          frame, unit
+target       way to the target                                                ENU, m
+state        velocity; rotation matrix body to world by rows; angular rate    ENU, m/s; FLU, rad/s
+last_action  the action before
+imu          specific force; angular rate                                     FLU, m/s^2; rad/s
+range        distance below, 30 for none                                      m
+depth        an image, up to 20 m                                             m
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from jaxtyping import Float
+
+from flightsim.plant import Fleet
+from scenarios.environments.cfg import ObservationCfg
+from scenarios.environments.interface.actions import N_ACTIONS
+from scenarios.environments.interface.depth import FAR_M, DepthCameras
+
+MOST_RANGE_M = 30.0
+N_NOISES = 12
+_NOISE_SIGMAS = np.repeat([0.02, 0.05, 0.01, 0.05], 3)
+"""Of position, velocity, attitude and angular rate at noise 1."""
+_STATE = ((3, 100.0), (9, 1.0), (3, 100.0))
+"""Size and bound of velocity, rotation matrix and angular rate."""
+
+Observation = Any
+"""An array (n, k), or with a depth image a dictionary of `numbers` and `depth`."""
+
+
+class Observer:
+    """Builds the observations of a fleet.
+
+    Attributes:
+        space: Space of one vehicle's observation.
+    """
+
+    def __init__(self, fleet: Fleet, cfg: ObservationCfg) -> None:
+        self._cfg, self._fleet = cfg, fleet
+        self._truth = [
+            fleet.history[name][:, -1]
+            for name in (
+                "position_true_enu_m",
+                "velocity_true_enu_mps",
+                "quat_true_wxyz",
+                "angular_rate_true_flu_radps",
+            )
+        ]
+        names = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_flu_radps")
+        self._estimate = [fleet.records["filter"][name] for name in names]
+        self._known = self._estimate if cfg.state == "estimated" else self._truth
+        self._cameras = None
+        if cfg.depth is not None:
+            self._cameras = DepthCameras(fleet.worlds, cfg.depth, cfg.camera)
+        self._bounds = _bounds(cfg)
+        self.space = _space(cfg)
+
+    @property
+    def position_enu_m(self) -> Float[np.ndarray, "n 3"]:
+        """Where each vehicle is, as far as it knows."""
+        return self._known[0]
+
+    def observe(
+        self,
+        target_enu_m: Float[np.ndarray, "n 3"],
+        last_action: Float[np.ndarray, "n 4"],
+        noise: Float[np.ndarray, "n 12"],
+    ) -> Observation:
+        """Observations of all vehicles now, in arrays of their own.
+
+        Args:
+            target_enu_m: Their targets.
+            last_action: Their actions before.
+            noise: Standard normals times the level of noise of each.
+        """
+        cfg = self._cfg
+        numbers = None
+        if cfg.has_numbers:
+            parts = list(self._parts(target_enu_m, last_action, _NOISE_SIGMAS * noise))
+            numbers = np.concatenate(parts, axis=1, dtype=np.float32)
+            np.clip(numbers, *self._bounds, out=numbers)
+        if self._cameras is None:
+            return numbers
+        position_enu_m, _, quat_wxyz, _ = self._truth
+        images = self._cameras.render(position_enu_m, rotation_matrices(quat_wxyz))
+        return {"depth": images} if numbers is None else {"depth": images, "numbers": numbers}
+
+    def _parts(
+        self, target_enu_m: np.ndarray, last_action: np.ndarray, error: np.ndarray
+    ) -> Iterator[np.ndarray]:
+        cfg, records = self._cfg, self._fleet.records
+        position_enu_m, velocity_enu_mps, quat_wxyz, rate_flu_radps = self._known
+        if cfg.target:
+            yield target_enu_m - position_enu_m - error[:, :3]
+        if cfg.state != "none":
+            rotation = rotation_matrices(quat_wxyz)
+            turned = rotation + rotation @ _cross_matrices(error[:, 6:9])
+            yield velocity_enu_mps + error[:, 3:6]
+            yield turned.reshape(-1, 9)
+            yield rate_flu_radps + error[:, 9:]
+        if cfg.last_action:
+            yield last_action
+        if cfg.imu:
+            yield records["imu"]["accel_flu_mps2"]
+            yield records["imu"]["gyro_flu_radps"]
+        if cfg.range:
+            range_m = records["range"]["range_m"][:, None]
+            yield np.where(np.isfinite(range_m), range_m, MOST_RANGE_M)
+
+
+def take(observation: Observation, index: int) -> Observation:
+    """Observation of one vehicle."""
+    if isinstance(observation, dict):
+        return {name: values[index] for name, values in observation.items()}
+    return observation[index]
+
+
+def rotation_matrices(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
+    """Rotation matrices of unit quaternions."""
+    w, x, y, z = quat_wxyz.T
+    rows = [
+        *(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        *(2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        *(2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    ]
+    return np.stack(rows, axis=1).reshape(-1, 3, 3)
+
+
+def _cross_matrices(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3 3"]:
+    x, y, z = vectors.T
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+
+
+def _space(cfg: ObservationCfg) -> spaces.Space[Any]:
+    numbers = spaces.Box(*_bounds(cfg), dtype=np.float32)
+    if cfg.depth is None:
+        return numbers
+    width, height = cfg.depth
+    depth = spaces.Box(0.0, FAR_M, (height, width), dtype=np.float32)
+    return spaces.Dict(
+        {"depth": depth, "numbers": numbers} if cfg.has_numbers else {"depth": depth}
+    )
+
+
+def _bounds(cfg: ObservationCfg) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest value of each number."""
+    parts = list(_parts_bounds(cfg))
+    low, high = (
+        np.concatenate([np.zeros(0), *(np.full(part[0], part[k]) for part in parts)])
+        for k in (1, 2)
+    )
+    return low.astype(np.float32), high.astype(np.float32)
+
+
+def _parts_bounds(cfg: ObservationCfg) -> Iterator[tuple[int, float, float]]:
+    """Size and bounds of each part."""
+    if cfg.target:
+        yield 3, -1000.0, 1000.0
+    if cfg.state != "none":
+        yield from ((size, -most, most) for size, most in _STATE)
+    if cfg.last_action:
+        yield N_ACTIONS, -1.0, 1.0
+    if cfg.imu:
+        yield from ((3, -500.0, 500.0), (3, -100.0, 100.0))
+    if cfg.range:
+        yield 1, 0.0, MOST_RANGE_M

@@ -1,0 +1,26 @@
+"""The names by which Gymnasium makes the environments."""
+
+from __future__ import annotations
+
+try:
+    import gymnasium
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(
+        "the environments need gymnasium, which is not installed; pip install 'aeroscene[rl]'",
+        name="gymnasium",
+    ) from error
+
+from scenarios.environments.tasks import TASKS
+
+
+def register_environments() -> None:
+    """Register every task; importing `scenarios.environments` does it."""
+    for task in TASKS:
+        name = f"AeroScene/{task.capitalize()}-v0"
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                id=name,
+                entry_point="scenarios.environments.single:AeroSceneEnv",
+                vector_entry_point="scenarios.environments.vector:AeroSceneVectorEnv",
+                kwargs={"task": task},
+            )

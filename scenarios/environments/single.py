@@ -1,0 +1,90 @@
+"""One world as a Gymnasium environment: a batch of one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from aeroscene.scene import Scene
+from scenarios.environments.batch import Batch
+from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
+from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
+from scenarios.environments.interface.observations import take
+
+ACTION_SPACE = spaces.Box(-1.0, 1.0, (N_ACTIONS,), dtype=np.float32)
+
+
+class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
+    """A vehicle in one world; `gymnasium.make("AeroScene/Hover-v0")` makes one."""
+
+    metadata = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it
+
+    def __init__(
+        self, task: str, scene: str | Scene = "field", cfg: EnvironmentCfg | None = None
+    ) -> None:
+        """Build the world.
+
+        Args:
+            task: hover, navigation or landing.
+            scene: Scene, or its name as the command line takes it.
+            cfg: Configuration.
+
+        Raises:
+            EnvironmentInputError: If the configuration is not valid.
+            SceneError: If there is no such scene.
+            AirframeError: If there is no such vehicle.
+        """
+        self._batch = Batch(task, [scene], cfg, n_threads=1)
+        self.observation_space = self._batch.observer.space
+        self.action_space = ACTION_SPACE
+        self._is_seeded = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin the next episode, the first one of a seed if there is one.
+
+        Raises:
+            EnvironmentInputError: If there are options, or the scene has no place for the task.
+        """
+        super().reset(seed=seed)
+        refuse_options(options)
+        if seed is not None or not self._is_seeded:
+            given = int(self.np_random.integers(2**31)) if seed is None else seed
+            self._batch.seed(0, given)
+            self._is_seeded = True
+        self._batch.begin(0)
+        return take(self._batch.observe(), 0), {}
+
+    def step(self, action: np.ndarray) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Fly on by a step; `info` has the distance from the target, at the end the verdict.
+
+        Raises:
+            EnvironmentInputError: If the action has another shape or is not finite.
+        """
+        if not self._is_seeded:
+            raise EnvironmentInputError("step: before the first episode only reset() is valid")
+        step = self._batch.step(checked_actions(action, (N_ACTIONS,))[None])
+        info: dict[str, Any] = {"distance_m": float(step.distance_m[0])}
+        if step.outcomes:
+            info |= step.outcomes[0].to_info()
+        is_terminated, is_truncated = bool(step.is_terminated[0]), bool(step.is_truncated[0])
+        observation = take(self._batch.observe(), 0)
+        return observation, float(step.reward[0]), is_terminated, is_truncated, info
+
+    def close(self) -> None:
+        """Free what the world holds."""
+        self._batch.close()
+
+
+def refuse_options(options: dict[str, Any] | None) -> None:
+    """Refuse options of `reset`, of which there are none.
+
+    Raises:
+        EnvironmentInputError: If there are any.
+    """
+    if options:
+        raise EnvironmentInputError(f"options = {options!r}: there are none; None is valid")

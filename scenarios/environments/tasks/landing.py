@@ -1,0 +1,86 @@
+"""Landing: come down on an area of the scene, softly and in its middle."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from scenarios.environments.cfg import EnvironmentInputError
+from scenarios.environments.episodes.place import Place
+from scenarios.environments.tasks.task import (
+    MOST_DRAWS,
+    Situation,
+    Start,
+    Task,
+    draw_attitude,
+    no_room,
+)
+from scenarios.trials.score import Goal
+from scenarios.trials.verdict import Ending, Verdict
+
+_FARTHEST_M = 15.0
+_APPROACH_M = ((-1.5, -1.5, 1.0), (1.5, 1.5, 5.0))
+"""Bounds of where it begins, from the area's middle."""
+_TOUCHDOWN_S = 0.3
+"""A vehicle that has touched something for so long has landed, well or not."""
+_LANDED, _CRASH = 10.0, -5.0
+
+
+class Landing(Task):
+    """Success is the trial's `landed`: at rest, upright and soft, near the middle of the area.
+
+    When the vehicle has touched something for 0.3 s its rotors are stopped, as a flight stack does,
+    and within the same step it comes to rest.
+    """
+
+    episode_s = 20.0
+    near_m = 0.5
+    settles = True
+
+    def draw(self, place: Place, rng: np.random.Generator) -> Start:
+        """An area, and a start one to five metres above it."""
+        if not place.areas:
+            raise EnvironmentInputError(
+                f"scene {place.world.scene.scene_id!r}: it has no landing area for "
+                f"{place.world.airframe.name} but its start; another scene is valid"
+            )
+        for _ in range(MOST_DRAWS):
+            area = place.areas[rng.integers(len(place.areas))]
+            x, y, z = area.centroid
+            position = tuple((area.centroid + rng.uniform(*_APPROACH_M)).tolist())
+            if place.is_free(position):
+                return Start(
+                    position_enu_m=position,
+                    quat_wxyz=draw_attitude(rng),
+                    target_enu_m=(x, y, z + place.world.airframe.leg_length_m),
+                    goal=Goal(area=area, others=place.areas),
+                )
+        raise no_room(place, "an approach")
+
+    def reward(
+        self, now: Situation, before_m: Float[np.ndarray, " n"], step_s: float
+    ) -> Float[np.ndarray, " n"]:
+        """1 for each metre nearer, less what is too fast for the distance, and turning.
+
+        A speed of 0.5 m/s and half the distance in a second are free; each m/s more costs 1 a
+        second, and each rad/s 0.1.
+        """
+        free_mps = 0.5 + 0.5 * now.distance_m
+        too_fast_mps = np.maximum(now.speed_mps - free_mps, 0.0)
+        return before_m - now.distance_m - step_s * (too_fast_mps + 0.1 * now.turning_radps)
+
+    def end_reward(self, *, is_success: bool, is_time_up: bool) -> float:
+        """10 for the verdict `landed`, -5 for any other end before the time."""
+        if is_success:
+            return _LANDED
+        return 0.0 if is_time_up else _CRASH
+
+    def is_over(self, now: Situation) -> Bool[np.ndarray, " n"]:
+        """After the touchdown, and far away."""
+        return (now.touch_s >= _TOUCHDOWN_S) | (now.distance_m > _FARTHEST_M)
+
+    def ending(self, now: Situation, index: int, seconds: float, *, is_time_up: bool) -> Ending:
+        """Whether it came down at all."""
+        is_down = now.touch_s[index] > 0.0
+        said = f"{now.distance_m[index]:.1f} m from the target after {seconds:.1f} s"
+        return Ending(word=Verdict(bool(is_down), said), is_done=not is_time_up)

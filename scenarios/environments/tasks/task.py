@@ -1,0 +1,135 @@
+"""What a task decides, for all vehicles of a batch at once."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from autonomy.types import Quaternion, Vector3, quat_about_up
+from scenarios.environments.cfg import EnvironmentInputError
+from scenarios.environments.episodes.place import Place
+from scenarios.trials.score import Goal
+from scenarios.trials.verdict import Ending
+
+MOST_DRAWS = 100
+"""After which a scene counts as one without room."""
+_MOST_TILT_RAD = math.radians(20.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Start:
+    """How an episode begins: the vehicle is let go at rest, its rotors at the speed of hover."""
+
+    position_enu_m: Vector3
+    quat_wxyz: Quaternion
+    target_enu_m: Vector3
+    goal: Goal
+
+
+@dataclass(eq=False)
+class Situation:
+    """Where the vehicles are, by the truth; n vehicles."""
+
+    position_enu_m: Float[np.ndarray, "n 3"]
+    velocity_enu_mps: Float[np.ndarray, "n 3"]
+    rate_flu_radps: Float[np.ndarray, "n 3"]
+    target_enu_m: Float[np.ndarray, "n 3"]
+    distance_m: Float[np.ndarray, " n"]
+    """Distance from the target."""
+    near_s: Float[np.ndarray, " n"]
+    """Time for which it has been within the task's `near_m`."""
+    touch_s: Float[np.ndarray, " n"]
+    """Time for which it has touched something."""
+
+    @property
+    def speed_mps(self) -> Float[np.ndarray, " n"]:
+        """Speed of each vehicle."""
+        return np.linalg.norm(self.velocity_enu_mps, axis=1)
+
+    @property
+    def turning_radps(self) -> Float[np.ndarray, " n"]:
+        """Size of each vehicle's angular rate."""
+        return np.linalg.norm(self.rate_flu_radps, axis=1)
+
+
+class Task(ABC):
+    """A task; `Batch` calls it."""
+
+    episode_s: float
+    """Longest time of an episode."""
+    near_m: float
+    """Distance from the target that counts as there."""
+    settles = False
+    """Whether the rotors are stopped and rest is awaited when an episode is over."""
+
+    @abstractmethod
+    def draw(self, place: Place, rng: np.random.Generator) -> Start:
+        """Draw how an episode begins.
+
+        Raises:
+            EnvironmentInputError: If the scene has no place for it.
+        """
+
+    @abstractmethod
+    def reward(
+        self, now: Situation, before_m: Float[np.ndarray, " n"], step_s: float
+    ) -> Float[np.ndarray, " n"]:
+        """Reward of a step, without that of the end.
+
+        Args:
+            now: After the step.
+            before_m: Distances from the target before it.
+            step_s: Its simulated time.
+        """
+
+    @abstractmethod
+    def end_reward(self, *, is_success: bool, is_time_up: bool) -> float:
+        """Reward of the end, added to that of the last step."""
+
+    @abstractmethod
+    def is_over(self, now: Situation) -> Bool[np.ndarray, " n"]:
+        """Whether each vehicle's episode is over before its time is up."""
+
+    @abstractmethod
+    def ending(self, now: Situation, index: int, seconds: float, *, is_time_up: bool) -> Ending:
+        """What is to be said of a vehicle's end besides what the history says."""
+
+
+def draw_free(
+    place: Place,
+    rng: np.random.Generator,
+    middle_enu_m: Vector3,
+    low_m: Vector3,
+    high_m: Vector3,
+    what: str,
+) -> Vector3:
+    """A uniformly drawn free point of a box around a point.
+
+    Raises:
+        EnvironmentInputError: If a hundred draws find none.
+    """
+    for _ in range(MOST_DRAWS):
+        x, y, z = (middle_enu_m + rng.uniform(low_m, high_m)).tolist()
+        if place.is_free((x, y, z)):
+            return (x, y, z)
+    raise no_room(place, what)
+
+
+def no_room(place: Place, what: str) -> EnvironmentInputError:
+    """What is to be raised where the draws find no free air for something."""
+    scene = place.world.scene.scene_id
+    return EnvironmentInputError(
+        f"scene {scene!r}: it has no free air for {what}; another scene is valid"
+    )
+
+
+def draw_attitude(rng: np.random.Generator) -> Quaternion:
+    """Any heading, tilted by up to 20 degrees to any side."""
+    w, _, _, z = quat_about_up(rng.uniform(-math.pi, math.pi))
+    half, side = 0.5 * rng.uniform(0.0, _MOST_TILT_RAD), rng.uniform(-math.pi, math.pi)
+    c, a, b = math.cos(half), math.sin(half) * math.cos(side), math.sin(half) * math.sin(side)
+    return (w * c, w * a - z * b, w * b + z * a, z * c)

@@ -1,0 +1,132 @@
+"""Many worlds as a Gymnasium vector environment, advanced in one compiled call."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from aeroscene.scene import Scene
+from scenarios.environments.batch import Batch
+from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
+from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
+from scenarios.environments.interface.observations import take
+from scenarios.environments.single import ACTION_SPACE, refuse_options
+
+
+class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
+    """Vehicles in worlds of their own; `gymnasium.make_vec("AeroScene/Hover-v0", 64)` makes it.
+
+    World i has the scene with the number i, beginning again after the last one, and after
+    `reset(seed=s)` it does the same as `AeroSceneEnv` in this scene after `reset(seed=s + i)`.
+    The step that ends an episode begins the next one: `final_obs` and `final_info` of its `info`
+    tell of the end.
+    """
+
+    metadata = {  # noqa: RUF012 - Gymnasium declares it
+        "render_modes": [],
+        "autoreset_mode": AutoresetMode.SAME_STEP,
+    }
+
+    def __init__(
+        self,
+        task: str,
+        num_envs: int = 1,
+        scenes: Sequence[str | Scene] = ("field",),
+        cfg: EnvironmentCfg | None = None,
+        n_threads: int | None = None,
+    ) -> None:
+        """Build the worlds.
+
+        Args:
+            task: hover, navigation or landing.
+            num_envs: Number of worlds.
+            scenes: Scenes, or their names as the command line takes them.
+            cfg: Configuration.
+            n_threads: Threads that advance the worlds; None takes one for each core.
+
+        Raises:
+            EnvironmentInputError: If the configuration is not valid.
+            SceneError: If there is no such scene.
+            AirframeError: If there is no such vehicle.
+        """
+        if not isinstance(num_envs, int) or num_envs < 1:
+            raise EnvironmentInputError(f"num_envs = {num_envs!r}: 1 or more are valid")
+        if isinstance(scenes, (str, Scene)) or not len(scenes):
+            raise EnvironmentInputError(
+                f'scenes = {scenes!r}: a sequence such as ("42", "field") is valid'
+            )
+        self.num_envs = num_envs
+        around = [scenes[i % len(scenes)] for i in range(num_envs)]
+        self._batch = Batch(task, around, cfg, n_threads)
+        self.single_observation_space = self._batch.observer.space
+        self.single_action_space = ACTION_SPACE
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._is_seeded = False
+
+    def reset(
+        self,
+        *,
+        seed: int | list[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin the next episode of each world, the first one of its seed if there is one.
+
+        Args:
+            seed: s for the seeds s, s + 1 and so on, or a list of seeds.
+            options: There are none.
+
+        Raises:
+            EnvironmentInputError: If there are options, too many or too few seeds, or a scene has
+                no place for the task.
+        """
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        refuse_options(options)
+        for i, given in enumerate(self._seeds(seed)):
+            if given is not None:
+                self._batch.seed(i, given)
+            self._batch.begin(i)
+        self._is_seeded = True
+        return self._batch.observe(), {}
+
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Fly on by a step in all worlds; `info` has the distances from the targets.
+
+        Raises:
+            EnvironmentInputError: If the actions have another shape or are not finite.
+        """
+        if not self._is_seeded:
+            raise EnvironmentInputError("step: before the first episode only reset() is valid")
+        step = self._batch.step(checked_actions(actions, (self.num_envs, N_ACTIONS)))
+        observations = self._batch.observe()
+        info: dict[str, Any] = {"distance_m": step.distance_m}
+        for i, outcome in step.outcomes.items():
+            last = {"final_obs": take(observations, i), "final_info": outcome.to_info()}
+            info = self._add_info(info, last, i)
+            self._batch.begin(i)
+        if step.outcomes:
+            observations = self._batch.observe()
+        return observations, step.reward, step.is_terminated, step.is_truncated, info
+
+    def close_extras(self, **_kwargs: Any) -> None:
+        """End the threads."""
+        self._batch.close()
+
+    def _seeds(self, seed: int | list[int | None] | None) -> Sequence[int | None]:
+        if isinstance(seed, int):
+            return [seed + i for i in range(self.num_envs)]
+        if seed is None and self._is_seeded:
+            return [None] * self.num_envs
+        if seed is None:
+            return self.np_random.integers(2**31, size=self.num_envs).tolist()
+        if len(seed) != self.num_envs:
+            raise EnvironmentInputError(
+                f"seed: {len(seed)} numbers for {self.num_envs} worlds; one for each is valid"
+            )
+        return seed

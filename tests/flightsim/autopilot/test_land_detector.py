@@ -1,0 +1,47 @@
+"""When something seems to carry the vehicle, by estimates alone."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from flightsim.autopilot.land_detector import LandDetector
+from flightsim.autopilot.parameters import Parameters
+from flightsim.autopilot.vehicle import TICK_S
+
+
+def seconds_to_contact(height_m, *, up_mps=-0.15, thrust=0.6, limit_s=3.0):
+    """How long rotors carry too little in a commanded descent until it counts as contact."""
+    detector = LandDetector(Parameters())
+    vehicle = SimpleNamespace(
+        is_landed=False,
+        height_m=height_m,
+        velocity_enu_mps=(0.0, 0.0, up_mps),
+        speed_xy_mps=0.0,
+        is_position_ok=True,
+        thrust_fraction=thrust,
+        hover_thrust_fraction=1.0,
+        angular_rate_flu_radps=(1.0, 0.0, 0.0),
+    )
+    detector.has_contact = False
+    for tick in range(1, round(limit_s / TICK_S) + 1):
+        detector.update(vehicle, is_armed=True, is_descending=True, commanded_up_mps=-0.3)
+        if detector.has_contact:
+            return tick * TICK_S
+    return None
+
+
+@pytest.mark.parametrize(
+    ("height_m", "least_s", "most_s"),
+    [(0.05, 0.0, 0.12), (0.2, 0.3, 0.5), (3.9, 1.0, 1.3), (None, 0.3, 0.5)],
+)
+def test_a_gust_has_to_carry_the_longer_the_higher_it_is(height_m, least_s, most_s):
+    assert least_s < seconds_to_contact(height_m) <= most_s
+
+
+def test_a_descent_that_the_ground_ends_is_contact_at_once():
+    assert seconds_to_contact(0.05, up_mps=0.0, thrust=1.0) <= 0.06
+
+
+@pytest.mark.parametrize(("up_mps", "thrust"), [(-0.15, 0.9), (-0.6, 0.6)])
+def test_rotors_that_carry_and_a_vehicle_that_sinks_are_in_the_air(up_mps, thrust):
+    assert seconds_to_contact(0.2, up_mps=up_mps, thrust=thrust) is None

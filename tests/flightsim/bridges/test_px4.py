@@ -1,0 +1,185 @@
+"""PX4's simulator link: lockstep, sensors in its units, and what is wrong said once."""
+
+import math
+import socket
+
+import numpy as np
+import pytest
+
+from flightsim.bridges.launch.px4 import parameter_file, parameters
+from flightsim.bridges.physics.bridge import BridgeError
+from flightsim.bridges.physics.px4 import PORT, Px4Bridge
+from flightsim.frames import Geodetic, LocalFrame
+from flightsim.mavlink.dialect import dialect as mavlink
+from flightsim.plant import Plant, PlantCfg
+from flightsim.vehicles import airframe_by_name
+from flightsim.vehicles.catalogue import AIRFRAMES
+from flightsim.world import build_world
+from tests.flightsim.handmade import empty_scene
+from tests.instances import own_instance
+
+QUADROTORS = [name for name, a in AIRFRAMES.items() if len(a.quadrotor.rotors) == 4]
+ZURICH = Geodetic(47.4, 8.5, 488.0)
+ARMED = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+LOCKSTEP = 1
+
+
+class StandIn:
+    """A stand-in for PX4, for tests alone: it answers samples with the outputs that it is told."""
+
+    def __init__(self, port):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=20.0)
+        self._mav = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+
+    def take(self, until="HIL_SENSOR"):
+        """Messages up to the next of a kind."""
+        taken = []
+        while not taken or taken[-1].get_type() != until:
+            taken += self._mav.parse_buffer(self.socket.recv(1 << 16)) or ()
+        return {message.get_type(): message for message in taken}
+
+    def answer(self, time_us, controls, mode=ARMED, flags=LOCKSTEP):
+        message = mavlink.MAVLink_hil_actuator_controls_message(
+            time_us, (*controls, *(0.0,) * (16 - len(controls))), mode, flags
+        )
+        self.socket.sendall(message.pack(self._mav))
+
+    def close(self):
+        self.socket.close()
+
+
+@pytest.fixture(scope="module")
+def world():
+    return build_world(empty_scene(), airframe_by_name("iris"))
+
+
+@pytest.fixture
+def plant(world):
+    return Plant(world, PlantCfg(seed=1))
+
+
+@pytest.fixture
+def bridge():
+    bridge = Px4Bridge(own_instance(), LocalFrame(ZURICH))
+    yield bridge
+    bridge.close()
+
+
+@pytest.fixture
+def stand_in(bridge):
+    stand_in = StandIn(PORT + own_instance())
+    assert bridge.connect(5.0)
+    yield stand_in
+    stand_in.close()
+
+
+def test_nobody_is_there_at_first(bridge):
+    assert not bridge.connect(0.01)
+
+
+def test_time_passes_by_the_wall_clock_until_px4_answers_and_then_by_its_answers(
+    plant, bridge, stand_in
+):
+    bridge.tell(plant)
+    assert bridge.receive(1.0) == (0.0, 0.0, 0.0, 0.0)
+    bridge.tell(plant)
+    sensor = stand_in.take()["HIL_SENSOR"]
+    stand_in.answer(sensor.time_usec, (0.1, 0.2, 0.3, 0.4))
+    assert bridge.receive(1.0) == pytest.approx((0.1, 0.2, 0.3, 0.4))
+    plant.advance()
+    bridge.tell(plant)
+    assert bridge.receive(0.05) is None  # It waits.
+    stand_in.answer(sensor.time_usec, (0.9,) * 4)  # to the step before, once more
+    assert bridge.receive(0.05) is None
+    after = stand_in.take()["HIL_SENSOR"]
+    assert after.time_usec == sensor.time_usec + 20_000
+    stand_in.answer(after.time_usec, (0.5,) * 4)
+    assert bridge.receive(1.0) == pytest.approx((0.5,) * 4)
+
+
+def test_disarmed_outputs_are_off(plant, bridge, stand_in):
+    bridge.tell(plant)
+    time_us = stand_in.take()["HIL_SENSOR"].time_usec
+    stand_in.answer(time_us, (0.5, math.nan, 0.5, 0.5), mode=0)
+    assert bridge.receive(1.0) == (0.0,) * 4
+    bridge.tell(plant)
+    stand_in.answer(time_us, (0.5, math.nan, 0.5, 0.5))
+    assert bridge.receive(1.0) == (0.5, 0.0, 0.5, 0.5)
+
+
+def test_samples_come_in_the_units_and_frames_of_px4(plant, bridge, stand_in):
+    for _ in range(50):
+        plant.advance()
+    bridge.tell(plant)
+    told = stand_in.take()
+    sensor, gps, state = told["HIL_SENSOR"], told["HIL_GPS"], told["HIL_STATE_QUATERNION"]
+    assert sensor.id == 0
+    assert sensor.fields_updated == 0x1BFF
+    assert sensor.zacc == pytest.approx(-9.81, abs=0.5)
+    field = (sensor.xmag, sensor.ymag, sensor.zmag)
+    assert field == pytest.approx((0.008, -0.215, 0.428), abs=0.03)  # gauss; it heads east
+    assert sensor.abs_pressure == pytest.approx(956.0, abs=15.0)
+    assert (gps.lat, gps.lon) == pytest.approx((474_000_000, 85_000_000), abs=200)
+    assert gps.fix_type >= 3
+    assert gps.satellites_visible > 5
+    assert state.alt == pytest.approx(1e3 * (488.0 + plant.truth.position_enu_m[2]), abs=2)
+    assert np.linalg.norm(state.attitude_quaternion) == pytest.approx(1.0)
+    assert 0 < told["DISTANCE_SENSOR"].current_distance < 30
+    # A sample that has been sent is not sent as a new one.
+    bridge.tell(plant)
+    again = stand_in.take()
+    assert again["HIL_SENSOR"].fields_updated == 0b111111
+    assert "HIL_GPS" not in again
+
+
+def test_px4_that_begins_anew_is_served(plant, bridge, stand_in):
+    bridge.tell(plant)
+    stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.5,) * 4)
+    assert bridge.receive(1.0) is not None
+    stand_in.close()
+    bridge.tell(plant)
+    assert bridge.receive(0.1) is None
+    second = StandIn(PORT + own_instance())
+    assert bridge.receive(1.0) is not None  # off, while it starts
+    bridge.tell(plant)
+    second.answer(second.take()["HIL_SENSOR"].time_usec, (0.7,) * 4)
+    assert bridge.receive(1.0) == pytest.approx((0.7,) * 4)
+    assert bridge.n_restarts == 1
+    assert "begun anew" in bridge.notices[0]
+    second.close()
+
+
+def test_no_lockstep_and_no_mavlink_are_each_said_once(plant, bridge, stand_in):
+    for _ in range(2):
+        bridge.tell(plant)
+        stand_in.socket.sendall(b"GET / HTTP/1.1\r\n\r\n")
+        stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.5,) * 4, flags=0)
+        assert bridge.receive(1.0) == (0.5,) * 4
+    assert len(bridge.notices) == 2
+    assert "are ignored; valid: the simulator link of PX4" in bridge.notices[0]
+    assert "without lockstep" in bridge.notices[1]
+
+
+def test_a_taken_port_is_one_clear_line(bridge):
+    with pytest.raises(BridgeError, match=r"TCP port \d+ .* is taken; valid: another --instance"):
+        Px4Bridge(own_instance(), LocalFrame(ZURICH))
+
+
+@pytest.mark.parametrize("name", QUADROTORS)
+def test_the_mixer_of_px4_has_our_rotors_in_its_order_and_axes(name):
+    airframe, p = AIRFRAMES[name], parameters(AIRFRAMES[name])
+    quadrotor = airframe.quadrotor
+    for motor, rotor in enumerate(airframe.motors):
+        x, y, _ = quadrotor.rotors[rotor].position_flu_m
+        assert (p[f"CA_ROTOR{motor}_PX"], p[f"CA_ROTOR{motor}_PY"]) == (x, -y)
+        # Counter-clockwise ones turn the body clockwise, which PX4 counts as positive.
+        assert p[f"CA_ROTOR{motor}_KM"] == pytest.approx(
+            quadrotor.rotors[rotor].spin * quadrotor.rotors[rotor].torque_per_thrust_m
+        )
+        assert p[f"PWM_MAIN_FUNC{motor + 1}"] == 101 + motor
+    moments = [p[f"CA_ROTOR{k}_KM"] > 0 for k in range(4)]
+    assert moments == [True, True, False, False]
+    assert p["MPC_THR_HOVER"] == pytest.approx(quadrotor.hover_thrust_fraction)
+    script = parameter_file(airframe).splitlines()
+    assert script[0] == "#!/bin/sh"
+    assert all(line.startswith("param set ") for line in script[2:])

@@ -1,0 +1,182 @@
+"""An external stack that dies, hangs or never comes ends the run by one line, and nothing is lost.
+
+The real binaries fly where AEROSCENE_ARDUCOPTER or AEROSCENE_PX4 names one.
+"""
+
+import json
+import math
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flightsim.bridges import stack as stack_module
+from flightsim.mavlink.client import CommandState
+from flightsim.mavlink.dialect import dialect as mavlink
+from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError
+from scenarios.cli.sitl import main
+from tests.flightsim.handmade import empty_scene
+from tests.instances import own_instance
+
+ROOT = Path(__file__).parents[3]
+ARDUCOPTER = os.environ.get("AEROSCENE_ARDUCOPTER", "")
+PX4 = os.environ.get("AEROSCENE_PX4", "")
+
+
+def program(folder, fate):
+    """An executable stand-in."""
+    path = folder / "stand-in"
+    path.write_text(
+        f"#!{sys.executable}\n"
+        f"import sys\nsys.path.insert(0, {str(ROOT)!r})\n"
+        f"from tests.flightsim.bridges import stand_in\nstand_in.main({fate!r})\n"
+    )
+    path.chmod(0o755)
+    return path
+
+
+def cfg(**more):
+    values = {"autopilot": "ardupilot", "speed": "max", "instance": own_instance()} | more
+    return TestbenchCfg(**values)
+
+
+@pytest.fixture
+def sitl(capsys):
+    """Runs the command line: exit status, standard output, standard error."""
+
+    def run(*args):
+        status = main(
+            ["field", "--autopilot", "ardupilot", "--instance", str(own_instance()), *args]
+        )
+        return status, *capsys.readouterr()
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("fate", "line"),
+    [
+        ("exits", "ArduPilot's exit with status 3; its last line: last words"),
+        ("is killed", "ArduPilot's end by SIGKILL; its last line: last words"),
+        ("hangs", "ArduPilot's silence of 1 s at t = 0.20 s"),
+    ],
+)
+def test_a_lost_stack_is_one_line_and_the_recording_is_whole(
+    sitl, tmp_path, monkeypatch, fate, line
+):
+    monkeypatch.setattr(stack_module, "SILENCE_S", 1.0)
+    record = tmp_path / "flight.rrd"
+    status, out, err = sitl(
+        *("--autopilot-binary", str(program(tmp_path, fate)), "--speed", "max", "--json"),
+        *("--record", str(record), "--camera-hz", "0"),
+    )
+    assert status == 2
+    assert err.count(f"aeroscene-sitl: error: the run was ended by {line}") == 1
+    result = json.loads(out)
+    assert result["sim_seconds"] == pytest.approx(0.2, abs=0.021)
+    assert result["reason"] == f"ended by {line}"
+    assert record.stat().st_size > 1000
+    assert json.loads(record.with_suffix(".json").read_text())["result"] == result
+
+
+def test_a_program_that_is_none_is_one_line(sitl, tmp_path, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        sitl("--autopilot-binary", str(tmp_path / "none"))
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("/none' is no program; valid: ArduPilot's, for simulation")
+
+
+def test_what_only_our_autopilot_has_is_refused():
+    with pytest.raises(TestbenchError, match="lockstep True is our autopilot's"):
+        cfg(lockstep=True)
+    with pytest.raises(TestbenchError, match="needs an autopilot; valid: --autopilot ardupilot"):
+        TestbenchCfg(autopilot_binary="arducopter")
+    with pytest.raises(TestbenchError, match="captures and video"):
+        Testbench(empty_scene(), cfg(), has_video=True)
+
+
+def test_nothing_happens_before_the_stack_is_there(tmp_path):
+    with Testbench(empty_scene(), cfg()) as bench:
+        assert "--model JSON:127.0.0.1 --home" in bench.external.start_line
+        assert f"--sysid {1 + own_instance()}" in bench.external.start_line
+        bench.simulator.run(stop=iter((False, False, True)).__next__)
+        assert bench.plant.time_us == 0
+
+
+def test_the_stack_commands_the_rotors_and_its_run_is_the_plants(tmp_path):
+    binary = program(tmp_path, "exits")
+    with Testbench(empty_scene(), cfg(autopilot_binary=str(binary))) as bench:
+        rows = []
+        bench.observers.append(lambda: rows.append(bench.plant.history.copy()))
+        bench.run(1.0, until=lambda: bench.is_over)
+        history = np.concatenate(rows)
+    assert np.diff(history["time_us"]).tolist() == [2000] * (len(history) - 1)
+    full_radps = bench.airframe.quadrotor.rotors[0].max_speed_radps
+    assert history["rotor_command_radps"][50].tolist() == pytest.approx([0.1 * full_radps] * 4)
+    assert history["rotor_command_radps"][-1].tolist() == [0.0] * 4  # No power once it is lost.
+    assert not history["position_est_enu_m"].any()  # Our estimator has never started.
+    assert bench.plant.battery.consumed_mah > 0.0
+
+
+def take_off(bench, *commands):
+    """Demand commands one after the other of a real stack, and go on for 20 s; return the climb."""
+    client = bench.connect()
+    bench.observers.append(lambda: client.update(bench.plant.time_us))
+    told = client.telemetry
+    start_m = bench.plant.truth.position_enu_m[2]
+    bench.run(60.0, until=lambda: told.system_id and told.has_state)
+    for command, *params in commands:
+        for _ in range(60):
+            sent = client.command(command, *params)
+            bench.run(10.0, until=lambda sent=sent: sent.is_done)
+            if sent.state is CommandState.ACCEPTED:
+                break
+            bench.run(1.0)
+        else:
+            raise AssertionError(f"{command}: {sent.outcome()}, {told.texts[-3:]}")
+    bench.run(20.0)
+    truth, believed = bench.plant.truth, bench.plant.estimate
+    assert bench.external.fault == ""
+    assert math.dist(truth.position_enu_m, believed.position_enu_m) < 1.0
+    # Half of the turn between both, of 2 degrees.
+    assert abs(np.dot(truth.quat_wxyz, believed.quat_wxyz)) > math.cos(math.radians(1.0))
+    assert bench.stack.reports.is_armed
+    return truth.position_enu_m[2] - start_m
+
+
+@pytest.mark.skipif(not ARDUCOPTER, reason="AEROSCENE_ARDUCOPTER names no ArduCopter binary")
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+def test_the_real_arducopter_takes_off_and_knows_where_it_is(vehicle):
+    with Testbench(empty_scene(), cfg(autopilot_binary=ARDUCOPTER, vehicle=vehicle)) as bench:
+        climb_m = take_off(
+            bench,
+            (mavlink.MAV_CMD_DO_SET_MODE, 1, 4),  # GUIDED
+            (mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1),
+            (mavlink.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 5.0),
+        )
+        assert climb_m == pytest.approx(5.0, abs=0.5)
+        assert bench.stack.reports.mode.value == "GUIDED"
+        assert bench.stack.monitor.telemetry.system_id == 1 + own_instance()
+
+
+@pytest.mark.skipif(not PX4, reason="AEROSCENE_PX4 names no PX4 binary")
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+def test_the_real_px4_takes_off_and_knows_where_it_is(vehicle):
+    options = cfg(autopilot="px4", autopilot_binary=PX4, vehicle=vehicle)
+    with Testbench(empty_scene(), options) as bench:
+        climb_m = take_off(
+            bench,
+            (mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1),
+            (mavlink.MAV_CMD_NAV_TAKEOFF, *(math.nan,) * 7),
+        )
+        assert climb_m == pytest.approx(2.5, abs=0.5)  # PX4's MIS_TAKEOFF_ALT
+
+
+@pytest.mark.parametrize("autopilot", ["ardupilot", "px4"])
+def test_a_hexacopter_is_not_for_external_stacks(autopilot):
+    with pytest.raises(TestbenchError, match="vehicle 'typhoon' has 6 rotors"):
+        Testbench(empty_scene(), cfg(vehicle="typhoon", autopilot=autopilot))
