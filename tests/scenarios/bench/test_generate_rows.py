@@ -32,11 +32,10 @@ def test_two_scenes_are_timed_stage_by_stage_and_judged(tmp_path):
     said = []
     corpus = write_corpus(tmp_path / "corpus")
     table = {row.metric: row for row in rows(config(corpus, 2), lambda *words: said.append(words))}
-    whole_s = table["one scene, p95"].value
     stages = ("program", "sampling", "feasibility, areas and validation")
     seconds = [table[f"its {stage}, median"].value for stage in stages]
     assert min(seconds) > 0
-    assert sum(seconds) <= 2 * whole_s
+    assert table["one scene, p95"].value >= table["one scene, median"].value > 0
     assert table["one scene, median"].target == 2.0
     assert 25 < table["its objects, mean"].value < 80
     assert 0 < table["peak memory"].value < 8
