@@ -225,7 +225,7 @@ def _site_rows(prefix: str, tally: _Tally, target: float | None) -> Iterator[Row
     yield higher(f"{prefix}areas with a site to land on", found, "%")
     for title, sites, promised in (
         ("unsafe sites, as first chosen", tally.chosen, target),
-        ("unsafe sites, committed to 1 m above", tally.committed, target),
+        ("unsafe sites, committed to at the last look", tally.committed, target),
         ("committed to, unsafe within the scatter", tally.without_margin, None),
     ):
         yield lower(f"{prefix}{title}", _percent(sites), f"% of {len(sites)}", promised)

@@ -17,14 +17,15 @@ from scenarios.bench.configs import (
     BenchError,
     ControlBenchCfg,
     DifficultyBenchCfg,
+    EncountersBenchCfg,
     EstimateBenchCfg,
-    GenerateBenchCfg,
     LandBenchCfg,
     PlanBenchCfg,
     SceneBenchCfg,
     SimBenchCfg,
     WorldsBenchCfg,
 )
+from scenarios.bench.generate_cfg import GenerateBenchCfg
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 from scenarios.cli.progress import share_bar
@@ -40,6 +41,7 @@ Bench = (
     | Annotated[DifficultyBenchCfg, tyro.conf.subcommand("difficulty", prefix_name=False)]
     | Annotated[ControlBenchCfg, tyro.conf.subcommand("control", prefix_name=False)]
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
+    | Annotated[EncountersBenchCfg, tyro.conf.subcommand("encounters", prefix_name=False)]
     | Annotated[WorldsBenchCfg, tyro.conf.subcommand("worlds", prefix_name=False)]
 )
 
@@ -51,6 +53,7 @@ _NAMES: Mapping[type, str] = {
     DifficultyBenchCfg: "difficulty",
     ControlBenchCfg: "control",
     LandBenchCfg: "land",
+    EncountersBenchCfg: "encounters",
     WorldsBenchCfg: "worlds",
     EstimateBenchCfg: "estimate",
 }

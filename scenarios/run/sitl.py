@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from aeroscene.scene import Scene
+from flightsim.environment.movers import MovingObstacle
 from flightsim.mavlink.links import Link
 from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench, TestbenchError
@@ -60,6 +61,7 @@ class Sitl:
         has_network: bool = True,
         links: Sequence[Link] = (),
         hangar: Hangar | None = None,
+        movers: Sequence[MovingObstacle] | None = None,
     ) -> None:
         """Open every part of the run, or none.
 
@@ -71,6 +73,7 @@ class Sitl:
             has_network: Whether clients outside this process can connect.
             links: MAVLink links of one's own besides.
             hangar: Keeps what runs of this process share; None keeps it for this run alone.
+            movers: Traffic on paths of one's own instead of the configured one.
 
         Raises:
             INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
@@ -94,6 +97,7 @@ class Sitl:
                 scene,
                 cfg.bench,
                 airframe=airframe,
+                traffic=movers,
                 has_network=has_network,
                 extra_links=links,
                 captures=cfg.captures,
@@ -155,7 +159,7 @@ class Sitl:
             )
         except MissionError as error:
             raise TestbenchError(str(error)) from error
-        brief = PilotCfg(expects_traffic=bench.cfg.traffic_cfg.has_any)
+        brief = PilotCfg(expects_traffic=bool(bench.plant.world.obstacles))
         return Pilot(bench.connect(), mission, self.cameras.render_depth, brief)
 
     def _open_tape(self) -> FlightTape:
