@@ -32,13 +32,15 @@ class BatteryParams:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CameraMount:
-    """An RGB-D camera fixed to the body."""
+    """A camera fixed to the body: RGB-D, or of depth alone."""
 
     name: str
     position_flu_m: Vector3
     pitch_down_rad: float
     """Pitch: 0 looks along body x, pi/2 straight down with the image's top towards body x."""
     vertical_fov_rad: float
+    has_colour: bool = True
+    """Without colours it serves the pilot alone: it is neither recorded nor filmed."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -98,6 +100,11 @@ class Airframe:
     """What it looks like instead of a fuselage of simple shapes."""
     handle: str = ""
     """What `--vehicle` takes to name it, where that is not its name: the path of its file."""
+
+    @property
+    def rgbd_cameras(self) -> tuple[CameraMount, ...]:
+        """Cameras with colours: what is recorded, filmed and shown."""
+        return tuple(mount for mount in self.cameras if mount.has_colour)
 
     @property
     def vehicle(self) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -13,6 +14,7 @@ from jaxtyping import Bool, Float
 from autonomy.types import vector3
 from flightsim.environment.motion import new_movers, place_mover
 from flightsim.environment.movers import MOVER_KINDS, MovingObstacle
+from flightsim.environment.paths import smooth_path
 
 Direction = Literal["ahead", "side", "above", "below"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
@@ -29,10 +31,12 @@ _STEEP_DEG = {
 """Angles above the horizon at which the mover is seen as it comes."""
 _COMES_FOR_S = 5.0
 """The mover has a free way for so long before it meets the vehicle,"""
-_LEAVES_FOR_S = 0.7
-"""and for so long after it."""
+_PASSES_M = 1.0
+"""and for so long a way after it; then it flies level,"""
+_LEAVES_FOR_S = 5.0
+"""for so long that it does not come back at once."""
 _TURNS_M = 0.5
-"""Length of its way beyond both, on which it turns round."""
+"""Length of its way beyond both ends, on which it turns round."""
 _FREE_M = 0.55
 """Room that its centre has on that way: it is 0.6 m wide."""
 _APART_S, _APART_M = 2.5, 2.0
@@ -62,7 +66,7 @@ def draw_meeting(
 ) -> MovingObstacle | None:
     """Draw a drone that will be where the vehicle would be at some moment of its way.
 
-    It flies a straight line to and fro and heeds nobody.
+    It comes in a straight line, leaves level, goes to and fro and heeds nobody.
 
     Args:
         way: The way that the vehicle flies if it meets nobody.
@@ -86,36 +90,45 @@ def draw_meeting(
         down = math.radians(rng.uniform(*_STEEP_DEG[direction]))
         level = math.cos(down)
         along = np.array([level * math.cos(heading), level * math.sin(heading), -math.sin(down)])
-        comes_m, leaves_m = speed_mps * _COMES_FOR_S, speed_mps * _LEAVES_FOR_S
-        steps_m = np.arange(-comes_m - _TURNS_M, leaves_m + _TURNS_M, 0.2)
-        if not is_free(here + steps_m[:, None] * along, _FREE_M).all():
+        corners = [here - (speed_mps * _COMES_FOR_S + _TURNS_M) * along, here + _PASSES_M * along]
+        ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
+        corners.append(corners[1] + (speed_mps * _LEAVES_FOR_S + _TURNS_M) * ahead)
+        if not is_free(_along(corners), _FREE_M).all():
             continue
-        mover = _meeting(here, along, comes_m + _TURNS_M, leaves_m + _TURNS_M, speed_mps, meet_s)
+        mover = _meeting(here, corners, speed_mps, meet_s)
         if _stays_apart(mover, way, meet_s):
             return mover
     return None
 
 
+def _along(corners: Sequence[Float[np.ndarray, 3]]) -> Float[np.ndarray, "n 3"]:
+    """Places along a polyline, 0.2 m apart or less."""
+    legs = [
+        np.linspace(a, b, math.ceil(math.dist(a, b) / 0.2) + 1)
+        for a, b in itertools.pairwise(corners)
+    ]
+    return np.concatenate(legs)
+
+
 def _meeting(
     here: Float[np.ndarray, 3],
-    along: Float[np.ndarray, 3],
-    before_m: float,
-    after_m: float,
+    corners: Sequence[Float[np.ndarray, 3]],
     speed_mps: float,
     meet_s: float,
 ) -> MovingObstacle:
-    """A drone whose centre passes a place at a time, on its way out."""
+    """A drone whose centre follows corners and is on its first leg at a place at a time."""
     kind = MOVER_KINDS["drone"]
-    foot = here - np.array([0.0, 0.0, kind.size_m[2] / 2])
-    length_m = before_m + after_m
+    lift = np.array([0.0, 0.0, kind.size_m[2] / 2])
+    path = tuple(vector3(corner - lift) for corner in corners)
+    length_m = smooth_path(path, is_loop=False).length_m
     # It speeds up evenly, so that it lags behind even speed by half of the time that this takes.
     speed_mps = min(speed_mps, math.sqrt(length_m * kind.acceleration_mps2))
     lag_s = speed_mps / kind.acceleration_mps2
     out_s = length_m / speed_mps + lag_s + kind.pause_s
-    passes_s = before_m / speed_mps + lag_s / 2
+    passes_s = math.dist(corners[0], here) / speed_mps + lag_s / 2
     return MovingObstacle(
         kind="drone",
-        path_enu_m=(vector3(foot - before_m * along), vector3(foot + after_m * along)),
+        path_enu_m=path,
         speed_mps=speed_mps,
         phase=((passes_s - meet_s) / (2.0 * out_s)) % 1.0,
     )

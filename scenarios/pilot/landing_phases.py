@@ -27,6 +27,8 @@ HOVERING_FRAMES = 3
 MAX_SEARCH_FRAMES = 20
 LEAST_LOOK_M = 1.2
 """Least height from which an area is looked at again."""
+LEAST_LOWER_M = 0.3
+"""How much lower it must be at least under what covers the area."""
 STEEP = 1.0
 """Least descent over level way of a straight line down to a place, so that it stays in view."""
 MAX_LOOKS = 4
@@ -118,7 +120,9 @@ class LandingPhases:
             return None
         if flight.site is None:
             reason = f"no safe place seen on area {flight.area.id}"
-            return self._look_nearer(reason) or self.give_up(reason)
+            return (
+                self._look_nearer(reason) or self._look_from_below(reason) or self.give_up(reason)
+            )
         x, y, _ = flight.site.position_enu_m
         chose = (
             f"chose ({x:.2f}, {y:.2f}): slope {math.degrees(flight.site.slope_rad):.1f} deg, "
@@ -146,6 +150,22 @@ class LandingPhases:
             return None
         flight.hover_enu_m = nearer
         return Phase.NAVIGATE, f"{reason}; looks from {nearer[2] - surface_m:.1f} m"
+
+    def _look_from_below(self, reason: str) -> Step:
+        """Look for a way under what covers the area, such as a roof that no map told of."""
+        flight = self._flight
+        world = flight.mission.surroundings
+        hover = None if world.is_known else world.hover_point(flight.area)
+        if hover is None or hover[2] > flight.hover_enu_m[2] - LEAST_LOWER_M:
+            return None
+        try:
+            flight.plan_to(hover)
+        except PlanningError as error:
+            _LOG.info("area %d from below: %s", flight.area.id, error)
+            return None
+        flight.hover_enu_m = hover
+        above_m = hover[2] - flight.area.centroid[2]
+        return Phase.NAVIGATE, f"{reason}; looks from {above_m:.1f} m, under what covers it"
 
     def _goes_straight_down(self) -> bool:
         """Begin a straight line to above the chosen place, if it is steep and free."""

@@ -38,7 +38,7 @@ def recording_blueprint(
         airframe: Vehicle that flies.
         goal_enu_m: Goal, framed together with the start; None frames the whole scene.
     """
-    cameras = [mount.name for mount in airframe.cameras]
+    cameras = [mount.name for mount in airframe.rgbd_cameras]
     return rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(_scene_views(scene, cameras, goal_enu_m), _plots(), row_shares=[5, 3]),

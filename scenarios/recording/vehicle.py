@@ -38,7 +38,7 @@ def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
     # A dot of constant size on the screen: the vehicle is small in a whole scene.
     marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
     stream.log(layout.MARKER, marker, static=True)
-    for mount in airframe.cameras:
+    for mount in airframe.rgbd_cameras:
         turn = rotation_flu_from_optical(mount)
         pose = rr.Transform3D(translation=mount.position_flu_m, mat3x3=turn)
         stream.log(layout.camera(mount.name), pose, static=True)

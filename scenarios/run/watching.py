@@ -102,7 +102,7 @@ def _recorder(bench: Testbench, cfg: SitlCfg, pilot: Pilot | None) -> Recorder:
 
 def shutter(bench: Testbench, cameras: Cameras, rate_hz: float) -> Callable[[], None]:
     """Renders every camera of the vehicle at a rate; call it after each tick."""
-    names = [mount.name for mount in bench.airframe.cameras]
+    names = [mount.name for mount in bench.airframe.rgbd_cameras]
     period_us = round(1e6 / rate_hz)
 
     def on_tick() -> None:

@@ -61,7 +61,12 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
         has_skids=gear.has_skids,
         collision_radius_m=derived.reach_m(quadrotor) + rotor_set.radius_m,
         battery=read_battery(document.table("battery"), quadrotor, rotor_set.radius_m),
-        cameras=read_cameras(document.table("cameras"), (x, y, z), gear.height_m),
+        cameras=read_cameras(
+            document.table("cameras"),
+            (x, y, z),
+            gear.height_m,
+            max(rotor.position_flu_m[2] for rotor in quadrotor.rotors),
+        ),
         mesh=read_mesh(body, folder),
         **_rotor_details(rotor_set, quadrotor),
         **_thicknesses(body, quadrotor),
