@@ -22,7 +22,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.payload import PayloadComponents
 from flightsim.mavlink.personalities import PX4, Personality
 from flightsim.mavlink.routing import Router
-from flightsim.mavlink.service import Partners
+from flightsim.mavlink.service import Partners, StatefulService
 from flightsim.mavlink.services import Services, Setting
 from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.statustext import StatustextSender
@@ -84,7 +84,7 @@ class MavlinkServer:
         self.statustext = StatustextSender(self._partners)
         self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
         self._payload = payload and PayloadComponents(
-            payload, self._view, self._partners, self.statustext, self._own
+            payload, self._view, self._partners, self.statustext, self.faults, self._own
         )
         services = Services(
             Setting(
@@ -95,6 +95,7 @@ class MavlinkServer:
                 system_id=system_id,
                 signing=signing,
                 lockstep=self.lockstep,
+                faults=self.faults,
                 payload=self._payload,
             )
         )
@@ -102,6 +103,7 @@ class MavlinkServer:
         self._missions, self._watching = services.missions, services.watching
         self._n_home_items = personality.n_home_items
         self._stateful, self._handlers = services.stateful, services.handlers
+        self._streaming = services.streaming
         self._open_links()
 
     def _open_links(self) -> None:
@@ -119,7 +121,6 @@ class MavlinkServer:
     def update(self) -> None:
         """Read, answer, stream and send; call once every 20 ms of simulated time."""
         faults = self.faults
-        self._view.refresh()
         self._receive(0.0)
         self._tell_events()
         self.statustext.end_tick()
@@ -127,11 +128,11 @@ class MavlinkServer:
             with faults:
                 watching.update()
         for service in self._stateful:
-            for channel in [channel for channel in service.busy if not channel.is_crowded]:
-                with faults:
-                    service.update(channel)
-                if faults.has_failed:
-                    service.forget(channel)  # Else it would fail again at every tick.
+            if service.busy:
+                self._work(service)
+        for streaming in self._streaming:
+            with faults:
+                streaming.update()
         if self.lockstep is not None:
             self.lockstep.end_tick()
         self._n_ticks += 1
@@ -139,6 +140,15 @@ class MavlinkServer:
         if self._payload is not None:
             with faults:
                 self._payload.work()  # Pictures take their time: answers do not wait for it.
+
+    def _work(self, service: StatefulService) -> None:
+        """Perform a service's due work, for all whose transport does not lag behind."""
+        faults = self.faults
+        for channel in [channel for channel in service.busy if not channel.is_crowded]:
+            with faults:
+                service.update(channel)
+            if faults.has_failed:
+                service.forget(channel)  # Else it would fail again at every tick.
 
     def wait_for_tick(self, timeout_s: float) -> bool:
         """Answer clients until one that keeps the time grants a tick; at once without lockstep.
@@ -187,7 +197,7 @@ class MavlinkServer:
         if channels == self._partners.channels:
             return
         for gone in self._identified.difference(channels):
-            for service in self._stateful:
+            for service in (*self._stateful, *self._streaming):
                 service.forget(gone)
             self._router.forget(gone)
             if self.lockstep is not None:

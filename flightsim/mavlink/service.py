@@ -38,6 +38,18 @@ class StatefulService(Service, Protocol):
         ...
 
 
+class Streaming(Service, Protocol):
+    """A microservice that sends messages to all partners at their rates."""
+
+    def update(self) -> None:
+        """Send what is due at this tick to those whose transport does not lag behind."""
+        ...
+
+    def forget(self, channel: Channel) -> None:
+        """Drop the state of a partner that left."""
+        ...
+
+
 class Watching(Protocol):
     """What looks at the vehicle in each tick."""
 
