@@ -28,7 +28,7 @@ DATAGRAM_BYTES = 1400
 class _Outbox:
     """Frames for a partner that wait to be sent, from whichever component."""
 
-    __slots__ = ("can_wait", "frames", "is_crowded", "n_bytes")
+    __slots__ = ("can_wait", "frames", "is_crowded", "n_bytes", "n_waits")
 
     def __init__(self) -> None:
         self.is_crowded = False
@@ -37,7 +37,7 @@ class _Outbox:
     def clear(self) -> None:
         """Begin anew."""
         self.frames: list[bytes] = []
-        self.n_bytes = 0
+        self.n_bytes = self.n_waits = 0
         self.can_wait = True
         """Whether all of them are of streams."""
 
@@ -256,14 +256,17 @@ class Channel:
         assert self._signing is not None
         return self._signing.sign(layout.frame_v2(payload, *numbers, SIGNED_FLAG), self._link_id)
 
-    def flush(self, *, is_due: bool = True) -> None:
-        """Send the queued frames; those of streams wait for a full datagram, or until it is due.
+    def flush(self, patience_ticks: int = 1) -> None:
+        """Send the queued frames; those of streams wait for a full datagram, or for so many calls.
 
         Frames stay in their order, so that what cannot wait takes with it what is queued before.
         """
         outbox = self._outbox
         frames = outbox.frames
-        if not frames or (self._is_datagram and outbox.can_wait and not is_due):
+        if not frames:
+            return
+        outbox.n_waits += 1
+        if self._is_datagram and outbox.can_wait and outbox.n_waits < patience_ticks:
             return
         self._write(frames)
         outbox.clear()

@@ -77,7 +77,7 @@ class MavlinkServer:
         self._router = Router(self._partners, self._own)
         self._identified: set[Channel] = set()
         self._selector = selectors.DefaultSelector()
-        self._ticks_per_datagram, self._n_ticks = ticks_per_datagram, 0
+        self._ticks_per_datagram = ticks_per_datagram
         origin = local_origin_enu_m or plant.truth.position_enu_m
         self._view = VehicleView(plant, autopilot, frame, origin)
         self.lockstep = Lockstep() if has_lockstep else None
@@ -103,7 +103,7 @@ class MavlinkServer:
         self._missions, self._watching = services.missions, services.watching
         self._n_home_items = personality.n_home_items
         self._stateful, self._handlers = services.stateful, services.handlers
-        self._streaming = services.streaming
+        self._common = services.common
         self._open_links()
 
     def _open_links(self) -> None:
@@ -130,13 +130,12 @@ class MavlinkServer:
         for service in self._stateful:
             if service.busy:
                 self._work(service)
-        for streaming in self._streaming:
+        for common in self._common:
             with faults:
-                streaming.update()
+                common.update()
         if self.lockstep is not None:
             self.lockstep.end_tick()
-        self._n_ticks += 1
-        self._flush(is_due=self._n_ticks % self._ticks_per_datagram == 0)
+        self._flush(self._ticks_per_datagram)
         if self._payload is not None:
             with faults:
                 self._payload.work()  # Pictures take their time: answers do not wait for it.
@@ -180,10 +179,10 @@ class MavlinkServer:
                 channel.put_back(messages[number:])
                 return
 
-    def _flush(self, *, is_due: bool = True) -> None:
+    def _flush(self, patience_ticks: int = 1) -> None:
         for channel in self._partners.channels:
             with self.faults:
-                channel.flush(is_due=is_due)
+                channel.flush(patience_ticks)
 
     def close(self) -> None:
         """Send what still waits and release all ports. Closing twice is fine."""
@@ -197,7 +196,7 @@ class MavlinkServer:
         if channels == self._partners.channels:
             return
         for gone in self._identified.difference(channels):
-            for service in (*self._stateful, *self._streaming):
+            for service in (*self._stateful, *self._common):
                 service.forget(gone)
             self._router.forget(gone)
             if self.lockstep is not None:

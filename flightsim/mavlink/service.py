@@ -38,11 +38,11 @@ class StatefulService(Service, Protocol):
         ...
 
 
-class Streaming(Service, Protocol):
-    """A microservice that sends messages to all partners at their rates."""
+class CommonService(Service, Protocol):
+    """A microservice that acts for all partners together."""
 
     def update(self) -> None:
-        """Send what is due at this tick to those whose transport does not lag behind."""
+        """Perform due work; called once per tick."""
         ...
 
     def forget(self, channel: Channel) -> None:

@@ -34,11 +34,11 @@ from flightsim.mavlink.parameters import NamedParameters, ParameterService
 from flightsim.mavlink.payload import PayloadComponents
 from flightsim.mavlink.personalities import Personality
 from flightsim.mavlink.service import (
+    CommonService,
     Handler,
     Partners,
     Service,
     StatefulService,
-    Streaming,
     Watching,
 )
 from flightsim.mavlink.shell import ShellService
@@ -87,7 +87,7 @@ class Services:
         missions: Missions, fences and rally points.
         watching: What looks at each tick, for nobody in particular.
         stateful: Services that act by themselves.
-        streaming: What sends messages to all partners at their rates.
+        common: Services that act for all partners together.
         handlers: What answers each message, by its id.
     """
 
@@ -108,17 +108,20 @@ class Services:
         self.missions = _missions(setting, guided)
         self.watching: Sequence[Watching] = (recorder, *((metadata,) if metadata else ()))
         self.stateful: Sequence[StatefulService] = (
-            GroundStationService(view.autopilot),
             self.missions,
             _parameters(setting, parameters),
             ShellService(view, has_shell=personality.has_shell),
             LogService(recorder),
             FileService(files),
         )
-        self.streaming: Sequence[Streaming] = (self.telemetry, *((payload,) if payload else ()))
+        self.common: Sequence[CommonService] = (
+            GroundStationService(view.autopilot),
+            self.telemetry,
+            *((payload,) if payload else ()),
+        )
         stateless = _answering(setting, modes, guided, self.telemetry)
         watched = (metadata,) if metadata else ()
-        answering = (*stateless, *watched, *self.stateful, *self.streaming)
+        answering = (*stateless, *watched, *self.stateful, *self.common)
         self.handlers: dict[int, Handler] = {
             LAYOUTS[name].message_id: handler
             for service in answering

@@ -97,6 +97,12 @@ STREAMER_DTYPE = np.dtype(
 """Where all that is. `partners_address` is of addresses, one for each partner."""
 
 
+_FIRST_VALUES = {
+    name: offset // 8 + 1 for name, (_, offset, *_) in (VALUES_DTYPE.fields or {}).items()
+}
+"""Index of the first value of each of `TOLD` among all doubles, behind whether it is known."""
+
+
 def message_rows(layouts: list[Layout]) -> np.ndarray:
     """`MESSAGE_DTYPE` of messages of these types, each with room for its parts."""
     rows = np.zeros(len(layouts), MESSAGE_DTYPE)
@@ -107,8 +113,7 @@ def message_rows(layouts: list[Layout]) -> np.ndarray:
         row["payload_start"], row["packed_us"] = start, -1
         row["first_value"] = -1
         if layout.name in TOLD:
-            offset = (VALUES_DTYPE.fields or {})[layout.name][1]
-            row["first_value"] = offset // 8 + 1
+            row["first_value"] = _FIRST_VALUES[layout.name]
             row["n_values"] = len(layout.letters)
         start += MOST_PARTS * layout.size
     return rows
@@ -117,8 +122,7 @@ def message_rows(layouts: list[Layout]) -> np.ndarray:
 def field_rows() -> np.ndarray:
     """`FIELD_DTYPE` of each double in `VALUES_DTYPE`."""
     rows = np.zeros(VALUES_DTYPE.itemsize // 8, FIELD_DTYPE)
-    for name in TOLD:
-        first = (VALUES_DTYPE.fields or {})[name][1] // 8 + 1
+    for name, first in _FIRST_VALUES.items():
         for index, letter in enumerate(LAYOUTS[name].letters, start=first):
             least, most = number_range(letter)
             rows[index] = (np.dtype(letter).itemsize, letter == "f", least, most)

@@ -36,7 +36,7 @@ class Streamed:
         self.partner, self._is_due = partner, is_due
         self._frames = np.zeros(room_bytes, np.uint8)
         self._bytes = self._frames.data
-        self._numbers = memoryview(partner).cast("B").cast("q")
+        self._numbers = partner.data.cast("B").cast("q")
         partner["frames_address"] = self._frames.ctypes.data
 
     def serve(self, way: int, sequence: int) -> None:

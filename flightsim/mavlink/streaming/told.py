@@ -58,7 +58,7 @@ class Told:
             for field, value in fixed.items():
                 self.values[0][name][field] = value
         self.view = np.zeros(1, VIEW_DTYPE)
-        self._said = memoryview(self.view).cast("B")
+        self._said = self.view.data.cast("B")
         record: np.void = self.view[0]
         frame, airframe = view.frame, view.plant.world.airframe
         for field in ("latitude_deg", "longitude_deg", "altitude_m"):

@@ -66,12 +66,12 @@ def test_streams_wait_for_a_datagram_and_answers_take_them_along():
             channel.stream(frame, 1)
 
     put("stream", 1)
-    channel.flush(is_due=False)
+    channel.flush(5)
     assert datagrams == []
     put("send", 2)
-    channel.flush(is_due=False)
+    channel.flush(5)
     put("stream", 3)
-    channel.flush(is_due=False)
+    channel.flush(5)
     put("stream", 4)
     channel.flush()
     assert [[message.seq for message in datagram] for datagram in datagrams] == [[1, 2], [3, 4]]
