@@ -59,18 +59,17 @@ class TelemetryService:
     def update(self) -> None:
         """Send all partners what is due at this tick."""
         channels = self._partners.channels
-        if channels is not self._served:
-            self._meet(channels)
         if not channels:
             return
+        if channels is not self._served:
+            self._meet(channels)
         for channel, streamed in self._in_turn:
             way = WAITS if channel.is_crowded else FRAMED if channel.is_plain else ONE_BY_ONE
             streamed.serve(way, channel.sequence)
         self._streamer.stream(self._now_us(), self._pack_streamed)
         for channel, streamed in self._in_turn:
-            n_frames = streamed.n_frames
-            if n_frames:
-                channel.stream(streamed.frames, n_frames)
+            if streamed.n_frames:
+                channel.stream(streamed.frames, streamed.n_frames)
             elif not channel.is_plain:
                 self._send_one_by_one(channel, streamed)
 
