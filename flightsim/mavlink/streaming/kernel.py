@@ -50,6 +50,7 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
     if asked >= 0:
         s.filled_us = -1
         _pack_filled(s, messages[asked], now_us)
+        s.filled_us = messages[asked].packed_us = -1  # More may happen before the tick's end.
         return 0
     addresses = long_integers(s.partners_address, s.n_partners)
     n_wanted = 0

@@ -2,11 +2,13 @@
 
 import math
 import random
+import struct
 
 import pytest
 
 from autonomy.types import ControlLevel
 from flightsim.frames import (
+    Geodetic,
     euler_rpy_rad,
     swap_enu_ned,
     swap_flu_frd,
@@ -436,3 +438,23 @@ def test_a_tick_that_is_longer_than_a_datagram_is_divided_between_frames():
     assert len(frames) == told.streamed.n_frames > 300
     assert channel.sequence == len(frames) & 0xFF
     assert len(Wire().decode(b"".join(datagrams))) == len(frames)
+
+
+def test_what_is_asked_for_in_a_tick_does_not_make_its_stream_old(flight):
+    flight.become_ready()
+    flight.autopilot.set_home(None)
+    told = Told(flight.server._view)
+    streamer = Streamer([LAYOUTS["ALTITUDE"]], told)
+    (before,) = streamer.fill(0, flight.plant.time_us)
+    place = flight.autopilot.home.geodetic
+    higher = Geodetic(place.latitude_deg, place.longitude_deg, place.altitude_m + 5.0)
+    flight.autopilot.set_home(higher)
+    table = StreamTable("normal", [LAYOUTS["ALTITUDE"].message_id])
+    table.set_interval(LAYOUTS["ALTITUDE"].message_id, 20_000)
+    streamed = streamer.new_partner(table.partner, table.is_due, 1, 1)
+    streamed.serve(1, 0)
+    streamer.serve([streamed])
+    streamer.stream(flight.plant.time_us, lambda _: ())
+    (after,) = [mav.MAVLink(None).decode(bytearray(streamed.frames))]
+    values = dict(zip(LAYOUTS["ALTITUDE"].fields, struct.unpack("<Q6f", before), strict=True))
+    assert after.altitude_relative == pytest.approx(values["altitude_relative"] - 5.0, abs=1e-3)
