@@ -455,6 +455,9 @@ def test_what_is_asked_for_in_a_tick_does_not_make_its_stream_old(flight):
     streamed.serve(1, 0)
     streamer.serve([streamed])
     streamer.stream(flight.plant.time_us, lambda _: ())
-    (after,) = [mav.MAVLink(None).decode(bytearray(streamed.frames))]
-    values = dict(zip(LAYOUTS["ALTITUDE"].fields, struct.unpack("<Q6f", before), strict=True))
-    assert after.altitude_relative == pytest.approx(values["altitude_relative"] - 5.0, abs=1e-3)
+    after = _payload("ALTITUDE", streamed.frames)
+    then, now = (
+        dict(zip(LAYOUTS["ALTITUDE"].fields, struct.unpack("<Q6f", payload), strict=True))
+        for payload in (before, after)
+    )
+    assert now["altitude_relative"] == pytest.approx(then["altitude_relative"] - 5.0, abs=1e-3)
