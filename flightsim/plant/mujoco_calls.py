@@ -144,3 +144,15 @@ def integers(address: int, n: int) -> np.ndarray:
 def pointers(address: int, n: int) -> np.ndarray:
     """The n pointers at an address, as integers."""
     return carray(_pointer(address), (n,), np.intp)
+
+
+@kernel
+def long_integers(address: int, n: int) -> np.ndarray:
+    """The n integers of 64 bits at an address."""
+    return carray(_pointer(address), (n,), np.int64)
+
+
+@kernel
+def bytes_at(address: int, n: int) -> np.ndarray:
+    """The n bytes at an address."""
+    return carray(_pointer(address), (n,), np.uint8)

@@ -236,6 +236,11 @@ class Plant:
         return tuple(self._filter["wind_enu_mps"].tolist())
 
     @property
+    def record_address(self) -> int:
+        """Where the plant's record (`PLANT_DTYPE`) is, for kernels that read it."""
+        return self._memory.plants.ctypes.data
+
+    @property
     def filter(self) -> np.void:
         """Record of the filter (`autonomy.estimation.error_state`), for judging it."""
         return self._filter

@@ -15,8 +15,7 @@ from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.planning.openings import narrow_cells
 from autonomy.types import FlatReference
 from flightsim.mavlink.client.telemetry import Telemetry
-from flightsim.mavlink.dialect import LAYOUTS
-from flightsim.mavlink.framing import Framer
+from flightsim.mavlink.streaming import compile_streaming
 from flightsim.plant import compile_kernels
 from flightsim.sensors.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
 from flightsim.vehicles.catalogue import airframe_by_name
@@ -100,12 +99,6 @@ def explore_once() -> None:
         plan_towards(seen, start, goal_enu_m, Craft(FlightLimits(), airframe.quadrotor, cfg))
 
 
-def frame_once() -> None:
-    """Build the frame of a MAVLink message."""
-    ping = LAYOUTS["PING"]
-    Framer((ping,)).frames_v2(b"\0", bytes(ping.size), 0, 1, 1)
-
-
 def measure_once() -> None:
     """Do what only some runs ask for: see by a depth camera that errs, look for openings."""
     flat_m = np.full((240, 320), 6.0, dtype=np.float32)
@@ -139,7 +132,7 @@ def compile_everything(progress: Callable[[str, float], None]) -> None:
     """
     progress("flight kernels", 0.0)
     compile_kernels()
-    frame_once()
+    compile_streaming()
     measure_once()
     progress("planning kernels", 0.35)
     mission = plan_mission(open_scene(SCENE), airframe_by_name(VEHICLE))
