@@ -41,7 +41,14 @@ class Observer:
         space: Space of one vehicle's observation.
     """
 
-    def __init__(self, fleet: Fleet, cfg: ObservationCfg) -> None:
+    def __init__(self, fleet: Fleet, cfg: ObservationCfg, n_threads: int | None = None) -> None:
+        """Watch a fleet.
+
+        Args:
+            fleet: Vehicles whose observations these are.
+            cfg: What is observed.
+            n_threads: Threads that cast images; None takes one for each core.
+        """
         self._cfg, self._fleet = cfg, fleet
         self._truth = [
             fleet.history[name][:, -1]
@@ -57,7 +64,7 @@ class Observer:
         self._known = self._estimate if cfg.state == "estimated" else self._truth
         self._cameras = None
         if cfg.depth is not None:
-            self._cameras = DepthCameras(fleet.worlds, cfg.depth, cfg.camera)
+            self._cameras = DepthCameras(fleet.worlds, cfg.depth, cfg.camera, n_threads)
         self._bounds = _bounds(cfg)
         self.space = _space(cfg)
 
@@ -90,6 +97,11 @@ class Observer:
         position_enu_m, _, quat_wxyz, _ = self._truth
         images = self._cameras.render(position_enu_m, rotation_matrices(quat_wxyz))
         return {"depth": images} if numbers is None else {"depth": images, "numbers": numbers}
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._cameras is not None:
+            self._cameras.close()
 
     def _parts(
         self, target_enu_m: np.ndarray, last_action: np.ndarray, error: np.ndarray
