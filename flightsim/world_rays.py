@@ -86,7 +86,7 @@ def _boxes_enu_m(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _halve(middle_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Order of k points (n,) in the leaves, filled up by k, and the axis of each inner node (n,)."""
+    """Order of k points in n leaves, filled up by k, and the axis of each inner node, (n,) both."""
     k = len(middle_m)
     n = 1 << max(k - 1, 0).bit_length()
     points = np.full((n, 3), np.inf)

@@ -72,7 +72,7 @@ class RayScene:
         return RayHits(triangle, distance, result["u"], result["v"])
 
     def distances(
-        self, origin_m: Float[np.ndarray, "3"], directions: np.ndarray, far: float
+        self, origin_m: Float[np.ndarray, 3], directions: np.ndarray, far: float
     ) -> Float[np.ndarray, " n"]:
         """Distance along each ray from one point, in lengths of its direction, at most `far`.
 

@@ -1,5 +1,4 @@
-"""Rays in MuJoCo's world, cast from compiled code: through a tree at what stands, one by one at
-what moves.
+"""Rays in MuJoCo's world from compiled code: by a tree at what stands, one by one at what moves.
 
 The distance is MuJoCo's own, to the bit: the tree only says which geoms the ray cannot meet. A
 cast so costs the same in a scene of 700 geoms and of 2,500, where `mj_ray` looks at each.

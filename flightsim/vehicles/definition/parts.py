@@ -10,9 +10,9 @@ from shapely import MultiPoint, Point, Polygon
 
 from autonomy.model import QuadrotorParams
 from autonomy.types import Vector3
+from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import BatteryParams, BodyMesh, CameraMount
 from flightsim.vehicles.definition import derived
-from flightsim.vehicles.definition.fields import Fields
 
 _MESHES = (".stl", ".obj")
 _SPARE_POWER = 1.3
@@ -155,6 +155,7 @@ def _camera(
         vertical_fov_rad=math.radians(
             table.number("vertical_fov_deg", 10.0, 120.0, "degrees", default=60.0)
         ),
+        yaw_rad=math.radians(table.number("yaw_deg", -180.0, 180.0, "degrees", default=0.0)),
     )
     table.check_all_known()
     return mount

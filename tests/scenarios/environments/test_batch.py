@@ -20,7 +20,7 @@ from scenarios.environments import (
     RandomisationCfg,
 )
 from scenarios.environments.batch import Batch
-from scenarios.environments.interface.depth import FAR_M, DepthCameras
+from scenarios.environments.interface.images import FAR_M, CameraImages
 from scenarios.environments.interface.observations import rotation_matrices
 from tests.flightsim.handmade import RAY_GROUPS, empty_scene, solid
 
@@ -126,9 +126,10 @@ def test_depth_is_the_distance_of_what_the_physics_has(camera):
     poses.update(data)
     mujoco.mj_forward(world.model, data)
     view = poses.viewpoint(camera)
-    (image,) = DepthCameras([world], (17, 13), camera).render(
+    images = CameraImages([world], (17, 13), camera).render(
         data.qpos[None, :3], rotation_matrices(data.qpos[None, 3:7])
     )
+    (image,) = images["depth"]
     geom = np.zeros(1, dtype=np.int32)
     for pixel in np.ndindex(13, 17):
         ray = view.rays_enu(17, 13)[pixel].astype(float)
