@@ -25,7 +25,7 @@ _SENSORS = {
     mav.FAILURE_UNIT_SENSOR_VIO: "vio",
     mav.FAILURE_UNIT_SENSOR_DISTANCE_SENSOR: "range",
     mav.FAILURE_UNIT_SENSOR_AIRSPEED: "airspeed",
-    mav.FAILURE_UNIT_SENSOR_OPTICAL_FLOW: "flow",
+    mav.FAILURE_UNIT_SENSOR_OPTICAL_FLOW: "optical_flow",
 }
 _LINK_FAILURES = frozenset({Failure.NONE, Failure.OFF})
 _ANY = frozenset(Failure)

@@ -135,7 +135,7 @@ def _first_standing_m(r: np.record, ray: np.ndarray, best_m: float) -> float:
             if node < n:
                 node = 2 * node + (ray[3 + axes[node]] < 0.0)
                 continue
-            best_m = _nearer(best_m, _geom_m(r, leaves[node - n], ray))
+            best_m = _nearer(best_m, _geom_m(r, int(leaves[node - n]), ray))
         while node > 1 and (node & 1) != (ray[3 + axes[node >> 1]] < 0.0):
             node >>= 1
         if node == 1:

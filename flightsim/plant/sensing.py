@@ -73,7 +73,7 @@ def sense(
     sense_barometer(p.baro, f, tick, qpos, normals)
     sense_magnetometer(p.mag, f, tick, qpos, speeds, steel, normals)
     _sense_range(p.range, f, p.engine, qpos, normals)
-    _sense_flow(p.flow, p.engine, qpos, qvel, p.imu.gyro_flu_radps, normals)
+    _sense_flow(p.optical_flow, p.engine, qpos, qvel, p.imu.gyro_flu_radps, normals)
     sense_airspeed(p.airspeed, tick, qpos, qvel, p.rotors.wind_enu_mps, normals)
 
 

@@ -131,7 +131,7 @@ def _rate_radps(reading: OpticalFlowReading) -> float:
 
 
 OPTICAL_FLOW = Sensor(
-    name="flow",
+    name="optical_flow",
     setting="optical_flow",
     fields=(
         *fields("noise_radps", "min_distance_m", "max_distance_m", "max_rate_radps"),
