@@ -111,7 +111,7 @@ def test_the_mount_and_the_motion_are_in_the_points(plant):
         scan = lidar.update() or scan
 
     def wall_error_m(points_flu_m, time_us):
-        """Distance from the wall of points that are seen from a pose, but for those on the ground."""
+        """Distance from the wall of what is seen of it from a pose."""
         state = poses[time_us]
         turn = Rotation.from_quat(state.quat_wxyz, scalar_first=True)
         points = turn.apply(points_flu_m) + state.position_enu_m
