@@ -62,11 +62,11 @@ class TestbenchCfg:
     """Width and height of the images of the vehicle's cameras in pixels, 16 to 4096 each."""
     camera: tuple[str, ...] = ()
     """Cameras to change or to add, such as forward,fov=90,pitch=10 or left,yaw=90,x=0.1,y=0.05,z=0;
-    degrees, and metres from the centre of mass. See docs/camera.md."""
+    degrees, and metres from the centre of mass. See docs/sensors.md."""
     segmentation: bool = False
     """Give frames of the cameras the object and the class of each pixel."""
     lidar: str = ""
-    """Lidar to carry: vlp16, mid40, or a file FILE.toml or FILE.csv; see docs/camera.md."""
+    """Lidar to carry: vlp16, mid40, or a file FILE.toml or FILE.csv; see docs/sensors.md."""
     optical_flow: bool = False
     """Carry a sensor of optical flow that looks down, and tell of it by MAVLink."""
     without: str = ""
