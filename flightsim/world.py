@@ -28,6 +28,7 @@ from flightsim.looks.surroundings import GROUND_MATERIAL
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import VEHICLE_BODY, add_vehicle
 from flightsim.world_geometry import STATIC_CONTACT, SurfaceProbe, add_solids, friction
+from flightsim.world_rays import RayTree
 
 VEHICLE_ID = -1
 """Id of the vehicle's own geoms in `World.geom_object_id`."""
@@ -62,6 +63,8 @@ class World:
     """All movers: mocap body i is obstacle i."""
     movers: MoverSet
     """Appearance of the movers."""
+    rays: RayTree
+    """By which rays find its geoms."""
     geom_object_id: np.ndarray
     """Id (ngeom,) int32 of the scene object, `VEHICLE_ID`, `GROUND_ID`, or id of a mover."""
     vehicle_body_id: int
@@ -149,6 +152,7 @@ def build_world(
         movers=movers,
         scene=scene,
         airframe=airframe,
+        rays=RayTree.of(model),
         geom_object_id=geom_object_id,
         vehicle_body_id=mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, VEHICLE_BODY),
         rest_qpos=_settle(model, scene, geom_object_id) if vehicle else model.qpos0.copy(),

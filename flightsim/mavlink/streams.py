@@ -48,6 +48,7 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "ODOMETRY": (0, 30),
     "SERVO_OUTPUT_RAW": (1, 10),
     "DISTANCE_SENSOR": (0.5, 10),
+    "OPTICAL_FLOW_RAD": (1, 10),
     "NAV_CONTROLLER_OUTPUT": (1, 10),
     "SCALED_PRESSURE": (1, 1),
     "RANGEFINDER": (1, 1),

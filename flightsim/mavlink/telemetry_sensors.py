@@ -10,12 +10,14 @@ from flightsim.frames import swap_enu_ned
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.view import VehicleView
+from flightsim.sensors.optical_flow import OPTICAL_FLOW
 
 _GPS_RAW_INT = layout(
     "GPS_RAW_INT",
     *("time_usec", "lat", "lon", "alt", "eph", "epv", "vel", "cog", "fix_type"),
     *("satellites_visible", "alt_ellipsoid", "h_acc", "v_acc", "vel_acc", "hdg_acc", "yaw"),
 )
+_OPTICAL_FLOW_RAD = layout("OPTICAL_FLOW_RAD")
 _SCALED_PRESSURE = layout("SCALED_PRESSURE")
 _BATTERY_STATUS = layout("BATTERY_STATUS")
 _ESTIMATOR_STATUS = layout("ESTIMATOR_STATUS")
@@ -50,6 +52,8 @@ class SensorTelemetry:
             "ESTIMATOR_STATUS": self._estimator,
             "VIBRATION": self._vibration,
         }
+        if view.plant.cfg.has(OPTICAL_FLOW.name):
+            self.producers = {**self.producers, "OPTICAL_FLOW_RAD": self._flow}
 
     def _gps_raw(self) -> bytes:
         v = self._view
@@ -75,6 +79,27 @@ class SensorTelemetry:
             0,
             0,
             0,
+        )
+
+    def _flow(self) -> bytes | None:
+        """Report the flow of what passes below; none before the first sample."""
+        flow = self._view.plant.sensors.optical_flow
+        if flow.integration_us == 0:
+            return None
+        x, y = flow.flow_frd_rad
+        about_x, about_y, about_z = flow.gyro_frd_rad
+        return _OPTICAL_FLOW_RAD.encode(
+            time_usec=flow.time_us,
+            sensor_id=0,
+            integration_time_us=flow.integration_us,
+            integrated_x=x,
+            integrated_y=y,
+            integrated_xgyro=about_x,
+            integrated_ygyro=about_y,
+            integrated_zgyro=about_z,
+            quality=flow.quality,
+            time_delta_distance_us=0,
+            distance=flow.distance_m if math.isfinite(flow.distance_m) else -1.0,
         )
 
     def _pressure(self) -> bytes:

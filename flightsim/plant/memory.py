@@ -23,7 +23,8 @@ from flightsim.environment.steel import steel_dipoles
 from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
-from flightsim.plant.mujoco_calls import addresses
+from flightsim.plant.mujoco_calls import functions
+from flightsim.plant.rays import new_rays
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.plant.sky import new_sky
@@ -154,7 +155,8 @@ class PlantMemory:
         e["ticks_per_advance"] = cfg.control_hz // cfg.advance_hz
         e["has_power"], e["has_sensors"] = 1, cfg.has_sensors
         e["knows_truth"] = cfg.state == "truth"
-        e["step_address"], e["ray_address"], e["clock_address"] = addresses()
+        e["step_address"], e["clock_address"] = functions().step, functions().clock
+        e["rays"] = new_rays(world, data)[0]
         e["model_address"], e["data_address"] = model._address, data._address
         joint = model.body_jntadr[body]
         self.qpos = data.qpos[model.jnt_qposadr[joint] :][:7]

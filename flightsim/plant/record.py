@@ -12,6 +12,7 @@ from autonomy.jit import fields
 from autonomy.model.quadrotor import MAX_ROTORS
 from flightsim.environment.motion import TRAFFIC_DTYPE
 from flightsim.environment.wind import AIR_DTYPE
+from flightsim.plant.rays import RAYS_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.plant.sky import SKY_DTYPE
 from flightsim.plant.surfaces import SURFACES_DTYPE
@@ -26,7 +27,8 @@ ENGINE_DTYPE = np.dtype(
         ("knows_truth", "i8"),  # the controller, instead of the estimate
         ("has_sensors", "i8"),  # or nothing is measured and estimated
         ("is_held", "i8"),  # by a hand: the vehicle stays where it is
-        *fields("step_address", "ray_address", "clock_address", kind="i8"),  # of MuJoCo
+        *fields("step_address", "clock_address", kind="i8"),  # of MuJoCo
+        ("rays", RAYS_DTYPE),
         *fields("model_address", "data_address", kind="i8"),
         # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
         *fields("qpos_address", "qvel_address", "applied_address", kind="i8"),

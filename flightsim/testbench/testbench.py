@@ -16,10 +16,12 @@ from flightsim.mavlink.links import InProcessLink, Link, LinkError
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.payload import Payload, VideoError
 from flightsim.plant import Plant
+from flightsim.sensors.lidars import Lidar, lidar_by_name
 from flightsim.simulator import Simulator
 from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
 from flightsim.testbench.own_stack import OwnStack
 from flightsim.vehicles import Airframe, airframe_by_name
+from flightsim.vehicles.camera_options import with_cameras
 from flightsim.world import World, build_world
 
 
@@ -29,6 +31,7 @@ class Testbench:
     Attributes:
         simulator: Simulation loop; its `run` and `step` advance time.
         stack: Whoever flies: our own flight stack, or an external one.
+        lidar: Lidar that the vehicle carries; None without one.
         observers: Called in this order at the end of each tick; append functions to watch.
     """
 
@@ -64,7 +67,7 @@ class Testbench:
                 the external flight stack cannot be had.
         """
         self.cfg, self.scene = cfg, scene
-        self.airframe = airframe or airframe_by_name(cfg.vehicle)
+        self.airframe = with_cameras(airframe or airframe_by_name(cfg.vehicle), cfg.camera)
         self.world: World = build_world(
             self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
@@ -73,6 +76,9 @@ class Testbench:
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )
         self.observers: list[Callable[[], None]] = []
+        self.lidar = Lidar(self.plant, lidar_by_name(cfg.lidar)) if cfg.lidar else None
+        if self.lidar is not None:
+            self.observers.append(self._scan)
         self._own: OwnStack | None = None
         self.stack: OwnStack | ExternalStack
         """Whoever flies."""
@@ -88,6 +94,11 @@ class Testbench:
             self.stack = self._open_external()
             parts = self.stack.monitor, self.stack
         self.simulator = Simulator(self.plant, *parts, observers=self.observers, speed=cfg.speed)
+
+    def _scan(self) -> None:
+        """Let the lidar fire what is due."""
+        if self.lidar is not None:
+            self.lidar.update()
 
     def _build_own(
         self, has_network: bool, links: Sequence[Link], captures: Path | None, has_video: bool

@@ -95,8 +95,7 @@ def add_vehicle(
 
 def camera_quat_wxyz(mount: CameraMount) -> tuple[float, float, float, float]:
     """Attitude of MuJoCo's camera axes (x right, y up, z backwards) in the body frame."""
-    s, c = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
-    rotation_flu_from_camera = np.array([[0.0, s, -c], [-1.0, 0.0, 0.0], [0.0, c, s]])
+    rotation_flu_from_camera = mount.rotation_flu_from_optical * np.array([1.0, -1.0, -1.0])
     quat = np.empty(4)
     mujoco.mju_mat2Quat(quat, rotation_flu_from_camera.ravel())
     w, x, y, z = quat.tolist()

@@ -24,12 +24,18 @@ _VIEW_ASPECT = 1.6
 _ROOM_M = 4.0
 """Margin shown around start and goal, and above them."""
 _MARGIN = 1.05
+_FLAT = (layout.camera_depth, layout.camera_classes, layout.camera_instances)
+"""Images of a camera that the view of the scene leaves out."""
 SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE)
 """Layers of the landing map that lie where its safety is shown; the viewer switches them on."""
 
 
 def recording_blueprint(
-    scene: Scene, airframe: Airframe, goal_enu_m: Vector3 | None = None
+    scene: Scene,
+    airframe: Airframe,
+    goal_enu_m: Vector3 | None = None,
+    *,
+    has_segments: bool = False,
 ) -> rrb.Blueprint:
     """Blueprint of a recording of a run.
 
@@ -37,12 +43,18 @@ def recording_blueprint(
         scene: Scene of the flight.
         airframe: Vehicle that flies.
         goal_enu_m: Goal, framed together with the start; None frames the whole scene.
+        has_segments: Whether camera frames have objects and classes.
     """
     cameras = [mount.name for mount in airframe.rgbd_cameras]
     return rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(_scene_views(scene, cameras, goal_enu_m), _plots(), row_shares=[5, 3]),
-            rrb.Vertical(_camera_views(cameras), *_states(), _texts(), row_shares=[10, 2.6, 5, 5]),
+            rrb.Vertical(
+                _camera_views(cameras, has_segments=has_segments),
+                *_states(),
+                _texts(),
+                row_shares=[10, 2.6, 5, 5],
+            ),
             column_shares=[3, 2],
         ),
         rrb.BlueprintPanel(state="collapsed"),
@@ -82,7 +94,10 @@ def _scene_view(name: str, cameras: Sequence[str], eye: rrb.EyeControls3D) -> rr
     return rrb.Spatial3DView(
         name=name,
         origin=layout.WORLD,
-        contents=["+ $origin/**", *(f"- {layout.camera_depth(camera)}" for camera in cameras)],
+        contents=[
+            "+ $origin/**",
+            *(f"- {images(camera)}" for camera in cameras for images in _FLAT),
+        ],
         background=_SKY_RGB,
         line_grid=False,
         eye_controls=eye,
@@ -119,7 +134,10 @@ def _overview(scene: Scene, goal_enu_m: Vector3 | None) -> rrb.EyeControls3D:
     return rrb.EyeControls3D(position=eye, look_target=target, eye_up=(0.0, 0.0, 1.0))
 
 
-def _camera_views(cameras: Sequence[str]) -> rrb.Container:
+def _camera_views(cameras: Sequence[str], *, has_segments: bool) -> rrb.Container:
+    kinds = [("colour", layout.camera_rgb), ("depth", layout.camera_depth)]
+    if has_segments:
+        kinds += [("classes", layout.camera_classes), ("objects", layout.camera_instances)]
     views = [
         rrb.Spatial2DView(
             name=f"{camera} {what}",
@@ -127,7 +145,7 @@ def _camera_views(cameras: Sequence[str]) -> rrb.Container:
             contents=[layout.camera(camera), images(camera)],
         )
         for camera in cameras
-        for what, images in (("colour", layout.camera_rgb), ("depth", layout.camera_depth))
+        for what, images in kinds
     ]
     return rrb.Grid(*views, grid_columns=2)
 

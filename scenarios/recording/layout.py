@@ -26,6 +26,7 @@ FUSELAGE = "world/vehicle/fuselage"
 ROTORS = "world/vehicle/rotors"
 FRAME = "world/vehicle/frame"
 MARKER = "world/vehicle/marker"
+LIDAR = "world/vehicle/lidar"
 CHASE = "world/chase"
 ESTIMATE = "world/estimate"
 PLANNED = "world/trajectory/planned"
@@ -95,3 +96,13 @@ def camera_rgb(name: str) -> str:
 def camera_depth(name: str) -> str:
     """Entity of the depth images of a camera."""
     return f"{camera(name)}/depth"
+
+
+def camera_classes(name: str) -> str:
+    """Entity of the images of classes of a camera."""
+    return f"{camera(name)}/classes"
+
+
+def camera_instances(name: str) -> str:
+    """Entity of the images of objects of a camera."""
+    return f"{camera(name)}/instances"

@@ -20,6 +20,7 @@ from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
 from scenarios.recording.columns import ExecutedPath, set_sim_time
 from scenarios.recording.contact_log import log_contacts
+from scenarios.recording.lidar_log import log_scan
 from scenarios.recording.metadata import RunInfo, log_run, log_verdict
 from scenarios.recording.plan_log import PlanLog
 from scenarios.recording.state_log import StateLog
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from flightsim.autopilot.reports import FlightReports
     from flightsim.plant import Plant
     from flightsim.sensors.cameras import RgbdFrame
+    from flightsim.sensors.lidars import LidarScan
 
 FLUSH_PERIOD_US = 1_000_000
 """Simulated time between two writes of the fast data."""
@@ -83,6 +85,7 @@ class Recorder:
         goal_enu_m: Vector3 | None = None,
         serve_port: int | None = None,
         is_summary: bool = False,
+        has_segments: bool = False,
     ) -> None:
         """Open the file, the live port or both, and write the scene.
 
@@ -96,6 +99,7 @@ class Recorder:
             serve_port: Loopback port on which viewers can watch live.
             is_summary: Whether to keep only the verdict, the configuration, the planned and the
                 flown trajectory, the pilot's phases, texts and contacts.
+            has_segments: Whether camera frames will have objects and classes, to be in view.
 
         Raises:
             RecordingError: If the file cannot be written or the port is taken.
@@ -110,7 +114,7 @@ class Recorder:
                 *self._open_sinks(serve_port),
                 default_blueprint=None
                 if is_summary
-                else recording_blueprint(scene, airframe, goal_enu_m),
+                else recording_blueprint(scene, airframe, goal_enu_m, has_segments=has_segments),
             )
         except RuntimeError as error:
             raise RecordingError(
@@ -171,6 +175,12 @@ class Recorder:
         if self.states is not None:
             set_sim_time(self._stream, frame.time_us)
             self.states.frames.log(frame, has_colour=has_colour)
+
+    def log_scan(self, scan: LidarScan) -> None:
+        """Write a scan of the lidar; a summary takes none."""
+        if self.states is not None:
+            set_sim_time(self._stream, scan.time_us)
+            log_scan(self._stream, scan)
 
     def log_phase(self, time_us: int, phase: str) -> None:
         """Write the phase of the pilot from this time on."""

@@ -55,7 +55,7 @@ class StateLog:
         self._status = StatusLog(stream)
         self._traffic = TrafficLog(stream)
         self._chase = ChaseLog(stream)
-        self.frames = FrameLog(stream)
+        self.frames = FrameLog(stream, scene)
         self.landing = LandingLog(stream)
         self.tracks = TrackLog(stream)
 

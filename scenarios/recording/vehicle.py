@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import rerun as rr
 from jaxtyping import Float
 
-from flightsim.vehicles.airframe import Airframe, CameraMount
+from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import leg_axes_flu_m, skid_axes_flu_m
 from scenarios.recording import layout
 
@@ -39,16 +37,9 @@ def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
     marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
     stream.log(layout.MARKER, marker, static=True)
     for mount in airframe.rgbd_cameras:
-        turn = rotation_flu_from_optical(mount)
+        turn = mount.rotation_flu_from_optical
         pose = rr.Transform3D(translation=mount.position_flu_m, mat3x3=turn)
         stream.log(layout.camera(mount.name), pose, static=True)
-
-
-def rotation_flu_from_optical(mount: CameraMount) -> Float[np.ndarray, "3 3"]:
-    """Camera axes (x right, y down, z forward) in the body frame, as columns."""
-    sin, cos = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
-    right, down, forward = (0.0, -1.0, 0.0), (-sin, 0.0, -cos), (cos, 0.0, -sin)
-    return np.array([right, down, forward]).T
 
 
 def _frame_strips(

@@ -136,6 +136,7 @@ class Sitl:
             scene=bench.scene,
             airframe=bench.airframe,
             area=self.area,
+            scan=lambda: None if bench.lidar is None else bench.lidar.latest,
         )
 
     def _our_pilot(self) -> Pilot:

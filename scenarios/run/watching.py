@@ -45,6 +45,8 @@ def watch(sitl: Sitl, stack: ExitStack) -> tuple[Recorder, Viewer | None]:
     plant = bench.plant
     if cfg.camera_hz > 0 and cfg.record_level in {"interaction", "full"}:
         _watch_cameras(sitl, recorder)
+    if bench.lidar is not None and cfg.record_level == "full":
+        bench.lidar.listeners.append(recorder.log_scan)
     if pilot is not None:
         from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415 - imports the pilot
 
@@ -97,6 +99,7 @@ def _recorder(bench: Testbench, cfg: SitlCfg, pilot: Pilot | None) -> Recorder:
         goal_enu_m=None if pilot is None else pilot.area.centroid,
         serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
         is_summary=cfg.record_level == "summary",
+        has_segments=cfg.bench.segmentation,
     )
 
 

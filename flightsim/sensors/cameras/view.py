@@ -43,10 +43,15 @@ class PosedDepth:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RgbdFrame(PosedDepth):
-    """The same with colours."""
+    """The same with colours, and with what is at each pixel where that is asked for."""
 
     rgb: np.ndarray
     """Colours, uint8 (height, width, 3)."""
+    instance_ids: np.ndarray | None = None
+    """Object of each pixel, int32 (height, width): ids of the scene's objects, -1 the vehicle, -2
+    the bare ground, -3 the sky, movers from -10 down; None unless `Cameras` segments."""
+    class_ids: np.ndarray | None = None
+    """Class of each pixel, uint8 (height, width): keys of `segmentation.CLASS_NAMES`; likewise."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,9 +10,9 @@ from shapely import MultiPoint, Point, Polygon
 
 from autonomy.model import QuadrotorParams
 from autonomy.types import Vector3
+from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import BatteryParams, BodyMesh, CameraMount
 from flightsim.vehicles.definition import derived
-from flightsim.vehicles.definition.fields import Fields
 
 _MESHES = (".stl", ".obj")
 _SPARE_POWER = 1.3
@@ -147,7 +147,9 @@ def read_cameras(
         _camera(table.table("forward"), "forward", ahead_m, 15.0, height_m),
         _camera(table.table("down"), "down", below_m, 90.0, height_m),
         _camera(table.table("up"), "up", above_m, -50.0, height_m, fov_deg=100.0),
-        _camera(table.table("rear"), "rear", above_m, -130.0, height_m, fov_deg=100.0),
+        _camera(
+            table.table("rear"), "rear", above_m, -50.0, height_m, fov_deg=100.0, yaw_deg=180.0
+        ),
     )
     table.check_all_known()
     return mounts
@@ -160,6 +162,7 @@ def _camera(
     pitch_deg: float,
     height_m: float,
     fov_deg: float = 60.0,
+    yaw_deg: float = 0.0,
 ) -> CameraMount:
     position = table.vector("position_m", 3, -_FARTHEST_M, _FARTHEST_M, "m", default=position_m)
     if position[2] <= -height_m:
@@ -168,11 +171,12 @@ def _camera(
         name=name,
         position_flu_m=(position[0], position[1], position[2]),
         pitch_down_rad=math.radians(
-            table.number("pitch_down_deg", -180.0, 90.0, "degrees", default=pitch_deg)
+            table.number("pitch_down_deg", -90.0, 90.0, "degrees", default=pitch_deg)
         ),
         vertical_fov_rad=math.radians(
             table.number("vertical_fov_deg", 10.0, 120.0, "degrees", default=fov_deg)
         ),
+        yaw_rad=math.radians(table.number("yaw_deg", -180.0, 180.0, "degrees", default=yaw_deg)),
         has_colour=name in {"forward", "down"},
     )
     table.check_all_known()

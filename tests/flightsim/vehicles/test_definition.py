@@ -141,7 +141,11 @@ def test_a_mesh_is_looked_at_and_touches_nothing(tmp_path):
         ("cells = 3", "cells = 3.5", "battery.cells is 3.5; valid: a whole number from 1 to 24"),
         ("ohm = 0.03", "ohm = 0.9", "battery.internal_resistance_ohm is 0.9, which leaves too lit"),
         ("[0.03, 0.0, -0.052]", "[0.0, 0.0, -0.3]", "cameras.down.position_m is .* above the grou"),
-        ("[cameras.down]", "[cameras.left]", "cameras.left is unknown; valid: forward, down, up, rear"),
+        (
+            "[cameras.down]",
+            "[cameras.left]",
+            "cameras.left is unknown; valid: forward, down, up, rear",
+        ),
         ("[battery]", "[batery]", "battery.cells is missing"),
         ("[body]", '[body]\nmesh = {file = "no.stl"}', "body.mesh.file is .*; valid: an existing"),
         ("radius_m = 0.12\n", "radius_m = 0.9\n", "rotors.* is .* beside rotors"),
