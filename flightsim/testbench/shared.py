@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from pathlib import Path
 from typing import Self
 
 from aeroscene.scene import Scene
@@ -14,6 +15,7 @@ from flightsim.simulator import Controller, Server, Simulator
 from flightsim.testbench.cfg import MAX_INSTANCES, TestbenchCfg, TestbenchError
 from flightsim.testbench.testbench import Testbench
 from flightsim.vehicles import Airframe
+from flightsim.vehicles.builder import vehicle_name
 from flightsim.world import build_worlds
 
 
@@ -36,6 +38,8 @@ class SharedTestbench:
         *,
         has_network: bool = True,
         links: Sequence[Sequence[Link]] = (),
+        captures: Path | None = None,
+        has_video: bool = False,
     ) -> None:
         """Build the world and open the links of every vehicle, or nothing.
 
@@ -45,6 +49,8 @@ class SharedTestbench:
             airframes: The vehicles, at least one.
             has_network: Whether clients outside this process can connect.
             links: MAVLink links of one's own besides, for the first vehicle, the second and so on.
+            captures: Folder for photographs and films, with a folder for each vehicle.
+            has_video: Whether each gimbal's picture is streamed, to a port of its instance.
 
         Raises:
             WorldError: If the start has not enough room, or a vehicle cannot stand.
@@ -56,6 +62,8 @@ class SharedTestbench:
         worlds = build_worlds(scene, airframes, traffic=cfg.traffic_cfg)
         self.cfg, self.scene = cfg, scene
         self.group = VehicleGroup(worlds, [each.plant_cfg for each in cfgs])
+        if captures is not None:
+            captures.mkdir(exist_ok=True)
         with ExitStack() as stack:
             self.benches = tuple(
                 stack.enter_context(
@@ -65,6 +73,8 @@ class SharedTestbench:
                         plant=plant,
                         has_network=has_network,
                         extra_links=links[i] if i < len(links) else (),
+                        captures=None if captures is None else captures / vehicle_name(i),
+                        has_video=has_video,
                     )
                 )
                 for i, (each, plant) in enumerate(zip(cfgs, self.group.plants, strict=True))

@@ -58,8 +58,11 @@ class Hangar:
         Where something moves, the cameras have a renderer of their own.
         """
         plant, cfg = bench.plant, bench.cfg
-        noise = depth_noise(cfg.depth_camera, cfg.seed, bench.scene.scene_id)
-        renderer = None if plant.world.obstacles else self._renderer(plant.world)
+        number, scene_id = plant.world.number, bench.scene.scene_id
+        name = f"{scene_id}, vehicle {number + 1}" if number else scene_id
+        noise = depth_noise(cfg.depth_camera, cfg.seed, name)
+        is_alone = plant.world.n_vehicles == 1 and not plant.world.obstacles
+        renderer = self._renderer(plant.world) if is_alone else None
         return Cameras(plant, depth_noise=noise, renderer=renderer)
 
     def _renderer(self, world: World) -> CameraRenderer:
