@@ -10,6 +10,7 @@ import rerun as rr
 from jaxtyping import Float, Integer
 
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     from flightsim.sensors.cameras import RgbdFrame
@@ -27,7 +28,7 @@ _FRUSTUM_M = 0.6
 class FrameLog:
     """Writes camera frames, and each camera's pinhole before its first frame."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._intrinsics: dict[str, tuple[float, ...]] = {}
 

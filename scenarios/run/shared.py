@@ -127,6 +127,9 @@ class SharedSitl:
                 )
                 for i, bench in enumerate(benches)
             )
+            if (recorder := self.flights[0].recorder) is not None:
+                for flight, part in zip(self.flights[1:], recorder.mates.values(), strict=True):
+                    flight.join(part)
             for flight in self.flights:
                 flight.log.fly_with([mate.log for mate in self.flights if mate is not flight])
             self._stack = stack.pop_all()
@@ -159,8 +162,10 @@ class SharedSitl:
             lambda: should_stop() or self.bench.fault,
         )
         results = tuple(flight.conclude(stopped_by, clock) for flight in self.flights)
-        for flight, result in zip(self.flights, results, strict=True):
+        # The first one's run closes the recording.
+        for flight, result in zip(self.flights[:0:-1], results[:0:-1], strict=True):
             flight.write(result)
+        self.flights[0].write(results[0], results[1:])
         return SharedResult(first_system=1 + self.cfg.bench.instance, vehicles=results)
 
     def close(self) -> None:

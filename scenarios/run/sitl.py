@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
+    from scenarios.recording.vehicle_recorder import VehicleRecorder
     from scenarios.recording.viewer import Viewer
     from scenarios.run.companion import Aboard, Companion
 
@@ -91,6 +92,7 @@ class Sitl:
         """
         self.cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
+        self._part: VehicleRecorder | None = None
         self.viewer: Viewer | None = None
         self.pictures: list[Path] = []
         self.missing: list[str] = []
@@ -218,14 +220,29 @@ class Sitl:
         measured = figures(score, None if goal is None else goal.area, self.companion)
         return self._result(measured, self._judge(score, goal, stopped_by), wall_s, cpu_s)
 
-    def write(self, result: TrialResult) -> None:
-        """Write all files; one that cannot be written costs neither the verdict nor the others."""
+    def join(self, part: VehicleRecorder) -> None:
+        """Record into the recording that another vehicle's run has opened."""
+        from scenarios.run.watching import follow  # noqa: PLC0415 - imports rerun
+
+        self._part = part
+        follow(self, part)
+
+    def write(self, result: TrialResult, mates: Sequence[TrialResult] = ()) -> None:
+        """Write all files; one that cannot be written costs neither the verdict nor the others.
+
+        Args:
+            result: Verdict and figures.
+            mates: Those of the other vehicles in the same recording.
+        """
+        if self._part is not None:
+            self._part.conclude(result.to_plain())
+            self._part.log_verdict(result.to_plain())
         if self.recorder is not None:
             self.recorder.conclude(result.to_plain())
             if (fault := self.recorder.fault) is not None:
                 self._miss(f"recording {self.recorder.path} lacks its end: {fault}")
         path, cfg = self.cfg.record, self.cfg
-        if path is not None and (fault := write_summary(path, cfg, result, self.pilot)):
+        if path is not None and (fault := write_summary(path, cfg, result, self.pilot, mates)):
             self._miss(fault)
         self.pictures = self._draw(result.reason)
 
