@@ -114,6 +114,8 @@ class SharedSitl:
                 )
             )
             benches, plants = self.bench.benches, self.bench.group.plants
+            if cfg.pictures is not None:
+                cfg.pictures.mkdir(exist_ok=True)
             missions = plan_missions(cfg, benches, area) if cfg.demo else [None] * len(benches)
             self.flights = tuple(
                 stack.enter_context(
