@@ -35,7 +35,7 @@ class AnyBenchCfg(ABC):
         """Title of the results."""
 
 
-def _check(name: str, value: float, low: float, high: float | None = None) -> None:
+def check_range(name: str, value: float, low: float, high: float | None = None) -> None:
     """Refuse a value that is out of range or NaN."""
     if value >= low and (high is None or value <= high):
         return
@@ -55,7 +55,7 @@ class SimBenchCfg(AnyBenchCfg):
     """Simulated seconds of each flight; those with cameras take a fifth."""
 
     def __post_init__(self) -> None:
-        _check("seconds", self.seconds, 1.0)
+        check_range("seconds", self.seconds, 1.0)
 
     @property
     def title(self) -> str:
@@ -75,7 +75,7 @@ class SceneBenchCfg(AnyBenchCfg):
     """Number of scenes, spread over the corpus."""
 
     def __post_init__(self) -> None:
-        _check("count", self.count, 1, _MOST_SCENES)
+        check_range("count", self.count, 1, _MOST_SCENES)
 
     @property
     def title(self) -> str:
@@ -109,8 +109,8 @@ class GenerateBenchCfg(AnyBenchCfg):
     """Folder made by `aeroscene dataset build`, with the scenes to compare with."""
 
     def __post_init__(self) -> None:
-        _check("count", self.n_generated, 2, _MOST_SCENES)
-        _check("seed", self.seed, 0)
+        check_range("count", self.n_generated, 2, _MOST_SCENES)
+        check_range("seed", self.seed, 0)
         chosen = (self.checkpoint, self.preset, self.device)
         if self.scenes is not None and chosen != (None, "default", "auto"):
             raise BenchError(
@@ -154,10 +154,10 @@ class PlanBenchCfg(AnyBenchCfg):
     """Plans compared with the joint optimum of states and times by ipopt, some seconds each."""
 
     def __post_init__(self) -> None:
-        _check("scenes", self.scenes, 1, _MOST_SCENES)
-        _check("count", self.count, self.scenes)
-        _check("joint", self.joint, 0)
-        _check("seed", self.seed, 0)
+        check_range("scenes", self.scenes, 1, _MOST_SCENES)
+        check_range("count", self.count, self.scenes)
+        check_range("joint", self.joint, 0)
+        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:
@@ -179,7 +179,7 @@ class DifficultyBenchCfg(AnyBenchCfg):
     """Airframe by its name; an unknown one is answered with the valid names."""
 
     def __post_init__(self) -> None:
-        _check("count", self.count, 1, _MOST_SCENES)
+        check_range("count", self.count, 1, _MOST_SCENES)
 
     @property
     def title(self) -> str:
@@ -205,9 +205,9 @@ class EstimateBenchCfg(AnyBenchCfg):
     """Seed of the first flight; the others count up from it."""
 
     def __post_init__(self) -> None:
-        _check("count", self.count, 1)
-        _check("seconds", self.seconds, 1.0)
-        _check("seed", self.seed, 0)
+        check_range("count", self.count, 1)
+        check_range("seconds", self.seconds, 1.0)
+        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:
@@ -234,9 +234,9 @@ class ControlBenchCfg(AnyBenchCfg):
     """Seed of the noise, the wind and the attitudes."""
 
     def __post_init__(self) -> None:
-        _check("count", self.count, 1)
-        _check("flights", self.flights, 1)
-        _check("seed", self.seed, 0)
+        check_range("count", self.count, 1)
+        check_range("flights", self.flights, 1)
+        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:
@@ -264,37 +264,11 @@ class LandBenchCfg(AnyBenchCfg):
     """Seed of the areas and of all errors."""
 
     def __post_init__(self) -> None:
-        _check("areas", self.areas, 1)
-        _check("flights", self.flights, 0)
-        _check("seed", self.seed, 0)
+        check_range("areas", self.areas, 1)
+        check_range("flights", self.flights, 0)
+        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:
         """Title of the results."""
         return f"{self.areas} areas by {self.camera}, {self.flights} flights, seed {self.seed}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class WorldsBenchCfg(AnyBenchCfg):
-    """Fly many vehicles, each in a world of its own, on one thread and on two; step environments.
-
-    Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
-    """
-
-    worlds: int = 64
-    """Number of worlds."""
-    scenes: tuple[str, ...] = ("42",)
-    """Scenes by number or file, in turn."""
-    vehicle: str = "iris"
-    """Airframe by its name; an unknown one is answered with the valid names."""
-    seconds: float = 10.0
-    """Simulated seconds of each world."""
-
-    def __post_init__(self) -> None:
-        _check("worlds", self.worlds, 2, 4096)
-        _check("seconds", self.seconds, 1.0)
-
-    @property
-    def title(self) -> str:
-        """Title of the results."""
-        return f"{self.worlds} worlds, scenes {', '.join(self.scenes)}, {self.vehicle}"

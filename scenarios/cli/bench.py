@@ -23,8 +23,8 @@ from scenarios.bench.configs import (
     PlanBenchCfg,
     SceneBenchCfg,
     SimBenchCfg,
-    WorldsBenchCfg,
 )
+from scenarios.bench.many_configs import VehiclesBenchCfg, WorldsBenchCfg
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 from scenarios.cli.progress import share_bar
@@ -41,6 +41,7 @@ Bench = (
     | Annotated[ControlBenchCfg, tyro.conf.subcommand("control", prefix_name=False)]
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
     | Annotated[WorldsBenchCfg, tyro.conf.subcommand("worlds", prefix_name=False)]
+    | Annotated[VehiclesBenchCfg, tyro.conf.subcommand("vehicles", prefix_name=False)]
 )
 
 _NAMES: Mapping[type, str] = {
@@ -52,6 +53,7 @@ _NAMES: Mapping[type, str] = {
     ControlBenchCfg: "control",
     LandBenchCfg: "land",
     WorldsBenchCfg: "worlds",
+    VehiclesBenchCfg: "vehicles",
     EstimateBenchCfg: "estimate",
 }
 
