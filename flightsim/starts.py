@@ -25,7 +25,7 @@ LOWERING_M = 0.05
 """Height from which a vehicle is lowered, so that its uphill legs clear a sloping surface."""
 
 _GRID_M = 1.0
-_HIGHEST_STEP_M = 0.5
+_HIGHEST_STEP_M = 0.3
 """Difference in height from the scene's start up to which another place is beside it."""
 _UNEVEN_M = 0.05
 """Greatest difference in height beneath a vehicle."""
