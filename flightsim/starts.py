@@ -15,6 +15,7 @@ from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.builder import add_vehicle
 from flightsim.world_geometry import SurfaceProbe
 
 APART_M = 3.0
@@ -160,6 +161,12 @@ def _is_in_sight(
         if probe.distance_m(eye, way / length_m) < length_m:
             return False
     return True
+
+
+def add_vehicles(spec: mujoco.MjSpec, vehicles: Sequence[PlacedVehicle]) -> None:
+    """Add vehicles just above their starts."""
+    for number, each in enumerate(vehicles):
+        add_vehicle(spec, each.airframe, each.lowered_from_enu_m, each.yaw_rad, number=number)
 
 
 def settle(

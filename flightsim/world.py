@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from aeroscene.scene import Scene
-from aeroscene.solids.shapes import MATERIALS, Primitive, scene_primitives
+from aeroscene.solids.shapes import Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.motion import start_poses
 from flightsim.environment.movers import MovingObstacle, mover_name
@@ -26,12 +26,18 @@ from flightsim.looks.drawing import add_looks, set_view
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.movers import MoverSet
 from flightsim.looks.surfaces import Detail
-from flightsim.looks.surroundings import GROUND_MATERIAL
-from flightsim.starts import PlacedVehicle, WorldError, inside_of, place_vehicles, settle
+from flightsim.starts import (
+    PlacedVehicle,
+    WorldError,
+    add_vehicles,
+    inside_of,
+    place_vehicles,
+    settle,
+)
 from flightsim.vehicles.airframe import Airframe
-from flightsim.vehicles.builder import add_vehicle, part_name, vehicle_name
+from flightsim.vehicles.builder import part_name, vehicle_name
 from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
-from flightsim.world_geometry import STATIC_CONTACT, SurfaceProbe, add_solids, friction
+from flightsim.world_geometry import SurfaceProbe, add_ground, add_solids
 
 VEHICLE_ID = -1
 """Id of the vehicle's own geoms in `World.geom_object_id`."""
@@ -45,10 +51,7 @@ FIRST_MATE_ID = -100
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A compiled scene as one vehicle in it has it, alone, among others, or none at all.
-
-    The vehicles of one world share its model; what is said of "the vehicle" is of this one.
-    """
+    """A compiled scene as one vehicle has it, alone or among others, or without any."""
 
     model: mujoco.MjModel
     scene: Scene
@@ -270,30 +273,11 @@ def new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
     return spec
 
 
-def add_vehicles(spec: mujoco.MjSpec, vehicles: Sequence[PlacedVehicle]) -> None:
-    """Add vehicles just above their starts."""
-    for number, each in enumerate(vehicles):
-        add_vehicle(spec, each.airframe, each.lowered_from_enu_m, each.yaw_rad, number=number)
-
-
 def _put_movers(model: mujoco.MjModel, obstacles: Sequence[MovingObstacle]) -> None:
     """Place the movers at their poses at time zero."""
     if obstacles:
         is_mover = model.body_mocapid >= 0
         model.body_pos[is_mover], model.body_quat[is_mover] = start_poses(obstacles)
-
-
-def add_ground(spec: mujoco.MjSpec) -> None:
-    """Add the plane z = 0, which is geom "ground"."""
-    spec.worldbody.add_geom(
-        name="ground",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        # Zero is infinite. The third number is MuJoCo's grid spacing for drawing.
-        size=(0.0, 0.0, 1.0),
-        rgba=MATERIALS[GROUND_MATERIAL].rgba,
-        friction=friction(GROUND_MATERIAL),
-        **STATIC_CONTACT,
-    )
 
 
 def _enable_sleep(model: mujoco.MjModel) -> None:

@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 
 from aeroscene.solids.shapes import MATERIALS, Primitive
 from flightsim.looks.geom_groups import GeomGroup
+from flightsim.looks.surroundings import GROUND_MATERIAL
 
 STATIC_CONTACT: dict[str, Any] = {
     "contype": 1,
@@ -28,6 +29,19 @@ _SIMPLE_TYPES = {
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
 }
+
+
+def add_ground(spec: mujoco.MjSpec) -> None:
+    """Add the plane z = 0, which is geom "ground"."""
+    spec.worldbody.add_geom(
+        name="ground",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        # Zero is infinite. The third number is MuJoCo's grid spacing for drawing.
+        size=(0.0, 0.0, 1.0),
+        rgba=MATERIALS[GROUND_MATERIAL].rgba,
+        friction=friction(GROUND_MATERIAL),
+        **STATIC_CONTACT,
+    )
 
 
 def add_solids(spec: mujoco.MjSpec, primitives: Iterable[Primitive]) -> None:

@@ -24,7 +24,7 @@ from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg,
 from flightsim.plant.checks import check_fleet
 from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.kernel import advance
-from flightsim.plant.memory import PlantMemory, Surroundings
+from flightsim.plant.memory import PlantMemory, Surroundings, with_own_models
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors
 from flightsim.world import World
 
@@ -66,7 +66,7 @@ class Fleet:
         check_fleet(worlds, cfgs, n_threads)
         compile_kernels()
         # The kernel writes into the model what may touch a mover just now.
-        self.worlds = _with_own_models(worlds)
+        self.worlds = with_own_models(worlds)
         n, rate = len(worlds), cfgs[0]
         self.records = np.zeros(n, PLANT_DTYPE)
         n_rotors = _n_rotors(self.worlds[0])
@@ -292,15 +292,3 @@ class Fleet:
 
 def _n_rotors(world: World) -> int:
     return len(world.airframe.quadrotor.rotors)
-
-
-def _with_own_models(worlds: Sequence[World]) -> list[World]:
-    """The same worlds; those in which something moves have models of their own."""
-    own: list[World] = []
-    for world in worlds:
-        if not world.obstacles:
-            own.append(world)
-            continue
-        model = copy.copy(world.model) if world.number == 0 else own[-1].model
-        own.append(replace(world, model=model))
-    return own

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -269,3 +271,15 @@ class PlantMemory:
             self._around.grid.shape,
         )
         e["history_address"] = self.history.ctypes.data
+
+
+def with_own_models(worlds: Sequence[World]) -> list[World]:
+    """The same worlds; those in which something moves have models of their own to note it in."""
+    own: list[World] = []
+    for world in worlds:
+        if not world.obstacles:
+            own.append(world)
+            continue
+        model = copy.copy(world.model) if world.number == 0 else own[-1].model
+        own.append(replace(world, model=model))
+    return own

@@ -91,11 +91,7 @@ class Plant:
         self.apply(OFF)
 
     def advance(self) -> None:
-        """Advance by 20 ms, or what `PlantCfg.advance_hz` says.
-
-        Raises:
-            PhysicsDivergedError: If the physics engine had to give the state up.
-        """
+        """Advance by 20 ms, or what `PlantCfg.advance_hz` says; raises what `end_advance` does."""
         check_alone(self.world)
         self.begin_advance()
         if self._handover is None:

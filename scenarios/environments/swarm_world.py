@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
@@ -192,8 +193,9 @@ class SwarmWorld:
                 self._noise[i] = flight.drawn.noise_level * self._rng.standard_normal(N_NOISES)
 
 
-def _space(own: spaces.Box, n: int) -> spaces.Box:
+def _space(own: spaces.Space[Any], n: int) -> spaces.Box:
     """Own numbers, and for each other vehicle the way to it and its relative velocity."""
+    assert isinstance(own, spaces.Box)  # Without depth images it is one.
     most = np.tile(_MATE_BOUNDS, n - 1)
     low, high = np.concatenate([own.low, -most]), np.concatenate([own.high, most])
     return spaces.Box(low, high, dtype=np.float32)

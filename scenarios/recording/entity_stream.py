@@ -18,7 +18,7 @@ from scenarios.recording import layout
 class EntityStream(Protocol):
     """What entities are written to; `rerun.RecordingStream` is one."""
 
-    def set_time(self, timeline: str, **time: Any) -> None:
+    def set_time(self, timeline: str, *, duration: Any) -> None:
         """Set the time of what is logged next."""
         ...
 
@@ -39,9 +39,9 @@ class VehicleStream:
         self._stream = stream
         self._name = name
 
-    def set_time(self, timeline: str, **time: Any) -> None:
+    def set_time(self, timeline: str, *, duration: Any) -> None:
         """See `EntityStream`."""
-        self._stream.set_time(timeline, **time)
+        self._stream.set_time(timeline, duration=duration)
 
     def log(self, entity_path: str, entity: Any, *extra: Any, static: bool = False) -> None:
         """See `EntityStream`."""

@@ -14,11 +14,12 @@ from flightsim.mavlink.links import Link
 from flightsim.testbench import SharedTestbench
 from flightsim.vehicles.builder import vehicle_name
 from scenarios.mission.goals import find_area, with_start
+from scenarios.run.among import Among
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.hangar import Hangar
 from scenarios.run.missions import plan_missions
 from scenarios.run.schedule import RunClock, run_until_over
-from scenarios.run.sitl import Among, Sitl
+from scenarios.run.sitl import Sitl
 from scenarios.trials.result import TrialResult
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -16,6 +16,7 @@ from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench
 from flightsim.vehicles import Airframe, airframe_by_name
 from scenarios.mission.goals import find_area, with_start
+from scenarios.run.among import Among
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.hangar import Hangar
 from scenarios.run.missions import new_pilot, plan_missions
@@ -27,7 +28,6 @@ from scenarios.trials.score import FlightScore, Goal
 from scenarios.trials.verdict import Code, Ending, Judgement, judge
 
 if TYPE_CHECKING:
-    from scenarios.mission.mission import Mission
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
@@ -36,17 +36,6 @@ if TYPE_CHECKING:
     from scenarios.run.companion import Aboard, Companion
 
 _LOG = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Among:
-    """A vehicle of several in one world."""
-
-    bench: Testbench
-    mission: Mission | None
-    """What our own pilot flies, in a demo."""
-    mates: tuple[Plant, ...]
-    """The other vehicles."""
 
 
 class Sitl:

@@ -9,16 +9,16 @@ import pytest
 
 pytest.importorskip("pettingzoo")
 
-from pettingzoo.test import parallel_api_test  # noqa: E402
+from pettingzoo.test import parallel_api_test
 
-from scenarios.environments import (  # noqa: E402
+from scenarios.environments import (
     EnvironmentCfg,
     EnvironmentInputError,
     ObservationCfg,
     RandomisationCfg,
     swarm_v0,
 )
-from scenarios.environments.tasks.swarm import nearest_mate_m  # noqa: E402
+from scenarios.environments.tasks.swarm import nearest_mate_m
 
 EVERYTHING = EnvironmentCfg(
     action="rates",
