@@ -74,7 +74,6 @@ def test_pilots_of_one_world_fly_to_areas_apart():
         ("-3", "vehicles '-3' is not valid"),
         ("iris,", "vehicles 'iris,' is not valid"),
         ("iris,zeppelin", "zeppelin"),
-        ("99", "vehicles 99: the start of scene 'field' has room for"),
     ],
 )
 def test_bad_numbers_and_names_are_refused_in_a_line(capsys, tmp_path, vehicles, says):
@@ -83,4 +82,14 @@ def test_bad_numbers_and_names_are_refused_in_a_line(capsys, tmp_path, vehicles,
         run(capsys, f"--vehicles={vehicles}", "--record", str(path))
     assert ending.value.code == 2
     assert says in capsys.readouterr().err
+    assert not path.exists()
+
+
+def test_more_vehicles_than_the_start_has_room_for_open_nothing(capsys, tmp_path):
+    path = tmp_path / "never.rrd"
+    with pytest.raises(SystemExit) as ending:
+        main(["--scene", "42", "--vehicles", "40", "--record", str(path)])
+    assert ending.value.code == 2
+    (line,) = [each for each in capsys.readouterr().err.splitlines() if "error" in each]
+    assert "vehicles 40: the start of scene 'aeroscene-0042' has room for" in line
     assert not path.exists()

@@ -44,7 +44,7 @@ def test_each_sees_the_other_and_not_itself(worlds, backend, number):
     ids = renderer.render_ids(data, "forward")
     renderer.close()
     seen = ids == -100 - (1 - number)
-    assert seen.sum() > 20
+    assert seen.sum() > 10
     assert not np.any(np.isin(ids, [-1, -100 - number]))
     assert np.median(frame.depth_m[seen]) == pytest.approx(AWAY_M, abs=0.5)
     assert worlds[number].name_of(-100 - (1 - number)) == f"vehicle {2 - number}"
@@ -56,5 +56,5 @@ def test_both_are_in_a_picture_from_aside(worlds, backend):
     picture = renderer.render_view(data, (AWAY_M / 2, -5.0, 5.2), (AWAY_M / 2, 0.0, 5.0))
     renderer.close()
     near = picture.depth_m < 6.0
-    assert near[:, :80].sum() > 20
-    assert near[:, 80:].sum() > 20
+    assert near[:, :80].sum() > 10
+    assert near[:, 80:].sum() > 10
