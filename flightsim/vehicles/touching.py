@@ -21,7 +21,8 @@ VEHICLE_CONTACT_BIT = 4
 """Contact bit of vehicles among each other."""
 _ROTOR_HALF_HEIGHT_M = 0.03
 """Half the height that a rotor has for other vehicles: that of hub and motor."""
-# Critically damped within two steps of 2 ms, the fewest that MuJoCo keeps stable.
+# Critically damped within two steps of 2 ms, the fewest that MuJoCo keeps stable, and felt from
+# 3 cm on: at 20 m/s two vehicles come 4 cm nearer in a step.
 _BUMPER: dict[str, Any] = {
     "contype": VEHICLE_CONTACT_BIT,
     "conaffinity": VEHICLE_CONTACT_BIT,
@@ -29,6 +30,7 @@ _BUMPER: dict[str, Any] = {
     "friction": (0.5, 0.005, 0.0001),
     "solref": (0.004, 1.0),
     "solimp": (0.95, 0.99, 0.001, 0.5, 2.0),
+    "margin": 0.03,
     "group": int(GeomGroup.VEHICLE_SHAPE),
     "mass": 0.0,
 }
