@@ -237,29 +237,3 @@ class EncountersBenchCfg(AnyBenchCfg):
     def title(self) -> str:
         """Title of the results."""
         return f"{self.count} encounters, seed {self.seed}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class WorldsBenchCfg(AnyBenchCfg):
-    """Fly many vehicles, each in a world of its own, on one thread and on two; step environments.
-
-    Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
-    """
-
-    worlds: int = 64
-    """Number of worlds."""
-    scenes: tuple[str, ...] = ("42",)
-    """Scenes by number or file, in turn."""
-    vehicle: str = "iris"
-    """Airframe by its name; an unknown one is answered with the valid names."""
-    seconds: float = 10.0
-    """Simulated seconds of each world."""
-
-    def __post_init__(self) -> None:
-        check_range("worlds", self.worlds, 2, 4096)
-        check_range("seconds", self.seconds, 1.0)
-
-    @property
-    def title(self) -> str:
-        """Title of the results."""
-        return f"{self.worlds} worlds, scenes {', '.join(self.scenes)}, {self.vehicle}"

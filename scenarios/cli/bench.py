@@ -23,9 +23,9 @@ from scenarios.bench.configs import (
     PlanBenchCfg,
     SceneBenchCfg,
     SimBenchCfg,
-    WorldsBenchCfg,
 )
 from scenarios.bench.generate_cfg import GenerateBenchCfg
+from scenarios.bench.many_configs import VehiclesBenchCfg, WorldsBenchCfg
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 from scenarios.cli.progress import share_bar
@@ -43,6 +43,7 @@ Bench = (
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
     | Annotated[EncountersBenchCfg, tyro.conf.subcommand("encounters", prefix_name=False)]
     | Annotated[WorldsBenchCfg, tyro.conf.subcommand("worlds", prefix_name=False)]
+    | Annotated[VehiclesBenchCfg, tyro.conf.subcommand("vehicles", prefix_name=False)]
 )
 
 _NAMES: Mapping[type, str] = {
@@ -55,6 +56,7 @@ _NAMES: Mapping[type, str] = {
     LandBenchCfg: "land",
     EncountersBenchCfg: "encounters",
     WorldsBenchCfg: "worlds",
+    VehiclesBenchCfg: "vehicles",
     EstimateBenchCfg: "estimate",
 }
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 import rerun.blueprint as rrb
@@ -26,6 +28,8 @@ _ROOM_M = 4.0
 _MARGIN = 1.05
 _FLAT = (layout.camera_depth, layout.camera_classes, layout.camera_instances)
 """Images of a camera that the view of the scene leaves out."""
+_KEPT = (layout.EXECUTED, layout.EARLIER_PLANS, layout.CHOICES, layout.CONTACTS)
+"""What is shown from the beginning on."""
 SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE)
 """Layers of the landing map that lie where its safety is shown; the viewer switches them on."""
 
@@ -36,6 +40,7 @@ def recording_blueprint(
     goal_enu_m: Vector3 | None = None,
     *,
     has_segments: bool = False,
+    mates: Mapping[str, Airframe] = MappingProxyType({}),
 ) -> rrb.Blueprint:
     """Blueprint of a recording of a run.
 
@@ -44,11 +49,13 @@ def recording_blueprint(
         airframe: Vehicle that flies.
         goal_enu_m: Goal, framed together with the start; None frames the whole scene.
         has_segments: Whether camera frames have objects and classes.
+        mates: Other vehicles in the same world, by their names.
     """
     cameras = [mount.name for mount in airframe.rgbd_cameras]
+    shown = _Shown(tuple(cameras), mates)
     return rrb.Blueprint(
         rrb.Horizontal(
-            rrb.Vertical(_scene_views(scene, cameras, goal_enu_m), _plots(), row_shares=[5, 3]),
+            rrb.Vertical(_scene_views(scene, shown, goal_enu_m), _plots(), row_shares=[5, 3]),
             rrb.Vertical(
                 _camera_views(cameras, has_segments=has_segments),
                 *_states(),
@@ -66,24 +73,48 @@ def recording_blueprint(
 def scene_blueprint(scene: Scene) -> rrb.Blueprint:
     """Blueprint of a scene without a flight."""
     return rrb.Blueprint(
-        _scene_view("Scene", (), _overview(scene, None)),
+        _scene_view("Scene", _Shown(), _overview(scene, None)),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="hidden"),
     )
 
 
-def _scene_views(scene: Scene, cameras: Sequence[str], goal_enu_m: Vector3 | None) -> rrb.Container:
+@dataclass(frozen=True)
+class _Shown:
+    """Entities of all vehicles that a view of the world treats in their own way."""
+
+    cameras: tuple[str, ...] = ()
+    mates: Mapping[str, Airframe] = field(default_factory=dict)
+
+    @property
+    def images(self) -> list[str]:
+        """Images of depth and segments, which belong into views of their own."""
+        own = [image(camera) for camera in self.cameras for image in _FLAT]
+        return own + [
+            layout.of_vehicle(name, image(mount.name))
+            for name, airframe in self.mates.items()
+            for mount in airframe.rgbd_cameras
+            for image in _FLAT
+        ]
+
+    def of_all(self, *entities: str) -> list[str]:
+        """Entities of the first vehicle, and the same of the others."""
+        others = (layout.of_vehicle(name, each) for name in self.mates for each in entities)
+        return [*entities, *others]
+
+
+def _scene_views(scene: Scene, shown: _Shown, goal_enu_m: Vector3 | None) -> rrb.Container:
     # The eye looks through the camera that follows the vehicle.
     chase = rrb.EyeControls3D(tracking_entity=layout.CHASE)
     return rrb.Tabs(
-        _scene_view("Scene", cameras, _overview(scene, goal_enu_m)),
-        _scene_view("Chase", cameras, chase),
+        _scene_view("Scene", shown, _overview(scene, goal_enu_m)),
+        _scene_view("Chase", shown, chase),
         active_tab=0,
     )
 
 
-def _scene_view(name: str, cameras: Sequence[str], eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
+def _scene_view(name: str, shown: _Shown, eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
     until_now = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
             layout.TIMELINE,
@@ -94,19 +125,13 @@ def _scene_view(name: str, cameras: Sequence[str], eye: rrb.EyeControls3D) -> rr
     return rrb.Spatial3DView(
         name=name,
         origin=layout.WORLD,
-        contents=[
-            "+ $origin/**",
-            *(f"- {images(camera)}" for camera in cameras for images in _FLAT),
-        ],
+        contents=["+ $origin/**", *(f"- {image}" for image in shown.images)],
         background=_SKY_RGB,
         line_grid=False,
         eye_controls=eye,
         overrides={
-            layout.EXECUTED: until_now,
-            layout.EARLIER_PLANS: until_now,
-            layout.CHOICES: until_now,
-            layout.CONTACTS: until_now,
-            **dict.fromkeys(SWITCHED_OFF, rrb.EntityBehavior(visible=False)),
+            **dict.fromkeys(shown.of_all(*_KEPT), until_now),
+            **dict.fromkeys(shown.of_all(*SWITCHED_OFF), rrb.EntityBehavior(visible=False)),
         },
     )
 

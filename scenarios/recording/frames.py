@@ -11,6 +11,7 @@ from jaxtyping import Float, Integer
 
 from aeroscene.scene import Scene
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     from flightsim.sensors.cameras import RgbdFrame
@@ -28,7 +29,7 @@ _FRUSTUM_M = 0.6
 class FrameLog:
     """Writes camera frames, and each camera's pinhole before its first frame."""
 
-    def __init__(self, stream: rr.RecordingStream, scene: Scene) -> None:
+    def __init__(self, stream: EntityStream, scene: Scene) -> None:
         self._stream, self._scene = stream, scene
         self._intrinsics: dict[str, tuple[float, ...]] = {}
         self._segmented: set[str] = set()

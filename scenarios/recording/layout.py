@@ -62,10 +62,17 @@ FAILSAFE = "autopilot/failsafe"
 STATUSTEXT = "autopilot/statustext"
 PHASE = "pilot/phase"
 RUN = "run"
+VERDICT = "run/verdict"
 SCENE_DOCUMENT = "run/scene"
 
 RUN_PROPERTY = "run"
 VERDICT_PROPERTY = "verdict"
+
+
+def of_vehicle(name: str, entity: str) -> str:
+    """Entity that a vehicle after the first, such as `vehicle_2`, has in place of the first's."""
+    root, _, rest = entity.partition("/")
+    return f"{WORLD}/{name}/{rest}" if root == WORLD else f"{name}/{entity}"
 
 
 def sensor(name: str) -> str:

@@ -9,6 +9,7 @@ import rerun as rr
 from jaxtyping import Float, UInt8
 
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
@@ -18,7 +19,7 @@ _FAR_M = 40.0
 """Distance from which on all points have the last colour."""
 
 
-def log_scan(stream: rr.RecordingStream, scan: LidarScan) -> None:
+def log_scan(stream: EntityStream, scan: LidarScan) -> None:
     """Write a scan at the stream's present time, where the vehicle is then."""
     points = rr.Points3D(
         scan.points_flu_m.astype(np.float32),

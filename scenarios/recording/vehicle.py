@@ -9,6 +9,7 @@ from jaxtyping import Float
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import leg_axes_flu_m, skid_axes_flu_m
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 
 _BODY_RGB = (45, 48, 55)
 _ARM_RGB = (70, 74, 82)
@@ -17,7 +18,7 @@ _FRONT_RGBA = (255, 120, 40, 150)
 _REAR_RGBA = (70, 160, 255, 150)
 
 
-def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
+def log_vehicle(stream: EntityStream, airframe: Airframe) -> None:
     """Write fuselage, arms, rotor discs, legs and camera mounts; the pose comes with the flight."""
     hubs = np.array([r.position_flu_m for r in airframe.quadrotor.rotors])
     body = rr.Boxes3D(sizes=[airframe.body_size_m], colors=[_BODY_RGB], fill_mode="solid")

@@ -58,9 +58,12 @@ class Hangar:
         Where something moves, the cameras have a renderer of their own.
         """
         plant, cfg = bench.plant, bench.cfg
-        noise = depth_noise(cfg.depth_camera, cfg.seed, bench.scene.scene_id)
+        number, scene_id = plant.world.number, bench.scene.scene_id
+        name = f"{scene_id}, vehicle {number + 1}" if number else scene_id
+        noise = depth_noise(cfg.depth_camera, cfg.seed, name)
+        is_alone = plant.world.n_vehicles == 1 and not plant.world.obstacles
         size_px = width_px, height_px = cfg.camera_size_px
-        renderer = None if plant.world.obstacles else self._renderer(plant.world, size_px)
+        renderer = self._renderer(plant.world, size_px) if is_alone else None
         return Cameras(
             plant,
             width_px=width_px,

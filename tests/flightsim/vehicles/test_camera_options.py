@@ -27,7 +27,7 @@ def test_what_an_option_does_not_say_stays():
 
 def test_a_camera_of_ones_own_looks_where_it_should():
     airframe = with_cameras(IRIS, ("left,yaw=90,pitch=30,x=0.1,y=0.2,z=0.05",))
-    assert [mount.name for mount in airframe.cameras] == ["forward", "down", "left"]
+    assert [mount.name for mount in airframe.cameras] == ["forward", "down", "up", "rear", "left"]
     world = build_world(empty_scene(), airframe)
     poses = PoseCopy(world.model)
     data = world.new_data()
@@ -41,7 +41,7 @@ def test_a_camera_of_ones_own_looks_where_it_should():
     np.testing.assert_allclose(right, (1.0, 0.0, 0.0), atol=1e-12)
     np.testing.assert_allclose(np.cross(forward, right), down, atol=1e-12)
     np.testing.assert_allclose(
-        airframe.cameras[2].rotation_flu_from_optical, view.rotation_enu_from_optical, atol=1e-12
+        airframe.cameras[-1].rotation_flu_from_optical, view.rotation_enu_from_optical, atol=1e-12
     )
 
 
