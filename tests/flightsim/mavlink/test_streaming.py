@@ -229,7 +229,8 @@ def test_what_is_asked_for_in_a_tick_does_not_make_its_stream_old(flight):
 def test_two_partners_share_what_is_packed_once():
     told = _Told(["ATTITUDE", "PING"], 0)
     other = StreamTable("normal", told.table.ids)
-    other.set_interval(told.table.ids[1], 20_000)
+    for message_id, interval_us in zip(told.table.ids, (-1, 20_000), strict=True):
+        other.set_interval(message_id, interval_us)
     second = told.streamer.new_partner(other.partner, other.is_due, 7, 9)
     told.streamer.serve([told.streamed, second])
     for _ in range(20):
