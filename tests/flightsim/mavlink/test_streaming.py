@@ -227,9 +227,11 @@ def test_what_is_asked_for_in_a_tick_does_not_make_its_stream_old(flight):
 
 
 def test_two_partners_share_what_is_packed_once():
-    told = _Told(["ATTITUDE", "PING"], 0)
+    told = _Told(["ATTITUDE", "PING", "HEARTBEAT"], 0)
+    attitude, ping, heartbeat = told.table.ids
+    told.table.set_interval(heartbeat, -1)
     other = StreamTable("normal", told.table.ids)
-    for message_id, interval_us in zip(told.table.ids, (-1, 20_000), strict=True):
+    for message_id, interval_us in ((attitude, -1), (ping, 20_000), (heartbeat, -1)):
         other.set_interval(message_id, interval_us)
     second = told.streamer.new_partner(other.partner, other.is_due, 7, 9)
     told.streamer.serve([told.streamed, second])
