@@ -224,3 +224,20 @@ def test_what_is_asked_for_in_a_tick_does_not_make_its_stream_old(flight):
         for payload in (before, after)
     )
     assert now["altitude_relative"] == pytest.approx(then["altitude_relative"] - 5.0, abs=1e-3)
+
+
+def test_two_partners_share_what_is_packed_once():
+    told = _Told(["ATTITUDE", "PING", "HEARTBEAT"], 0)
+    attitude, ping, heartbeat = told.table.ids
+    told.table.set_interval(heartbeat, -1)
+    other = StreamTable("normal", told.table.ids)
+    for message_id, interval_us in ((attitude, -1), (ping, 20_000), (heartbeat, -1)):
+        other.set_interval(message_id, interval_us)
+    second = told.streamer.new_partner(other.partner, other.is_due, 7, 9)
+    told.streamer.serve([told.streamed, second])
+    for _ in range(20):
+        second.serve(1, 3)
+        told.tick(0)
+        pings = told.packed[1]
+        expected = [LAYOUTS["PING"].frame_v2(part, 3 + k, 7, 9) for k, part in enumerate(pings)]
+        assert [*_split(second.frames)] == expected
