@@ -64,9 +64,9 @@ def discrepancy(
     drawn = np.hstack([_resampled(n, rng), _resampled(m, rng)])
     exchanged = rng.permuted(np.tile(is_first, (_N_DRAWS, 1)), axis=1).astype(float)
     return Discrepancy(
-        mmd=float(_mmd(kernel, is_first[None] * 1.0, ~is_first[None] * 1.0)[0]),
-        noise=float(_mmd(kernel, drawn * is_first, drawn * ~is_first).std(ddof=1)),
-        floor=float(np.quantile(_mmd(kernel, exchanged, 1.0 - exchanged), _FLOOR_QUANTILE)),
+        mmd=float(squared_mmd(kernel, is_first[None] * 1.0, ~is_first[None] * 1.0)[0]),
+        noise=float(squared_mmd(kernel, drawn * is_first, drawn * ~is_first).std(ddof=1)),
+        floor=float(np.quantile(squared_mmd(kernel, exchanged, 1.0 - exchanged), _FLOOR_QUANTILE)),
     )
 
 
@@ -90,12 +90,18 @@ def _kernel(points: np.ndarray, reference: np.ndarray) -> Float[np.ndarray, "k k
     return np.mean([np.exp(-apart / (2.0 * width**2 * median)) for width in _WIDTHS], axis=0)
 
 
-def _mmd(
+def squared_mmd(
     kernel: Float[np.ndarray, "k k"],
     first: Float[np.ndarray, "draws k"],
     second: Float[np.ndarray, "draws k"],
 ) -> Float[np.ndarray, " draws"]:
-    """Squared discrepancy, for each draw of how often each scene is in either set."""
+    """Squared discrepancy, for each draw of how often each scene is in either set.
+
+    Args:
+        kernel: Kernel of all scenes of both sets with each other.
+        first: How often each is in the first set, in each draw.
+        second: How often each is in the second set.
+    """
     across = ((first @ kernel) * second).sum(axis=1)
     return (
         _mean_within(kernel, first)

@@ -1,0 +1,130 @@
+"""Our own presets, trained on the same scenes and within the same budget as the baselines."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import Any
+
+import torch
+
+from aeroscene.learning.baselines.budget import Meter
+from aeroscene.learning.baselines.fitting import Lessons, Spent
+from aeroscene.learning.generation.generator import Generator
+from aeroscene.learning.generation.request import Request
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.training.config import Preset
+from aeroscene.learning.training.course import Watcher
+from aeroscene.learning.training.data import prepared
+from aeroscene.learning.training.presets import PARTS, fitted, part_budgets, preset_sections
+from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
+from aeroscene.learning.training.state import STATE, read_state
+from aeroscene.scene import Scene, SceneDomain
+
+_SAVE_S = 60.0
+_LOOK_STEPS = 100
+_PRIOR_SHARE = 0.1
+_PRIOR_STEP_S = 0.15
+_PRIOR_STEPS = (10, 400)
+"""At least and at most so many; the semantic prior takes a tenth of a short budget."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedPreset:
+    """A preset that draws scenes."""
+
+    generator: Generator
+    spent: Spent | None
+    """None where it is a checkpoint that somebody else has trained."""
+
+    def sample(self, seed: int, domain: SceneDomain) -> Scene:
+        """The scene of a seed as sampled: before feasibility, without areas.
+
+        Raises:
+            RequestError: If there was no training scene of the domain.
+        """
+        return self.generator.sampled(Request(seed=seed, domain=domain))
+
+
+def fit_preset(preset: Preset, lessons: Lessons, watcher: Watcher) -> FittedPreset:
+    """Train a preset as `aeroscene train` does, its budget told in CPU seconds.
+
+    Raises:
+        TrainingError: If the folder holds a training of other data, or too few scenes can be read.
+        OSError: If a file cannot be written.
+    """
+    is_flat = preset == "paper"
+    has_wishes = not (is_flat and lessons.is_corpus)
+    data = prepared(
+        lessons.name,
+        lessons.train,
+        lessons.held_out,
+        is_flat=is_flat,
+        wishes=[Wish.of(scene) for scene in lessons.train] if has_wishes else [],
+        is_corpus=lessons.is_corpus,
+    )
+    parts = PARTS[preset]
+    steps, seconds = lessons.budget.steps, lessons.budget.seconds
+    state = read_state(lessons.folder / STATE)
+    training = Training(
+        Plan(
+            folder=lessons.folder,
+            preset=preset,
+            sections=fitted(_sections(preset, seconds, lessons.seed), data.train.known),
+            data=data,
+            budgets=part_budgets(parts, steps, None if seconds is None else seconds / 60),
+            device=torch.device("cpu"),
+            save_seconds=_SAVE_S,
+            parts=parts,
+            clock=time.process_time,
+        ),
+        meter := Meter(watcher),
+    )
+    try:
+        is_done = training.run(state)
+    finally:
+        meter.close()
+    generator = Generator.load(lessons.folder / CHECKPOINT, device="cpu")
+    return FittedPreset(generator, _spent(training, meter, is_done=is_done))
+
+
+def shipped_preset(preset: Preset) -> FittedPreset:
+    """A preset with the weights that ship, whose training was another.
+
+    Raises:
+        CheckpointError: If the checkpoint is missing.
+    """
+    return FittedPreset(Generator.load(preset=preset, device="cpu"), None)
+
+
+def _sections(preset: Preset, seconds: float | None, seed: int) -> dict[str, Any]:
+    sections = preset_sections(preset)
+    for name in ("training", "writer_training"):
+        if name in sections:
+            changes: dict[str, Any] = {"seed": seed, "look_steps": _LOOK_STEPS}
+            if name == "training" and preset == "paper" and seconds is not None:
+                steps = round(_PRIOR_SHARE * seconds / _PRIOR_STEP_S)
+                changes["prior_steps"] = min(max(steps, _PRIOR_STEPS[0]), _PRIOR_STEPS[1])
+            sections[name] = replace(sections[name], **changes)
+    return sections
+
+
+def _spent(training: Training, meter: Meter, *, is_done: bool) -> Spent:
+    """Steps, seconds and operations of all parts that are trained step by step.
+
+    The semantic prior, which is trained anew where it was stopped, is among the CPU seconds of an
+    unbroken training alone.
+    """
+    trainings = training.trainings
+    parameters = [
+        *(value for weights in training.parts.values() for value in weights.values()),
+        *(p for each in trainings.values() for p in each.model.parameters()),
+    ]
+    counted = {part: each.step for part, each in trainings.items() if meter.counts.get(part)}
+    return Spent(
+        parameters=sum(value.numel() for value in parameters),
+        steps=sum(each.step for each in trainings.values()),
+        cpu_s=max(sum(each.seconds for each in trainings.values()), meter.cpu_s),
+        flop=meter.flop(counted) if counted else None,
+        is_done=is_done,
+    )
