@@ -47,7 +47,7 @@ def mean_figure(values: Float[np.ndarray, " n"], rng: np.random.Generator) -> Fi
 def ratio_figure(
     values: Float[np.ndarray, " n"], weights: Float[np.ndarray, " n"], rng: np.random.Generator
 ) -> Figure:
-    """Mean over things that come in scenes: `values` are means of scenes, `weights` numbers in them.
+    """Mean over things that come in scenes: `values` are scenes' means, `weights` their numbers.
 
     Scenes are resampled whole, since what is in one is not independent.
     """
@@ -72,8 +72,7 @@ def median_figure(per_scene: Sequence[np.ndarray], rng: np.random.Generator) -> 
     order = np.argsort(pooled, kind="stable")
     pooled, scene = pooled[order], scene[order]
     draws = [
-        float(np.median(np.repeat(pooled, times[scene])))
-        for times in resamples(len(kept), rng)
+        float(np.median(np.repeat(pooled, times[scene]))) for times in resamples(len(kept), rng)
     ]
     low, high = np.quantile(draws, _SHARES).tolist()
     return Figure(value=float(np.median(pooled)), low=low, high=high, n=len(kept))

@@ -4,15 +4,16 @@ A re-implementation from the paper.
 
 | choice | paper | here |
 |---|---|---|
-| network | transformer encoder without positions, a query token beside the objects | the same, narrower |
+| network | transformer encoder without positions, a query token beside them | narrower |
 | an object | category, then place, then angle, then size, each told by those before | the same |
 | attributes | mixtures of ten logistic distributions | the same |
 | context | features of the floor plan | the domain, since no floor plan is given |
-| training | a random permutation cut at random; the next object is the target | the same cut; all that \
-follow are targets, which has the same expectation and less variance |
+| training | random order, cut at random; the next object is the target | all that follow are |
 
-Source: Paschalidou, Kar, Shugrina, Kreis, Geiger and Fidler 2021, "ATISS: Autoregressive Transformers
-for Indoor Scene Synthesis", NeurIPS, sections 3.1 to 3.3.
+All that follow a cut as targets have the same expectation as one of them, and less variance.
+
+Source: Paschalidou, Kar, Shugrina, Kreis, Geiger and Fidler 2021, "ATISS: Autoregressive
+Transformers for Indoor Scene Synthesis", NeurIPS, sections 3.1 to 3.3.
 """
 
 from __future__ import annotations
@@ -22,7 +23,6 @@ import math
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
-from torch.nn import functional
 
 from aeroscene.learning.baselines.layouts import (
     CATEGORY,

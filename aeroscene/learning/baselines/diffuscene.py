@@ -7,7 +7,7 @@ A re-implementation from the paper, without its shape codes: our objects have no
 | network | 1-D UNet with attention over the set | the same, narrower |
 | predicts | noise of place, size, angle and category together | the same |
 | categories | one-hot with "empty" | the same, -1 and 1 |
-| loss | L_sce + 0.1 L_iou, the latter on the predicted clean layout, weighted by alpha_bar | the same |
+| loss | L_sce + 0.1 L_iou, the latter on the clean layout, weighted by alpha_bar | the same |
 | steps | 1,000 | `BaselineCfg.steps` |
 
 Source: Tang, Nie, Markhasin, Dai, Thies and Niessner 2024, "DiffuScene: Denoising Diffusion Models
@@ -42,7 +42,7 @@ from aeroscene.learning.training.loop import LossTerms
 from aeroscene.metrics.arrays import IS_COARSE
 
 _LOSS = LossCfg(parameterisation="eps", is_stratified=False, guide_weight=0.1, guide_scenes=4)
-"""Of `guide_scenes` scenes of a batch the overlap is looked at: it takes longer than the network."""
+"""The overlap of `guide_scenes` scenes of a batch is looked at: it takes longer than the rest."""
 _IOU_TOLERANCE = 0.0
 _SOFTNESS_M = 0.1
 
@@ -85,9 +85,7 @@ class DiffuScene(BaselineModel):
 
     def _overlap(self, x0: Tensor, batch: TokenBatch) -> Tensor:
         layout = self.read(x0, batch)
-        return collision_loss(
-            layout, tolerance=_IOU_TOLERANCE, kind="soft", softness_m=_SOFTNESS_M
-        )
+        return collision_loss(layout, tolerance=_IOU_TOLERANCE, kind="soft", softness_m=_SOFTNESS_M)
 
 
 class LayoutReader:

@@ -1,6 +1,6 @@
 """Diffusion-SDF for layouts: a code from which signed distances are read, and diffusion of codes.
 
-A re-implementation from the paper, adapted as the AeroScene paper adapts it ("uses a diffusion model
+A re-implementation from the paper, adapted as the AeroScene paper says ("uses a diffusion model
 with signed distance fields to model object placements"). Diffusion-SDF codes one shape; here the
 shape is the layout: the distance from a point to the nearest coarse object, and to the nearest fine
 one. Since boxes are wanted and no surface, a second decoder reads the objects off the same code.
@@ -12,8 +12,8 @@ one. Since boxes are wanted and no surface, a second decoder reads the objects o
 | objects | none | slots ask the code by attention |
 | diffusion | of codes, predicts the clean code, trained jointly | the same |
 
-Source: Chou, Bahat and Heide 2023, "Diffusion-SDF: Conditional Generative Modeling of Signed Distance
-Functions", ICCV, sections 3.1 to 3.3.
+Source: Chou, Bahat and Heide 2023, "Diffusion-SDF: Conditional Generative Modeling of Signed
+Distance Functions", ICCV, sections 3.1 to 3.3.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from aeroscene.learning.baselines.diffuscene import LayoutReader
 from aeroscene.learning.baselines.layouts import (
     CATEGORY,
     N_CHANNELS,
@@ -33,7 +34,6 @@ from aeroscene.learning.baselines.layouts import (
     LayoutCode,
     empty_batch,
 )
-from aeroscene.learning.baselines.diffuscene import LayoutReader
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
 from aeroscene.learning.baselines.networks.set_unet import SetUnet
 from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss

@@ -11,8 +11,8 @@
 A layout has as many slots as the largest scene of training has objects; the rest say that they hold
 none. Tilts are left out: 13 of 24,563 objects of 3D-FRONT tilt.
 
-Source: Tang et al. 2024, "DiffuScene", section 3.1, the object attributes, with sizes as logarithms,
-since ours go from a cup to a building.
+Source: Tang et al. 2024, "DiffuScene", section 3.1, the object attributes, with sizes as
+logarithms, since ours go from a cup to a building.
 """
 
 from __future__ import annotations
@@ -121,7 +121,9 @@ class LayoutCode:
             np.arctan2(x[:, 7], x[:, 6]),
         )
 
-    def scene(self, boxes: Boxes, domain: SceneDomain, seed: int, rng: np.random.Generator) -> Scene:
+    def scene(
+        self, boxes: Boxes, domain: SceneDomain, seed: int, rng: np.random.Generator
+    ) -> Scene:
         """The scene that boxes are, without areas, as the paper's flat layouts are read.
 
         A fine object belongs to the coarse one whose centre is nearest; `rng` draws kinds within

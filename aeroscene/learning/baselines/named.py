@@ -106,9 +106,7 @@ METHODS: Mapping[str, Method] = {method.name: method for method in _ALL}
 """By name, in the order of the table."""
 
 
-def fit(
-    name: str, lessons: Lessons, watcher: Watcher, cfg: BaselineCfg | None = None
-) -> Fitted:
+def fit(name: str, lessons: Lessons, watcher: Watcher, cfg: BaselineCfg | None = None) -> Fitted:
     """Train a method within its budget, from where it was stopped.
 
     Raises:

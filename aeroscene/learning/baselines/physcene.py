@@ -1,14 +1,14 @@
 """PhyScene: DiffuScene's diffusion with physical guidance in the last steps of the sampling.
 
-A re-implementation from the paper. Its guidance has three terms: collisions of boxes, objects out of
-their room, and objects in the way of an embodied agent. The first is the overlap of all pairs. The
-second is the distance of fine objects from the outlines of their nearest coarse ones, since our
+A re-implementation from the paper. Its guidance has three terms: collisions of boxes, objects out
+of their room, and objects in the way of an embodied agent. The first is the overlap of all pairs.
+The second is the distance of fine objects from the outlines of their nearest coarse ones, since our
 layouts have no floor plan that is given. The third is left out: what moves in our scenes flies. Its
 articulated objects are no part of a layout of boxes.
 
-The gradient of both, on the mean of each step, moves places and headings and no sizes or categories,
-so that a collision is not solved by shrinking. PhyScene guides the last 10 of 1,000 steps; of the
-fewer steps here the last tenth is guided.
+The gradient of both, on the mean of each step, moves places and headings and no sizes or
+categories, so that a collision is not solved by shrinking. PhyScene guides the last 10 of 1,000
+steps; of the fewer steps here the last tenth is guided.
 
 Source: Yang, Jia, Zhi and Huang 2024, "PhyScene: Physically Interactable 3D Scene Synthesis for
 Embodied AI", CVPR, sections 3.2 and 3.3.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import torch
@@ -12,6 +14,7 @@ from aeroscene.learning.baselines.budget import Meter
 from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.generation.generator import Generator
 from aeroscene.learning.generation.request import Request
+from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.config import Preset
 from aeroscene.learning.training.course import Watcher
@@ -128,3 +131,29 @@ def _spent(training: Training, meter: Meter, *, is_done: bool) -> Spent:
         flop=meter.flop(counted) if counted else None,
         is_done=is_done,
     )
+
+
+def without(
+    folder: Path | None,
+    preset: Preset,
+    changes: Mapping[str, Any],
+    decoding: DecodingCfg,
+    spent: Spent | None,
+) -> FittedPreset:
+    """A preset sampled otherwise than it was trained: an ablation.
+
+    Args:
+        folder: Folder of its training; None for the weights that ship.
+        preset: Which preset.
+        changes: Fields of its configuration that sampling reads, by section.
+        decoding: What is done with programs beyond reading them.
+        spent: What its training took.
+
+    Raises:
+        CheckpointError: If there is no checkpoint.
+    """
+    checkpoint = None if folder is None else folder / CHECKPOINT
+    generator = Generator.load(
+        checkpoint, preset=preset, device="cpu", changes=changes, decoding=decoding
+    )
+    return FittedPreset(generator, spent)

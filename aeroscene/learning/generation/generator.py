@@ -5,10 +5,12 @@ The same request gives the same scene on the same device with the same batch siz
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from aeroscene.feasibility import FeasibilityReport
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
+from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.devices import choose_device, naming_memory
 from aeroscene.scene import Scene
@@ -75,6 +78,8 @@ class Generator:
         preset: str = "default",
         device: str = "auto",
         n_steps: int | None = None,
+        changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
+        decoding: DecodingCfg | None = None,
     ) -> Generator:
         """Read a trained model.
 
@@ -83,12 +88,16 @@ class Generator:
             preset: Which of those that ship.
             device: As `aeroscene.learning.training.devices.choose_device` takes it.
             n_steps: Denoising steps; None are the preset's.
+            changes: Fields of its configuration that sampling reads, by section, set anew.
+            decoding: What is done with programs beyond reading them; None does all.
 
         Raises:
             SceneError: If checkpoint or device cannot be used.
         """
         where = choose_device(device)
-        proposer, data = load_proposer(checkpoint, preset, where, n_steps)
+        proposer, data = load_proposer(
+            checkpoint, preset, where, n_steps, changes=changes, decoding=decoding
+        )
         return Generator(proposer, str(where), data.wishes, is_corpus=data.is_corpus)
 
     def check(self, request: Request) -> None:

@@ -12,7 +12,7 @@ import torch
 from jaxtyping import Float, UInt8
 from torch import Tensor
 
-from aeroscene.metrics.appearance.efficientnet import NAME, N_FEATURES, load_efficientnet
+from aeroscene.metrics.appearance.efficientnet import N_FEATURES, NAME, load_efficientnet
 from aeroscene.scene.errors import SceneError
 
 Picture = UInt8[np.ndarray, "h w 3"]

@@ -43,7 +43,9 @@ def frechet_distance(
 
 
 def frechet_figure(
-    pictures: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
+    pictures: Float[np.ndarray, "n f"],
+    reference: Float[np.ndarray, "m f"],
+    rng: np.random.Generator,
 ) -> Figure:
     """The same with its interval.
 

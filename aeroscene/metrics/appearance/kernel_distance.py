@@ -34,7 +34,9 @@ def kernel_distance(
 
 
 def kernel_figure(
-    pictures: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
+    pictures: Float[np.ndarray, "n f"],
+    reference: Float[np.ndarray, "m f"],
+    rng: np.random.Generator,
 ) -> Figure:
     """The same with its interval, which may reach below 0.
 

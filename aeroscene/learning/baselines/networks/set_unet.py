@@ -68,6 +68,7 @@ class SetBlock(nn.Module):
     def forward(
         self, place: Float[Tensor, "batch n c"], condition: Float[Tensor, "batch d"]
     ) -> Float[Tensor, "batch n w"]:
+        """Update all places."""
         scale, shift = self.condition(condition).unsqueeze(1).chunk(2, dim=-1)
         inner = self.first(functional.silu(self.first_norm(place)))
         inner = self.second_norm(inner) * (1 + scale) + shift
