@@ -61,7 +61,9 @@ def _trained(name: str) -> Entrant:
     return Entrant(
         name=name,
         title=METHODS[name].title,
-        begin=lambda means: fit(name, means.lessons(name), means.watcher, means.cfg),
+        begin=lambda means: fit(
+            name, means.lessons(METHODS[name].training), means.watcher, means.cfg
+        ),
     )
 
 

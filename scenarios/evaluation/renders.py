@@ -3,8 +3,8 @@
 | what | how |
 |---|---|
 | size | 256 x 256 pixels |
-| top | from straight above, field of view 14 degrees, north at the top |
-| oblique | from the south-west (azimuth -118 degrees), 40 degrees up, field of view 32 degrees |
+| top | from straight above, field of view 40 degrees, north at the top |
+| oblique | from the south-west (azimuth -118 degrees), 40 degrees up, field of view 40 degrees |
 | scale | one for all scenes of a domain: what 90% of the training scenes reach is in the picture |
 | middle | the origin of the scene, at the ground |
 | roofs | indoors everything above 2.5 m is cut off, so that rooms can be seen |
@@ -33,8 +33,9 @@ from flightsim.world import build_world
 
 PIXELS = 256
 VIEWS = ("top", "oblique")
-_TOP_FOV_RAD = math.radians(14.0)
-_OBLIQUE_FOV_RAD = math.radians(32.0)
+_TOP_FOV_RAD = math.radians(40.0)
+"""From farther away haze hides the ground of a large site."""
+_OBLIQUE_FOV_RAD = math.radians(40.0)
 _OBLIQUE_AZIMUTH_RAD = math.radians(-118.0)
 _OBLIQUE_ELEVATION_RAD = math.radians(40.0)
 _OBLIQUE_ROOM = 1.2

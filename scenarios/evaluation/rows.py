@@ -151,7 +151,7 @@ def cost_rows(
             "parameters": spent.parameters / 1e6,
             "training_steps": float(spent.steps),
             "training_cpu_s": spent.cpu_s,
-            "training_tflop": None if spent.flop is None else spent.flop / 1e12,
+            "training_tflop": spent.flop / 1e12,
         }
         rows += [
             Row(method=method, metric=name, value=value, interval_95=None, n=1)

@@ -1,74 +1,30 @@
-"""What a training has spent: FLOP, counted in some of its steps, and CPU seconds."""
+"""Operations of a training step, counted beside the training: looking on changes no weights."""
 
 from __future__ import annotations
 
-import time
-from collections import defaultdict
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 
+import torch
 from torch.utils.flop_counter import FlopCounterMode
 
-from aeroscene.learning.training.course import Watcher
-
-_EVERY = 25
-"""One step of so many is counted: counting makes a step half as long again."""
+from aeroscene.learning.training.batches.source import Batch
+from aeroscene.learning.training.loop import TOTAL, LossFunction, PartTraining, noise_generator
 
 
-@dataclass
-class Meter:
-    """Watches a training for another watcher, and counts operations now and then.
+def flop_per_step(training: PartTraining, batches: Sequence[Batch], loss: LossFunction) -> float:
+    """Mean FLOP of a step forwards and backwards: of matrix products, convolutions, attention.
 
-    It is told after each step whether to go on, so the step that follows lies between two such
-    calls. What is counted are multiplications and additions of matrix products, convolutions and
-    attention, forwards and backwards.
+    Attention counts by its definition, whatever kernel computes it.
     """
-
-    watcher: Watcher
-    counts: dict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
-    """FLOP of each step that was counted, by stage."""
-    _stage: str = ""
-    _n_seen: int = 0
-    _mode: FlopCounterMode | None = None
-    _begun_s: float = field(default_factory=time.process_time)
-
-    def on_progress(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
-        """See `Watcher`."""
-        self._stage = stage
-        self.watcher.on_progress(stage, share, figures)
-
-    def wants_stop(self) -> bool:
-        """See `Watcher`."""
-        self._leave()
-        wants_stop = self.watcher.wants_stop()
-        if not wants_stop and self._n_seen % _EVERY == 0:
-            self._mode = FlopCounterMode(display=False)
-            self._mode.__enter__()
-        self._n_seen += 1
-        return wants_stop
-
-    def close(self) -> None:
-        """Count no more; nothing is added for a step that did not end."""
-        if self._mode is not None:
-            self._mode.__exit__(None, None, None)
-            self._mode = None
-
-    @property
-    def cpu_s(self) -> float:
-        """CPU seconds of this process since the meter was made."""
-        return time.process_time() - self._begun_s
-
-    def flop(self, steps: Mapping[str, int]) -> float:
-        """FLOP of so many steps of each stage, by those that were counted."""
-        return sum(
-            n * sum(self.counts[stage]) / len(self.counts[stage])
-            for stage, n in steps.items()
-            if self.counts.get(stage)
-        )
-
-    def _leave(self) -> None:
-        if self._mode is not None:
-            mode, self._mode = self._mode, None
-            mode.__exit__(None, None, None)
-            if mode.get_total_flops():
-                self.counts[self._stage].append(mode.get_total_flops())
+    model, device = training.model, training.device
+    was_training = model.training
+    model.train()
+    total = 0
+    for number, batch in enumerate(batches):
+        generator = noise_generator(training.cfg.seed, number, device)
+        with torch.enable_grad(), FlopCounterMode(display=False) as counter:
+            loss(model, batch.to(device), generator)[TOTAL].backward()
+        total += counter.get_total_flops()
+    model.zero_grad(set_to_none=True)
+    model.train(was_training)
+    return total / len(batches)

@@ -12,11 +12,11 @@ import msgspec
 import numpy as np
 import torch
 
-from aeroscene.learning.baselines.budget import Meter
+from aeroscene.learning.baselines.budget import flop_per_step
 from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
 from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.training.batches.source import Batch, drawn_from
+from aeroscene.learning.training.batches.source import Batch, batch_generator, drawn_from
 from aeroscene.learning.training.checkpoint import (
     CheckpointFacts,
     DataSource,
@@ -65,8 +65,8 @@ class Spent:
     parameters: int
     steps: int
     cpu_s: float
-    flop: float | None
-    """None where a training was resumed and no step of it was counted."""
+    flop: float
+    """Steps times the operations of one."""
     is_done: bool
     """Whether the budget was spent, and nobody stopped it."""
 
@@ -132,20 +132,20 @@ def fit_baseline(
     state = read_state(path)
     if state is not None:
         _restore(state, facts, training, lessons.folder)
-    meter = Meter(watcher)
-    run = _Run(lessons, facts, training, meter)
+    run = _Run(lessons, facts, training, watcher)
     is_done = lessons.budget.share(training.step, training.seconds) >= 1.0 or run.train(
         train, held_out
     )
+    counted = [train.sample_batch(training_cfg.batch_size, batch_generator(lessons.seed, 0))]
+    flop = training.step * flop_per_step(training, counted, _loss)
     model.load_state_dict(dict(training.kept))
-    steps = training.step
     return FittedBaseline(
         model.eval(),
         Spent(
             parameters=sum(p.numel() for p in model.parameters()),
-            steps=steps,
+            steps=training.step,
             cpu_s=training.seconds,
-            flop=run.figures.get("flop_per_step", 0.0) * steps or None,
+            flop=flop,
             is_done=is_done,
         ),
         frozenset(scene.domain for scene in lessons.train),
@@ -169,13 +169,12 @@ class _Run:
     """A training under way."""
 
     def __init__(
-        self, lessons: Lessons, facts: CheckpointFacts, training: PartTraining, meter: Meter
+        self, lessons: Lessons, facts: CheckpointFacts, training: PartTraining, watcher: Watcher
     ) -> None:
         self._lessons, self._facts, self._training = lessons, facts, training
-        self._meter = meter
+        self._watcher = watcher
         self._saved_s = time.perf_counter()
-        state = read_state(lessons.folder / STATE)
-        self.figures: dict[str, Any] = {} if state is None else dict(state.facts.training)
+        self._figures: dict[str, Any] = {}
 
     def train(self, train: LayoutSet, held_out: LayoutSet) -> bool:
         """Whether the budget was spent, and nobody stopped it."""
@@ -188,16 +187,13 @@ class _Run:
             stream=None,
             folder=self._lessons.folder,
             log_steps=_LOG_STEPS,
-            watcher=self._meter,
-            figures=self.figures,
+            watcher=self._watcher,
+            figures=self._figures,
             save=self._save_now_and_then,
         )
         batches = drawn_from(train, training.cfg.batch_size, training.cfg.seed + self._lessons.seed)
-        try:
-            train_steps(training, batches, _loss, budget, course.after_step, time.process_time)
-            course.log()
-        finally:
-            self._meter.close()
+        train_steps(training, batches, _loss, budget, course.after_step, time.process_time)
+        course.log()
         self._save()
         return budget.share(training.step, training.seconds) >= 1.0
 
@@ -207,10 +203,7 @@ class _Run:
 
     def _save(self) -> None:
         check_finite(self._training)
-        per_step = self._meter.flop({"denoiser": 1})
-        if per_step:
-            self.figures["flop_per_step"] = per_step
-        facts = msgspec.structs.replace(self._facts, training=self.figures)
+        facts = msgspec.structs.replace(self._facts, training=self._figures)
         write_state(self._lessons.folder / STATE, facts, {"denoiser": self._training}, {})
         draw_curves(self._lessons.folder)
         self._saved_s = time.perf_counter()

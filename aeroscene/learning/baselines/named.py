@@ -55,6 +55,8 @@ class Method:
     name: str
     title: str
     source: str
+    training: str
+    """The method whose training it shares: its own name, for most."""
     fit: Callable[[Lessons, BaselineCfg, Watcher], Fitted]
 
 
@@ -68,19 +70,26 @@ class _FittedMarginals:
 
 
 def _baseline(
-    name: str, title: str, source: str, make: Callable[[LayoutCode, BaselineCfg], BaselineModel]
+    name: str,
+    title: str,
+    source: str,
+    make: Callable[[LayoutCode, BaselineCfg], BaselineModel],
+    training: str = "",
 ) -> Method:
+    shared = training or name
     return Method(
         name=name,
         title=title,
         source=f"re-implementation from {source}",
-        fit=lambda lessons, cfg, watcher: fit_baseline(name, make, lessons, cfg, watcher),
+        training=shared,
+        fit=lambda lessons, cfg, watcher: fit_baseline(shared, make, lessons, cfg, watcher),
     )
 
 
 _ALL = (
     Method(
         name="random",
+        training="random",
         title="random from training marginals",
         source="aeroscene.learning.baselines.marginals",
         fit=lambda lessons, cfg, watcher: _FittedMarginals(Marginals(lessons.train)),  # noqa: ARG005
@@ -88,15 +97,18 @@ _ALL = (
     _baseline("atiss", "ATISS", "Paschalidou et al. 2021", Atiss),
     _baseline("diffusion_sdf", "Diffusion-SDF for layouts", "Chou et al. 2023", DiffusionSdf),
     _baseline("diffuscene", "DiffuScene", "Tang et al. 2024", DiffuScene),
-    _baseline("physcene", "PhyScene", "Yang et al. 2024", PhyScene),
+    # It differs in its sampling alone.
+    _baseline("physcene", "PhyScene", "Yang et al. 2024", PhyScene, training="diffuscene"),
     Method(
         name="paper",
+        training="paper",
         title="the AeroScene paper's",
         source="our preset paper",
         fit=lambda lessons, cfg, watcher: fit_preset("paper", lessons, watcher),  # noqa: ARG005
     ),
     Method(
         name="ours",
+        training="ours",
         title="ours",
         source="our default preset",
         fit=lambda lessons, cfg, watcher: fit_preset("default", lessons, watcher),  # noqa: ARG005

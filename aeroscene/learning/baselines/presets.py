@@ -10,21 +10,27 @@ from typing import Any
 
 import torch
 
-from aeroscene.learning.baselines.budget import Meter
+from aeroscene.learning.baselines.budget import flop_per_step
 from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.generation.generator import Generator
 from aeroscene.learning.generation.request import Request
 from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.training.batches.source import batch_generator
+from aeroscene.learning.training.checkpoint import Part
 from aeroscene.learning.training.config import Preset
-from aeroscene.learning.training.course import Watcher
+from aeroscene.learning.training.course import Watcher, part_set
 from aeroscene.learning.training.data import prepared
 from aeroscene.learning.training.presets import PARTS, fitted, part_budgets, preset_sections
+from aeroscene.learning.training.prior_stage import loss_function
 from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
 from aeroscene.learning.training.state import STATE, read_state
+from aeroscene.learning.training.writer_stage import writer_loss
 from aeroscene.scene import Scene, SceneDomain
 
 _SAVE_S = 60.0
+_N_COUNTED = 2
+"""Batches in which operations are counted: those of the writer differ in length."""
 _LOOK_STEPS = 100
 _PRIOR_SHARE = 0.1
 _PRIOR_STEP_S = 0.15
@@ -81,14 +87,13 @@ def fit_preset(preset: Preset, lessons: Lessons, watcher: Watcher) -> FittedPres
             parts=parts,
             clock=time.process_time,
         ),
-        meter := Meter(watcher),
+        watcher,
     )
-    try:
-        is_done = training.run(state)
-    finally:
-        meter.close()
+    begun_s = time.process_time()
+    is_done = training.run(state)
+    spent_s = time.process_time() - begun_s
     generator = Generator.load(lessons.folder / CHECKPOINT, device="cpu")
-    return FittedPreset(generator, _spent(training, meter, is_done=is_done))
+    return FittedPreset(generator, _spent(training, spent_s, is_done=is_done))
 
 
 def shipped_preset(preset: Preset) -> FittedPreset:
@@ -112,7 +117,7 @@ def _sections(preset: Preset, seconds: float | None, seed: int) -> dict[str, Any
     return sections
 
 
-def _spent(training: Training, meter: Meter, *, is_done: bool) -> Spent:
+def _spent(training: Training, spent_s: float, *, is_done: bool) -> Spent:
     """Steps, seconds and operations of all parts that are trained step by step.
 
     The semantic prior, which is trained anew where it was stopped, is among the CPU seconds of an
@@ -123,14 +128,28 @@ def _spent(training: Training, meter: Meter, *, is_done: bool) -> Spent:
         *(value for weights in training.parts.values() for value in weights.values()),
         *(p for each in trainings.values() for p in each.model.parameters()),
     ]
-    counted = {part: each.step for part, each in trainings.items() if meter.counts.get(part)}
     return Spent(
         parameters=sum(value.numel() for value in parameters),
         steps=sum(each.step for each in trainings.values()),
-        cpu_s=max(sum(each.seconds for each in trainings.values()), meter.cpu_s),
-        flop=meter.flop(counted) if counted else None,
+        cpu_s=max(sum(each.seconds for each in trainings.values()), spent_s),
+        flop=sum(each.step * _flop(training, part) for part, each in trainings.items()),
         is_done=is_done,
     )
+
+
+def _flop(training: Training, part: Part) -> float:
+    plan, each = training.plan, training.trainings[part]
+    scenes = part_set(plan.data.train, part)
+    loss = (
+        writer_loss
+        if part == "writer"
+        else loss_function(plan.sections, plan.data, plan.device, training.parts.get("prior"))
+    )
+    batches = [
+        scenes.sample_batch(each.cfg.batch_size, batch_generator(each.cfg.seed, step))
+        for step in range(_N_COUNTED)
+    ]
+    return flop_per_step(each, batches, loss)
 
 
 def without(

@@ -97,5 +97,7 @@ class _Pair:
         spread = (float(count @ self._square[is_there]) - n * away) / (n - 1)
         across = self._across[is_there] - count @ self._across[is_there] / n
         across *= np.sqrt(count / (n - 1))[:, None]
-        shared = float(np.linalg.svd(across, compute_uv=False).sum())
+        # Singular values by the smaller of the two products: several times faster.
+        square = across @ across.T if len(across) < across.shape[1] else across.T @ across
+        shared = float(np.sqrt(np.maximum(np.linalg.eigvalsh(square), 0.0)).sum())
         return max(away + spread + self._reference_spread - 2.0 * shared, 0.0)
