@@ -41,8 +41,8 @@ class EvaluateCfg:
     """Compare methods that make scenes: train each, draw scenes, judge all alike.
 
     Every method is given the same scenes and the same budget. Ctrl-C leaves the work as it is, and
-    the same command goes on from there; so does a larger --scenes. OUT then has table.json,
-    table.md, table.png, scenes.png, and what was trained and drawn under methods/.
+    the same command goes on from there; so does a larger --scenes. OUT then has TABLE.json, .md and
+    .png, pictures in TABLE-scenes.png, and what was trained and drawn under methods/.
     """
 
     table: Literal["synthesis", "ablation", "damage"] = "synthesis"
@@ -193,7 +193,7 @@ def _tell(
         "machine": f"{platform.machine()}, {cfg.threads} thread(s), Python "
         f"{platform.python_version()}",
     }
-    files = write_table(cfg.out, head, rows, evaluation.judge.metrics(), titles)
+    files = write_table(cfg.out, cfg.table, head, rows, evaluation.judge.metrics(), titles)
     named = {name for row in rows for name in (row.method,)}
     shown = {
         titles[name]: (evaluation.draws(entrant, cfg.scenes), shown_stage(name))
@@ -201,7 +201,7 @@ def _tell(
         for name in (entrant.name, stage_name(entrant.name, PROJECTED))
         if name in named
     }
-    gallery = cfg.out / GALLERY
+    gallery = cfg.out / f"{cfg.table}-{GALLERY}"
     draw_gallery(
         gallery,
         {title: draws for title, (draws, _) in shown.items()},

@@ -19,6 +19,7 @@ from aeroscene.learning.training.config import Budget
 from aeroscene.metrics.appearance.features import FeatureNetwork
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.metrics.scorecard import Yardstick
+from aeroscene.scene import SceneDomain
 from scenarios.evaluation.drawing import PROJECTED, SAMPLED, STAGES, Draw, Drawer
 from scenarios.evaluation.entrants import Entrant, Means
 from scenarios.evaluation.renders import Camera
@@ -227,7 +228,7 @@ class Evaluation:
         )
 
     def _drawer(self, entrant: Entrant) -> Drawer:
-        domains = [scene.domain for scene in self._data.test]
+        domains: list[SceneDomain] = [scene.domain for scene in self._data.test]
         folder = self._place(entrant) / "scenes"
         return Drawer(folder, self._network, self.camera, domains)
 

@@ -50,7 +50,7 @@ def count_scenes(name: DataName, path: Path | None) -> int:
 
 
 def open_data(
-    name: DataName, path: Path | None, on_scene: Callable[[], object] = lambda: None
+    name: DataName, path: Path | None, on_scene: Callable[[], None] = lambda: None
 ) -> Data:
     """Read the data of a table.
 
