@@ -33,12 +33,14 @@ class Patience:
 
     def __init__(self, steps=10**9):
         self.left = steps
+        self.n_asked = 0
 
     def on_progress(self, stage, share, figures):
         del stage, share, figures
 
     def wants_stop(self):
         self.left -= 1
+        self.n_asked += 1
         return self.left <= 0
 
 
@@ -53,7 +55,9 @@ def test_a_stopped_training_goes_on_to_the_same_scene(name, tmp_path):
     whole = fit(name, lessons(tmp_path / "whole", 4), Patience(), TINY)
     stopped = fit(name, lessons(tmp_path / "parts", 4), Patience(2), TINY)
     assert not stopped.spent.is_done
-    resumed = fit(name, lessons(tmp_path / "parts", 4), Patience(), TINY)
+    watcher = Patience()
+    resumed = fit(name, lessons(tmp_path / "parts", 4), watcher, TINY)
+    assert watcher.n_asked == 2
     assert resumed.spent.is_done
     assert (resumed.spent.steps, resumed.spent.parameters) == (4, whole.spent.parameters)
     made = whole.sample(5, "outdoor")
@@ -129,7 +133,9 @@ def test_signed_distances_are_those_of_boxes():
     data = LayoutSet.of(SCENES[:1], code)
     batch = data.in_order(0, 1)
     boxes = boxes_of(SCENES[0])
-    points = np.random.default_rng(0).uniform(-20, 20, (40, 3))
+    rng = np.random.default_rng(0)
+    inside = boxes.centre_enu_m + rng.uniform(-0.1, 0.1, boxes.size_m.shape) * boxes.size_m
+    points = np.concatenate([rng.uniform(-20, 20, (30, 3)), inside])
     reader = diffusion_sdf.LayoutReader(code)
     layout = reader(batch.x0, batch)
     found = diffusion_sdf._signed_distances_m(
