@@ -152,16 +152,25 @@ def _scene_figures(
     """Means over scenes."""
     found = [overlaps(arrays) for arrays in group]
 
+    # A scene of one object has no pair that collides or is implausible: it is not judged, not best.
+    is_judged = np.array([arrays.n_objects > 1 for arrays in group])
+
     def of_collisions(among: Among, figure: str) -> Figure:
-        shares = [getattr(collisions(each, among), figure) for each in found]
-        return mean_figure(100.0 * np.array(shares), rng)
+        shares = np.array([getattr(collisions(each, among), figure) for each in found])
+        return mean_figure(np.where(is_judged, 100.0 * shares, np.nan), rng)
 
     fits = [consistency(arrays) for arrays in group]
+    has_fine = [not arrays.is_coarse.all() for arrays in group]
     surprise = [yardstick.turns.surprise(arrays) for arrays in group]
     values = {
-        "CFC": [fit.border for fit in fits],
-        "CFC-centroid": [fit.centroid for fit in fits],
-        "SP": [yardstick.neighbours.plausibility(arrays).total for arrays in group],
+        "CFC": [fit.border if has else np.nan for fit, has in zip(fits, has_fine, strict=True)],
+        "CFC-centroid": [
+            fit.centroid if has else np.nan for fit, has in zip(fits, has_fine, strict=True)
+        ],
+        "SP": [
+            yardstick.neighbours.plausibility(arrays).total if judged else np.nan
+            for arrays, judged in zip(group, is_judged, strict=True)
+        ],
         "OP": [float(each.mean()) if len(each) else np.nan for each in surprise],
         "objects": [arrays.n_objects for arrays in group],
     }

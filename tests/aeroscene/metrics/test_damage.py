@@ -1,5 +1,7 @@
 """Scenes damaged in known order: the figures see it, in that order."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -76,6 +78,13 @@ def test_half_of_the_chairs_are_turned_and_nothing_else_changes():
     n_chairs = sum(obj.category == "chair" for obj in scene.objects)
     assert n_chairs >= 4
     assert changed == ["chair"] * round(n_chairs / 2)
+
+
+def test_scenes_of_one_object_are_not_judged_best():
+    alone = [replace(scene, objects=scene.objects[:1], interaction_areas=()) for scene in SCENES]
+    found = layout_figures(alone, Yardstick.of(SCENES), np.random.default_rng(0))
+    assert all(np.isnan(found[key].value) for key in ("CR", "SP", "OP", "CFC"))
+    assert found["category_kl"].value > 0.5
 
 
 def test_too_few_scenes_are_refused_with_the_number_that_would_do():
