@@ -22,7 +22,7 @@ from flightsim.vehicles.builder import part_name
 from flightsim.vehicles.touching import STATIC_CONTACT_BIT
 from flightsim.world import World
 
-LEAST_CHANGE = 0.02
+LEAST_CHANGE = 0.05
 """Change of the relative velocity, over that before, below which they went on undisturbed."""
 _SPEED_MPS = (1.0, 20.0)
 _RATE_RADPS = 2.0
