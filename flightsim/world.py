@@ -2,8 +2,7 @@
 
 Integrator: MuJoCo's default, semi-implicit Euler. The moving bodies are free, without joint
 damping or springs, and their forces are constant over a step; implicit variants make no difference
-here, and RK4 evaluates everything four times. Contacts use elliptic friction cones with a raised
-`impratio`, which keeps a landed vehicle from creeping down a slope.
+here. Elliptic friction cones with a raised `impratio` keep a landed vehicle from creeping downhill.
 """
 
 from __future__ import annotations
@@ -40,10 +39,8 @@ from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
 from flightsim.world_geometry import SurfaceProbe, add_ground, add_solids
 from flightsim.world_rays import RayTree
 
-VEHICLE_ID = -1
-"""Id of the vehicle's own geoms in `World.geom_object_id`."""
-GROUND_ID = -2
-"""Id of the ground plane in `World.geom_object_id`."""
+VEHICLE_ID, GROUND_ID = -1, -2
+"""Ids of the vehicle's own geoms and of the ground plane in `World.geom_object_id`."""
 FIRST_MOVER_ID = -10
 """Id of the first moving obstacle in `World.geom_object_id`; the next ones count down."""
 FIRST_MATE_ID = -100

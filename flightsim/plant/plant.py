@@ -1,7 +1,6 @@
 """The plant: everything that runs faster than 50 Hz, behind a call every 20 ms.
 
 Physics, rotors, sensors, estimator and controller run in one kernel (`flightsim.plant.kernel`).
-Its memory is a few records; objects for Python are built from it on request.
 """
 
 from __future__ import annotations
@@ -62,22 +61,20 @@ class Plant:
         """Simulated time."""
         self.contact_ticks = 0
         """Control ticks of the last advance in which the vehicle touched something."""
-        self.total_contact_ticks = 0
-        self.n_refused_setpoints = 0
+        self.total_contact_ticks = self.n_refused_setpoints = 0
         self._n_advances = 0
         self._handover: Handover | None = None
         self._memory = memory
-        self._plants = memory.plants.reshape(1, 1)
-        self._counter = np.zeros(1, np.int64)
+        self._plants, self._counter = memory.plants.reshape(1, 1), np.zeros(1, np.int64)
         self._advance_us = 1_000_000 // cfg.advance_hz
-        self._record = self._memory.plant
+        self._record = memory.plant
         self._engine: np.void = self._record["engine"]
         self._controller: np.void = self._record["controller"]
         self._filter: np.void = self._record["filter"]
         n = len(world.airframe.quadrotor.rotors)
         self._rotor_speeds: np.ndarray = self._record["rotors"]["speed_radps"][:n]
         self._rotor_commands: np.ndarray = self._controller["rotor_command_radps"][:n]
-        qpos, qvel = self._memory.qpos, self._memory.qvel
+        qpos, qvel = memory.qpos, memory.qvel
         self._true_views = (qpos[:3], qvel[:3], qpos[3:7], qvel[3:6])
         self._estimate_views = tuple(self._filter[name] for name in _ESTIMATE)
         self.sensors = SensorReadings(self._record, self._memory.tick_us)
