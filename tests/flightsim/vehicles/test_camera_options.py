@@ -18,7 +18,7 @@ IRIS = AIRFRAMES["iris"]
 
 def test_what_an_option_does_not_say_stays():
     assert with_cameras(IRIS, ()) == IRIS
-    forward, down = with_cameras(IRIS, ("forward,fov=90,pitch=-10",)).cameras
+    forward, down, *_ = with_cameras(IRIS, ("forward,fov=90,pitch=-10",)).cameras
     assert math.degrees(forward.vertical_fov_rad) == pytest.approx(90.0)
     assert math.degrees(forward.pitch_down_rad) == pytest.approx(-10.0)
     assert forward.position_flu_m == IRIS.cameras[0].position_flu_m

@@ -46,7 +46,7 @@ def test_options_reach_companion_and_recording(tmp_path):
     with Sitl(
         cfg, pilot=lambda aboard: made.append(Idle(aboard)) or made[0], has_network=False
     ) as run:
-        run._simulate(lambda: False)
+        run.bench.simulator.run(until_us=500_000, stop=lambda: False)
         flow = run.bench.plant.sensors.optical_flow
     (idle,) = made
     assert flow.integration_us == 20_000

@@ -25,7 +25,7 @@ from flightsim.world import GROUND_ID, build_world
 from tests.flightsim.handmade import empty_scene, solid
 
 IRIS = AIRFRAMES["iris"]
-FORWARD, DOWN = IRIS.cameras
+FORWARD, DOWN = IRIS.rgbd_cameras
 WALL_X_M = 6.0
 
 WALL, RED, GREEN = 1, 2, 3
@@ -195,7 +195,9 @@ def test_frame_is_of_the_state_given_and_not_of_the_last_step(renderer, yard):
 
 
 def test_unknown_camera_is_named_with_the_valid_ones(renderer, yard):
-    with pytest.raises(CameraError, match=r"^camera 'rear' is unknown; valid: forward, down$"):
+    with pytest.raises(
+        CameraError, match=r"^camera 'rear' is unknown; valid: forward, down, up, rear$"
+    ):
         renderer.render(yard.new_data(), "rear", 0)
 
 
