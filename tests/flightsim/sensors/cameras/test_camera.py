@@ -196,9 +196,9 @@ def test_frame_is_of_the_state_given_and_not_of_the_last_step(renderer, yard):
 
 def test_unknown_camera_is_named_with_the_valid_ones(renderer, yard):
     with pytest.raises(
-        CameraError, match=r"^camera 'rear' is unknown; valid: forward, down, up, rear$"
+        CameraError, match=r"^camera 'left' is unknown; valid: forward, down, up, rear$"
     ):
-        renderer.render(yard.new_data(), "rear", 0)
+        renderer.render(yard.new_data(), "left", 0)
 
 
 def test_view_from_the_target_itself_is_refused(renderer, yard):
